@@ -1,0 +1,98 @@
+// Least squares with Ceres: friction parameters, their uncertainty, and what the data cannot tell.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/problem.h"
+
+namespace tribotrack::fit {
+
+struct Interval {
+  double low = 0;  ///< -infinity / +infinity where open
+  double high = 0;
+};
+
+struct ParameterEstimate {
+  FitParameter parameter = FitParameter::mu1;
+  double estimate = 0;
+  double sd = 0;
+  Interval ci95;          ///< from the covariance (on the transformed axis for mu1, mu2)
+  Interval profile_ci95;  ///< from the profile likelihood, re-optimised at every point
+};
+
+/// One observable of one run.
+struct Residual {
+  std::string observable;  ///< "dx_mm", "dy_mm", "alpha_rad", "v_mm_s", ...
+  double measured = 0;     ///< SI unless the name carries a unit, then in that unit
+  double modelled = 0;
+  double sd = 0;
+  double standardised = 0;  ///< whitened where the observables of a run are correlated
+};
+
+struct RunResult {
+  std::string name;
+  std::vector<Residual> residuals;
+  std::size_t points = 0;  ///< trajectory runs: points used
+  double rms_m = 0;        ///< trajectory runs: rms of the residual, m
+  std::map<std::string, double>
+      nuisance;  ///< trajectory runs: start point, initial velocity, onset, ... with units in the names
+};
+
+enum class Verdict { identifiable, weak, not_identifiable };
+
+struct Identifiability {
+  Verdict verdict = Verdict::identifiable;
+  /// Each in words with its figure: "mu1 up 1 % is hidden by phase_lag_rad down 0.021".
+  std::vector<std::string> weak_directions;
+  std::vector<double> singular_values;  ///< of the whitened sensitivity, parameters scaled by their own size
+};
+
+/// The run that would shrink the intervals most.
+struct NextExperiment {
+  double phi = 0, dtau = 0;  ///< rad
+  std::map<FitParameter, double> predicted_sd;
+  std::string sentence;
+};
+
+struct FitOptions {
+  int threads = 1;       ///< over runs and starts; Ceres itself runs on one
+  int multi_starts = 8;  ///< the user's start is number 0
+  bool profiles = true;
+  /// Scatter between points or runs beyond their own sigma is estimated from the residuals when chi-square
+  /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
+  bool estimate_scatter = true;
+  std::function<void(int done, int total)> progress;
+};
+
+struct FitResult {
+  std::vector<ParameterEstimate> parameters;
+  Eigen::MatrixXd covariance;  ///< SI, in the order of parameters
+  Eigen::MatrixXd correlation;
+  double chi2 = 0;
+  int dof = 0;
+  bool converged = false;
+  Identifiability identifiability;
+  std::vector<RunResult> runs;
+  std::optional<NextExperiment> next_experiment;
+  double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
+  std::string covariance_meaning;  ///< which covariance is printed, in words
+  std::vector<std::string> warnings;
+  bool usable() const { return converged && identifiability.verdict != Verdict::not_identifiable; }
+  double value(FitParameter parameter) const;
+  std::string brief_report() const;
+  std::string full_report() const;
+};
+
+/// Fits. Throws DataError or model::InvalidParameter. A fit that is not identifiable returns (usable() ==
+/// false) with what can be told.
+FitResult estimate(const Problem& problem, const FitOptions& options = {});
+
+/// The model's displacement over the run's cycles at given parameter values, for curves in reports. m.
+Eigen::Vector2d modelled_displacement(const model::Scenario& scenario);
+
+}  // namespace tribotrack::fit

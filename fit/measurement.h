@@ -1,0 +1,59 @@
+// What one track tells: displacement (alpha, v) and the platform's motion, with uncertainty.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "fit/track_table.h"
+
+namespace tribotrack::fit {
+
+/// Data that cannot be used as asked. what() is one sentence for the user with the remedy.
+class DataError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A number and its standard deviation.
+struct Estimate {
+  double value = 0;
+  double sd = 0;
+};
+
+/// Displacement between two interpolated points exactly N whole cycles apart, and alpha, v (paper,
+/// section 2.2) from it.
+struct Displacement {
+  Eigen::Vector2d vector = Eigen::Vector2d::Zero();      ///< m
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2: noise of both ends, interpolation, w
+  int cycles = 0;                                        ///< N
+  double start_time = 0;                                 ///< s, the first analysed frame
+  double duration = 0;                                   ///< s, N 2 pi / w
+  std::optional<Estimate> alpha;  ///< rad in [0, 2 pi); empty below 3 sd of displacement
+  Estimate mean_velocity;         ///< v, m/s
+};
+
+/// Fills alpha and mean_velocity from vector, covariance and duration.
+void derive_alpha_and_v(Displacement& displacement);
+
+/// N = min(cycles, available). Throws DataError when the track is shorter than one cycle.
+Displacement measure_displacement(const TrackTable& track, const Estimate& angular_frequency, int cycles);
+
+/// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt
+/// + epsilon), wt = w time + phase_at_zero.
+struct PlatformMotion {
+  Estimate amplitude;          ///< A, m
+  Estimate amplitude_y;        ///< A_y, m
+  Estimate angular_frequency;  ///< w, rad/s
+  Estimate phase_shift;        ///< epsilon, rad in (-pi, pi]
+  Estimate phase_at_zero;      ///< rad in [0, 2 pi)
+  double residual_rms = 0;     ///< m
+  bool clockwise = false;      ///< sense seen with y up: sin(epsilon) > 0
+};
+
+/// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
+std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
+
+}  // namespace tribotrack::fit

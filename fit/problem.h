@@ -1,0 +1,61 @@
+// What is to be fitted to what.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/measurement.h"
+#include "fit/track_table.h"
+#include "model/scenario.h"
+
+namespace tribotrack::fit {
+
+/// A parameter that can be fitted. Values are SI; scale is the factor on every measured length (1 = as
+/// measured).
+enum class FitParameter { mu1, mu2, lag, delay, amplitude, angular_frequency, scale, tilt_x, tilt_y };
+
+const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",
+                                                ///< ... as in campaigns
+
+struct Prior {
+  double mean = 0;
+  double sd = 0;
+};
+
+/// A run with a displacement over whole cycles, measured by us or elsewhere.
+struct SummaryRun {
+  std::string name;
+  model::Scenario
+      scenario;  ///< everything but the fitted parameters: drive, phi, dtau, start, start_phase, cycles
+  Displacement measured;
+  bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
+};
+
+/// A run fitted point by point: the model's dense trajectory + nuisance parameters (start point; initial
+/// velocity for a free slide).
+struct TrajectoryRun {
+  std::string name;
+  model::Scenario scenario;  ///< time 0 of the scenario is track.time.front()
+  TrackTable track;
+  bool free_slide = false;  ///< platform at rest, initial velocity unknown, mu1 alone
+  bool amplitude_from_track = false;
+};
+
+struct Problem {
+  std::vector<FitParameter> free;  ///< what is fitted
+  std::map<FitParameter, double>
+      fixed;  ///< values of mu1, mu2, lag, delay not fitted (lag and delay default 0)
+  std::map<FitParameter, double> start;  ///< first guesses; missing ones are chosen
+  std::map<FitParameter, Prior> prior;
+  double scale_sd = 0;  ///< relative sd of the scale common to all runs, carried as a nuisance with a prior
+  std::vector<SummaryRun> summary_runs;
+  std::vector<TrajectoryRun> trajectory_runs;
+  /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, more parameters than
+  /// data.
+  void validate() const;
+};
+
+}  // namespace tribotrack::fit

@@ -1,0 +1,22 @@
+// A track as the fit sees it: a plain table of numbers in SI, whoever made it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace tribotrack::fit {
+
+/// Tracked points in time order, measured rows only (lost ones are left out). Axes x right, y up, turned by
+/// -xi_axis, so that x is the direction of xi in eq. (1).
+struct TrackTable {
+  std::vector<std::int64_t> frame;
+  std::vector<double> time;                 ///< s, 0 at the recording's first stored image
+  std::vector<Eigen::Vector2d> position;    ///< m, relative to the first point
+  std::vector<Eigen::Matrix2d> covariance;  ///< m^2, each point's own noise
+  bool platform_frame = false;              ///< true: platform's motion subtracted; false: camera's frame
+  std::vector<Eigen::Vector2d> marker;      ///< m, the marker in the camera's frame; empty without a marker
+  std::vector<double> marker_sigma;         ///< m, per axis
+};
+
+}  // namespace tribotrack::fit

@@ -1,0 +1,27 @@
+// alpha and v, the paper's two numbers for a run (section 2.2).
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <numbers>
+
+namespace tribotrack::model {
+
+/// alpha = atan2(dy, dx) in [0, 2 pi): the angle between the horizontal and the covered distance.
+inline double displacement_angle(const Eigen::Vector2d& displacement) {
+  const double angle = std::atan2(displacement.y(), displacement.x());
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+}
+
+/// v = |displacement| / duration, m/s.
+inline double mean_velocity(const Eigen::Vector2d& displacement, double duration) {
+  return displacement.norm() / duration;
+}
+
+/// Brings an angle difference into (-pi, pi].
+inline double wrap_angle(double angle) {
+  const double wrapped = std::remainder(angle, 2 * std::numbers::pi);
+  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+}
+
+}  // namespace tribotrack::model

@@ -1,0 +1,20 @@
+// The rectangular function for dynamic dry friction control.
+#pragma once
+
+namespace tribotrack::model {
+
+/// Kilikevicius et al. 2021, eq. (6), with the actuator's phase lag: the coefficient is mu2 while
+///   phi + lag + 2 pi n < wt < phi + lag + dtau + 2 pi n   for any integer n,
+/// else mu1.
+struct Friction {
+  double nominal = 0.1;     ///< mu1, >= 0.
+  double reduced = 0.0125;  ///< mu2, >= 0.
+  double phase = 0;         ///< phi, rad, as commanded.
+  double pulse_width = 0;   ///< dtau, rad, in [0, 2 pi].
+  double lag = 0;           ///< the actuator's phase lag, rad.
+
+  /// mu at the platform phase wt. On an edge the value that holds just after it.
+  double coefficient(double wt) const;
+};
+
+}  // namespace tribotrack::model

@@ -1,0 +1,71 @@
+// Everything one run of the friction model needs, and the names of its parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "model/drive.h"
+#include "model/friction.h"
+
+namespace tribotrack::model {
+
+/// How a run starts, at its first analysed frame.
+enum class Start {
+  rest,      ///< u = initial_velocity (default 0) relative to the platform
+  circling,  ///< the periodic motion at constant mu1, until the first pulse opens
+  steady,    ///< the periodic motion with pulses
+};
+
+/// A parameter of the model with respect to which it can be differentiated.
+enum class Parameter {
+  mu1,
+  mu2,
+  lag,
+  phi,
+  dtau,
+  amplitude,
+  amplitude_y,
+  angular_frequency,
+  phase_shift,
+  gravity,
+  tilt_x,
+  tilt_y,
+  velocity_x,
+  velocity_y,  ///< components of the initial velocity
+  start_phase,
+};
+
+/// A parameter out of its range or not a number. `what()` names parameter, value and range.
+class InvalidParameter : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// One run. Time t is 0 at its start; the platform phase is wt = start_phase + w t.
+struct Scenario {
+  Drive drive;
+  Friction friction;
+  Start start = Start::rest;
+  double start_phase = 0;  ///< rad
+  Eigen::Vector2d initial_velocity =
+      Eigen::Vector2d::Zero();  ///< m/s, relative to the platform; start = rest only
+  /// The run ends after `duration` seconds or, where that is 0, after `cycles` platform periods, N 2 pi / w;
+  /// then derivatives of the end point with respect to w count the end time's own dependence on w.
+  double duration = 0;
+  double cycles = 20;
+
+  /// Throws InvalidParameter naming the offender (negative mu, g <= 0, dtau outside [0, 2 pi], NaN, ...).
+  void validate() const;
+  /// duration, or cycles * 2 pi / w when duration is 0. s.
+  double end_time() const;
+  /// The value of a parameter, in SI.
+  double get(Parameter parameter) const;
+  void set(Parameter parameter, double value);
+};
+
+const char* to_string(Parameter parameter);
+const char* to_string(Start start);
+
+}  // namespace tribotrack::model

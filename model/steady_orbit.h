@@ -1,0 +1,28 @@
+// The periodic motion the part settles into, found directly.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "model/scenario.h"
+
+namespace tribotrack::model {
+
+/// One period of the unique attracting motion.
+struct SteadyOrbit {
+  Eigen::Vector2d velocity;  ///< u at platform phase `phase`, m/s
+  double phase = 0;          ///< rad
+  Eigen::Vector2d drift;     ///< displacement per cycle, m
+  double contraction = 0;    ///< spectral radius of the one-cycle velocity map at the orbit; 0 with stick
+  int newton_iterations = 0;
+  double alpha() const;                                  ///< direction of the drift, rad in [0, 2 pi)
+  double mean_velocity(double angular_frequency) const;  ///< v = |drift| w / 2 pi, m/s
+};
+
+/// Newton on the one-cycle map (one cycle where stick wipes the memory), from the platform phase
+/// scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling").
+/// nullopt where no unique steady motion exists (no friction anywhere in the cycle, tilt beyond the friction
+/// angle).
+std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses = true);
+
+}  // namespace tribotrack::model

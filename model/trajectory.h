@@ -1,0 +1,81 @@
+// Integrating the friction model: one trajectory, its dense output and its derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/scenario.h"
+
+namespace tribotrack::model {
+
+enum class State { slip, stick };
+
+/// The motion of the part relative to the platform at one time. m, m/s.
+struct Sample {
+  double time = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+  double mu = 0;
+  State state = State::slip;
+};
+
+/// A sample with its derivatives: column j is d/d(parameters[j]), SI.
+struct SensitiveSample {
+  Sample sample;
+  Eigen::Matrix2Xd position_jacobian;
+  Eigen::Matrix2Xd velocity_jacobian;
+};
+
+struct IntegrationOptions {
+  /// Local error per step, relative to the motion's own scale. Smaller is slower only slowly: the order grows
+  /// with it. Default near machine precision because that is cheap.
+  double tolerance = 1e-16;
+  /// Parameters to differentiate by, in the order of the Jacobians' columns. Empty: plain run.
+  std::vector<Parameter> derivatives;
+  /// More steps than this is an error (std::runtime_error), never a silent stop.
+  long max_steps = 10'000'000;
+};
+
+/// What the integration did.
+struct IntegrationSummary {
+  long steps = 0;         ///< Taylor steps, all machinery counted
+  int stops = 0;          ///< slip -> stick transitions
+  int releases = 0;       ///< stick -> slip transitions, a start from rest not counted
+  double stick_time = 0;  ///< s
+  double sticking_fraction = 0;
+  bool one_sided = false;  ///< derivatives at a kink (pulse edge on a start from rest): those of a later edge
+  std::string brief_report() const;
+};
+
+/// A solved run. Immutable, cheap to sample. Equation (5) of the paper solved between its events: friction
+/// switches are hit exactly, stick and slip are separate states, friction is never regularised.
+class Trajectory {
+ public:
+  Trajectory(Trajectory&&) noexcept;
+  Trajectory& operator=(Trajectory&&) noexcept;
+  ~Trajectory();
+
+  const Scenario& scenario() const;
+  const IntegrationSummary& summary() const;
+  double end_time() const;
+  Sample at(double time) const;  ///< dense output, 0 <= time <= end_time()
+  SensitiveSample sensitive_at(
+      double time) const;  ///< at a fixed time; needs IntegrationOptions::derivatives
+  Sample end() const;
+  /// At the end. If the end is N whole cycles (Scenario::duration == 0) the end time moves with w and the
+  /// column of angular_frequency holds that, too: dx/dw = s_x + u dT/dw.
+  SensitiveSample sensitive_end() const;
+
+  struct Implementation;
+  explicit Trajectory(std::unique_ptr<Implementation> implementation);
+
+ private:
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Integrates a scenario. Throws InvalidParameter (bad scenario) or std::runtime_error (max_steps).
+Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options = {});
+
+}  // namespace tribotrack::model

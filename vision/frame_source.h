@@ -1,0 +1,69 @@
+// Frames from a recording, whatever its format, at its native depth.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vision/picture.h"
+#include "vision/time_base.h"
+
+namespace tribotrack::vision {
+
+/// What a recording is.
+struct SourceInfo {
+  std::filesystem::path path;
+  std::string format;  ///< "cine", "tiff stack", "image sequence", "mov,mp4,...", ...
+  std::string codec;   ///< "uncompressed 8 bit", "P10", "h264", ...
+  int width = 0;
+  int height = 0;
+  int bits = 0;         ///< significant bits of the grey levels handed out (after linearisation)
+  bool colour = false;  ///< stored in colour and handed out as luma
+  std::int64_t frame_count = 0;
+  std::int64_t first_number =
+      0;  ///< the recording's own number of its first stored image (0 unless it has numbers)
+  TimeBase time_base;
+  std::optional<double> exposure_s;
+  std::string camera;              ///< empty where the file does not say
+  std::string trigger_time;        ///< ISO 8601 UTC, empty where the file does not say
+  std::vector<std::string> notes;  ///< what a user should know: companding undone, colour turned to luma, ...
+};
+
+/// Random access to frames. index runs 0 .. frame_count - 1; number = first_number + index. Not thread-safe:
+/// open one per thread.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  const SourceInfo& info() const { return info_; }
+  std::int64_t number(std::int64_t index) const { return info_.first_number + index; }
+  /// Time of a frame, s; 0 at the recording's first stored image. Needs a time base.
+  double time_s(std::int64_t index) const { return info_.time_base.time_s(index); }
+  Rect bounds() const { return {0, 0, info_.width, info_.height}; }
+  /// Reads a window of a frame, which must lie inside bounds(). Formats that can, read only its rows.
+  /// Sequential access is fast in every format. Throws InputError.
+  virtual void read(std::int64_t index, const Rect& window, Picture& picture) = 0;
+  Picture read(std::int64_t index) {
+    Picture picture;
+    read(index, bounds(), picture);
+    return picture;
+  }
+
+ protected:
+  SourceInfo info_;
+};
+
+struct SourceOptions {
+  std::optional<double> frame_rate_hz;  ///< the user's word: beats what the file says
+};
+
+/// Opens a Phantom .cine, anything libav decodes, a multi-page TIFF, a directory of pictures (natural sort),
+/// or a printf pattern such as "dir/%05d.png". Throws InputError. A recording whose capture rate cannot be
+/// told opens all the same, with time_base.rate_hz empty and the reasons in its candidates: what needs times
+/// must refuse it.
+std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,
+                                         const SourceOptions& options = {});
+
+}  // namespace tribotrack::vision

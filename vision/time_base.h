@@ -1,0 +1,38 @@
+// Where the times of a recording's frames come from.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tribotrack::vision {
+
+/// One thing in or beside the file that claims a frame rate, and whether it is believed.
+struct TimeBaseCandidate {
+  std::string source;  ///< "--fps", "cine header", "container time stamps", ...
+  double rate_hz = 0;
+  bool accepted = false;
+  std::string reason;  ///< why it was accepted or rejected, one clause
+};
+
+/// Time of frame k: stamps_s[k] where the camera stamped every frame, else k / rate. 0 at the first stored
+/// image. Order of trust: the user, camera header or sidecar, capture tag (com.android.capture.fps), uniform
+/// container stamps whose rate is not a usual playback rate (24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000,
+/// 65535).
+struct TimeBase {
+  std::optional<double> rate_hz;
+  std::string source;            ///< that of the accepted candidate
+  std::vector<double> stamps_s;  ///< one per frame, or empty
+  std::vector<TimeBaseCandidate> candidates;
+
+  bool known() const { return rate_hz.has_value(); }
+  double time_s(std::int64_t index) const {
+    return stamps_s.empty() ? static_cast<double>(index) / rate_hz.value()
+                            : stamps_s[static_cast<std::size_t>(index)];
+  }
+  /// For the user who must give --fps: what was found and why it was not believed, one sentence.
+  std::string why_unknown() const;
+};
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,79 @@
+// Following a part through a recording by normalised cross-correlation template matching with sub-pixel
+// refinement.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/track.h"
+
+namespace tribotrack::vision {
+
+/// What to follow: a disc (template masked by its circle), any rectangle, or the disc found in the first
+/// analysed frame.
+struct Target {
+  enum class Kind { find_disc, disc, rectangle } kind = Kind::find_disc;
+  Circle disc;
+  Rect rectangle;
+};
+
+/// The mark fixed to the platform.
+struct MarkerChoice {
+  enum class Kind { none, find, circle } kind = Kind::none;
+  Circle circle;
+};
+
+struct TrackOptions {
+  Target target;
+  MarkerChoice marker;
+  std::optional<std::int64_t> first_frame;  ///< recording's own numbers, both included
+  std::optional<std::int64_t> last_frame;
+  double min_ncc = 0.6;  ///< below this a match is not believed
+  double max_lost_share =
+      0.1;  ///< quality gate: share of frames that may be lost (after-it-left frames not counted)
+  int search_margin_px =
+      0;  ///< half width of the predicted window beyond the template; 0: chosen from the motion
+  std::function<void(std::int64_t done, std::int64_t total)> progress;
+  /// Throws std::invalid_argument naming the option.
+  void validate() const;
+};
+
+/// A stage of the work that a scene may or may not need.
+struct PlanStage {
+  std::string name;
+  bool on = false;
+  std::string reason;           ///< with its figure
+  double predicted_saving = 0;  ///< share of run time saved by leaving it out, 0 .. 1
+  double error_bound_px = 0;    ///< what leaving it out can add
+};
+
+struct TrackSummary {
+  Circle disc;                ///< as tracked in the first frame: given or found, px
+  double disc_radius_sd = 0;  ///< px, 0 where not measured
+  Circle marker;
+  double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
+  double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px
+  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
+  std::int64_t lost_counted = 0;  ///< lost frames, those after it had left the picture for good not counted
+  bool gate_passed = true;        ///< lost_counted / frames <= max_lost_share
+  bool left_for_good = false;
+  std::vector<PlanStage> plan;
+  std::vector<std::string> warnings;
+  std::string brief_report() const;
+};
+
+struct TrackResult {
+  Track track;
+  TrackSummary summary;
+};
+
+/// Follows the target from the first analysed frame. The template is taken there and never replaced (a
+/// replaced template drifts). Throws InputError (target outside the picture, frames not in the recording, no
+/// disc found, no time base).
+TrackResult track(FrameSource& source, const TrackOptions& options);
+
+}  // namespace tribotrack::vision
