@@ -1,0 +1,2 @@
+function(tribotrack_embed_assets target)
+endfunction()

@@ -1,0 +1,55 @@
+// Reading TOML so that nothing in a user's file is overlooked.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tribotrack::apps {
+
+/// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses keys nobody
+/// asked for and names the nearest one that exists. All errors are InvalidInput with file, line and column.
+class StrictTable {
+ public:
+  /// Reads and parses a file. Duplicate keys are errors.
+  static StrictTable read(const std::filesystem::path& file);
+
+  std::optional<double> number(std::string_view key);
+  std::optional<double> positive(std::string_view key);      ///< > 0
+  std::optional<double> not_negative(std::string_view key);  ///< >= 0
+  std::optional<double> angle(std::string_view key);         ///< rad: a number or "11pi/9"
+  std::optional<std::int64_t> integer(std::string_view key);
+  std::optional<bool> boolean(std::string_view key);
+  std::optional<std::string> text(std::string_view key);
+  std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count);
+  std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::size_t count);
+  std::optional<std::vector<std::string>> texts(std::string_view key);
+  std::optional<StrictTable> table(std::string_view key);
+  std::vector<StrictTable> tables(std::string_view key);  ///< [[key]]; empty where there is none
+
+  /// One of the words; its index. The error lists them.
+  std::optional<std::size_t> choice(std::string_view key, const std::vector<std::string>& words);
+
+  bool has(std::string_view key) const;
+  std::vector<std::string> keys() const;
+  /// An error at a key (or at the table itself when the key is not there).
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const;
+  /// "campaign.toml:12:1", the place of the table or of a key in it.
+  std::string place(std::string_view key = {}) const;
+  /// Throws for the first key that no getter asked for.
+  void finish() const;
+
+ private:
+  struct Node;
+  explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+  std::shared_ptr<Node> node_;
+};
+
+/// The nearest of `words` to `word` by edit distance; empty when none is near.
+std::string nearest_word(std::string_view word, const std::vector<std::string>& words);
+
+}  // namespace tribotrack::apps
