@@ -46,22 +46,30 @@ std::optional<double> number_in(const toml::node& node) {
 
 }  // namespace
 
-StrictTable StrictTable::read(const std::filesystem::path& file) {
+std::string read_text(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file))
-    throw InvalidInput(fmt::format("{}: there is no such file", file.string()));
+    throw InvalidInput(fmt::format("{}: there is no such file; check its name", file.string()));
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file))
-    throw InvalidInput(fmt::format("{}: cannot be read; give a TOML file", file.string()));
+    throw InvalidInput(fmt::format("{}: cannot be read; give a text file", file.string()));
   std::ostringstream content;
   content << stream.rdbuf();
+  return content.str();
+}
+
+StrictTable StrictTable::read(const std::filesystem::path& file) {
+  return parse(read_text(file), file.string());
+}
+
+StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
   try {
     auto node = std::make_shared<Node>();
-    node->document = std::make_shared<const toml::table>(toml::parse(content.str(), file.string()));
+    node->document = std::make_shared<const toml::table>(toml::parse(text, name));
     node->table = node->document.get();
-    node->file = file.string();
+    node->file = name;
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
-    throw InvalidInput(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
+    throw InvalidInput(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
                                    error.source().begin.column, error.description()));
   }
 }

@@ -17,6 +17,8 @@ class StrictTable {
  public:
   /// Reads and parses a file. Duplicate keys are errors.
   static StrictTable read(const std::filesystem::path& file);
+  /// Parses a text; `name` stands in error messages.
+  static StrictTable parse(std::string_view text, const std::string& name);
 
   std::optional<double> number(std::string_view key);
   std::optional<double> positive(std::string_view key);      ///< > 0
@@ -48,6 +50,9 @@ class StrictTable {
   explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
   std::shared_ptr<Node> node_;
 };
+
+/// The content of a text file. Throws InvalidInput.
+std::string read_text(const std::filesystem::path& file);
 
 /// The nearest of `words` to `word` by edit distance; empty when none is near.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& words);

@@ -1,0 +1,142 @@
+#include "apps/recording.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "apps/errors.h"
+#include "apps/output_file.h"
+#include "apps/track_file.h"
+#include "vision/scale.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+Json circle_json(const vision::Circle& circle) {
+  return Json::array({circle.x, circle.y, circle.radius});
+}
+
+Json target_json(const vision::Target& target) {
+  using Kind = vision::Target::Kind;
+  if (target.kind == Kind::disc) return {{"disc_px", circle_json(target.disc)}};
+  if (target.kind == Kind::rectangle)
+    return {{"template_px", Json::array({target.rectangle.x, target.rectangle.y, target.rectangle.width,
+                                         target.rectangle.height})}};
+  return "find the disc";
+}
+
+Json marker_json(const vision::MarkerChoice& marker) {
+  using Kind = vision::MarkerChoice::Kind;
+  if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  return marker.kind == Kind::find ? Json("find") : Json("none");
+}
+
+std::optional<vision::Scale> scale_of(const RecordingJob& job, const vision::TrackSummary& summary) {
+  if (job.mm_per_px) return vision::given_scale(*job.mm_per_px);
+  if (!job.diameter_mm) return std::nullopt;
+  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd);
+}
+
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+}  // namespace
+
+Json RecordingJob::configuration() const {
+  return {{"frame_rate_hz", optional_json(frame_rate_hz)},
+          {"mm_per_px", optional_json(mm_per_px)},
+          {"diameter_mm", optional_json(diameter_mm)},
+          {"xi_axis_rad", xi_axis_rad},
+          {"target", target_json(track.target)},
+          {"marker", marker_json(track.marker)},
+          {"first_frame", optional_json(track.first_frame)},
+          {"last_frame", optional_json(track.last_frame)},
+          {"min_ncc", track.min_ncc},
+          {"max_lost_share", track.max_lost_share},
+          {"search_margin_px", track.search_margin_px}};
+}
+
+std::string RecordingJob::key() const {
+  const std::string text = TRIBOTRACK_VERSION + configuration().dump() + hash_of_input(video);
+  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+TrackedRecording track_recording(const RecordingJob& job) {
+  const auto source = vision::open_source(job.video, {job.frame_rate_hz});
+  if (!source->info().time_base.known())
+    throw vision::InputError(
+        fmt::format("{}: {}; give the rate it was recorded at with --fps (frame_rate_hz in a campaign)",
+                    job.video.string(), source->info().time_base.why_unknown()));
+  if (!job.mm_per_px && job.diameter_mm && job.track.target.kind == vision::Target::Kind::rectangle)
+    throw UsageError(
+        "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  TrackedRecording recording;
+  recording.result = vision::track(*source, job.track);
+  recording.info = source->info();
+  recording.scale = scale_of(job, recording.result.summary);
+  return recording;
+}
+
+Json summary_json(const TrackedRecording& recording) {
+  const vision::TrackSummary& s = recording.result.summary;
+  Json json = {{"frames", s.frames},
+               {"ok", s.ok},
+               {"lost", s.lost},
+               {"edge", s.edge},
+               {"refound", s.refound},
+               {"lost_counted", s.lost_counted},
+               {"left_for_good", s.left_for_good},
+               {"gate_passed", s.gate_passed},
+               {"disc_px", circle_json(s.disc)},
+               {"disc_radius_sd_px", s.disc_radius_sd},
+               {"noise_levels", s.noise_levels},
+               {"limit_px", s.limit_px},
+               {"frame_rate_hz", optional_json(recording.info.time_base.rate_hz)},
+               {"time_base", recording.info.time_base.source},
+               {"mm_per_px", recording.scale ? Json(recording.scale->mm_per_px) : Json()},
+               {"warnings", s.warnings}};
+  if (recording.result.track.has_marker) json["marker_px"] = circle_json(s.marker);
+  return json;
+}
+
+void write_track(const std::filesystem::path& csv, const RecordingJob& job,
+                 const TrackedRecording& recording) {
+  MetaFile meta;
+  meta.command = "track";
+  meta.inputs = {job.video};
+  meta.configuration = job.configuration();
+  meta.more["key"] = job.key();
+  meta.more["time_base"] = json_of(recording.info.time_base);
+  meta.more["recording"] = {{"format", recording.info.format},
+                            {"codec", recording.info.codec},
+                            {"width", recording.info.width},
+                            {"height", recording.info.height},
+                            {"bits", recording.info.bits},
+                            {"frames", recording.info.frame_count},
+                            {"first_image", recording.info.first_number},
+                            {"notes", recording.info.notes}};
+  meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
+  meta.more["scale"] = recording.scale ? Json{{"mm_per_px", recording.scale->mm_per_px},
+                                              {"mm_per_px_sd", recording.scale->sd},
+                                              {"source", recording.scale->source}}
+                                       : Json();
+  meta.more["summary"] = summary_json(recording);
+  meta.more["plan"] = json_of(recording.result.summary.plan);
+  write_file(csv, track_csv(recording.result.track, recording.scale, job.xi_axis_rad));
+  meta.write_beside(csv);
+}
+
+bool is_current(const std::filesystem::path& csv, const std::string& key) {
+  const std::filesystem::path meta = csv.string() + ".meta.json";
+  if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
+  try {
+    return read_json(meta).value("key", "") == key;
+  } catch (const InvalidInput&) {
+    return false;  // half a file from elsewhere: make it anew
+  }
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,136 @@
+#include "apps/track_file.h"
+
+#include <fmt/format.h>
+#include <libfccp/csv.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "apps/angle.h"
+#include "apps/errors.h"
+#include "apps/number_text.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr const char* kColumns =
+    "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm";
+constexpr const char* kMarkerColumns = ",marker_x_px,marker_y_px,marker_sigma_px,marker_ncc";
+
+/// Takes camera pixels (y down) to metres in campaign axes (y up, turned by -xi_axis).
+Eigen::Matrix2d to_campaign_axes(double mm_per_px, double xi_axis_rad) {
+  const Eigen::Matrix2d up = Eigen::Vector2d(1, -1).asDiagonal();
+  return mm_per_px * 1e-3 * Eigen::Rotation2Dd(-xi_axis_rad).toRotationMatrix() * up;
+}
+
+Eigen::Matrix2d covariance_of(double sd_x, double sd_y, double correlation) {
+  const double off = correlation * sd_x * sd_y;
+  return (Eigen::Matrix2d() << sd_x * sd_x, off, off, sd_y * sd_y).finished();
+}
+
+}  // namespace
+
+std::string track_csv(const vision::Track& track, const std::optional<vision::Scale>& scale,
+                      double xi_axis_rad) {
+  std::vector<std::optional<vision::MillimetrePoint>> millimetres(track.points.size());
+  if (scale) millimetres = track.to_millimetres(*scale, xi_axis_rad);
+  std::string csv = kColumns;
+  if (track.has_marker) csv += kMarkerColumns;
+  csv += '\n';
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    const vision::TrackPoint& p = track.points[k];
+    const auto& mm = millimetres[k];
+    csv += fmt::format("{},{},", p.frame, exact(p.time_s));
+    if (p.status == vision::TrackStatus::ok)
+      csv += fmt::format("{},{},{},{},{},{},", compact(p.x), compact(p.y), compact(p.sigma_x),
+                         compact(p.sigma_y), compact(p.rho_xy), compact(p.ncc));
+    else
+      csv += ",,,,,,";
+    csv += vision::to_string(p.status);
+    if (mm)
+      csv += fmt::format(",{},{},{},{}", compact(mm->x_mm), compact(mm->y_mm), compact(mm->sigma_x_mm),
+                         compact(mm->sigma_y_mm));
+    else
+      csv += ",,,,";
+    if (track.has_marker)
+      csv += p.marker ? fmt::format(",{},{},{},{}", compact(p.marker->x), compact(p.marker->y),
+                                    compact(p.marker->sigma), compact(p.marker->ncc))
+                      : std::string(",,,,");
+    csv += '\n';
+  }
+  return csv;
+}
+
+TrackFile read_track_file(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw InvalidInput(
+        fmt::format("{}: there is no such track; make one with `tribotrack track`", path.string()));
+  TrackFile file;
+  const std::filesystem::path meta = path.string() + ".meta.json";
+  double xi_axis_rad = 0;
+  if (std::filesystem::exists(meta)) {
+    file.meta = read_json(meta);
+    if (const auto scale = file.meta.find("scale"); scale != file.meta.end() && scale->is_object()) {
+      file.mm_per_px = scale->value("mm_per_px", 0.0);
+      file.mm_per_px_sd = scale->value("mm_per_px_sd", 0.0);
+    }
+    if (const auto configuration = file.meta.find("configuration"); configuration != file.meta.end())
+      xi_axis_rad = configuration->value("xi_axis_rad", 0.0);
+  }
+  try {
+    io::CSVReader<15, io::trim_chars<' ', '\t', '\r'>, io::no_quote_escape<','>> csv(path.string());
+    csv.read_header(io::ignore_extra_column | io::ignore_missing_column, "frame", "time_s", "status", "x_mm",
+                    "y_mm", "sigma_x_mm", "sigma_y_mm", "rho_xy", "marker_x_px", "marker_y_px",
+                    "marker_sigma_px", "x_px", "y_px", "sigma_x_px", "sigma_y_px");
+    for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
+      if (!csv.has_column(needed))
+        throw InvalidInput(
+            fmt::format("{}: has no column `{}`; a track has {}", path.string(), needed, kColumns));
+    file.has_marker_columns = csv.has_column("marker_x_px");
+    const char *frame = "", *time = "", *status = "", *x = "", *y = "", *sx = "", *sy = "", *rho = "0",
+               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "";
+    while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp)) {
+      ++file.frames;
+      const std::string_view state = status;
+      if (state == "lost") ++file.lost;
+      if (state == "edge") ++file.edge;
+      if (state != "ok" || *x == '\0') continue;  // an ok disc without its marker has no platform position
+      const auto number = [&](const char* text, const char* column) {
+        const auto value = parse_number(text);
+        if (!value)
+          throw InvalidInput(fmt::format("{}:{}: `{}` is not a number in column {}", path.string(),
+                                         csv.get_file_line(), text, column));
+        return *value;
+      };
+      // The covariance in pixels carries the correlation; the table's mm columns only the two standard
+      // deviations.
+      Eigen::Matrix2d covariance;
+      const double rho_px = *rho == '\0' ? 0 : number(rho, "rho_xy");
+      if (file.mm_per_px && *sxp != '\0' && *syp != '\0') {
+        const Eigen::Matrix2d turn = to_campaign_axes(*file.mm_per_px, xi_axis_rad);
+        const double marker_px = *ms == '\0' ? 0 : number(ms, "marker_sigma_px");
+        covariance = turn * covariance_of(number(sxp, "sigma_x_px"), number(syp, "sigma_y_px"), rho_px) *
+                         turn.transpose() +
+                     std::pow(marker_px * *file.mm_per_px * 1e-3, 2) * Eigen::Matrix2d::Identity();
+      } else {
+        covariance = covariance_of(number(sx, "sigma_x_mm") * 1e-3, number(sy, "sigma_y_mm") * 1e-3, -rho_px);
+      }
+      file.table.frame.push_back(static_cast<std::int64_t>(number(frame, "frame")));
+      file.table.time.push_back(number(time, "time_s"));
+      file.table.position.emplace_back(number(x, "x_mm") * 1e-3, number(y, "y_mm") * 1e-3);
+      file.table.covariance.push_back(covariance);
+      if (file.has_marker_columns && file.mm_per_px) {
+        file.table.marker.push_back(to_campaign_axes(*file.mm_per_px, xi_axis_rad) *
+                                    Eigen::Vector2d(number(mx, "marker_x_px"), number(my, "marker_y_px")));
+        file.table.marker_sigma.push_back(number(ms, "marker_sigma_px") * *file.mm_per_px * 1e-3);
+      }
+    }
+  } catch (const io::error::base& error) {
+    throw InvalidInput(fmt::format("{}: is not a track: {}", path.string(), error.what()));
+  }
+  file.table.platform_frame = file.has_marker_columns;
+  return file;
+}
+
+}  // namespace tribotrack::apps

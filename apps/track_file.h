@@ -1,0 +1,31 @@
+// The track table on disk: T.csv and what its meta file adds.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/meta_file.h"
+#include "fit/track_table.h"
+#include "vision/track.h"
+
+namespace tribotrack::apps {
+
+/// The CSV of a track, columns as the interface promises. Without a scale the millimetre columns stay empty.
+std::string track_csv(const vision::Track& track, const std::optional<vision::Scale>& scale,
+                      double xi_axis_rad);
+
+/// A track read back.
+struct TrackFile {
+  fit::TrackTable table;  ///< rows with status ok, SI
+  std::size_t frames = 0, lost = 0, edge = 0;
+  bool has_marker_columns = false;
+  std::optional<double> mm_per_px;  ///< from the meta file; without it the marker's motion stays unknown
+  std::optional<double> mm_per_px_sd;
+  Json meta;  ///< null where there is none
+};
+
+/// Throws InvalidInput naming the file and the column or line that is wrong.
+TrackFile read_track_file(const std::filesystem::path& path);
+
+}  // namespace tribotrack::apps
