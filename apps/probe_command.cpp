@@ -11,7 +11,7 @@ namespace tribotrack::apps {
 
 namespace {
 
-Json json_of(const vision::SourceInfo& info) {
+Json description_of(const vision::SourceInfo& info) {
   Json json = {{"path", info.path.string()},
                {"format", info.format},
                {"codec", info.codec},
@@ -68,7 +68,7 @@ void add_probe(CLI::App& app, Context& context) {
   command.callback([video, json, fps] {
     const auto source = vision::open_source(*video, {*fps});
     if (*json)
-      fmt::print("{}", text_of(json_of(source->info())));
+      fmt::print("{}", text_of(description_of(source->info())));
     else
       print(source->info());
   });

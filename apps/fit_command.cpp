@@ -1,0 +1,153 @@
+// tribotrack fit: friction parameters from the runs of a campaign.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "apps/command.h"
+#include "apps/fit_file.h"
+#include "apps/output_file.h"
+#include "apps/parallel.h"
+#include "apps/progress.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct FitCommandOptions {
+  std::string campaign, output, tracks;
+  bool require_all = false, json = false, explain = false;
+  int allow_missing = 0;
+};
+
+/// The track of a run: from the folder the user names, else made here.
+std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run,
+                                  const FitCommandOptions& options, const fs::path& scratch) {
+  if (!run.video) return std::nullopt;
+  if (!options.tracks.empty()) return read_track_file(fs::path(options.tracks) / (run.name + ".csv"));
+  const RecordingJob job = job_for(campaign, run);
+  const TrackedRecording recording = track_recording(job);
+  if (!recording.result.summary.gate_passed)
+    throw InvalidInput(fmt::format("{}: run \"{}\": the part was lost in {} of {} frames", run.place,
+                                   run.name, recording.result.summary.lost_counted,
+                                   recording.result.summary.frames));
+  const fs::path csv = scratch / (run.name + ".csv");
+  write_track(csv, job, recording);
+  return read_track_file(csv);
+}
+
+/// A folder for the tracks of this call, gone at its end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "tribotrack-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      throw InvalidInput(fmt::format("{}: no temporary folder can be made there; set TMPDIR", name));
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<AnalysedRun> analyse_all(const Campaign& campaign, const FitCommandOptions& options,
+                                     const Context& context) {
+  const ScratchFolder scratch;
+  std::vector<AnalysedRun> runs(campaign.runs.size());
+  Progress progress("runs", context.quiet);
+  std::atomic<long> done = 0;
+  const auto count = static_cast<long>(runs.size());
+  for_each_index(count, threads_to_use(context), [&](long k) {
+    const auto index = static_cast<std::size_t>(k);
+    const CampaignRun& run = campaign.runs[index];
+    try {
+      runs[index] = analyse(campaign, run, track_of(campaign, run, options, scratch.path()));
+    } catch (const std::runtime_error& error) {
+      runs[index].run = &run;
+      runs[index].failure = error.what();
+    }
+    progress.update(++done, count);
+  });
+  return runs;
+}
+
+void fit_command(const FitCommandOptions& options, Context& context) {
+  if (options.require_all && options.allow_missing > 0)
+    throw UsageError("give --require-all or --allow-missing, not both");
+  const Campaign campaign = read_campaign(options.campaign);
+  require_writable(options.output);
+  const std::vector<AnalysedRun> runs = analyse_all(campaign, options, context);
+  int missing = 0;
+  for (const AnalysedRun& run : runs)
+    if (!run.failure.empty()) {
+      if (++missing > options.allow_missing)
+        throw InvalidInput(options.allow_missing == 0 ? run.failure
+                                                      : fmt::format("{} (more than {} runs are missing)",
+                                                                    run.failure, options.allow_missing));
+      say(context.quiet, "left out: " + run.failure);
+    }
+
+  const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
+  const Json json = fit_json(campaign, runs, result);
+  MetaFile meta;
+  meta.command = "fit";
+  meta.inputs = {options.campaign};
+  for (const CampaignRun& run : campaign.runs)
+    if (run.video && fs::exists(*run.video)) meta.inputs.push_back(*run.video);
+  meta.configuration = campaign.effective_configuration();
+  write_file(options.output, text_of(json));
+  meta.write_beside(options.output);
+  if (options.json)
+    fmt::print("{}", text_of(json));
+  else
+    fmt::print("{}", parameter_table(json));
+  say(context.quiet, options.explain ? result.full_report() : result.brief_report());
+  for (const Json& warning : json["warnings"]) say(context.quiet, "warning: " + warning.get<std::string>());
+  if (!result.usable()) {
+    fmt::print(
+        stderr, "tribotrack: {}: the fit is not usable: {}\n", options.campaign,
+        result.converged
+            ? "the data do not tell these parameters apart; see identifiability and next_experiment in " +
+                  options.output
+            : "it did not converge; give first guesses in [fit.start]");
+    context.exit_code = kFitUnusable;
+  }
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, Context& context) {
+  auto options = std::make_shared<FitCommandOptions>();
+  CLI::App& command = *app.add_subcommand("fit", "Fit mu1, mu2 and the phase lag to the runs of a campaign");
+  command.add_option("CAMPAIGN", options->campaign, "The campaign file")
+      ->type_name("CAMPAIGN.toml")
+      ->required();
+  command.add_option("-o,--output", options->output, "The result")->type_name("fit.json")->required();
+  command
+      .add_option("--tracks", options->tracks,
+                  "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
+                  "tracked now")
+      ->type_name("DIR");
+  command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
+  command.add_option("--allow-missing", options->allow_missing, "Go on when up to N runs are not usable")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.add_flag("--explain", options->explain,
+                   "Print the whole report: residuals, correlations, what was left out");
+  add_common(command, context,
+             "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
+             "-o fit.json --json");
+  command.callback([options, &context] { fit_command(*options, context); });
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,136 @@
+#include "apps/fit_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace tribotrack::apps {
+
+namespace {
+
+const char* word_for(fit::Verdict verdict) {
+  switch (verdict) {
+    case fit::Verdict::identifiable:
+      return "identifiable";
+    case fit::Verdict::weak:
+      return "weak";
+    case fit::Verdict::not_identifiable:
+      return "not identifiable";
+  }
+  return "";
+}
+
+/// Open ends (infinite) become null.
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json interval_json(const fit::Interval& interval, double unit) {
+  return Json::array({finite(interval.low * unit), finite(interval.high * unit)});
+}
+
+Json parameters_json(const fit::FitResult& result, double mm_per_px) {
+  Json json = Json::object();
+  for (const fit::ParameterEstimate& p : result.parameters) {
+    const double unit =
+        p.parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(p.parameter);
+    json[fit::to_string(p.parameter)] = {{"estimate", finite(p.estimate * unit)},
+                                         {"sd", finite(p.sd * unit)},
+                                         {"ci95", interval_json(p.ci95, unit)},
+                                         {"profile_ci95", interval_json(p.profile_ci95, unit)}};
+  }
+  return json;
+}
+
+Json correlation_json(const fit::FitResult& result) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < result.parameters.size(); ++i)
+    for (std::size_t j = 0; j < result.parameters.size(); ++j)
+      json[fit::to_string(result.parameters[i].parameter)][fit::to_string(result.parameters[j].parameter)] =
+          finite(result.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+  return json;
+}
+
+Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
+  Json json = {{"name", analysed.run->name}, {"kind", analysed.run->free_slide ? "free_slide" : "pulses"}};
+  if (!analysed.failure.empty()) {
+    json["failure"] = analysed.failure;
+    return json;
+  }
+  if (!analysed.run->free_slide) {
+    json["phi_rad"] = analysed.run->phi;
+    json["dtau_rad"] = analysed.run->dtau;
+  }
+  json["scenario"] = json_of(analysed.scenario);
+  json["observables"] = Json::array();
+  for (const fit::RunResult& run : result.runs) {
+    if (run.name != analysed.run->name) continue;
+    for (const fit::Residual& r : run.residuals)
+      json["observables"].push_back({{"observable", r.observable},
+                                     {"measured", finite(r.measured)},
+                                     {"modelled", finite(r.modelled)},
+                                     {"sd", finite(r.sd)},
+                                     {"standardised", finite(r.standardised)}});
+    if (run.points > 0) {
+      json["points"] = run.points;
+      json["residual_rms_mm"] = run.rms_m * 1e3;
+    }
+    if (!run.nuisance.empty()) json["nuisance"] = run.nuisance;
+  }
+  return json;
+}
+
+}  // namespace
+
+Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result) {
+  Json json;
+  json["parameters"] = parameters_json(result, reference_mm_per_px(runs));
+  json["correlation"] = correlation_json(result);
+  json["chi2"] = finite(result.chi2);
+  json["dof"] = result.dof;
+  json["converged"] = result.converged;
+  json["usable"] = result.usable();
+  json["scatter_mm"] = result.scatter * 1e3;
+  json["covariance_meaning"] = result.covariance_meaning;
+  json["identifiability"] = {{"verdict", word_for(result.identifiability.verdict)},
+                             {"weak_directions", result.identifiability.weak_directions},
+                             {"singular_values", result.identifiability.singular_values}};
+  json["runs"] = Json::array();
+  for (const AnalysedRun& run : runs) json["runs"].push_back(run_json(run, result));
+  if (const auto& next = result.next_experiment) {
+    json["next_experiment"] = {
+        {"phi_rad", next->phi}, {"dtau_rad", next->dtau}, {"sentence", next->sentence}};
+    for (const auto& [parameter, sd] : next->predicted_sd)
+      json["next_experiment"]["predicted_sd"][fit::to_string(parameter)] =
+          finite(sd / si_per_campaign_unit(parameter));
+  } else {
+    json["next_experiment"] = Json();
+  }
+  json["warnings"] = result.warnings;
+  for (const std::string& warning : campaign.warnings) json["warnings"].push_back(warning);
+  for (const AnalysedRun& run : runs)
+    if (run.measurement)
+      for (const std::string& warning : run.measurement->warnings) json["warnings"].push_back(warning);
+  return json;
+}
+
+std::string parameter_table(const Json& fit) {
+  std::string table =
+      fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", "parameter", "estimate", "sd", "ci95_low", "ci95_high");
+  const auto number = [](const Json& value) {
+    return value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : std::string("open");
+  };
+  for (const auto& [name, p] : fit.at("parameters").items())
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", name, number(p["estimate"]), number(p["sd"]),
+                         number(p["ci95"][0]), number(p["ci95"][1]));
+  return table;
+}
+
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads) {
+  fit::FitOptions options;
+  options.threads = threads;
+  return fit::estimate(problem_of(campaign, runs), options);
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,24 @@
+// fit.json: the fit's result for machines, and the table people read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/analysis.h"
+#include "apps/campaign.h"
+#include "apps/meta_file.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::apps {
+
+/// The object of fit.json. Parameters stand in campaign units, as their names say.
+Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result);
+
+/// One line per parameter on stdout: name, estimate, sd, low and high end of the 95 % interval,
+/// blank-separated.
+std::string parameter_table(const Json& fit);
+
+/// Threads and progress are the command's business.
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads);
+
+}  // namespace tribotrack::apps
