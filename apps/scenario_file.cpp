@@ -74,6 +74,12 @@ void ScenarioFile::settle() {
 
 ScenarioFile read_scenario_file(const std::filesystem::path& path) {
   StrictTable top = StrictTable::read(path);
+  ScenarioFile file = read_scenario_tables(top);
+  top.finish();
+  return file;
+}
+
+ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
   if (auto table = top.table("platform")) {
     const PlatformSection platform = read_platform(*table);
@@ -114,7 +120,6 @@ ScenarioFile read_scenario_file(const std::filesystem::path& path) {
     file.over = table->texts("over").value_or(std::vector<std::string>{});
     table->finish();
   }
-  top.finish();
   file.settle();
   return file;
 }

@@ -34,6 +34,8 @@ struct ScenarioFile {
   void settle();
 };
 ScenarioFile read_scenario_file(const std::filesystem::path& file);
+/// The same tables out of a larger file; its other keys are left to the caller.
+ScenarioFile read_scenario_tables(StrictTable& top);
 
 /// A parameter of a scenario under its command-line name: "phi_rad", "amplitude_mm", "mu1_over_mu2", ... with
 /// units as in the name.
