@@ -104,7 +104,10 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
   options.bits = shot.scene.bits;
   options.frame_rate_hz = shot.frame_rate_hz;
   options.exposure_s = shot.exposure_s;
-  const auto sink = vision::create_sink(video, options);
+  // A pattern names many files: its sink keeps them whole by itself.
+  std::optional<TemporaryFile> file;
+  if (video.filename().string().find('%') == std::string::npos) file.emplace(video);
+  const auto sink = vision::create_sink(file ? file->name() : video, options);
 
   std::string truth = "frame,time_s,x_px,y_px,theta_rad,marker_x_px,marker_y_px,x_mm,y_mm\n";
   const auto pose = [&](double t) { return motion.pose(t); };
@@ -118,6 +121,7 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
     report(motion.frames());
   }
   sink->close();
+  if (file) file->commit();
   write_file(video.string() + ".truth.csv", truth);
 }
 
