@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "vision/scene_noise.h"
@@ -18,6 +19,13 @@ double pixel_mean_of_lobe(double x, double width) {
   const double scale = 1 / (kSqrt2 * width);
   return width * std::sqrt(std::numbers::pi / 2) *
          (std::erf((x + 0.5) * scale) - std::erf((x - 0.5) * scale));
+}
+
+/// Distance of the farther end from the disc's centre.
+double scratch_extent(const DiscLayer::Scratch& s) {
+  const double x = s.half_length * s.cosine;
+  const double y = s.half_length * s.sine;
+  return std::max(std::hypot(s.u + x, s.v + y), std::hypot(s.u - x, s.v - y));
 }
 
 /// x in [low, high] such that |slope x + offset| <= limit also holds.
@@ -54,8 +62,10 @@ DiscLayer::DiscLayer(const DiscAppearance& disc, std::uint64_t seed)
     scratch.sine = std::sin(direction);
     scratch.half_length = disc.radius_px * (0.1 + 0.25 * random.uniform(4 * j + 3));
     scratch.contrast = (j % 2 == 0 ? 1 : -1) * disc.scratch_contrast;
+    scratch.outermost = scratch_extent(scratch) + kReach * scratch_blur_;
     scratches_.push_back(scratch);
   }
+  std::ranges::sort(scratches_, std::greater{}, &Scratch::outermost);
 }
 
 double DiscLayer::scratch_profile(const Scratch& scratch, double along, double across) const {
@@ -80,7 +90,9 @@ double DiscLayer::colour(double dx, double dy, double cos_theta, double sin_thet
   if (highlight_ != 0) {
     colour += highlight_ * std::exp(-0.5 * (hx * hx + hy * hy) / (highlight_width_ * highlight_width_));
   }
+  const double distance = std::sqrt(dx * dx + dy * dy);
   for (const Scratch& scratch : scratches_) {
+    if (distance > scratch.outermost) break;  // nor do the others reach so far
     const double du = u - scratch.u;
     const double dv = v - scratch.v;
     colour += scratch.contrast * scratch_profile(scratch, scratch.cosine * du + scratch.sine * dv,

@@ -26,10 +26,12 @@ class DiscLayer {
     double cosine = 1, sine = 0;  ///< direction
     double half_length = 0;       ///< l
     double contrast = 0;          ///< c, signed
+    double outermost = 0;         ///< nothing of it lies farther from the disc's centre
   };
   DiscLayer(const DiscAppearance& disc, std::uint64_t seed);
 
   const BlurredCircle& edge() const { return edge_; }
+  /// Outermost first.
   const std::vector<Scratch>& scratches() const { return scratches_; }
   double scratch_blur() const { return scratch_blur_; }
   /// Of the disc alone, as if it had no edge.
