@@ -21,9 +21,9 @@ struct ScenePose {
 
 struct DiscAppearance {
   double radius_px = 30;
-  double level = 170;            ///< mean grey level (8-bit scale), see Scene::bits
-  double edge_blur_px = 0.8;     ///< Gaussian sd of the edge (optics), before pixel integration
-  int scratches = 12;            ///< disc-fixed, turn with it
+  double level = 170;            ///< grey level under scratches and highlight (8-bit scale), see Scene::bits
+  double edge_blur_px = 0.8;     ///< Gaussian sd of every edge (optics), before pixel integration; >= 0.1
+  int scratches = 12;            ///< disc-fixed, turn with it; alternately bright and dark
   double scratch_contrast = 15;  ///< grey levels
   double highlight = 25;         ///< lighting-fixed: does not turn; peak grey levels
   bool visible = true;
@@ -38,12 +38,14 @@ struct PlatformAppearance {
 };
 
 struct MarkerAppearance {
-  Point position;  ///< mean position of its centre, px
-  double radius_px = 10;
-  double level = 20;  ///< dark dot on a bright ring
+  Point position;         ///< mean position of its centre, px
+  double radius_px = 10;  ///< outer radius of the ring; the dot's is half of it
+  double level = 20;      ///< dark dot on a bright ring
   double ring_level = 220;
 };
 
+/// A disc of light that does not move. It lies over everything, shines by its own light (no flicker) and
+/// blinks.
 struct Lamp {
   Point position;
   double radius_px = 6;
@@ -57,8 +59,8 @@ struct Scene {
   PlatformAppearance platform;
   std::optional<MarkerAppearance> marker;
   std::optional<Lamp> lamp;
-  double vignetting = 0.0;  ///< share of brightness lost in the corners
-  double flicker = 0.0;     ///< relative amplitude of the light
+  double vignetting = 0.0;  ///< share of brightness lost in the corners, as distance squared from the middle
+  double flicker = 0.0;     ///< relative amplitude f of the light: 1 + f sin(2 pi flicker_hz t)
   double flicker_hz = 100;
   double read_noise = 1.0;  ///< sd, 8-bit grey levels
   double shot_noise = 0.0;  ///< variance per grey level, 8-bit scale: var = read^2 + shot * I
@@ -67,16 +69,28 @@ struct Scene {
   void validate() const;
 };
 
-/// Renders frames of a scene. pose(t) is called over the exposure [t - exposure/2, t + exposure/2].
+/// Renders frames of a scene. pose(t) is called over the exposure [t - exposure/2, t + exposure/2] and must
+/// be smooth in it.
+///
+/// A pixel is the mean over its square and over the exposure of
+///   (1 - l) [(1 - a(x - c)) P(x - p) + a(x - c) D(x - c, theta)] + l lamp,
+/// a, l coverages of disc and lamp, P the platform with its marker, c, p, theta the pose: by closed forms
+/// where there is no edge, by Gauss-Legendre points where there is one, to about 1e-4 of the contrast. Then
+/// comes what acts on whole pixels: vignetting, the exposure's mean of the flicker, noise, rounding.
+///
+///   SceneRenderer renderer(scene);
+///   Picture frame = renderer.render(k, k / fps, exposure, [&](double t) { return pose_of(t); });
 class SceneRenderer {
  public:
+  /// Throws std::invalid_argument naming the key, see Scene::validate.
   explicit SceneRenderer(const Scene& scene);
   ~SceneRenderer();
+  const Scene& scene() const;
   /// `lamp_on_share`: fraction of the exposure during which the lamp was lit. Rounded to whole levels,
   /// clipped, noise drawn from seed and index alone: frames can be rendered in any order, on any thread.
   Picture render(std::int64_t index, double time_s, double exposure_s,
                  const std::function<ScenePose(double)>& pose, double lamp_on_share = 0) const;
-  /// Same without noise and rounding.
+  /// Same without noise, rounding and clipping.
   Picture render_exact(double time_s, double exposure_s, const std::function<ScenePose(double)>& pose,
                        double lamp_on_share = 0) const;
 
