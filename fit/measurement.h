@@ -38,7 +38,18 @@ struct Displacement {
 /// Fills alpha and mean_velocity from vector, covariance and duration.
 void derive_alpha_and_v(Displacement& displacement);
 
-/// N = min(cycles, available). Throws DataError when the track is shorter than one cycle.
+/// A displacement measured elsewhere and told as alpha (rad) and v (m/s), as a vector with its covariance.
+/// At v = 0 alpha says nothing and the covariance is round. Throws DataError unless v >= 0 and both sds > 0.
+Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& velocity,
+                                       double angular_frequency, int cycles);
+
+/// From the first tracked point to the point N 2 pi / w later, N = min(cycles, available), interpolated
+/// between frames by a local polynomial. In the camera's frame whole cycles cancel the platform's motion, so
+/// the formula is the same there. The covariance holds the noise of both points, the error of interpolating
+/// (estimated by leaving out frames of the same platform phase: friction switches make the acceleration jump
+/// there every cycle), and the end's shift with w. Where the end falls into a gap of lost frames longer than
+/// a sixth of a cycle, N is reduced until it does not. Throws DataError when the track is shorter than one
+/// cycle.
 Displacement measure_displacement(const TrackTable& track, const Estimate& angular_frequency, int cycles);
 
 /// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt

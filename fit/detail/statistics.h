@@ -1,0 +1,20 @@
+// The few distributions a fit's verdict needs.
+#pragma once
+
+#include <vector>
+
+namespace tribotrack::fit::detail {
+
+/// P(chi^2 with `dof` degrees of freedom > x); 1 for dof = 0. Incomplete gamma function, series and
+/// continued fraction (Abramowitz & Stegun 6.5.29, 6.5.31).
+double chi2_survival(double x, double dof);
+
+/// t with P(|T| < t) = `probability` for Student's T with `dof` degrees of freedom; the normal quantile for
+/// dof = infinity.
+double two_sided_quantile(double probability, double dof);
+
+/// Integrated autocorrelation time 1 + 2 sum rho_k of an even series, >= 1: the factor by which the number of
+/// independent points is smaller than the number of points. Summed over five times itself (Sokal's window).
+double autocorrelation_time(const std::vector<double>& series);
+
+}  // namespace tribotrack::fit::detail

@@ -1,0 +1,310 @@
+#include "fit/measurement.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "fit/slow_friction.h"
+
+namespace tribotrack::fit {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Curve = std::function<Eigen::Vector2d(double)>;
+
+TrackTable sample(const Curve& curve, double rate, double duration, double sigma, unsigned seed = 0,
+                  double start = 0) {
+  TrackTable track;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
+  const Eigen::Vector2d origin = curve(start);
+  for (int k = 0; k / rate <= duration + 1e-12; ++k) {
+    const double t = start + k / rate;
+    track.frame.push_back(k);
+    track.time.push_back(t);
+    Eigen::Vector2d p = curve(t) - origin;
+    if (sigma > 0) p += Eigen::Vector2d(noise(random), noise(random));
+    track.position.push_back(p);
+    track.covariance.push_back(Eigen::Matrix2d::Identity() * sigma * sigma);
+  }
+  return track;
+}
+
+void erase_rows(TrackTable& track, std::size_t from, std::size_t to) {
+  const auto cut = [&](auto& column) {
+    if (!column.empty()) column.erase(column.begin() + long(from), column.begin() + long(to));
+  };
+  cut(track.frame), cut(track.time), cut(track.position), cut(track.covariance), cut(track.marker),
+      cut(track.marker_sigma);
+}
+
+// x = drift + a circle: over whole cycles only the drift is left, whatever the frame grid.
+TEST(Displacement, WholeCyclesCancelThePeriodicPart) {
+  const double w = 62.8, r = 0.28e-3;
+  const Eigen::Vector2d drift(3e-3, -1.5e-3);
+  for (const double rate : {487.3, 1000.0, 2111.0}) {
+    const auto track = sample(
+        [&](double t) {
+          return Eigen::Vector2d(drift * t + r * Eigen::Vector2d(std::cos(w * t), std::sin(w * t)));
+        },
+        rate, 2.2, 0);
+    const auto d = measure_displacement(track, {w, 0}, 20);
+    EXPECT_EQ(d.cycles, 20);
+    EXPECT_DOUBLE_EQ(d.duration, 20 * 2 * pi / w);
+    EXPECT_LT((d.vector - drift * d.duration).norm(), 2e-8) << rate;  // a thousandth of a pixel of 20 um
+    ASSERT_TRUE(d.alpha);
+    EXPECT_NEAR(d.alpha->value, 2 * pi - std::atan(0.5), 1e-5);
+    EXPECT_NEAR(d.mean_velocity.value, drift.norm(), 1e-7);
+  }
+}
+
+TEST(Displacement, TakesAsManyCyclesAsThereAre) {
+  const auto track = sample([](double t) { return Eigen::Vector2d(t, 0); }, 100, 0.75, 1e-6);
+  EXPECT_EQ(measure_displacement(track, {2 * pi / 0.1, 0}, 20).cycles, 7);
+  EXPECT_EQ(measure_displacement(track, {2 * pi / 0.25, 0}, 20).cycles, 3);  // ends on the last frame
+  EXPECT_EQ(measure_displacement(track, {2 * pi / 0.1, 0}, 5).cycles, 5);
+}
+
+TEST(Displacement, StartsAtTheFirstTrackedPoint) {
+  const auto track = sample([](double t) { return Eigen::Vector2d(t * t, 0); }, 200, 1, 1e-7, 1, 0.3);
+  const auto d = measure_displacement(track, {2 * pi / 0.31, 0}, 1);
+  EXPECT_DOUBLE_EQ(d.start_time, 0.3);
+  EXPECT_NEAR(d.vector.x(), 0.61 * 0.61 - 0.09, 1e-6);
+}
+
+TEST(Displacement, UncertaintyOfWMovesTheEnd) {
+  // Straight motion at u: an error dw moves the end by -u T dw / w.
+  const auto track = sample([](double t) { return Eigen::Vector2d(2e-3 * t, 1e-3 * t); }, 500, 2.1, 0);
+  const double w = 62.8, sd = 0.05;
+  const auto d = measure_displacement(track, {w, sd}, 20);
+  const double scale = d.duration * sd / w;
+  EXPECT_NEAR(d.covariance(0, 0), std::pow(2e-3 * scale, 2), 1e-15);
+  EXPECT_NEAR(d.covariance(0, 1), 2e-6 * scale * scale, 1e-15);
+  EXPECT_NEAR(d.mean_velocity.sd, 0, 1e-9);  // of steady motion, v does not care where the end is
+}
+
+// The stated covariance is the scatter seen, with friction switches between the frames.
+TEST(Displacement, CovarianceIsHonestOnTheModelsOwnMotion) {
+  model::Scenario s;
+  s.friction = {0.1, 0.0125, 0.4, pi / 2, 0};
+  const unsigned seed = 20240611;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const double w = s.drive.angular_frequency;
+  for (const double rate : {250.0, 500.0, 1000.0}) {
+    const double sigma = 0.2e-6;
+    double sum = 0, interpolation = 0;
+    const int trials = 60;
+    for (int i = 0; i < trials; ++i) {
+      s.friction.phase = 2 * pi * uniform(random);
+      std::vector<double> times;
+      const double exact_end = 10 * 2 * pi / w;
+      for (int k = 0; k / rate < exact_end + 0.05; ++k) times.push_back(k / rate);
+      times.push_back(exact_end);
+      std::sort(times.begin(), times.end());
+      const auto points = test::SlowFriction(s).at(times, 300);
+      TrackTable track;
+      std::normal_distribution<double> noise(0, sigma);
+      Eigen::Vector2d truth = Eigen::Vector2d::Zero();
+      for (const auto& p : points) {
+        if (p.time == exact_end) {
+          truth = p.position;
+          continue;
+        }
+        track.time.push_back(p.time);
+        track.position.push_back(p.position + Eigen::Vector2d(noise(random), noise(random)));
+        track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
+      }
+      const auto d = measure_displacement(track, {w, 0}, 10);
+      const Eigen::Vector2d error = d.vector - truth;
+      sum += error.dot(d.covariance.inverse() * error);
+      interpolation += d.covariance.trace() / 2;
+    }
+    // chi^2 with 2 dof a trial: mean 2, sd of the mean 0.26; the interpolation error is no Gaussian.
+    EXPECT_GT(sum / trials, 0.8) << rate;
+    EXPECT_LT(sum / trials, 3.2) << rate;
+    EXPECT_LT(std::sqrt(interpolation / trials), rate < 400 ? 1.2e-6 : 0.5e-6) << rate;
+  }
+}
+
+TEST(Displacement, LostFramesNearTheEndWidenTheCovarianceOrCostACycle) {
+  const double w = 2 * pi / 0.1, r = 0.28e-3;
+  const Curve curve = [&](double t) {
+    return Eigen::Vector2d(1e-3 * t + r * std::cos(w * t), r * std::sin(w * t));
+  };
+  auto few = sample(curve, 997, 1.05, 1e-7);
+  const double whole = measure_displacement(few, {w, 0}, 10).covariance.trace();
+  erase_rows(few, 992, 1002);  // 10 ms around the end at 1.0 s
+  const auto d = measure_displacement(few, {w, 0}, 10);
+  EXPECT_EQ(d.cycles, 10);
+  EXPECT_GT(d.covariance.trace(), whole);
+  EXPECT_LT(std::abs(d.vector.x() - 1e-3), 4 * std::sqrt(d.covariance(0, 0)));
+  auto many = sample(curve, 997, 1.05, 1e-7);
+  erase_rows(many, 980, 1015);  // 35 ms: more than a sixth of a cycle
+  EXPECT_EQ(measure_displacement(many, {w, 0}, 10).cycles, 9);
+}
+
+TEST(Displacement, AlphaIsEmptyBelowThreeSigma) {
+  Displacement d;
+  d.duration = 2;
+  d.vector = {2.9e-6, 0};
+  d.covariance = Eigen::Matrix2d::Identity() * 1e-12;
+  derive_alpha_and_v(d);
+  EXPECT_FALSE(d.alpha);
+  d.vector = {0, -3.1e-6};
+  derive_alpha_and_v(d);
+  ASSERT_TRUE(d.alpha);
+  EXPECT_DOUBLE_EQ(d.alpha->value, 1.5 * pi);
+  EXPECT_NEAR(d.alpha->sd, 1 / 3.1, 1e-12);
+  EXPECT_DOUBLE_EQ(d.mean_velocity.value, 1.55e-6);
+  EXPECT_DOUBLE_EQ(d.mean_velocity.sd, 0.5e-6);
+}
+
+TEST(Displacement, AlphaAndVMeasuredElsewhereComeBack) {
+  for (const double alpha : {0.0, 1.0, 3.5, 6.2831}) {
+    const auto d = displacement_from_alpha_v({alpha, 0.01}, {2e-3, 5e-5}, 62.8, 20);
+    ASSERT_TRUE(d.alpha);
+    EXPECT_NEAR(d.alpha->value, alpha, 1e-14);
+    EXPECT_NEAR(d.alpha->sd, 0.01, 1e-12);
+    EXPECT_NEAR(d.mean_velocity.value, 2e-3, 1e-17);
+    EXPECT_NEAR(d.mean_velocity.sd, 5e-5, 1e-16);
+  }
+  const auto still = displacement_from_alpha_v({1, 0.5}, {0, 5e-5}, 62.8, 20);
+  EXPECT_FALSE(still.alpha);
+  EXPECT_NEAR(still.covariance(0, 0), still.covariance(1, 1), 1e-18);
+  EXPECT_THROW(displacement_from_alpha_v({1, 0}, {1e-3, 5e-5}, 62.8, 20), DataError);
+}
+
+TEST(Displacement, RefusesWhatCannotBeUsed) {
+  const auto track = sample([](double t) { return Eigen::Vector2d(t, 0); }, 100, 0.75, 1e-6);
+  try {
+    measure_displacement(track, {2 * pi, 0}, 20);
+    FAIL();
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("0.75 s"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("less than one platform cycle of 1 s"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(measure_displacement(track, {0, 0}, 20), DataError);
+  EXPECT_THROW(measure_displacement(track, {NAN, 0}, 20), DataError);
+  EXPECT_THROW(measure_displacement(track, {62.8, 0}, 0), DataError);
+  EXPECT_THROW(measure_displacement(TrackTable{}, {62.8, 0}, 20), DataError);
+  auto bad = track;
+  bad.time[5] = bad.time[4];
+  EXPECT_THROW(measure_displacement(bad, {62.8, 0}, 2), DataError);
+  bad = track;
+  bad.position[7].x() = NAN;
+  EXPECT_THROW(measure_displacement(bad, {62.8, 0}, 2), DataError);
+}
+
+TrackTable marker_track(double a, double b, double w, double phase, double epsilon, double rate,
+                        double duration, double sigma, unsigned seed) {
+  TrackTable track = sample([](double) { return Eigen::Vector2d(0, 0); }, rate, duration, 0);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  for (const double t : track.time) {
+    track.marker.push_back(
+        Eigen::Vector2d(a * std::cos(w * t + phase), b * std::cos(w * t + phase + epsilon)) +
+        sigma * Eigen::Vector2d(noise(random), noise(random)) + Eigen::Vector2d(1e-3 + 1e-6 * t, -2e-3));
+    track.marker_sigma.push_back(sigma > 0 ? sigma : 1e-9);
+  }
+  return track;
+}
+
+TEST(PlatformMotion, ExactSinesComeBackExactly) {
+  for (const double epsilon : {pi / 2, -pi / 2, 0.3, pi, -2.5})
+    for (const double phase : {0.1, 3.0, 6.2}) {
+      const auto motion =
+          measure_platform_motion(marker_track(0.28e-3, 0.25e-3, 62.8, phase, epsilon, 500, 2.1, 0, 1));
+      ASSERT_TRUE(motion);
+      EXPECT_NEAR(motion->amplitude.value, 0.28e-3, 1e-12);
+      EXPECT_NEAR(motion->amplitude_y.value, 0.25e-3, 1e-12);
+      EXPECT_NEAR(motion->angular_frequency.value, 62.8, 1e-8);
+      EXPECT_NEAR(motion->phase_at_zero.value, phase, 1e-8);
+      EXPECT_NEAR(std::remainder(motion->phase_shift.value - epsilon, 2 * pi), 0, 1e-8);
+      EXPECT_EQ(motion->clockwise, std::sin(motion->phase_shift.value) > 0);
+    }
+}
+
+// At known w the fit is linear: an independent normal-equation solution of that problem is never better.
+TEST(PlatformMotion, BeatsEveryNeighbouringFrequencyInTheLinearFit) {
+  const auto track = marker_track(0.28e-3, 0.28e-3, 62.8, 1, pi / 2, 250, 1.5, 3e-6, 7);
+  const auto chi2_at = [&](double w) {
+    Eigen::MatrixXd design(track.time.size(), 4), data(track.time.size(), 2);
+    for (std::size_t i = 0; i < track.time.size(); ++i) {
+      const double t = track.time[i];
+      design.row(long(i)) << 1, t, std::cos(w * t), std::sin(w * t);
+      data.row(long(i)) = track.marker[i].transpose();
+    }
+    const Eigen::MatrixXd solution = design.colPivHouseholderQr().solve(data);
+    return std::pair((data - design * solution).squaredNorm(), solution);
+  };
+  const auto motion = measure_platform_motion(track);
+  ASSERT_TRUE(motion);
+  const double w = motion->angular_frequency.value;
+  const auto [best, solution] = chi2_at(w);
+  for (const double dw : {-0.5, -1e-2, -1e-3, 1e-3, 1e-2, 0.5}) EXPECT_GT(chi2_at(w + dw).first, best);
+  EXPECT_NEAR(motion->amplitude.value, std::hypot(solution(2, 0), solution(3, 0)), 1e-11);
+  EXPECT_NEAR(motion->residual_rms, std::sqrt(best / (2.0 * double(track.time.size()))), 1e-12);
+}
+
+TEST(PlatformMotion, StatedUncertaintyIsTheScatter) {
+  const unsigned seed = 99;
+  SCOPED_TRACE(seed);
+  double chi2 = 0;
+  const int trials = 100;
+  for (int i = 0; i < trials; ++i) {
+    const auto m = measure_platform_motion(
+        marker_track(0.28e-3, 0.28e-3, 62.8, 2, pi / 2, 250, 2, 2e-6, seed + unsigned(i)));
+    ASSERT_TRUE(m);
+    const auto pull = [](const Estimate& e, double truth) { return std::pow((e.value - truth) / e.sd, 2); };
+    chi2 += pull(m->amplitude, 0.28e-3) + pull(m->amplitude_y, 0.28e-3) + pull(m->angular_frequency, 62.8) +
+            pull(m->phase_shift, pi / 2) + pull(m->phase_at_zero, 2);
+  }
+  EXPECT_NEAR(chi2 / (5 * trials), 1, 0.25);
+}
+
+TEST(PlatformMotion, LargerResidualsThanSigmaAreBelieved) {
+  auto track = marker_track(0.28e-3, 0.28e-3, 62.8, 2, pi / 2, 250, 2, 2e-6, 5);
+  const double honest = measure_platform_motion(track)->angular_frequency.sd;
+  for (double& sigma : track.marker_sigma) sigma /= 10;
+  EXPECT_NEAR(measure_platform_motion(track)->angular_frequency.sd, honest, 0.15 * honest);
+  for (double& sigma : track.marker_sigma) sigma *= 50;
+  EXPECT_NEAR(measure_platform_motion(track)->angular_frequency.sd, 5 * honest, honest);
+}
+
+TEST(PlatformMotion, OneDimensionalMotion) {
+  const auto along_x = measure_platform_motion(marker_track(0.3e-3, 0, 40, 1, 0, 300, 2, 1e-6, 3));
+  ASSERT_TRUE(along_x);
+  EXPECT_NEAR(along_x->amplitude.value, 0.3e-3, 1e-6);
+  EXPECT_NEAR(along_x->phase_at_zero.value, 1, 0.01);
+  EXPECT_FALSE(along_x->clockwise);
+  const auto along_y = measure_platform_motion(marker_track(0, 0.3e-3, 40, 1, 0.5, 300, 2, 1e-6, 3));
+  ASSERT_TRUE(along_y);
+  EXPECT_NEAR(along_y->phase_at_zero.value + along_y->phase_shift.value, 1.5, 0.01);
+}
+
+TEST(PlatformMotion, GapsDoNotSlipCycles) {
+  auto track = marker_track(0.28e-3, 0.28e-3, 62.8, 2, pi / 2, 1000, 12, 2e-6, 5);
+  erase_rows(track, 300, 1400);
+  erase_rows(track, 6000, 6900);
+  const auto m = measure_platform_motion(track);
+  ASSERT_TRUE(m);
+  EXPECT_NEAR(m->angular_frequency.value, 62.8, 5 * m->angular_frequency.sd);
+  EXPECT_LT(m->angular_frequency.sd, 1e-4);
+}
+
+TEST(PlatformMotion, RestIsNoMotion) {
+  EXPECT_FALSE(measure_platform_motion(marker_track(0, 0, 40, 1, 0.5, 300, 2, 1e-6, 3)));
+  EXPECT_FALSE(measure_platform_motion(marker_track(0.5e-6, 0.5e-6, 40, 1, 0.5, 300, 2, 1e-6, 3)));
+  EXPECT_FALSE(measure_platform_motion(TrackTable{}));
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
