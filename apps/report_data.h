@@ -1,0 +1,147 @@
+// Everything the report page shows, as plain numbers and words: apps/ fills it, render_report (report_page.h)
+// turns it into a page. Units stand in the names, as in the result files; NaN = no value.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tribotrack::apps {
+
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// An interval; -infinity / +infinity where open, NaN where not computed.
+struct ReportInterval {
+  double low = no_value;
+  double high = no_value;
+};
+
+/// A fitted parameter in the unit its campaign key carries.
+struct ReportParameter {
+  std::string name;  ///< campaign key: "mu1", "phase_lag_rad", "amplitude_mm", ...
+  double estimate = no_value;
+  double sd = no_value;
+  ReportInterval ci95;          ///< from the covariance
+  ReportInterval profile_ci95;  ///< from the profile likelihood
+  std::optional<double> truth;  ///< known only for rendered recordings
+};
+
+/// A value that was given, not fitted.
+struct ReportGiven {
+  std::string name;  ///< campaign key
+  double value = no_value;
+  std::string source;  ///< "campaign", "measured from the marker", ...
+};
+
+/// One observable of one run against the model.
+struct ReportResidual {
+  std::string observable;  ///< "dx_mm", "dy_mm", "alpha_rad", "v_mm_s", ...
+  double measured = no_value;
+  double modelled = no_value;
+  double sd = no_value;
+  double standardised = no_value;
+};
+
+/// One stage of the plan: done or left out, and why.
+struct ReportStage {
+  std::string stage;
+  bool on = true;
+  std::string reason;                  ///< with its figure
+  double predicted_saving = no_value;  ///< share of run time saved by leaving it out, 0 .. 1
+  std::string error_bound;             ///< what leaving it out can add, in words with unit
+};
+
+/// One run of the campaign. Free slides stand in the table of runs too; their figure is a ReportSlide.
+struct ReportRun {
+  std::string name;
+  std::string video;    ///< empty for a run measured elsewhere
+  std::string kind;     ///< "displacement", "trajectory", "free_slide"
+  std::string failure;  ///< one sentence; empty if all went well. A failed run is not part of the fit.
+  double phi_rad = no_value;
+  double dtau_rad = no_value;
+  double alpha_rad = no_value, alpha_sd_rad = no_value;
+  double v_mm_s = no_value, v_sd_mm_s = no_value;
+  double modelled_alpha_rad = no_value, modelled_v_mm_s = no_value;
+  int cycles = 0;  ///< N
+  std::size_t frames_ok = 0, frames_lost = 0, frames_edge = 0;
+  double frame_rate_hz = no_value;
+  std::string time_base;       ///< where the frame rate comes from
+  double sigma_px = no_value;  ///< median sd of a tracked position, per axis
+  double mm_per_px = no_value;
+  std::string scale_source;
+  std::vector<std::string>
+      notes;  ///< short remarks shown under the table: "measured in the camera's frame", ...
+
+  /// Path over the first frame, in the recording's pixels; NaN where the part was not measured.
+  std::vector<double> x_px, y_px;
+  /// The first analysed frame as PNG or JPEG; may be smaller than the recording (it is stretched to
+  /// frame_width_px x frame_height_px). Empty: no picture.
+  std::vector<unsigned char> first_frame;
+  int frame_width_px = 0, frame_height_px = 0;
+
+  /// Path in the platform's frame (or the camera's, see notes), y up; NaN where not measured.
+  std::vector<double> x_mm, y_mm;
+
+  std::vector<ReportResidual> residuals;
+  std::vector<ReportStage> plan;
+};
+
+/// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
+/// Made by group_over_phi / group_over_dtau (report_groups.h); the caller fills the curve.
+struct ReportGroup {
+  double shared_rad = no_value;     ///< dtau of a group over phi, phi of a group over dtau
+  std::vector<std::size_t> runs;    ///< indices into ReportData::runs
+  std::vector<double> curve_x_rad;  ///< the varied parameter
+  std::vector<double> curve_alpha_rad;
+  std::vector<double> curve_v_mm_s;
+};
+
+/// A part sliding freely on the resting platform: distance along its path against time.
+struct ReportSlide {
+  std::string name;
+  std::vector<double> time_s;
+  std::vector<double> position_mm;
+  std::vector<double> sigma_mm;   ///< per point; may be empty
+  std::vector<double> fitted_mm;  ///< the model at the fitted parameters, same times
+  std::string
+      sentence;  ///< what it gave, in words: "Initial speed 812 mm/s; mu1 = 0.15 alone from this run."
+};
+
+enum class ReportVerdict { identifiable, weak, not_identifiable };
+
+struct ReportInput {
+  std::string name;
+  std::string hash;  ///< with its kind: "sha256:...", "xxh3-128:..."
+};
+
+struct ReportData {
+  std::string title = "tribotrack report";
+  std::string verdict;  ///< empty: written from the numbers below (report_verdict.h)
+  std::vector<std::string> warnings;
+
+  bool converged = false;
+  bool fitted = true;  ///< false: there is no fit (yet); the page shows the measurements alone
+  std::vector<ReportParameter> parameters;
+  std::vector<ReportGiven> given;
+  std::vector<std::vector<double>> correlation;  ///< in the order of parameters
+  double chi2 = no_value;
+  int dof = 0;
+  double scatter_mm = 0;           ///< added per axis because the residuals asked for it; 0: none
+  std::string covariance_meaning;  ///< in words
+  ReportVerdict identifiability = ReportVerdict::identifiable;
+  std::vector<std::string> weak_directions;
+  std::string next_experiment;
+
+  std::vector<ReportRun> runs;
+  std::vector<ReportGroup> over_phi;   ///< figures 9a and v against phi
+  std::vector<ReportGroup> over_dtau;  ///< figures 9b and 10
+  std::vector<ReportSlide> slides;
+  std::vector<ReportStage> plan;  ///< of the campaign as a whole
+
+  std::string program_version;
+  std::vector<ReportInput> inputs;
+  std::string configuration;  ///< effective, as text
+};
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,188 @@
+#include "apps/report_sections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report_text.h"
+#include "apps/report_verdict.h"
+
+namespace tribotrack::apps {
+namespace {
+
+std::string list(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>";
+  for (const std::string& sentence : sentences) html += "<li>" + escape_html(sentence) + "</li>";
+  return html + "</ul>\n";
+}
+
+std::string interval(const ReportInterval& range, double sd) {
+  if (std::isnan(range.low) || std::isnan(range.high)) return "–";
+  return rounded_to_sd(range.low, sd) + " to " + rounded_to_sd(range.high, sd);
+}
+
+const char* css_class(Trust trust) {
+  switch (trust) {
+    case Trust::usable:
+      return "good";
+    case Trust::with_care:
+      return "care";
+    case Trust::do_not_use:
+      return "bad";
+    case Trust::no_fit:
+      return "none";
+  }
+  return "none";
+}
+
+std::string parameter_table(const ReportData& data) {
+  const bool truth = std::any_of(data.parameters.begin(), data.parameters.end(),
+                                 [](const ReportParameter& p) { return p.truth.has_value(); });
+  std::string html =
+      "<table class=\"parameters\"><thead><tr><th>Parameter</th><th class=\"n\">Value</th><th "
+      "class=\"n\">Standard deviation</th><th class=\"n\">95 % interval</th><th class=\"n\">95 % profile "
+      "interval</th>";
+  html += truth ? "<th class=\"n\">True value</th>" : "";
+  html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
+  for (const ReportParameter& p : data.parameters) {
+    const ParameterWords words = parameter_words(p.name);
+    html += "<tr><th>" + words.symbol + "</th>" + number_cell(rounded_to_sd(p.estimate, p.sd)) +
+            number_cell(number(p.sd, 2)) + number_cell(interval(p.ci95, p.sd)) +
+            number_cell(interval(p.profile_ci95, p.sd));
+    if (truth) html += number_cell(p.truth ? rounded_to_sd(*p.truth, p.sd) : "–");
+    html += cell(words.unit.empty() ? "1" : words.unit) + cell(words.meaning) + "</tr>\n";
+  }
+  html += "</tbody></table>\n";
+  html +=
+      "<p class=\"note\">The 95 % interval comes from the covariance, as if the χ² valley were a "
+      "parabola; the profile interval walks along the real valley, re-fitting all other parameters at "
+      "every step. Where the two differ, trust the profile.";
+  if (!data.covariance_meaning.empty()) html += fmt::format(" {}", escape_html(data.covariance_meaning));
+  return html + "</p>\n";
+}
+
+std::string given_table(const ReportData& data) {
+  if (data.given.empty()) return "";
+  std::string html = "<h3>Taken as known</h3>\n<table class=\"compact\"><tbody>";
+  for (const ReportGiven& given : data.given) {
+    const ParameterWords words = parameter_words(given.name);
+    html += "<tr><th>" + words.symbol + "</th>" + number_cell(number(given.value, 6)) + cell(words.unit) +
+            cell(escape_html(given.source)) + "</tr>";
+  }
+  return html + "</tbody></table>\n";
+}
+
+/// Blue below, orange above: told apart by colour-blind eyes, and the number stands in the cell.
+std::string correlation_colour(double r) {
+  const double strength = std::min(std::abs(r), 1.0);
+  const char* rgb = r < 0 ? "0,114,178" : "213,94,0";
+  return fmt::format("background:rgba({},{:.2f})", rgb, 0.55 * strength);
+}
+
+std::string correlation_table(const ReportData& data) {
+  const std::size_t n = data.parameters.size();
+  if (n < 2 || data.correlation.size() != n) return "";
+  std::string html =
+      "<h3>Correlation of the parameters</h3>\n<table class=\"compact correlation\"><thead><tr><th></th>";
+  for (const ReportParameter& p : data.parameters)
+    html += "<th class=\"n\">" + parameter_words(p.name).symbol + "</th>";
+  html += "</tr></thead><tbody>";
+  for (std::size_t i = 0; i < n; ++i) {
+    html += "<tr><th>" + parameter_words(data.parameters[i].name).symbol + "</th>";
+    for (std::size_t k = 0; k < n && k < data.correlation[i].size(); ++k) {
+      const double r = data.correlation[i][k];
+      html += i == k ? "<td class=\"n\">1</td>"
+                     : fmt::format("<td class=\"n\" style=\"{}\">{}</td>", correlation_colour(r),
+                                   std::isnan(r) ? "–" : rounded_to_sd(r, 0.1));
+    }
+    html += "</tr>";
+  }
+  return html +
+         "</tbody></table>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for by "
+         "the other: only their combination is known well.</p>\n";
+}
+
+std::string identifiability_words(const ReportData& data) {
+  std::string html = "<h3>Can the data tell the parameters apart?</h3>\n<p>";
+  switch (data.identifiability) {
+    case ReportVerdict::identifiable:
+      html += "Yes: every parameter is determined by these runs.";
+      break;
+    case ReportVerdict::weak:
+      html += "Only weakly: some combination of the parameters is hardly felt by these runs.";
+      break;
+    case ReportVerdict::not_identifiable:
+      html += "<b>No</b>: these runs leave some combination of the parameters open.";
+      break;
+  }
+  html += "</p>\n";
+  return data.weak_directions.empty() ? html : html + list(data.weak_directions);
+}
+
+std::string goodness(const ReportData& data) {
+  std::string html = "<h3>Does the model describe the data?</h3>\n<p>";
+  if (!std::isfinite(data.chi2)) return html + "χ² was not computed.</p>\n";
+  html += fmt::format("χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
+                      data.dof == 1 ? "" : "s");
+  if (data.dof > 0) {
+    const ReportInterval expected = expected_reduced_chi2(data.dof);
+    html += fmt::format(
+        ": {} per degree of freedom, where {} to {} is expected 99 times out of 100 if the model and the "
+        "stated errors are right",
+        number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+  }
+  html += ".";
+  if (data.scatter_mm > 0)
+    html += fmt::format(" Scatter of {} mm per axis beyond the measurement errors is included.",
+                        number(data.scatter_mm, 2));
+  return html + "</p>\n";
+}
+
+}  // namespace
+
+std::string verdict_section(const ReportData& data) {
+  const Verdict verdict = verdict_in_words(data);
+  std::string html =
+      fmt::format("<section id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></section>\n",
+                  css_class(verdict.trust), verdict.heading, verdict.paragraph);
+  if (!data.warnings.empty())
+    html +=
+        fmt::format("<section id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</section>\n",
+                    data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
+                    list(data.warnings));
+  return html;
+}
+
+std::string parameter_section(const ReportData& data) {
+  if (!data.fitted || data.parameters.empty()) return "";
+  std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + parameter_table(data);
+  html += "<div class=\"columns\">\n<div>" + goodness(data) + identifiability_words(data);
+  if (!data.next_experiment.empty())
+    html += "<h3>The run to record next</h3>\n<p>" + escape_html(data.next_experiment) + "</p>\n";
+  html += "</div>\n<div>" + correlation_table(data) + given_table(data) + "</div>\n</div>\n";
+  return html + "</section>\n";
+}
+
+std::string provenance_section(const ReportData& data) {
+  std::string html = "<section id=\"provenance\"><h2>Where this comes from</h2>\n";
+  html += "<p>Made by tribotrack " +
+          escape_html(data.program_version.empty() ? "(version not stated)" : data.program_version) +
+          " after S. Kilikevičius, K. Liutkauskienė and A. Fedaravičius, <i>Nonprehensile Manipulation of "
+          "Parts on a Horizontal Circularly Oscillating Platform with Dynamic Dry Friction Control</i>, 2021 "
+          "(“the paper”). Figures drawn with plotly.js (MIT licence), which is part of this page; the page "
+          "fetches nothing.</p>\n";
+  if (!data.inputs.empty()) {
+    html += "<details><summary>Inputs and their hashes</summary>\n<table class=\"compact\"><tbody>";
+    for (const ReportInput& input : data.inputs)
+      html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
+              "</tr>";
+    html += "</tbody></table></details>\n";
+  }
+  if (!data.configuration.empty())
+    html += "<details><summary>Effective configuration</summary>\n<pre>" + escape_html(data.configuration) +
+            "</pre></details>\n";
+  return html + "</section>\n";
+}
+
+}  // namespace tribotrack::apps
