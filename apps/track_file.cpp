@@ -1,6 +1,8 @@
 #include "apps/track_file.h"
 
 #include <fmt/format.h>
+// The library cuts long file names on purpose; the compiler warns where it inlines that.
+#pragma GCC diagnostic ignored "-Wstringop-truncation"
 #include <libfccp/csv.h>
 
 #include <Eigen/Geometry>
