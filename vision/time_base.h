@@ -35,4 +35,15 @@ struct TimeBase {
   std::string why_unknown() const;
 };
 
+/// Rates that players and muxers write whatever the camera did: 24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000
+/// and 65535, within 0.15 % (which takes in 23.976). The rate meant, or nothing.
+std::optional<double> usual_playback_rate(double rate_hz);
+
+/// The user's own word. Throws InputError unless it is a positive finite number.
+TimeBaseCandidate user_rate(double rate_hz);
+
+/// Takes the first candidate marked accepted, in the order given (the most trusted first); marks later ones
+/// rejected and says why.
+TimeBase choose_time_base(std::vector<TimeBaseCandidate> candidates);
+
 }  // namespace tribotrack::vision

@@ -1,0 +1,30 @@
+// Packed pixels of Phantom recordings: P10 (10 bits, companded) and P12L (12 bits, linear).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace tribotrack::vision {
+
+/// Pixels are packed without gaps, most significant bit first: four in five bytes (P10), two in three (P12L).
+constexpr std::size_t p10_bytes(std::size_t pixels) {
+  return (pixels * 10 + 7) / 8;
+}
+constexpr std::size_t p12l_bytes(std::size_t pixels) {
+  return (pixels * 12 + 7) / 8;
+}
+
+/// Pixels first .. first + levels.size() - 1 of a packed picture as 12-bit linear levels.
+/// `packed` must hold them all.
+void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+
+/// The code whose linear level is nearest to a 12-bit linear one (the lowest such code): the inverse of the
+/// companding curve.
+std::uint16_t p10_code(double linear_12bit);
+
+/// Packs 10-bit codes; `packed` must have p10_bytes(codes.size()) bytes.
+void pack_p10(std::span<const std::uint16_t> codes, std::span<std::uint8_t> packed);
+
+}  // namespace tribotrack::vision

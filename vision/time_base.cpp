@@ -1,0 +1,71 @@
+#include "vision/time_base.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+std::string in_hz(double rate) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g Hz", rate);
+  return text;
+}
+
+}  // namespace
+
+std::string TimeBase::why_unknown() const {
+  if (known()) return "";
+  std::string text = "the capture rate is unknown";
+  if (candidates.empty())
+    text += ", nothing in the recording states it";
+  else
+    text += ", nothing in the recording proves it";
+  const char* separator = ": ";
+  for (const TimeBaseCandidate& candidate : candidates) {
+    text += separator + candidate.source;
+    if (candidate.rate_hz > 0) text += " say " + in_hz(candidate.rate_hz);
+    text += " (" + candidate.reason + ")";
+    separator = "; ";
+  }
+  return text + "; give the rate the camera recorded at with --fps HZ (campaign: frame_rate_hz)";
+}
+
+std::optional<double> usual_playback_rate(double rate_hz) {
+  constexpr std::array<double, 10> usual = {24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000, 65535};
+  constexpr double tolerance = 0.0015;
+  std::optional<double> nearest;
+  for (double rate : usual) {
+    if (std::abs(rate_hz / rate - 1) > tolerance) continue;
+    if (!nearest || std::abs(rate_hz - rate) < std::abs(rate_hz - *nearest)) nearest = rate;
+  }
+  return nearest;
+}
+
+TimeBaseCandidate user_rate(double rate_hz) {
+  if (!(rate_hz > 0) || !std::isfinite(rate_hz))
+    throw InputError("the frame rate given (--fps, frame_rate_hz) is " + std::to_string(rate_hz) +
+                     " but must be a positive number of frames per second");
+  return {"--fps", rate_hz, true, "the user's word"};
+}
+
+TimeBase choose_time_base(std::vector<TimeBaseCandidate> candidates) {
+  TimeBase base;
+  for (TimeBaseCandidate& candidate : candidates) {
+    if (!candidate.accepted) continue;
+    if (base.known()) {
+      candidate.accepted = false;
+      candidate.reason = base.source + " is trusted more";
+    } else {
+      base.rate_hz = candidate.rate_hz;
+      base.source = candidate.source;
+    }
+  }
+  base.candidates = std::move(candidates);
+  return base;
+}
+
+}  // namespace tribotrack::vision
