@@ -1,0 +1,185 @@
+#include "vision/bspline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::array<double, 2> kPoles = {-0.43057534709997379, -0.04309628820326465};
+
+double basis(double u) {
+  const double a = std::abs(u);
+  if (a < 1) {
+    const double q = a * a;
+    return 0.55 + q * (-0.5 + q * (0.25 - a / 12));
+  }
+  if (a < 2) return 17.0 / 40 + a * (5.0 / 8 + a * (-7.0 / 4 + a * (5.0 / 4 + a * (-3.0 / 8 + a / 24))));
+  if (a < 3) return std::pow(3 - a, 5) / 120;
+  return 0;
+}
+
+double basis_slope(double u) {
+  const double a = std::abs(u);
+  double slope = 0;
+  if (a < 1) {
+    slope = a * (-1 + a * a * (1 - 5 * a / 12));
+  } else if (a < 2) {
+    slope = 5.0 / 8 + a * (-7.0 / 2 + a * (15.0 / 4 + a * (-3.0 / 2 + 5 * a / 24)));
+  } else if (a < 3) {
+    slope = -std::pow(3 - a, 4) / 24;
+  }
+  return u < 0 ? -slope : slope;
+}
+
+/// Index mirrored about whole samples: -1 -> 1, n -> n - 2.
+int mirrored(int k, int n) {
+  if (n == 1) return 0;
+  const int period = 2 * (n - 1);
+  k = std::abs(k) % period;
+  return k < n ? k : period - k;
+}
+
+/// In place: samples to coefficients, one line of n values `step` apart.
+void prefilter(double* line, int n, std::ptrdiff_t step) {
+  if (n < 2) return;
+  for (const double z : kPoles) {
+    const double gain = (1 - z) * (1 - 1 / z);
+    for (int k = 0; k < n; ++k) line[k * step] *= gain;
+    double sum = 0;
+    double power = 1;
+    const int reach = std::min(2 * (n - 1), 60);  // |z|^60 < 1e-21
+    for (int k = 0; k < reach; ++k, power *= z) sum += power * line[mirrored(k, n) * step];
+    if (reach == 2 * (n - 1)) sum /= 1 - power;
+    line[0] = sum;
+    for (int k = 1; k < n; ++k) line[k * step] += z * line[(k - 1) * step];
+    line[(n - 1) * step] = z / (z * z - 1) * (line[(n - 1) * step] + z * line[(n - 2) * step]);
+    for (int k = n - 2; k >= 0; --k) line[k * step] = z * (line[(k + 1) * step] - line[k * step]);
+  }
+}
+
+}  // namespace
+
+std::array<double, 6> quintic_weights(double t) {
+  std::array<double, 6> weights{};
+  for (int k = -2; k <= 3; ++k) weights[static_cast<std::size_t>(k + 2)] = basis(t - k);
+  return weights;
+}
+
+std::array<double, 6> quintic_slopes(double t) {
+  std::array<double, 6> slopes{};
+  for (int k = -2; k <= 3; ++k) slopes[static_cast<std::size_t>(k + 2)] = basis_slope(t - k);
+  return slopes;
+}
+
+QuinticSpline::QuinticSpline(const Picture& picture)
+    : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
+  std::vector<double> c(picture.levels().begin(), picture.levels().end());
+  for (int y = 0; y < height_; ++y) prefilter(c.data() + static_cast<std::ptrdiff_t>(y) * width_, width_, 1);
+  for (int x = 0; x < width_; ++x) prefilter(c.data() + x, height_, width_);
+  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
+  for (int y = -kPad; y < height_ + kPad; ++y) {
+    const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(mirrored(y, height_)) * width_;
+    float* to = coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_;
+    for (int x = -kPad; x < width_ + kPad; ++x)
+      to[x + kPad] = static_cast<float>(c[static_cast<std::size_t>(from + mirrored(x, width_))]);
+  }
+}
+
+double QuinticSpline::value(double x, double y) const {
+  return sample(x, y).value;
+}
+
+SplineSample QuinticSpline::sample(double x, double y) const {
+  x = std::clamp(x, -5.0, width_ + 3.999);
+  y = std::clamp(y, -5.0, height_ + 3.999);
+  const double fx = std::floor(x);
+  const double fy = std::floor(y);
+  const auto wx = quintic_weights(x - fx);
+  const auto sx = quintic_slopes(x - fx);
+  const auto wy = quintic_weights(y - fy);
+  const auto sy = quintic_slopes(y - fy);
+  SplineSample out;
+  for (int j = 0; j < 6; ++j) {
+    const float* row = coefficient_row(static_cast<int>(fy) + j - 2) + static_cast<int>(fx) - 2;
+    double value = 0;
+    double slope = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      value += wx[i] * row[i];
+      slope += sx[i] * row[i];
+    }
+    out.value += wy[static_cast<std::size_t>(j)] * value;
+    out.slope_x += wy[static_cast<std::size_t>(j)] * slope;
+    out.slope_y += sy[static_cast<std::size_t>(j)] * value;
+  }
+  return out;
+}
+
+void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
+                                  float* slope_y) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  std::array<float, 6> wx{}, sx{}, wy{}, sy{};
+  const auto narrow = [](const std::array<double, 6>& from, std::array<float, 6>& to) {
+    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
+  };
+  narrow(quintic_weights(x0 - ix), wx);
+  narrow(quintic_slopes(x0 - ix), sx);
+  narrow(quintic_weights(y0 - iy), wy);
+  narrow(quintic_slopes(y0 - iy), sy);
+  const auto line = static_cast<std::size_t>(width);
+  const std::size_t rows = static_cast<std::size_t>(height) + 5;
+  rows_.resize(2 * rows * line);
+  float* smooth = rows_.data();
+  float* slanted = rows_.data() + rows * line;
+  for (std::size_t j = 0; j < rows; ++j) {
+    const float* c = coefficient_row(iy + static_cast<int>(j) - 2) + ix - 2;
+    float* a = smooth + j * line;
+    for (std::size_t i = 0; i < line; ++i)
+      a[i] = wx[0] * c[i] + wx[1] * c[i + 1] + wx[2] * c[i + 2] + wx[3] * c[i + 3] + wx[4] * c[i + 4] +
+             wx[5] * c[i + 5];
+    if (!slope_x) continue;
+    float* b = slanted + j * line;
+    for (std::size_t i = 0; i < line; ++i)
+      b[i] = sx[0] * c[i] + sx[1] * c[i + 1] + sx[2] * c[i + 2] + sx[3] * c[i + 3] + sx[4] * c[i + 4] +
+             sx[5] * c[i + 5];
+  }
+  const auto combine = [&](const float* from, const std::array<float, 6>& w, float* to) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(height); ++j) {
+      const float* r = from + j * line;
+      float* o = to + j * line;
+      for (std::size_t i = 0; i < line; ++i)
+        o[i] = w[0] * r[i] + w[1] * r[i + line] + w[2] * r[i + 2 * line] + w[3] * r[i + 3 * line] +
+               w[4] * r[i + 4 * line] + w[5] * r[i + 5 * line];
+    }
+  };
+  combine(smooth, wy, value);
+  if (slope_x) combine(slanted, wy, slope_x);
+  if (slope_y) combine(smooth, sy, slope_y);
+}
+
+InterpolationNoise quintic_noise(double fraction) {
+  // Response of the interpolation at `fraction` to a unit sample k pixels away, summed in squares.
+  constexpr int kReach = 40;
+  std::vector<double> impulse(2 * kReach + 1, 0.0);
+  impulse[kReach] = 1;
+  prefilter(impulse.data(), static_cast<int>(impulse.size()), 1);
+  const double t = fraction - std::floor(fraction);
+  const auto w = quintic_weights(t);
+  const auto s = quintic_slopes(t);
+  InterpolationNoise noise{0, 0};
+  for (std::size_t k = 2; k + 3 < impulse.size(); ++k) {
+    double value = 0;
+    double slope = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      value += w[i] * impulse[k + i - 2];
+      slope += s[i] * impulse[k + i - 2];
+    }
+    noise.value += value * value;
+    noise.slope += slope * slope;
+  }
+  return noise;
+}
+
+}  // namespace tribotrack::vision

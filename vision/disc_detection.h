@@ -1,0 +1,43 @@
+// Finding a round part in a picture and measuring its centre and radius.
+//
+// Search: every strong edge pixel votes for centres along its gradient, one radius at a time (Hough), on a
+// pyramid of pictures so that radii of 8 to 400 px cost the same. Measurement: the blurred rim
+//   I(rho, phi) = O(phi) + (A(phi) - O(phi)) Phi((R - s^2 / (2 R) - rho) / s)
+// fitted to every pixel near the rim by Levenberg-Marquardt; Phi is the normal distribution function, s the
+// blur with the pixel's own 1/12 px^2, A and O the levels inside and outside, each with a slope across the
+// disc. The s^2 / (2 R) is what blur does to a curved edge.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+struct DiscFit {
+  Circle circle;
+  double radius_sd = 0;  ///< px
+  double centre_sd = 0;  ///< px, per axis
+  double blur = 0;       ///< s, px
+  double contrast = 0;   ///< level inside minus outside
+  double coverage = 0;   ///< share of the rim at which the edge is seen, 0 .. 1
+  double residual_rms = 0;
+  double score = 0;  ///< for comparing candidates
+};
+
+/// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does
+/// not support a circle there (coverage below one half, or the fit walks away).
+std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture);
+
+struct DiscSearch {
+  double min_radius = 6;
+  double max_radius = 420;
+  std::optional<Circle> keep_out;  ///< nothing that touches this circle is reported
+  double min_coverage = 0.6;
+};
+
+/// Round things in the picture, best first.
+std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search, int max_count = 5);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,74 @@
+#include "vision/noise_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kBlock = 16;
+constexpr double kRounding = 1.0 / 12;
+
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+double noise_variance(const std::vector<Picture>& consecutive) {
+  double sum = 0;
+  int pairs = 0;
+  for (std::size_t k = 0; k + 1 < consecutive.size(); ++k) {
+    const Picture& a = consecutive[k];
+    const Picture& b = consecutive[k + 1];
+    std::vector<double> blocks;
+    for (int y0 = 0; y0 + kBlock <= a.height(); y0 += kBlock)
+      for (int x0 = 0; x0 + kBlock <= a.width(); x0 += kBlock) {
+        double s = 0;
+        double q = 0;
+        for (int y = y0; y < y0 + kBlock; ++y)
+          for (int x = x0; x < x0 + kBlock; ++x) {
+            const double d = static_cast<double>(a.at(x, y)) - b.at(x, y);
+            s += d;
+            q += d * d;
+          }
+        constexpr double n = kBlock * kBlock;
+        const double variance = (q - s * s / n) / (n - 1) / 2;
+        if (variance > 0) blocks.push_back(variance);  // 0: black, clipped, or a repeated frame
+      }
+    if (blocks.empty()) continue;
+    sum += median_of(blocks);
+    ++pairs;
+  }
+  double variance = pairs > 0 ? sum / pairs : 0;
+  if (!consecutive.empty()) {
+    // A texture that moves everywhere inflates the differences, a standing one the single picture.
+    const double single = noise_variance(consecutive.front());
+    variance = pairs > 0 ? std::min(variance, 1.1 * single) : single;
+  }
+  return std::max(variance, kRounding);
+}
+
+double noise_variance(const Picture& picture) {
+  std::vector<double> blocks;
+  for (int y0 = 1; y0 + kBlock < picture.height(); y0 += kBlock)
+    for (int x0 = 1; x0 + kBlock < picture.width(); x0 += kBlock) {
+      double q = 0;
+      for (int y = y0; y < y0 + kBlock; ++y)
+        for (int x = x0; x < x0 + kBlock; ++x) {
+          const auto row = [&](int dy) {
+            return static_cast<double>(picture.at(x - 1, y + dy)) - 2.0 * picture.at(x, y + dy) +
+                   picture.at(x + 1, y + dy);
+          };
+          const double d = row(-1) - 2 * row(0) + row(1);
+          q += d * d;
+        }
+      if (q > 0) blocks.push_back(q / (36.0 * kBlock * kBlock));
+    }
+  return std::max(median_of(blocks), kRounding);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,20 @@
+// How noisy is a recording?
+#pragma once
+
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// Variance of one pixel, grey levels^2, from consecutive frames: half the variance of their difference over
+/// 16 x 16 px blocks, the median over blocks (parts that move are a minority), the mean over pairs. Blocks
+/// rather than pixels, so that a change of light cancels; clipped and black blocks are left out. Never below
+/// the 1/12 of rounding to whole levels. One picture alone: from second differences, which a texture of a few
+/// pixels raises.
+double noise_variance(const std::vector<Picture>& consecutive);
+
+/// From one picture (Immerkaer, "Fast noise variance estimation", CVIU 64, 1996), median over blocks.
+double noise_variance(const Picture& picture);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,60 @@
+// Normalised cross-correlation of a masked template with a picture, at whole pixels.
+//
+// zncc = sum w (T - <T>) (I - <I>) / sqrt(sum w (T - <T>)^2 sum w (I - <I>)^2), <.> the mean under the mask
+// w: blind to gain and offset of the light. (OpenCV's masked TM_CCOEFF_NORMED returns inf on flat ground,
+// hence our own.)
+#pragma once
+
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// A template and its mask, both of one size. Only where weights > 0 do levels count.
+struct MaskedTemplate {
+  Picture levels;
+  Picture weights;
+};
+
+/// Position of the template's first pixel in the picture, and the score there.
+struct Match {
+  int x = 0, y = 0;
+  double ncc = -1;
+};
+
+class TemplateMatcher {
+ public:
+  explicit TemplateMatcher(const MaskedTemplate& pattern);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Score with the template's first pixel at (x, y), which must leave the template inside the picture. 0 on
+  /// flat ground.
+  double score(const Picture& picture, int x, int y) const;
+
+  /// Best position with x in [x0, x1], y in [y0, y1] (clipped to where the template fits), every one tried.
+  Match best(const Picture& picture, int x0, int y0, int x1, int y1) const;
+
+  /// Local maxima of the score over the whole picture, best first, at least `separation` px apart and scoring
+  /// at least min_ncc: found on a picture reduced by averaging, then followed uphill at full size.
+  std::vector<Match> search(const Picture& picture, double min_ncc, double separation, int max_count) const;
+
+ private:
+  struct Span {
+    int y = 0, x0 = 0, x1 = 0;  ///< pixels x0 .. x1 - 1 of row y have weight
+  };
+  Match climb(const Picture& picture, Match from, int step) const;
+
+  int width_ = 0, height_ = 0;
+  Picture shape_;    ///< w (T - <T>) / sqrt(sum w (T - <T>)^2)
+  Picture weights_;  ///< w
+  double weight_ = 0;
+  float pivot_ = 0;  ///< subtracted from the picture's levels so that sums of squares keep their digits
+  std::vector<Span> spans_;
+  MaskedTemplate reduced_;  ///< averaged over reduction_ x reduction_ pixels
+  int reduction_ = 1;
+};
+
+}  // namespace tribotrack::vision

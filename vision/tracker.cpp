@@ -1,0 +1,338 @@
+#include "vision/tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "vision/disc_detection.h"
+#include "vision/noise_estimate.h"
+#include "vision/pattern_follower.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kNoiseFrames = 6;
+constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
+constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
+constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(), pattern, args...);
+  return text.data();
+}
+
+struct FrameRange {
+  std::int64_t first = 0, last = 0;  ///< indices, both included
+};
+
+FrameRange resolve_range(const FrameSource& source, const TrackOptions& options) {
+  const SourceInfo& info = source.info();
+  const std::string name = info.path.string();
+  if (info.frame_count <= 0) throw InputError(name + " holds no frames");
+  const std::int64_t low = info.first_number;
+  const std::int64_t high = info.first_number + info.frame_count - 1;
+  const std::int64_t first = options.first_frame.value_or(low);
+  const std::int64_t last = options.last_frame.value_or(high);
+  if (first < low || first > high || last < low || last > high)
+    throw InputError(format("%s: frames %lld to %lld are asked for, but the recording holds %lld to %lld",
+                            name.c_str(), static_cast<long long>(first), static_cast<long long>(last),
+                            static_cast<long long>(low), static_cast<long long>(high)));
+  if (last < first)
+    throw InputError(format("%s: the last frame asked for (%lld) comes before the first (%lld)", name.c_str(),
+                            static_cast<long long>(last), static_cast<long long>(first)));
+  return {first - low, last - low};
+}
+
+std::vector<Picture> leading_frames(FrameSource& source, const FrameRange& range) {
+  std::vector<Picture> frames;
+  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k)
+    frames.push_back(source.read(k));
+  return frames;
+}
+
+bool whole_in(const Picture& picture, const Circle& c) {
+  return c.x - c.radius >= -0.5 && c.y - c.radius >= -0.5 && c.x + c.radius <= picture.width() - 0.5 &&
+         c.y + c.radius <= picture.height() - 0.5;
+}
+
+/// A click made exact by the rim where it supports it.
+Circle refined(const Picture& first, const Circle& given, const char* what, double& radius_sd,
+               TrackSummary& summary) {
+  const double capture = std::max(kGivenCapture, 0.03 * given.radius);
+  if (const auto fit = fit_disc(first, given, capture); fit && whole_in(first, fit->circle)) {
+    radius_sd = fit->radius_sd;
+    return fit->circle;
+  }
+  radius_sd = 0;
+  summary.warnings.push_back(format(
+      "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
+      "as they are, and a scale from its diameter is as good as the given radius",
+      what, given.x, given.y));
+  return given;
+}
+
+void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
+  if (whole_in(first, c) && c.radius >= 2) return;
+  throw InputError(
+      format("%s: the %s at (%.1f, %.1f) px with radius %.1f px is not wholly in the %d x %d "
+             "picture; give its place in the first analysed frame, or start at a frame in which "
+             "it is whole",
+             source.info().path.string().c_str(), what, c.x, c.y, c.radius, first.width(), first.height()));
+}
+
+/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. From
+/// the median deviation, so that a neighbour or a shadow does not count.
+double ground_texture(const Picture& first, const Circle& disc, double noise_variance) {
+  std::vector<float> levels;
+  const double inner = disc.radius + 4;
+  const double outer = disc.radius + std::max(8.0, 0.25 * disc.radius);
+  for (int y = std::max(0, static_cast<int>(disc.y - outer));
+       y <= std::min(first.height() - 1, static_cast<int>(disc.y + outer)); ++y)
+    for (int x = std::max(0, static_cast<int>(disc.x - outer));
+         x <= std::min(first.width() - 1, static_cast<int>(disc.x + outer)); ++x) {
+      const double rho = std::hypot(x - disc.x, y - disc.y);
+      if (rho >= inner && rho <= outer) levels.push_back(first.at(x, y));
+    }
+  if (levels.size() < 20) return 0;
+  const auto median = [&] {
+    const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
+    std::nth_element(levels.begin(), middle, levels.end());
+    return *middle;
+  };
+  const float centre = median();
+  for (float& level : levels) level = std::abs(level - centre);
+  const double spread = 1.4826 * median();
+  return std::sqrt(std::max(0.0, spread * spread - noise_variance));
+}
+
+struct Setup {
+  Pattern pattern;
+  FollowOptions follow;
+};
+
+Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
+                double noise_variance, TrackSummary& summary) {
+  Setup setup;
+  setup.follow.min_ncc = options.min_ncc;
+  setup.follow.noise_variance = noise_variance;
+  setup.follow.search_margin_px = options.search_margin_px;
+  if (options.target.kind == Target::Kind::rectangle) {
+    const Rect& r = options.target.rectangle;
+    if (r.width < 8 || r.height < 8 || !source.bounds().contains(r))
+      throw InputError(format(
+          "%s: the template %d,%d,%d,%d must be at least 8 x 8 px and lie inside the %d x %d "
+          "picture",
+          source.info().path.string().c_str(), r.x, r.y, r.width, r.height, first.width(), first.height()));
+    setup.pattern = rectangle_pattern(r);
+    summary.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
+  } else {
+    if (options.target.kind == Target::Kind::disc) {
+      check_whole(first, options.target.disc, source, "disc");
+      summary.disc = refined(first, options.target.disc, "disc", summary.disc_radius_sd, summary);
+    } else {
+      const auto found = find_discs(first, {}, 1);
+      if (found.empty())
+        throw InputError(source.info().path.string() +
+                         ": no disc was found in the first analysed frame; give it with --disc X,Y,R");
+      summary.disc = found.front().circle;
+      summary.disc_radius_sd = found.front().radius_sd;
+    }
+    const double texture = ground_texture(first, summary.disc, noise_variance);
+    const bool busy = texture > kTextureFactor * std::sqrt(noise_variance);
+    DiscPatternOptions mask;
+    mask.margin_px = busy ? 0 : 3;
+    setup.pattern = disc_pattern(first, summary.disc, mask);
+    summary.plan.push_back({"mask beyond the rim", !busy,
+                            format("the ground around the disc has a texture of %.1f grey levels rms against "
+                                   "noise of %.1f",
+                                   texture, std::sqrt(noise_variance)),
+                            0, 0});
+  }
+  RegistrationOptions probe;
+  probe.noise_variance = noise_variance;
+  const TemplateRegistration trial(first, setup.pattern, probe);
+  setup.follow.rotation = trial.limit_theta() < kRotationLimit;
+  summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
+  summary.plan.push_back(
+      {"rotation", setup.follow.rotation,
+       trial.limit_theta() < 10
+           ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
+           : std::string("the part has no texture above the noise that shows rotation"),
+       0, 0});
+  return setup;
+}
+
+std::optional<PatternFollower> plan_marker(const Picture& first, std::int64_t index,
+                                           const FrameSource& source, const TrackOptions& options,
+                                           double noise_variance, TrackSummary& summary) {
+  if (options.marker.kind == MarkerChoice::Kind::none) {
+    summary.plan.push_back({"marker", false, "none asked for: positions are the camera's", 0, 0});
+    return std::nullopt;
+  }
+  if (options.marker.kind == MarkerChoice::Kind::circle) {
+    check_whole(first, options.marker.circle, source, "marker");
+    double ignored = 0;
+    summary.marker = refined(first, options.marker.circle, "marker", ignored, summary);
+  } else {
+    DiscSearch search;
+    search.min_radius = 3;
+    search.keep_out = summary.disc;
+    search.keep_out->radius =
+        std::max(summary.disc.radius,
+                 0.5 * std::hypot(options.target.rectangle.width, options.target.rectangle.height));
+    const auto found = find_discs(first, search, 1);
+    if (found.empty())
+      throw InputError(
+          source.info().path.string() +
+          ": no round marker was found in the first analysed frame; give it with --marker X,Y,R or "
+          "leave it out with --marker none");
+    summary.marker = found.front().circle;
+  }
+  FollowOptions follow;
+  follow.min_ncc = options.min_ncc;
+  follow.noise_variance = noise_variance;
+  follow.search_whole_frame = false;
+  summary.plan.push_back({"marker", true,
+                          format("at (%.1f, %.1f) px, radius %.1f px: its motion is subtracted",
+                                 summary.marker.x, summary.marker.y, summary.marker.radius),
+                          0, 0});
+  return PatternFollower(first, index, disc_pattern(first, summary.marker), follow);
+}
+
+void fill(TrackPoint& point, const Sighting& s) {
+  point.status = TrackStatus::ok;
+  point.x = s.position.x;
+  point.y = s.position.y;
+  point.sigma_x = std::sqrt(s.covariance(0, 0));
+  point.sigma_y = std::sqrt(s.covariance(1, 1));
+  point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  point.ncc = s.ncc;
+}
+
+MarkerPoint marker_point(const Sighting& s) {
+  return {s.position.x, s.position.y, std::sqrt(0.5 * s.covariance.trace()), s.ncc};
+}
+
+void count(const Track& track, double max_lost_share, TrackSummary& summary) {
+  const auto& points = track.points;
+  summary.frames = static_cast<std::int64_t>(points.size());
+  for (const TrackPoint& p : points) {
+    summary.ok += p.status == TrackStatus::ok;
+    summary.lost += p.status == TrackStatus::lost;
+    summary.edge += p.status == TrackStatus::edge;
+  }
+  // Left for good: not seen again after an edge.
+  std::size_t end = points.size();
+  while (end > 0 && points[end - 1].status != TrackStatus::ok) --end;
+  summary.left_for_good = end < points.size() && points[end].status == TrackStatus::edge;
+  const std::size_t counted = summary.left_for_good ? end : points.size();
+  for (std::size_t k = 0; k < counted; ++k) summary.lost_counted += points[k].status == TrackStatus::lost;
+  summary.gate_passed = static_cast<double>(summary.lost_counted) <=
+                        max_lost_share * static_cast<double>(std::max<std::int64_t>(1, summary.frames));
+}
+
+void note_effort(const FollowEffort& effort, TrackSummary& summary) {
+  const auto frames = static_cast<double>(std::max<std::int64_t>(1, summary.frames));
+  summary.plan.push_back({"correlation over the predicted window", effort.window_searches > 0,
+                          format("refinement from the prediction proved the match in %.1f %% of the frames",
+                                 100 * static_cast<double>(effort.proved_by_refinement) / frames),
+                          0, 0});
+  summary.plan.push_back({"search of the whole frame", effort.whole_frame_searches > 0,
+                          format("needed in %lld frames, where the part was lost",
+                                 static_cast<long long>(effort.whole_frame_searches)),
+                          0, 0});
+}
+
+void note_excess(std::vector<double>& excess, double noise, TrackSummary& summary) {
+  if (excess.empty()) return;
+  const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(excess.size() / 2);
+  std::nth_element(excess.begin(), middle, excess.end());
+  if (*middle > 0.5 * noise)
+    summary.warnings.push_back(format(
+        "the registration leaves %.2f grey levels rms beyond the noise of %.2f (moving ground seen through "
+        "the rim, glare, compression): the standard deviations are widened accordingly",
+        *middle, noise));
+}
+
+}  // namespace
+
+void TrackOptions::validate() const {
+  if (!(min_ncc > 0 && min_ncc < 1)) throw std::invalid_argument("min_ncc must lie between 0 and 1");
+  if (!(max_lost_share >= 0 && max_lost_share <= 1))
+    throw std::invalid_argument("max_lost_share must lie between 0 and 1");
+  if (search_margin_px < 0) throw std::invalid_argument("search_margin_px must not be negative");
+  const auto check = [](const Circle& c, const char* what) {
+    if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))
+      throw std::invalid_argument(std::string(what) + " must have finite coordinates and a positive radius");
+  };
+  if (target.kind == Target::Kind::disc) check(target.disc, "target.disc");
+  if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
+}
+
+TrackResult track(FrameSource& source, const TrackOptions& options) {
+  options.validate();
+  if (!source.info().time_base.known()) throw InputError(source.info().time_base.why_unknown());
+  const FrameRange range = resolve_range(source, options);
+  TrackResult result;
+  TrackSummary& summary = result.summary;
+
+  std::vector<Picture> leading = leading_frames(source, range);
+  const double noise = noise_variance(leading);
+  summary.noise_levels = std::sqrt(noise);
+  const Picture first = std::move(leading.front());
+  leading.clear();
+
+  const Setup setup = plan_part(first, source, options, noise, summary);
+  PatternFollower part(first, range.first, setup.pattern, setup.follow);
+  std::optional<PatternFollower> marker = plan_marker(first, range.first, source, options, noise, summary);
+  result.track.has_marker = marker.has_value();
+
+  std::vector<double> excess;
+  std::optional<Sighting> tentative;
+  auto& points = result.track.points;
+  const std::int64_t total = range.last - range.first + 1;
+  points.reserve(static_cast<std::size_t>(total));
+  for (std::int64_t index = range.first; index <= range.last; ++index) {
+    TrackPoint point;
+    point.frame = source.number(index);
+    point.time_s = source.time_s(index);
+    const FollowStep step = part.step(source, index);
+    if (step.confirms_previous && tentative) {
+      fill(points.back(), *tentative);
+      ++summary.refound;
+    }
+    tentative = step.tentative ? step.sighting : std::nullopt;
+    point.status = step.status;
+    if (step.status == TrackStatus::ok) {
+      fill(point, *step.sighting);
+      excess.push_back(step.sighting->excess_rms);
+    }
+    if (marker)
+      if (const FollowStep seen = marker->step(source, index); seen.status == TrackStatus::ok)
+        point.marker = marker_point(*seen.sighting);
+    points.push_back(point);
+    if (options.progress) options.progress(index - range.first + 1, total);
+  }
+  count(result.track, options.max_lost_share, summary);
+  note_effort(part.effort(), summary);
+  note_excess(excess, summary.noise_levels, summary);
+  return result;
+}
+
+std::string TrackSummary::brief_report() const {
+  std::string text =
+      format("%lld frames: %lld ok, %lld lost, %lld edge", static_cast<long long>(frames),
+             static_cast<long long>(ok), static_cast<long long>(lost), static_cast<long long>(edge));
+  if (refound > 0) text += format(", found again %lld times", static_cast<long long>(refound));
+  if (left_for_good) text += ", left the picture for good";
+  text += format("; noise %.2f grey levels, limit %.4f px", noise_levels, limit_px);
+  if (disc.radius > 0) text += format("; disc at (%.2f, %.2f), radius %.3f px", disc.x, disc.y, disc.radius);
+  if (!gate_passed) text += "; GATE FAILED: lost for more than the allowed share of frames";
+  return text;
+}
+
+}  // namespace tribotrack::vision
