@@ -7,7 +7,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kMostPoints = 64;
+constexpr int kMostPoints = 256;
 
 /// log of C_n = n!^4 / ((2n + 1) (2n)!^3)
 double log_error_constant(int n) {

@@ -16,7 +16,7 @@ QuadratureRule gauss_legendre(int points);
 
 /// Points needed for the mean over a unit interval of an edge 0.5 erfc(x / (sqrt2 blur)), to `tolerance` of
 /// its height. The error is C_n max |f^(2n)|, C_n = n!^4 / ((2n + 1) (2n)!^3), and Cramer's inequality bounds
-/// the derivative by 0.435 sqrt((2n - 1)!) / blur^2n. At most 64.
+/// the derivative by 0.435 sqrt((2n - 1)!) / blur^2n. At most 256.
 int gauss_points_for_edge(double blur, double tolerance);
 
 /// Same for the wave cos(wave_number x + phase).

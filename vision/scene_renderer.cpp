@@ -1,22 +1,20 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "vision/scene.h"
+#include "vision/scene_camera.h"
 #include "vision/scene_disc.h"
 #include "vision/scene_edge.h"
 #include "vision/scene_exposure.h"
 #include "vision/scene_marker.h"
-#include "vision/scene_noise.h"
 #include "vision/scene_quadrature.h"
 #include "vision/scene_texture.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTolerance = 5e-5;                          // of the contrast of an edge, per integral
-constexpr std::uint64_t kNoiseStream = 0x6e015e0000000000u;  // away from the streams of the appearance
+constexpr double kTolerance = 5e-5;  // of the contrast of an edge, per integral
 
 std::vector<double> grid_of_points(int pixels, const QuadratureRule& rule) {
   std::vector<double> places;
@@ -76,8 +74,8 @@ struct SceneRenderer::Implementation {
   QuadratureRule rule;         // of the pixels with an edge in them
   TextureGrid texture_pixels;  // whole pixels
   TextureGrid texture_points;  // the rule's points in every pixel
-  Picture gain;                // vignetting and scale of the levels, per pixel
-  Picture lamp_share;          // of each pixel; empty without lamp
+  SceneCamera camera;
+  Picture lamp_share;  // of each pixel; empty without lamp
 };
 
 SceneRenderer::Implementation::Implementation(const Scene& s)
@@ -90,18 +88,8 @@ SceneRenderer::Implementation::Implementation(const Scene& s)
                      grid_of_points(s.height, gauss_legendre(1)), TextureGrid::Value::kPixelMean),
       texture_points(texture, grid_of_points(s.width, rule), grid_of_points(s.height, rule),
                      TextureGrid::Value::kAtPoint),
-      gain(s.width, s.height) {
+      camera(s) {
   if (s.marker) marker.emplace(*s.marker, s.disc.edge_blur_px);
-  const double x_middle = (s.width - 1) / 2.0;
-  const double y_middle = (s.height - 1) / 2.0;
-  const double corner = std::max(1.0, x_middle * x_middle + y_middle * y_middle);
-  const double scale = std::ldexp(1.0, s.bits - 8);
-  for (int y = 0; y < s.height; ++y) {
-    for (int x = 0; x < s.width; ++x) {
-      const double r2 = (x - x_middle) * (x - x_middle) + (y - y_middle) * (y - y_middle);
-      gain.at(x, y) = static_cast<float>(scale * (1 - s.vignetting * r2 / corner));
-    }
-  }
   if (!s.lamp) return;
   lamp_share = Picture(s.width, s.height);
   for (int y = 0; y < s.height; ++y) {
@@ -244,23 +232,17 @@ double SceneRenderer::Implementation::scene_at(double x, int texture_column, con
   return level + cover * (scene.platform.level + texture_points.at(row.texture, texture_column));
 }
 
-/// Vignetting, the exposure's mean of the flicker 1 + f sin(2 pi h t), the lamp's own light, scale of the
-/// levels.
+/// The light falling on the scene, and the lamp's own.
 void SceneRenderer::Implementation::apply_light(double time_s, double exposure_s, double lamp_on_share,
                                                 Picture& picture) const {
-  const double half_turn = std::numbers::pi * scene.flicker_hz * exposure_s;
-  const double smoothing = std::abs(half_turn) < 1e-9 ? 1.0 : std::sin(half_turn) / half_turn;
-  const auto flicker = static_cast<float>(1 + scene.flicker * smoothing *
-                                                  std::sin(2 * std::numbers::pi * scene.flicker_hz * time_s));
-  for (std::size_t i = 0; i < picture.levels().size(); ++i) picture.levels()[i] *= flicker;
-  if (scene.lamp) {
-    const auto lamp_level = static_cast<float>(
-        scene.lamp->off_level + lamp_on_share * (scene.lamp->on_level - scene.lamp->off_level));
-    for (std::size_t i = 0; i < picture.levels().size(); ++i) {
-      picture.levels()[i] += lamp_level * lamp_share.levels()[i];
-    }
+  const auto flicker = static_cast<float>(camera.flicker(time_s, exposure_s));
+  for (float& level : picture.levels()) level *= flicker;
+  if (!scene.lamp) return;
+  const auto lamp_level = static_cast<float>(scene.lamp->off_level +
+                                             lamp_on_share * (scene.lamp->on_level - scene.lamp->off_level));
+  for (std::size_t i = 0; i < picture.levels().size(); ++i) {
+    picture.levels()[i] += lamp_level * lamp_share.levels()[i];
   }
-  for (std::size_t i = 0; i < picture.levels().size(); ++i) picture.levels()[i] *= gain.levels()[i];
 }
 
 SceneRenderer::SceneRenderer(const Scene& scene) {
@@ -287,26 +269,14 @@ Picture SceneRenderer::render_exact(double time_s, double exposure_s,
   im.render_filled(frame, picture);
   im.render_edges(frame, picture);
   im.apply_light(time_s, exposure_s, lamp_on_share, picture);
+  im.camera.to_levels(picture);
   return picture;
 }
 
 Picture SceneRenderer::render(std::int64_t index, double time_s, double exposure_s,
                               const std::function<ScenePose(double)>& pose, double lamp_on_share) const {
   Picture picture = render_exact(time_s, exposure_s, pose, lamp_on_share);
-  const Scene& scene = implementation_->scene;
-  const auto scale = static_cast<float>(std::ldexp(1.0, scene.bits - 8));
-  const auto top = static_cast<float>(std::ldexp(1.0, scene.bits) - 1);
-  // var = read^2 + shot I on the 8-bit scale.
-  const auto read = static_cast<float>(scene.read_noise * scene.read_noise) * scale * scale;
-  const auto shot = static_cast<float>(scene.shot_noise) * scale;
-  const CounterRandom random(scene.seed, kNoiseStream + static_cast<std::uint64_t>(index));
-  const bool noisy = read > 0 || shot > 0;
-  const std::span<float> levels = picture.levels();
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    float level = levels[i];
-    if (noisy) level += std::sqrt(read + shot * std::max(level, 0.0F)) * random.gaussian(i);
-    levels[i] = static_cast<float>(static_cast<int>(std::clamp(level, 0.0F, top) + 0.5F));
-  }
+  implementation_->camera.record(picture, index);
   return picture;
 }
 

@@ -129,7 +129,7 @@ TEST(SceneRenderer, ScratchesAndHighlightAgreeWithBruteForce) {
   Scene scene = plain(41, 33, 12);
   scene.disc.scratches = 12;
   scene.disc.highlight = 25;
-  EXPECT_LT(worst_difference(scene, 0, 0, at_rest({19.37, 15.81}, 0.7), {19.37, 15.81}, 0, 13, 300), 0.01);
+  EXPECT_LT(worst_difference(scene, 0, 0, at_rest({19.37, 15.81}, 0.7), {19.37, 15.81}, 0, 13, 300), 0.005);
 }
 
 TEST(SceneRenderer, DiscOnBrushedPlatformAgreesWithBruteForce) {
@@ -154,8 +154,8 @@ TEST(SceneRenderer, MotionBlurAgreesWithBruteForce) {
                        0.3 + 0.05 * path * u,
                        {-0.6 * path * u, 0.3 * path * u}};
     };
-    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 10, 17, 25), 0.015) << path;
-    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 0, 9, 25), 0.015) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 10, 17, 25), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 0, 9, 25), 0.005) << path;
     EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 20, 30, 8), 0.005) << path;
   }
 }
@@ -166,8 +166,8 @@ TEST(SceneRenderer, MarkerAgreesWithBruteForce) {
   scene.disc.visible = false;
   scene.marker = MarkerAppearance{{20.4, 21.3}, 11, 20, 220};
   const Pose pose = [](double t) { return ScenePose{{0, 0}, 0, {1.3 + 1.0 * t, -0.8 * t}}; };
-  EXPECT_LT(worst_difference(scene, 0, 1, pose, {21.7, 21.3}, 0, 16, 25), 0.02);
-  EXPECT_LT(worst_difference(scene, 0, 0, pose, {21.7, 21.3}, 0, 16, 100), 0.02);
+  EXPECT_LT(worst_difference(scene, 0, 1, pose, {21.7, 21.3}, 0, 16, 25), 0.006);
+  EXPECT_LT(worst_difference(scene, 0, 0, pose, {21.7, 21.3}, 0, 16, 100), 0.006);
 }
 
 TEST(SceneRenderer, DiscHidesMarkerAndLampLiesOnTop) {
@@ -177,7 +177,7 @@ TEST(SceneRenderer, DiscHidesMarkerAndLampLiesOnTop) {
   scene.marker = MarkerAppearance{{20.4, 21.3}, 8, 20, 220};
   scene.lamp = Lamp{{37, 22}, 5, 230, 20};
   const Pose pose = at_rest({29.7, 22.4}, 0.2, {0.4, 0.3});
-  EXPECT_LT(worst_difference(scene, 0, 0, pose, {29.7, 22.4}, 0, 20, 150, 0.35), 0.02);
+  EXPECT_LT(worst_difference(scene, 0, 0, pose, {29.7, 22.4}, 0, 20, 150, 0.35), 0.005);
 }
 
 TEST(SceneRenderer, LightOfTheDiscIsItsAreaTimesItsContrast) {
