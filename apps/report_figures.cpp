@@ -198,7 +198,8 @@ std::string figures_json(const ReportData& data) {
 
 std::string dependence_section(const ReportData& data) {
   const char* how =
-      "Points: measured, with one standard deviation; lines: the model at the fitted parameters.";
+      "Points: measured, with one standard deviation (often smaller than the point); lines: the model at "
+      "the fitted parameters.";
   std::string html = "<section id=\"dependences\"><h2>Where the part goes, and how fast</h2>\n";
   if (!data.over_phi.empty() || !data.over_dtau.empty()) html += "<div class=\"pair\">\n";
   if (!data.over_phi.empty())

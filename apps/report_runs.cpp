@@ -80,13 +80,17 @@ std::string picture(const ReportRun& run, std::size_t index) {
   return html;
 }
 
+/// The recording's file, unless the run is simply named after it.
+std::string video_line(const ReportRun& run) {
+  const bool named_after = run.video == run.name || run.video.rfind(run.name + ".", 0) == 0;
+  if (run.video.empty() || named_after) return "";
+  return fmt::format("<br><span class=\"small\">{}</span>", escape_html(run.video));
+}
+
 std::string run_row(const ReportRun& run, std::size_t index) {
   std::string html = fmt::format("<tr{}>", run.failure.empty() ? "" : " class=\"failed\"");
   html += number_cell(std::to_string(index + 1));
-  html += cell("<b>" + escape_html(run.name) + "</b>" +
-               (run.video.empty() || run.video == run.name
-                    ? ""
-                    : "<br><span class=\"small\">" + escape_html(run.video) + "</span>"));
+  html += fmt::format("<td><b>{}</b>{}</td>", escape_html(run.name), video_line(run));
   if (!run.failure.empty())
     return html + "<td colspan=\"10\">failed: " + escape_html(run.failure) + "</td></tr>\n";
   html += number_cell(run.kind == "free_slide" ? "free slide" : angle(run.phi_rad));
@@ -145,7 +149,7 @@ std::string run_section(const ReportData& data) {
       "<section id=\"runs\"><h2>Runs</h2>\n<div class=\"wide\"><table class=\"runs\"><thead><tr><th "
       "class=\"n\">#</th><th>Run</th><th class=\"n\">φ</th><th class=\"n\">Δτ</th><th class=\"n\">α, "
       "rad</th><th class=\"n\">model</th><th class=\"n\">v, mm/s</th><th class=\"n\">model</th><th "
-      "class=\"n\">cycles</th><th class=\"n\">frames: found / lost / edge</th><th class=\"n\">σ, "
+      "class=\"n\">cycles</th><th class=\"n\">frames<br>found / lost / edge</th><th class=\"n\">σ, "
       "px</th><th>Frame rate from</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < data.runs.size(); ++i) html += run_row(data.runs[i], i);
   html +=

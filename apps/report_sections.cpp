@@ -169,9 +169,9 @@ std::string provenance_section(const ReportData& data) {
   html += "<p>Made by tribotrack " +
           escape_html(data.program_version.empty() ? "(version not stated)" : data.program_version) +
           " after S. Kilikevičius, K. Liutkauskienė and A. Fedaravičius, <i>Nonprehensile Manipulation of "
-          "Parts on a Horizontal Circularly Oscillating Platform with Dynamic Dry Friction Control</i>, 2021 "
-          "(“the paper”). Figures drawn with plotly.js (MIT licence), which is part of this page; the page "
-          "fetches nothing.</p>\n";
+          "Parts on a Horizontal Circularly Oscillating Platform with Dynamic Dry Friction Control</i>, "
+          "2021 (“the paper”). Figures drawn with plotly.js (MIT licence), which is part of this page; "
+          "the page fetches nothing.</p>\n";
   if (!data.inputs.empty()) {
     html += "<details><summary>Inputs and their hashes</summary>\n<table class=\"compact\"><tbody>";
     for (const ReportInput& input : data.inputs)

@@ -81,6 +81,21 @@ std::string agreement_words(const ReportData& data) {
   return "";
 }
 
+/// "two runs failed, the model misses the data"; empty when there is nothing to say.
+std::string reasons_for_care(const ReportData& data) {
+  std::vector<std::string> reasons;
+  if (data.identifiability == ReportVerdict::weak)
+    reasons.push_back("some parameters are told apart only weakly");
+  if (agreement(data) == Agreement::poor) reasons.push_back("the model misses the data");
+  if (agreement(data) == Agreement::too_good) reasons.push_back("the stated errors look too large");
+  if (agreement(data) == Agreement::unknown) reasons.push_back("nothing checks the model");
+  const std::size_t failed = failed_runs(data);
+  if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
+  std::string words;
+  for (const std::string& reason : reasons) words += fmt::format("{}{}", words.empty() ? "" : ", ", reason);
+  return words;
+}
+
 }  // namespace
 
 ReportInterval expected_reduced_chi2(int dof) {
@@ -103,8 +118,8 @@ Verdict verdict_in_words(const ReportData& data) {
     verdict = {.trust = Trust::do_not_use,
                .heading = "Do not use these values",
                .paragraph = findings(data) +
-                            "The fit did not converge: the numbers are where it stopped, not a result. Check "
-                            "the first guesses and the runs marked below."};
+                            "The fit did not converge: the numbers are where it stopped, not a result. "
+                            "Check the first guesses and the runs marked below."};
   } else if (data.identifiability == ReportVerdict::not_identifiable) {
     verdict = {
         .trust = Trust::do_not_use,
@@ -115,9 +130,9 @@ Verdict verdict_in_words(const ReportData& data) {
             "equally well."};
   } else {
     const bool weak = data.identifiability == ReportVerdict::weak;
-    const bool doubtful = agreement(data) != Agreement::good || weak || failed_runs(data) > 0;
-    verdict.trust = doubtful ? Trust::with_care : Trust::usable;
-    verdict.heading = doubtful ? "Use with care" : "Can be used";
+    const std::string doubts = reasons_for_care(data);
+    verdict.trust = doubts.empty() ? Trust::usable : Trust::with_care;
+    verdict.heading = doubts.empty() ? "Can be used" : "Use with care: " + doubts;
     verdict.paragraph =
         fmt::format("{}The fit to {} converged{} {}", findings(data), runs_used(data),
                     weak ? ", but the data hold some combination of the parameters only weakly."

@@ -6,12 +6,14 @@
 
   // Okabe and Ito's colours, which colour-blind eyes tell apart; symbols and dashes say the same without colour.
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+  const DARKER = ["#00436a", "#7d3700", "#005d44", "#8a3c66", "#8a5f00", "#1f6f9c", "#777777"];  // of the same hues
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross", "star"];
   const DASHES = ["solid", "dash", "dot", "dashdot"];
   const FONT = { family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: 13, color: "#1a1a1a" };
   const CONFIG = {
     responsive: true, displaylogo: false, plotlyServerURL: "", showTips: false,
-    modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"],
+    // Named one by one: plotly's own choice includes a button that sends the chart to its maker's server.
+    modeBarButtons: [["zoom2d", "pan2d", "resetScale2d", "toImage"]],
     toImageButtonOptions: { format: "svg", filename: "tribotrack" }
   };
 
@@ -56,7 +58,7 @@
       vals.push(k * Math.PI / n);
       text.push(pi_label(k, n));
     }
-    return axis(title, { range: [low, high], tickmode: "array", tickvals: vals, ticktext: text });
+    return axis(title, { range: [low, high], tickmode: "array", tickvals: vals, ticktext: text, tickangle: 0 });
   }
 
   function numbers(list) { return list.filter(function (v) { return v !== null; }); }
@@ -75,9 +77,9 @@
       });
       traces.push({
         x: p.x, y: p.y, mode: "markers", name: group.label, legendgroup: "g" + i, text: p.names, customdata: p.sd,
-        marker: { color: colour, size: 8, symbol: SYMBOLS[i % SYMBOLS.length], line: { color: "#fff", width: 1 } },
+        marker: { color: colour, size: 7.5, symbol: SYMBOLS[i % SYMBOLS.length], line: { color: "#fff", width: 1 } },
         error_y: { type: "data", array: p.sd.map(function (s) { return s === null ? 0 : s; }), color: colour,
-                   thickness: 1.5, width: 4 },
+                   thickness: 1.5, width: 5 },
         hovertemplate: "%{text}<br>%{y:.4g} ± %{customdata:.2g}" + unit + "<extra></extra>"
       });
       xs.push(...numbers(p.x), ...numbers(c.x));
@@ -105,23 +107,25 @@
   function trajectories(paths) {
     const traces = [], ends = [];
     paths.forEach(function (path, i) {
-      const colour = COLOURS[i % COLOURS.length];
+      const colours = Math.floor(i / COLOURS.length) % 2 === 0 ? COLOURS : DARKER;
+      const colour = colours[i % COLOURS.length];
       traces.push({
         x: path.x, y: path.y, mode: "lines", name: path.label, connectgaps: false,
-        line: { color: colour, width: 1.4, dash: DASHES[Math.floor(i / COLOURS.length) % DASHES.length] },
+        line: { color: colour, width: 1.4 },
         hovertemplate: path.label + "<br>x %{x:.3f} mm, y %{y:.3f} mm<extra></extra>"
       });
       for (let k = path.x.length - 1; k >= 0; --k) {
         if (path.x[k] === null || path.y[k] === null) continue;
         const length = Math.hypot(path.x[k], path.y[k]) || 1;
         ends.push({ x: path.x[k], y: path.y[k], xref: "x", yref: "y", text: "<b>" + path.number + "</b>", showarrow: false,
-                    xshift: 11 * path.x[k] / length, yshift: 11 * path.y[k] / length, font: { size: 12, color: colour } });
+                    xshift: 22 * path.x[k] / length, yshift: 22 * path.y[k] / length, bgcolor: "rgba(255,255,255,0.8)",
+                    borderpad: 0, font: { size: 12, color: colour } });
         break;
       }
     });
     draw("trajectories", traces, layout({
       xaxis: axis("x, mm", {}), yaxis: axis("y, mm", { scaleanchor: "x", scaleratio: 1 }), annotations: ends,
-      legend: { x: 1.02, y: 1, xanchor: "left", font: { size: 12 } }
+      legend: { x: 1.01, y: 0.97, xanchor: "left", font: { size: 12 } }
     }));
   }
 
@@ -152,11 +156,11 @@
     draw("residuals", traces, layout({
       showlegend: true,
       xaxis: axis("", { range: [-0.6, runs.length - 0.4], tickmode: "array", tickvals: runs.map(function (r, k) { return k; }),
-                        ticktext: runs, showgrid: false }),
-      yaxis: axis("residual / standard deviation", { range: [-largest, largest] }),
+                        ticktext: runs.length <= 24 ? runs : runs.map(function (r) { return r.split(" ")[0]; }),
+                        tickangle: runs.length <= 24 ? -40 : 0, showgrid: false }),
+      yaxis: axis("residual / standard deviation", { range: [-largest, largest], zeroline: true, zerolinecolor: "#666" }),
       shapes: [
-        { type: "rect", layer: "below", xref: "paper", x0: 0, x1: 1, y0: -2, y1: 2, fillcolor: "#e9e9e9", line: { width: 0 } },
-        { type: "line", layer: "below", xref: "paper", x0: 0, x1: 1, y0: 0, y1: 0, line: { color: "#666", width: 1 } }
+        { type: "rect", layer: "below", xref: "paper", x0: 0, x1: 1, y0: -2, y1: 2, fillcolor: "#e9e9e9", line: { width: 0 } }
       ]
     }));
   }
@@ -174,7 +178,7 @@
         error_y: { type: "data", array: sigma_um, color: COLOURS[0], thickness: 1, width: 0 },
         hovertemplate: "%{x:.4f} s: %{y:.1f} µm<extra></extra>" }
     ], layout({
-      xaxis: axis("time, s", { anchor: "y2" }),
+      xaxis: axis("time, s", { anchor: "y2", mirror: "all" }),
       yaxis: axis("distance, mm", { domain: [0.4, 1] }),
       yaxis2: axis("residual, µm", { domain: [0, 0.3], zeroline: true, zerolinecolor: "#666" })
     }));
