@@ -1,0 +1,22 @@
+// The periodic motion as the fixed point of the one-cycle map, and its derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "model/scenario.h"
+
+namespace tribotrack::model::internal {
+
+/// Fixed point U = P(U) in scaled units at the scenario's start phase.
+struct Orbit {
+  Eigen::Vector2d velocity, drift;
+  Eigen::Matrix2d jacobian;  ///< of the one-cycle map
+  int iterations = 0;
+};
+
+/// nullopt where there is none that attracts.
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance = 1e-16);
+
+}  // namespace tribotrack::model::internal

@@ -1,0 +1,118 @@
+// A run as a chain of pieces, each with its polynomials.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "model/internal/polar_series.h"
+#include "model/internal/slow_slip.h"
+
+namespace tribotrack::model::internal {
+
+enum class PieceKind { stick, series, polar, slow };
+
+/// One step. The coefficients lie in the chain's pool from `offset` on.
+template <class T>
+struct Piece {
+  PieceKind kind = PieceKind::stick;
+  bool reduced = false;  ///< mu2 holds
+  int order = 0;
+  double cycle = 0, s = 0;  ///< where it begins
+  double span = 0;          ///< length in s (series, slow) or sigma (polar)
+  T shift{};                ///< the series counts from s + shift (a start from rest at an uncertain phase)
+  Pair<T> position;         ///< at the begin
+  size_t offset = 0;
+};
+
+template <class T>
+struct Motion {
+  Pair<T> velocity, position;  ///< at fixed s
+};
+
+template <class T>
+class PieceChain {
+ public:
+  void add_stick(Piece<T> piece) { pieces_.push_back(piece); }
+  void add(Piece<T> piece, const SlipSeries<T>& series) {
+    piece.kind = PieceKind::series;
+    store(piece, series.order, {series.x, series.y});
+  }
+  void add(Piece<T> piece, const PolarSeries<T>& p) {
+    piece.kind = PieceKind::polar;
+    store(piece, p.order, {p.log_speed, p.angle, p.s, p.x, p.y});
+  }
+  void add(Piece<T> piece, const SlowStep<T>& step) {
+    piece.kind = PieceKind::slow;
+    piece.offset = slow_.size();
+    slow_.push_back(step);
+    pieces_.push_back(piece);
+  }
+  /// The piece that holds at the local phase s of a cycle.
+  const Piece<T>& find(double cycle, double s) const {
+    const auto after = std::upper_bound(
+        pieces_.begin(), pieces_.end(), s,
+        [cycle](double at, const Piece<T>& p) { return cycle < p.cycle || (cycle == p.cycle && at < p.s); });
+    return after == pieces_.begin() ? *after : *(after - 1);
+  }
+  Motion<T> at(const Piece<T>& piece, double s, const ScaledDrive<T>& drive, const T& kappa) const;
+
+ private:
+  void store(Piece<T> piece, int order, std::initializer_list<const T*> columns) {
+    piece.order = order;
+    piece.offset = pool_.size();
+    for (const T* column : columns) pool_.insert(pool_.end(), column, column + order + 1);
+    pieces_.push_back(piece);
+  }
+
+  std::vector<Piece<T>> pieces_;
+  std::vector<T> pool_;
+  std::vector<SlowStep<T>> slow_;
+};
+
+template <class T>
+Motion<T> PieceChain<T>::at(const Piece<T>& piece, double s, const ScaledDrive<T>& drive,
+                            const T& kappa) const {
+  using std::cos;
+  using std::sin;
+  const T* c = pool_.data() + piece.offset;
+  const int n = piece.order;
+  switch (piece.kind) {
+    case PieceKind::stick:
+      break;
+    case PieceKind::series: {
+      const T t = std::clamp(s - piece.s, 0.0, piece.span) - piece.shift;
+      return {{evaluate(c, n, t), evaluate(c + n + 1, n, t)},
+              {piece.position.x + evaluate_integral(c, n, t),
+               piece.position.y + evaluate_integral(c + n + 1, n, t)}};
+    }
+    case PieceKind::polar: {
+      PolarSeries<T> series;
+      series.order = n;
+      T* columns[] = {series.log_speed, series.angle, series.s, series.x, series.y};
+      for (T* column : columns) {
+        std::copy(c, c + n + 1, column);
+        c += n + 1;
+      }
+      const PolarState<T> state = series.at(series.solve(s, piece.span));
+      return at_fixed_phase(state, drive, kappa);
+    }
+    case PieceKind::slow: {
+      const auto p = slow_[piece.offset].at(std::clamp(s - piece.s, 0.0, piece.span));
+      return {{p.speed * cos(p.angle), p.speed * sin(p.angle)}, {p.x, p.y}};
+    }
+  }
+  return {{}, piece.position};
+}
+
+/// From derivatives at fixed sigma to derivatives at fixed s.
+template <class T>
+Motion<T> at_fixed_phase(const PolarState<T>& state, const ScaledDrive<T>& drive, const T& kappa) {
+  using std::cos;
+  using std::sin;
+  const T moved = change(state.s);
+  const Pair<T> u = state.velocity(), d = drive.at(value(state.s));
+  const Pair<T> f{d.x - kappa * cos(state.angle), d.y - kappa * sin(state.angle)};
+  return {u - moved * f, Pair<T>{state.x, state.y} - moved * u};
+}
+
+}  // namespace tribotrack::model::internal

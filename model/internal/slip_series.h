@@ -1,0 +1,101 @@
+// Taylor series of the sliding motion away from u = 0, in the phase s.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "model/internal/scaled_problem.h"
+
+namespace tribotrack::model::internal {
+
+inline constexpr int kMaxOrder = 32;
+
+/// Order for a tolerance: minimises work per unit of phase (Jorba & Zou 2005, section 3.1).
+inline int taylor_order(double tolerance) {
+  const int order = static_cast<int>(std::ceil(-0.5 * std::log(tolerance))) + 1;
+  return order < 6 ? 6 : order > kMaxOrder - 2 ? kMaxOrder - 2 : order;
+}
+
+/// U(s + t) = sum_k (x[k], y[k]) t^k.
+template <class T>
+struct SlipSeries {
+  int order = 0;
+  T x[kMaxOrder], y[kMaxOrder];
+
+  /// |u|^2 = q, q^(-1/2) = p from q p' = -p q'/2, then (k+1) u_{k+1} = d_k - kappa (p u)_k.
+  void expand(const ScaledDrive<T>& drive, const T& kappa, double s, const Pair<T>& u, int degree);
+  /// The longest step whose truncation error is `tolerance` relative to the series' first coefficient, number
+  /// `first` (Jorba & Zou 2005, eq. 3-8).
+  double step(double tolerance, int first = 0) const;
+};
+
+template <class T>
+void SlipSeries<T>::expand(const ScaledDrive<T>& drive, const T& kappa, double s, const Pair<T>& u,
+                           int degree) {
+  using std::sqrt;
+  order = degree;
+  T q[kMaxOrder], p[kMaxOrder];
+  const bool frictionless = derivative_count<T> == 0 && value(kappa) == 0;
+  x[0] = u.x;
+  y[0] = u.y;
+  double c = std::cos(s), k_sin = std::sin(s);  // derivatives of cos and sin at s, divided by k!
+  for (int k = 0; k < degree; ++k) {
+    T fx{}, fy{};
+    if (!frictionless) {
+      T sum_q{};
+      for (int j = 0; 2 * j < k; ++j) sum_q += x[j] * x[k - j] + y[j] * y[k - j];
+      sum_q *= 2.0;
+      if (k % 2 == 0) sum_q += x[k / 2] * x[k / 2] + y[k / 2] * y[k / 2];
+      q[k] = sum_q;
+      if (k == 0) {
+        p[0] = 1.0 / sqrt(q[0]);
+      } else {
+        T sum{};
+        for (int j = 1; j <= k; ++j) sum += (k - 0.5 * j) * (q[j] * p[k - j]);
+        p[k] = sum / (q[0] * static_cast<double>(-k));
+      }
+      for (int j = 0; j <= k; ++j) {
+        fx += p[j] * x[k - j];
+        fy += p[j] * y[k - j];
+      }
+    }
+    T dx = drive.p.x * c + drive.q.x * k_sin, dy = drive.p.y * c + drive.q.y * k_sin;
+    if (k == 0) {
+      dx += drive.constant.x;
+      dy += drive.constant.y;
+    }
+    x[k + 1] = (dx - kappa * fx) * (1.0 / (k + 1));
+    y[k + 1] = (dy - kappa * fy) * (1.0 / (k + 1));
+    const double next_c = -k_sin / (k + 1);
+    k_sin = c / (k + 1);
+    c = next_c;
+  }
+}
+
+template <class T>
+double SlipSeries<T>::step(double tolerance, int first) const {
+  const double scale = std::hypot(value(x[first]), value(y[first]));
+  double h = HUGE_VAL;
+  for (int k = order - 1; k <= order; ++k) {
+    const double size = std::fmax(std::fabs(value(x[k])), std::fabs(value(y[k])));
+    if (size > 0) h = std::fmin(h, std::pow(tolerance * scale / size, 1.0 / (k - first)));
+  }
+  return h;
+}
+
+/// sum_k c[k] t^k
+template <class T, class Time>
+auto evaluate(const T* c, int order, const Time& t) {
+  decltype(c[0] * t) sum = c[order];
+  for (int k = order - 1; k >= 0; --k) sum = sum * t + c[k];
+  return sum;
+}
+/// integral from 0 to t of the same
+template <class T, class Time>
+auto evaluate_integral(const T* c, int order, const Time& t) {
+  decltype(c[0] * t) sum = c[order] * (1.0 / (order + 1));
+  for (int k = order - 1; k >= 0; --k) sum = sum * t + c[k] * (1.0 / (k + 1));
+  return sum * t;
+}
+
+}  // namespace tribotrack::model::internal

@@ -1,0 +1,362 @@
+// One run through its cycles, edges, stops and releases.
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "model/internal/edges.h"
+#include "model/internal/piece.h"
+#include "model/internal/rest_series.h"
+#include "model/internal/stick.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model::internal {
+
+/// Everything the solver is told.
+template <class T>
+struct SolverInput {
+  ScaledProblem<T> problem;
+  Edges<T> edges;
+  bool circling = false;  ///< a pulse already open at the start does not count
+  Pair<T> velocity;       ///< at the start
+  T start_shift{};        ///< derivatives of the start phase (value 0)
+  bool on_orbit =
+      false;  ///< `velocity` lies on one motion whatever the start phase: it does not shift with it
+  double cycles = 0, rest = 0;  ///< the run ends `rest` after so many whole cycles
+  double tolerance = 1e-16;
+  long max_steps = 0;
+};
+
+/// Carries U, X (with derivatives at fixed s) from the start to the end and keeps the pieces.
+template <class T>
+class Solver {
+ public:
+  explicit Solver(const SolverInput<T>& input)
+      : in_(input), drive_(input.problem.drive), order_(taylor_order(input.tolerance)) {}
+
+  void run();
+  Motion<T> end() const { return {u_, x_}; }
+  /// Motion at the local phase s of a cycle, derivatives at fixed s.
+  Motion<T> at(double cycle, double s) const;
+  const Piece<T>& piece(double cycle, double s) const { return chain_.find(source_cycle(cycle), s); }
+  const ScaledDrive<T>& drive() const { return drive_; }
+  const T& kappa(bool reduced) const {
+    return reduced ? in_.problem.kappa_reduced : in_.problem.kappa_nominal;
+  }
+
+  long steps = 0;
+  double stops = 0, releases = 0, stick_phase = 0;
+
+ private:
+  void run_cycle(double until);
+  void advance(double target);
+  void hold(double target);
+  void start_from_rest(double target);
+  void slip(double target);
+  void creep_past_zero(double target);
+  bool slow(double target, bool from_rest);
+  void reach_zero(const T& moved, const Pair<T>& force_before);
+  void apply(const Edge<T>& edge);
+  void skip_repeating_cycles();
+
+  bool at_rest() const { return value(u_.x) == 0 && value(u_.y) == 0; }
+  const T& kappa() const { return kappa(reduced_); }
+  double strength() const { return length(drive_.value_at(s_)) + value(kappa()); }
+  double source_cycle(double cycle) const {
+    return cycle >= repeat_from_ && cycle < repeat_to_ ? repeat_from_ - 1 : cycle;
+  }
+  Piece<T> begin_piece() {
+    if (++steps > in_.max_steps)
+      throw std::runtime_error("integrate: more than max_steps = " + std::to_string(in_.max_steps) +
+                               " steps; raise IntegrationOptions::max_steps or shorten the run");
+    Piece<T> piece;
+    piece.cycle = cycle_;
+    piece.s = s_;
+    piece.reduced = reduced_;
+    piece.position = x_;
+    return piece;
+  }
+
+  SolverInput<T> in_;
+  ScaledDrive<T> drive_;
+  int order_;
+  PieceChain<T> chain_;
+  double cycle_ = 0, s_ = 0;
+  bool reduced_ = false;
+  bool stuck_ = false;  ///< has been held since it last moved
+  Pair<T> u_, x_;
+  double slow_span_ = 0.5;
+  // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
+  double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
+  Pair<T> repeat_drift_;
+  struct CycleStart {
+    Pair<T> u, x;
+    double stops, releases, stick_phase;
+  } last_start_{};
+};
+
+/// Below this fraction of (|d| + kappa) the speed is small: polar coordinates pay.
+inline constexpr double kSmallSpeed = 0.08;
+/// Speeds below this count as zero (scaled units; what they move is below rounding).
+inline constexpr double kZeroSpeed = 1e-17;
+/// Below this fraction of kappa creeping is stiff for an explicit method.
+inline constexpr double kStiffSpeed = 0.02;
+
+template <class T>
+void Solver<T>::run() {
+  reduced_ = in_.edges.open_at_start && !in_.circling;
+  const Pair<T> f = force(drive_, kappa(), 0.0, in_.velocity);
+  u_ = in_.on_orbit ? in_.velocity : in_.velocity - in_.start_shift * f;
+  x_ = Pair<T>{} - in_.start_shift * in_.velocity;
+  while (cycle_ < in_.cycles) {
+    if (cycle_ >= 1) skip_repeating_cycles();
+    if (cycle_ >= in_.cycles) break;
+    run_cycle(kTwoPi);
+    cycle_ += 1;
+    s_ = 0;
+  }
+  if (in_.rest > 0) run_cycle(in_.rest);
+}
+
+template <class T>
+void Solver<T>::run_cycle(double until) {
+  for (int i = 0; i < in_.edges.count; ++i) {
+    const Edge<T>& edge = in_.edges.edge[i];
+    if (edge.s >= until) break;
+    advance(edge.s);
+    apply(edge);
+  }
+  advance(until);
+}
+
+/// U is the same on both sides of the edge; an edge at another phase acts a little earlier or later.
+template <class T>
+void Solver<T>::apply(const Edge<T>& edge) {
+  if (edge.opens == reduced_) return;
+  const Pair<T> before = force(drive_, kappa(), s_, u_);
+  reduced_ = edge.opens;
+  const Pair<T> after = force(drive_, kappa(), s_, u_);
+  u_ = u_ + edge.change * (before - after);
+}
+
+template <class T>
+void Solver<T>::advance(double target) {
+  while (s_ < target) {
+    if (at_rest())
+      hold(target);
+    else if (length(u_) < kSmallSpeed * strength() && (derivative_count<T> > 0 || value(kappa()) > 0))
+      creep_past_zero(target);
+    else
+      slip(target);
+  }
+}
+
+template <class T>
+void Solver<T>::hold(double target) {
+  const Excess excess(drive_, value(kappa()));
+  if (excess.holds(s_)) {
+    const double until = excess.release(s_, target);
+    Piece<T> piece = begin_piece();
+    piece.span = until - s_;
+    chain_.add_stick(piece);
+    u_ = {};
+    stick_phase += until - s_;
+    s_ = until;
+    stuck_ = true;
+    if (until >= target) return;
+  }
+  if (stuck_) releases += 1;
+  stuck_ = false;
+  start_from_rest(target);
+}
+
+template <class T>
+void Solver<T>::start_from_rest(double target) {
+  using std::sqrt;
+  const Pair<T> d = drive_.at(s_);
+  const double norm = length(d), surplus = norm - value(kappa());
+  if (surplus < 0.02 * norm && slow(target, true)) return;
+  const T speed = sqrt(dot(d, d)) - kappa();
+  Piece<T> piece = begin_piece();
+  // U = 0 with derivatives along the drive is a start a little earlier or later.
+  piece.shift = change(T((u_.x * d.x + u_.y * d.y) / (speed * -norm)));
+  SlipSeries<T> series;
+  expand_from_rest(shifted(drive_, s_ + piece.shift), kappa(), order_, series);
+  const double h = std::fmin(target - s_, series.step(in_.tolerance, 1));
+  piece.span = h;
+  const T t = h - piece.shift;
+  chain_.add(piece, series);
+  u_ = {evaluate(series.x, order_, t), evaluate(series.y, order_, t)};
+  x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, t), evaluate_integral(series.y, order_, t)};
+  s_ = h < target - s_ ? s_ + h : target;
+}
+
+template <class T>
+void Solver<T>::slip(double target) {
+  Piece<T> piece = begin_piece();
+  SlipSeries<T> series;
+  series.expand(drive_, kappa(), s_, u_, order_);
+  const double h = std::fmin(target - s_, series.step(in_.tolerance));
+  piece.span = h;
+  chain_.add(piece, series);
+  u_ = {evaluate(series.x, order_, h), evaluate(series.y, order_, h)};
+  x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, h), evaluate_integral(series.y, order_, h)};
+  s_ = h < target - s_ ? s_ + h : target;
+}
+
+/// log|u| and the angle of u, without squaring tiny numbers.
+template <class T>
+void to_polar(const Pair<T>& u, T& log_speed, T& angle) {
+  const double norm = length(u), ux = value(u.x) / norm, uy = value(u.y) / norm;
+  log_speed = with_value(T((u.x * ux + u.y * uy) / norm), std::log(norm));
+  angle = with_value(T((u.y * ux - u.x * uy) / norm), std::atan2(uy, ux));
+}
+
+template <class T>
+void Solver<T>::creep_past_zero(double target) {
+  if (length(u_) < kZeroSpeed) return reach_zero(T{}, force(drive_, kappa(), s_, u_));
+  int steps_until_slow = 0;
+  PolarState<T> state;
+  state.s = T(s_);
+  state.x = x_.x;
+  state.y = x_.y;
+  to_polar(u_, state.log_speed, state.angle);
+  PolarSeries<T> series;
+  while (s_ < target) {
+    const double r = std::exp(value(state.log_speed));
+    if (r < kStiffSpeed * value(kappa()) && steps_until_slow-- <= 0) {
+      steps_until_slow = 3;
+      const Motion<T> motion = at_fixed_phase(state, drive_, kappa());
+      u_ = motion.velocity;
+      x_ = motion.position;
+      if (slow(target, false)) return;
+    }
+    series.expand(drive_, kappa(), state, order_);
+    Piece<T> piece = begin_piece();
+    piece.span = series.step(in_.tolerance);
+    PolarState<T> next = series.at(piece.span);
+    const bool hit = value(next.s) >= target;
+    if (hit) {
+      piece.span = series.solve(target, piece.span);
+      next = series.at(piece.span);
+    }
+    chain_.add(piece, series);
+    state = next;
+    s_ = hit ? target : value(state.s);
+    state.s = with_value(state.s, s_);
+    const Motion<T> motion = at_fixed_phase(state, drive_, kappa());
+    u_ = motion.velocity;
+    x_ = motion.position;
+    const double speed = std::exp(value(state.log_speed));
+    if (speed < kZeroSpeed) {
+      using std::cos;
+      using std::sin;
+      const Pair<T> d = drive_.at(s_);
+      return reach_zero(change(state.s),
+                        {d.x - kappa() * cos(state.angle), d.y - kappa() * sin(state.angle)});
+    }
+    if (speed > 1.25 * kSmallSpeed * strength()) return;
+  }
+}
+
+/// u = 0 at s, a phase that has derivatives `moved`: held from now on, or driven through.
+template <class T>
+void Solver<T>::reach_zero(const T& moved, const Pair<T>&) {
+  u_ = {};
+  if (Excess(drive_, value(kappa())).holds(s_)) {
+    stops += 1;
+  } else {
+    const Pair<T> after = force(drive_, kappa(), s_, u_);
+    u_ = Pair<T>{} - moved * after;
+  }
+}
+
+/// One implicit step; false if this is not (yet) a case for it.
+template <class T>
+bool Solver<T>::slow(double target, bool from_rest) {
+  using std::cos;
+  using std::sin;
+  const Pair<double> d = drive_.value_at(s_);
+  const double mu = value(kappa());
+  T speed, angle;
+  if (from_rest) {
+    const Pair<T> along = drive_.at(s_);
+    T ignored;
+    to_polar(along, ignored, angle);
+    speed = with_value(T((u_.x * d.x + u_.y * d.y) / length(d)), 0.0);
+  } else {
+    T log_speed;
+    to_polar(u_, log_speed, angle);
+    const double norm = length(u_);
+    speed = with_value(T(log_speed * norm), norm);
+  }
+  const double r = value(speed), c = std::cos(value(angle)), k = std::sin(value(angle));
+  const double rate = d.x * c + d.y * k - mu, across = d.y * c - d.x * k;
+  if (!from_rest && (std::fabs(rate) > 0.3 * mu || std::fabs(across) > 5 * r)) return false;
+  const double left = target - s_;
+  std::optional<SlowStep<T>> step;
+  if (rate < 0 && -r / rate < std::fmin(left, 0.5))
+    step = slow_step(drive_, kappa(), s_, -r / rate, speed, angle, true, in_.tolerance);
+  if (step && step->span > left) step.reset();
+  const double shortest = from_rest ? 1e-9 : 10 * r / mu;
+  double span = std::fmin(left, slow_span_);
+  for (int i = 0; !step && span > 0 && i < 30; ++i) {
+    step = slow_step(drive_, kappa(), s_, span, speed, angle, false, in_.tolerance);
+    if (step) {
+      slow_span_ = std::fmin(2.0, 2 * span);
+      break;
+    }
+    span *= 0.5;
+    if (span < shortest || (!from_rest && i == 4)) break;
+  }
+  if (!step) {
+    slow_span_ = 0.5;
+    return false;
+  }
+  Piece<T> piece = begin_piece();
+  piece.span = step->span;
+  step->x0 = x_.x;
+  step->y0 = x_.y;
+  chain_.add(piece, *step);
+  const auto p = step->at(step->span);
+  x_ = {p.x, p.y};
+  s_ = step->span < left ? s_ + step->span : target;
+  if (step->stops) {
+    reach_zero(T{}, {});
+  } else {
+    u_ = {p.speed * cos(p.angle), p.speed * sin(p.angle)};
+  }
+  return true;
+}
+
+/// The flow is a contraction: once a cycle begins as the last one did, to the last bit of values and
+/// derivatives, all later ones are copies and only add their drift.
+template <class T>
+void Solver<T>::skip_repeating_cycles() {
+  const bool repeats = cycle_ >= 2 && same(u_.x, last_start_.u.x) && same(u_.y, last_start_.u.y);
+  if (repeats) {
+    const double copies = in_.cycles - cycle_;
+    repeat_from_ = cycle_;
+    repeat_to_ = in_.cycles;
+    repeat_drift_ = x_ - last_start_.x;
+    x_ = x_ + T(copies) * repeat_drift_;
+    stops += copies * (stops - last_start_.stops);
+    releases += copies * (releases - last_start_.releases);
+    stick_phase += copies * (stick_phase - last_start_.stick_phase);
+    cycle_ = in_.cycles;
+    return;
+  }
+  last_start_ = {u_, x_, stops, releases, stick_phase};
+}
+
+template <class T>
+Motion<T> Solver<T>::at(double cycle, double s) const {
+  const double source = source_cycle(cycle);
+  const Piece<T>& piece = chain_.find(source, s);
+  Motion<T> motion = chain_.at(piece, s, drive_, kappa(piece.reduced));
+  if (source != cycle) motion.position = motion.position + T(cycle - source) * repeat_drift_;
+  return motion;
+}
+
+}  // namespace tribotrack::model::internal

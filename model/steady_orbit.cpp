@@ -1,0 +1,120 @@
+#include "model/steady_orbit.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "model/displacement_angle.h"
+#include "model/internal/orbit.h"
+#include "model/internal/set_up.h"
+
+namespace tribotrack::model {
+namespace internal {
+namespace {
+
+/// One period from u: where it leads, how far it moves, and how that depends on u.
+struct CycleMap {
+  Eigen::Vector2d end, drift;
+  Eigen::Matrix2d jacobian;
+};
+
+CycleMap one_cycle(SolverInput<Jet<2>> in, const Eigen::Vector2d& u) {
+  in.velocity.x = Jet<2>(u.x());
+  in.velocity.y = Jet<2>(u.y());
+  in.velocity.x.d[0] = in.velocity.y.d[1] = 1;
+  in.cycles = 1;
+  in.rest = 0;
+  Solver<Jet<2>> solver(in);
+  solver.run();
+  const auto [velocity, position] = solver.end();
+  CycleMap map;
+  map.end = {velocity.x.v, velocity.y.v};
+  map.drift = {position.x.v, position.y.v};
+  map.jacobian << velocity.x.d[0], velocity.x.d[1], velocity.y.d[0], velocity.y.d[1];
+  return map;
+}
+
+/// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
+/// constant mu), else the motion without friction.
+Eigen::Vector2d first_guess(const ScaledProblem<Jet<2>>& problem, bool with_pulses) {
+  const auto d = values(problem.drive);
+  const double kappa = problem.kappa_nominal.v;
+  const double a = length(d.p);
+  const bool circular = std::fabs(a - length(d.q)) < 1e-9 * a && std::fabs(dot(d.p, d.q)) < 1e-9 * a * a &&
+                        d.constant.x == 0 && d.constant.y == 0;
+  if (!with_pulses && circular && kappa < a) {
+    const double speed = std::sqrt((a - kappa) * (a + kappa));
+    const double turn = d.p.x * d.q.y - d.p.y * d.q.x > 0 ? 1 : -1;
+    const double angle = std::atan2(d.p.y, d.p.x) - turn * std::atan2(speed, kappa);
+    return speed * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+  return {-d.q.x, -d.q.y};
+}
+
+/// Friction must be able to hold the mean of the drive, else the part runs away; and there must be some.
+bool attracts(const Scenario& s, bool with_pulses) {
+  const double open = with_pulses ? s.friction.pulse_width / kTwoPi : 0;
+  const double mean = s.friction.nominal * (1 - open) + s.friction.reduced * open;
+  return mean > 0 && std::hypot(std::sin(s.drive.tilt_x), std::sin(s.drive.tilt_y)) < mean;
+}
+
+}  // namespace
+
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance) {
+  if (!attracts(scenario, with_pulses)) return std::nullopt;
+  Scenario free = scenario;
+  free.start = Start::rest;
+  free.initial_velocity.setZero();
+  auto in = set_up<Jet<2>>(free, {}, with_pulses);
+  in.tolerance = tolerance;
+  in.max_steps = 1'000'000;
+  Eigen::Vector2d u = first_guess(in.problem, with_pulses);
+  CycleMap map = one_cycle(in, u);
+  Orbit best{u, map.drift, map.jacobian, 0};
+  double best_error = HUGE_VAL;
+  const auto done = [&](double error) { return error <= 4e-16 * std::max(0.25, u.norm()); };
+  for (int i = 1; i <= 200; ++i) {
+    const Eigen::Vector2d gap = map.end - u;
+    const double error = gap.norm();
+    if (!std::isfinite(error)) break;
+    const bool better = error < 0.7 * best_error;
+    if (error < best_error) {
+      best = {u, map.drift, map.jacobian, i};
+      best_error = error;
+    }
+    if (done(error) || (!better && best_error < 1e-14)) return best;
+    // Newton, as long as it gains; the map itself never separates two motions, so it is always safe.
+    const Eigen::Matrix2d system = Eigen::Matrix2d::Identity() - map.jacobian;
+    const Eigen::Vector2d newton = system.fullPivLu().solve(gap);
+    const bool usable = better && newton.allFinite() && newton.norm() < 1e3 * (1 + u.norm());
+    u = usable ? Eigen::Vector2d(u + newton) : map.end;
+    map = one_cycle(in, u);
+  }
+  if (best_error < 1e-12) return best;
+  return std::nullopt;
+}
+
+}  // namespace internal
+
+std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
+  scenario.validate();
+  const auto found = internal::find_orbit(scenario, with_pulses);
+  if (!found) return std::nullopt;
+  const double unit = internal::velocity_unit(scenario);
+  SteadyOrbit orbit;
+  orbit.velocity = unit * found->velocity;
+  orbit.phase = scenario.start_phase;
+  orbit.drift = unit / scenario.drive.angular_frequency * found->drift;
+  orbit.contraction = found->jacobian.eigenvalues().cwiseAbs().maxCoeff();
+  orbit.newton_iterations = found->iterations;
+  return orbit;
+}
+
+double SteadyOrbit::alpha() const {
+  return displacement_angle(drift);
+}
+double SteadyOrbit::mean_velocity(double angular_frequency) const {
+  return drift.norm() * angular_frequency / internal::kTwoPi;
+}
+
+}  // namespace tribotrack::model
