@@ -7,14 +7,14 @@
 #include <sstream>
 #include <vector>
 
-#include "fit/detail/local_polynomial.h"
+#include "fit/internal/local_polynomial.h"
 #include "fit/measurement.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit {
 namespace {
 
-using detail::LocalPolynomial;
+using internal::LocalPolynomial;
 
 void check(const TrackTable& track, const Estimate& w, int cycles) {
   const std::size_t points = track.time.size();

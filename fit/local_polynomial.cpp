@@ -1,8 +1,8 @@
-#include "fit/detail/local_polynomial.h"
+#include "fit/internal/local_polynomial.h"
 
 #include <algorithm>
 
-namespace tribotrack::fit::detail {
+namespace tribotrack::fit::internal {
 
 LocalPolynomial::LocalPolynomial(const std::vector<double>& times, double time, std::size_t points,
                                  std::size_t left_out) {
@@ -58,4 +58,4 @@ Eigen::Matrix2d LocalPolynomial::covariance(const std::vector<Eigen::Matrix2d>& 
   return sum;
 }
 
-}  // namespace tribotrack::fit::detail
+}  // namespace tribotrack::fit::internal

@@ -1,10 +1,10 @@
-#include "fit/detail/statistics.h"
+#include "fit/internal/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace tribotrack::fit::detail {
+namespace tribotrack::fit::internal {
 namespace {
 
 /// Regularised upper incomplete gamma function Q(a, x).
@@ -82,4 +82,4 @@ double autocorrelation_time(const std::vector<double>& series) {
   return std::max(1.0, time);
 }
 
-}  // namespace tribotrack::fit::detail
+}  // namespace tribotrack::fit::internal

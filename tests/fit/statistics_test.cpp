@@ -1,4 +1,4 @@
-#include "fit/detail/statistics.h"
+#include "fit/internal/statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace tribotrack::fit::detail {
+namespace tribotrack::fit::internal {
 namespace {
 
 TEST(Statistics, ChiSquareMatchesItsTable) {
@@ -39,4 +39,4 @@ TEST(Statistics, AutocorrelationTimeOfAFirstOrderProcess) {
 }
 
 }  // namespace
-}  // namespace tribotrack::fit::detail
+}  // namespace tribotrack::fit::internal

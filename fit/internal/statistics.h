@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace tribotrack::fit::detail {
+namespace tribotrack::fit::internal {
 
 /// P(chi^2 with `dof` degrees of freedom > x); 1 for dof = 0. Incomplete gamma function, series and
 /// continued fraction (Abramowitz & Stegun 6.5.29, 6.5.31).
@@ -17,4 +17,4 @@ double two_sided_quantile(double probability, double dof);
 /// independent points is smaller than the number of points. Summed over five times itself (Sokal's window).
 double autocorrelation_time(const std::vector<double>& series);
 
-}  // namespace tribotrack::fit::detail
+}  // namespace tribotrack::fit::internal

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace tribotrack::fit::detail {
+namespace tribotrack::fit::internal {
 
 /// The polynomial through `points` neighbours of `time`, as many before as after where the track allows
 /// (Lagrange's form: value and slope are weighted sums of the points, so their noise is known).
@@ -28,4 +28,4 @@ class LocalPolynomial {
   std::vector<double> weight_, slope_;
 };
 
-}  // namespace tribotrack::fit::detail
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,40 @@
+// A loop over independent items on a few threads.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace tribotrack::fit::internal {
+
+/// body(i) for i in [0, count); the first exception is thrown again after all threads have ended.
+template <class Body>
+void parallel_for(std::size_t count, int threads, const Body& body) {
+  if (threads <= 1 || count <= 1) {
+    for (std::size_t i = 0; i < count; ++i) body(i);
+    return;
+  }
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr error;
+  std::mutex mutex;
+  const auto work = [&] {
+    for (std::size_t i; (i = next++) < count;) {
+      try {
+        body(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!error) error = std::current_exception();
+      }
+    }
+  };
+  std::vector<std::jthread> pool;
+  for (int t = 1; t < threads; ++t) pool.emplace_back(work);
+  work();
+  pool.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,70 @@
+// All whitened residuals of a problem and their exact derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fit/internal/unknowns.h"
+
+namespace tribotrack::fit::internal {
+
+/// What the data scatter beyond their own sigma.
+struct Scatter {
+  double between_runs = 0;  ///< m per axis, summary runs
+  struct Trajectory {
+    double between_points = 0;  ///< m per axis
+    double correlation_time = 1;  ///< points per independent point: weights are divided by it
+  };
+  std::vector<Trajectory> trajectories;
+};
+
+/// Rows of one run after a fit, unwhitened.
+struct PointResiduals {
+  std::vector<std::size_t> row;  ///< of the track
+  std::vector<Eigen::Vector2d> residual;
+  Eigen::Vector2d start_point = Eigen::Vector2d::Zero();
+};
+
+/// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory point,
+/// the run's unknown start point projected out; one a prior, (value - mean)/sd.
+class Residuals {
+ public:
+  Residuals(const Problem& problem, const Unknowns& unknowns, int threads = 1);
+
+  const Unknowns& unknowns() const { return *unknowns_; }
+  Eigen::Index size() const { return rows_; }
+  /// Independent rows less unknowns (trajectory points divided by their correlation time).
+  double degrees_of_freedom() const;
+  const Scatter& scatter() const { return scatter_; }
+  void set_scatter(const Scatter& scatter) { scatter_ = scatter; }
+
+  /// False where the model cannot be evaluated. The Jacobian is by physical values.
+  bool evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+  double chi2(const Eigen::VectorXd& values) const;  ///< infinity where the model cannot be evaluated
+
+  /// Displacement of a summary run as the picture shows it (divided by the scale).
+  Eigen::Vector2d modelled(const Eigen::VectorXd& values, std::size_t run) const;
+  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
+  std::size_t first_point(std::size_t trajectory_run) const { return first_point_[trajectory_run]; }
+  std::size_t point_count(std::size_t trajectory_run) const;
+
+ private:
+  void summary(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
+               Eigen::MatrixXd* jacobian, Eigen::Index row) const;
+  void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
+                  Eigen::MatrixXd* jacobian, Eigen::Index row) const;
+  /// Modelled positions in the picture, with derivatives by the unknowns where asked.
+  void modelled_points(const Eigen::VectorXd& values, std::size_t run, Eigen::Matrix2Xd& positions,
+                       Eigen::MatrixXd* jacobian) const;
+  Eigen::Index trajectory_row(std::size_t run) const;
+
+  const Problem* problem_;
+  const Unknowns* unknowns_;
+  int threads_;
+  std::vector<std::pair<Eigen::Index, Prior>> priors_;
+  std::vector<std::size_t> first_point_;
+  Eigen::Index rows_ = 0;
+  Scatter scatter_;
+};
+
+}  // namespace tribotrack::fit::internal

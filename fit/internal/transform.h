@@ -1,0 +1,63 @@
+// Unbounded axes for the optimiser: bounds make Ceres start or end on them and stay there.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace tribotrack::fit::internal {
+
+/// z <-> value on the whole real line.
+///   linear     value = unit z                              (angles, tilts, velocities; the lag is not wrapped)
+///   logarithm  value = exp(z)                              (mu1, A, w, scale)
+///   hyperbola  value = unit (z + sqrt(z^2 + 1))            (mu2: linear far from 0, never negative; unlike a
+///              logarithm it leaves a slope near 0, so that a long step towards 0 is no trap)
+class Transform {
+ public:
+  enum class Kind { linear, logarithm, hyperbola };
+  Transform(Kind kind, double unit) : kind_(kind), unit_(unit) {}
+
+  double value(double z) const {
+    switch (kind_) {
+      case Kind::linear:
+        return unit_ * z;
+      case Kind::logarithm:
+        return std::exp(std::clamp(z, -60.0, 60.0));
+      case Kind::hyperbola:
+        // z + sqrt(z^2 + 1) without cancellation where z < 0.
+        return unit_ * (z > 0 ? z + std::hypot(z, 1.0) : 1 / (std::hypot(z, 1.0) - z));
+    }
+    return 0;
+  }
+  double z(double value) const {
+    switch (kind_) {
+      case Kind::linear:
+        return value / unit_;
+      case Kind::logarithm:
+        return std::log(std::max(value, 1e-26));
+      case Kind::hyperbola: {
+        const double ratio = std::max(value / unit_, 1e-6);
+        return 0.5 * (ratio - 1 / ratio);
+      }
+    }
+    return 0;
+  }
+  /// d value / dz
+  double slope(double z) const {
+    switch (kind_) {
+      case Kind::linear:
+        return unit_;
+      case Kind::logarithm:
+        return value(z);
+      case Kind::hyperbola:
+        return value(z) / std::hypot(z, 1.0);
+    }
+    return 0;
+  }
+  bool positive() const { return kind_ != Kind::linear; }
+
+ private:
+  Kind kind_;
+  double unit_;
+};
+
+}  // namespace tribotrack::fit::internal
