@@ -169,4 +169,13 @@ Json json_of(const model::Scenario& scenario) {
           {"cycles", scenario.cycles}};
 }
 
+model::Scenario scenario_from(const Json& json) {
+  ScenarioFile file;
+  // json_of writes the amplitude before amplitude_y_mm, which the first would overwrite.
+  for (const auto& [name, value] : json.items())
+    if (name != "start") set_scenario_parameter(file, name, value.get<double>());
+  file.scenario.start = parse_start(json.at("start").get<std::string>());
+  return file.scenario;
+}
+
 }  // namespace tribotrack::apps

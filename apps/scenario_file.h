@@ -44,5 +44,7 @@ void set_scenario_parameter(ScenarioFile& file, const std::string& name, double 
 
 model::Start parse_start(const std::string& word);
 Json json_of(const model::Scenario& scenario);
+/// Back from json_of.
+model::Scenario scenario_from(const Json& json);
 
 }  // namespace tribotrack::apps

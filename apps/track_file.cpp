@@ -97,6 +97,12 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       const std::string_view state = status;
       if (state == "lost") ++file.lost;
       if (state == "edge") ++file.edge;
+      const auto or_nan = [](const char* text) { return parse_number(text).value_or(std::nan("")); };
+      file.x_px.push_back(or_nan(xp));
+      file.y_px.push_back(or_nan(yp));
+      file.x_mm.push_back(or_nan(x));
+      file.y_mm.push_back(or_nan(y));
+      file.sigma_px.push_back(or_nan(sxp));
       if (state != "ok" || *x == '\0') continue;  // an ok disc without its marker has no platform position
       const auto number = [&](const char* text, const char* column) {
         const auto value = parse_number(text);

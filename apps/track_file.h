@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/meta_file.h"
 #include "fit/track_table.h"
@@ -19,6 +20,8 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Sc
 struct TrackFile {
   fit::TrackTable table;  ///< rows with status ok, SI
   std::size_t frames = 0, lost = 0, edge = 0;
+  /// For pictures of the path: one per row, NaN where the part was not measured.
+  std::vector<double> x_px, y_px, x_mm, y_mm, sigma_px;
   bool has_marker_columns = false;
   std::optional<double> mm_per_px;  ///< from the meta file; without it the marker's motion stays unknown
   std::optional<double> mm_per_px_sd;
