@@ -1,10 +1,10 @@
-// The report's table of runs, the pictures with the paths over them, and the plan.
+#include "apps/report_runs.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report_sections.h"
 #include "apps/report_text.h"
 
 namespace tribotrack::apps {
