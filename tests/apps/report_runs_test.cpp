@@ -82,17 +82,6 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   EXPECT_THAT(html, HasSubstr("φ = π/2, Δτ = π/3"));
 }
 
-TEST(PictureSection, ShortGapsSurviveTheThinningOfLongPaths) {
-  ReportData data = one_run();
-  ReportRun& run = data.runs[0];
-  run.first_frame = sample::grey_png(1, 1, {0});
-  run.frame_width_px = run.frame_height_px = 100;
-  run.x_px.assign(30001, 5);
-  run.y_px.assign(30001, 6);
-  run.x_px[15001] = no_value;  // between two drawn points
-  EXPECT_THAT(picture_section(data), HasSubstr("L5.5 6.5M5.5 6.5L"));
-}
-
 TEST(PictureSection, JpegIsToldFromPng) {
   ReportData data = one_run();
   data.runs[0].first_frame = {0xff, 0xd8, 0xff};
