@@ -129,6 +129,9 @@ class CineSource : public FrameSource {
     if (header_.pixels == CinePixels::p10)
       info_.notes.push_back("10-bit companded levels turned back to 12-bit linear ones");
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+    if (header_.colour_filter && !info_.colour)
+      info_.notes.push_back(
+          "recorded by a colour camera and called grey by the file: look for a chequered pattern");
     if (header_.shown_mirrored)
       info_.notes.push_back(
           "the camera's program shows this recording mirrored; pixels are handed out as stored");

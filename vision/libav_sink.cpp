@@ -1,5 +1,6 @@
 #include "vision/libav_sink.h"
 
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -29,7 +30,7 @@ class LibavSink : public FrameSink {
     silence_libav();
     open_output();
     open_encoder();
-    if (const int error = avformat_write_header(output_.get(), nullptr); error < 0) refuse(error);
+    write_header();
     frame_->format = encoder_->pix_fmt;
     frame_->width = options.width;
     frame_->height = options.height;
@@ -82,6 +83,19 @@ class LibavSink : public FrameSink {
     throw InputError(in_quotes(temporary_.target()) + " cannot be written: " + libav_error(error));
   }
   AVStream& stream() const { return *output_->streams[0]; }
+
+  /// Containers lie about rates or round them, so the capture rate goes along in the tag that cameras use.
+  void write_header() {
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%.9g", options_.frame_rate_hz);
+    av_dict_set(&output_->metadata, "com.android.capture.fps", rate, 0);
+    AVDictionary* muxing = nullptr;
+    if (std::string_view(output_->oformat->name) == "mp4")
+      av_dict_set(&muxing, "movflags", "use_metadata_tags", 0);
+    const int error = avformat_write_header(output_.get(), &muxing);
+    av_dict_free(&muxing);
+    if (error < 0) refuse(error);
+  }
 
   Coding coding() const {
     const bool odd = options_.width % 2 != 0 || options_.height % 2 != 0;

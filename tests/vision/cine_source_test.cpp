@@ -145,6 +145,25 @@ TEST_F(CineSourceTest, AFileThatShrinksWhileReadIsAnErrorNotASignal) {
   EXPECT_THROW(source->read(0), InputError) << "what is left is no more to be trusted";
 }
 
+TEST_F(CineSourceTest, AnyByteOfTheHeadMayBeWrong) {
+  CineByHand cine;
+  const FileBytes whole = cine.bytes();
+  std::size_t refused = 0;
+  for (std::size_t i = 0; i < whole.size(); i += i < 90 || i > 84 + 10392 ? 1 : 61)
+    for (const std::uint8_t wrong : {std::uint8_t{0}, std::uint8_t{0x7F}, std::uint8_t{0xFF}}) {
+      FileBytes bytes = whole;
+      bytes[i] = wrong;
+      write_bytes(file("a.cine"), bytes);
+      std::string error;
+      ASSERT_NO_THROW(error = input_error(file("a.cine"))) << "byte " << i;
+      if (!error.empty()) {
+        ++refused;
+        ASSERT_THAT(error, HasSubstr("a.cine")) << "byte " << i;
+      }
+    }
+  EXPECT_GT(refused, 50u);
+}
+
 // Real recordings, by several cameras; their numbers were read out of the files by hand.
 class RealCineTest : public ::testing::Test {
  protected:
