@@ -26,9 +26,9 @@
 
   function layout(more) {
     return Object.assign({
-      font: FONT, paper_bgcolor: "#fff", plot_bgcolor: "#fff", margin: { l: 60, r: 14, t: 12, b: 48 },
+      font: FONT, paper_bgcolor: "#fff", plot_bgcolor: "#fff", margin: { l: 60, r: 14, t: 30, b: 48 },
       hovermode: "closest", hoverlabel: { font: { size: 12 } },
-      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } }
+      legend: { orientation: "h", x: 0, y: 0, yref: "container", yanchor: "bottom", font: { size: 12 } }
     }, more);
   }
 

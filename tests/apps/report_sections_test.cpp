@@ -39,6 +39,13 @@ TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
       HasSubstr("<td class=\"n\">0.05000 to ∞</td><td class=\"n\">–</td><td class=\"n\">0.10000</td>"));
 }
 
+TEST(ParameterSection, WhatWasTakenAsKnownIsListedWithItsSource) {
+  const std::string html = parameter_section(sample::campaign());
+  EXPECT_THAT(html,
+              HasSubstr("<th>A</th><td class=\"n\">0.28</td><td>mm</td><td>measured from the marker</td>"));
+  EXPECT_THAT(html, HasSubstr("<th>ε</th><td class=\"n\">π/2</td><td></td><td>campaign</td>"));
+}
+
 TEST(ParameterSection, WeakDirectionsAreListed) {
   ReportData data = sample::campaign();
   data.identifiability = ReportVerdict::weak;
