@@ -147,7 +147,8 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
     for (int j = 0; j < N; ++j) {
       const double off = std::fabs(settled.d[j] - angle0.d[j]);
       const double start = value(speed0);
-      if (start * start * off <= 1e-13 * along * std::fmax(1.0, std::fabs(speed0.d[j]))) angle0.d[j] = settled.d[j];
+      if (start * start * off <= 1e-13 * along * std::fmax(1.0, std::fabs(speed0.d[j])))
+        angle0.d[j] = settled.d[j];
     }
   }
   sum_up();

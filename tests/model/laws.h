@@ -2,8 +2,8 @@
 // each a function that applies itself to one scenario.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -109,8 +109,8 @@ inline void frictionless_drift(Scenario s, double tolerance) {
 }
 
 /// d(u^2/2)/dt = d.u - mu g |u| between events, by central differences of the dense output: 4th order in the
-/// spacing, so compared at two spacings it must vanish like its error.
-inline void energy(const Scenario& s, double tolerance) {
+/// spacing. Returns how many points were fit for comparison.
+inline int energy(const Scenario& s, double tolerance) {
   const Trajectory t = integrate(s);
   const double w = s.drive.angular_frequency, h = 2e-3 / w;
   const double power = drive_amplitude(s) * drive_amplitude(s) / w;
@@ -131,7 +131,7 @@ inline void energy(const Scenario& s, double tolerance) {
     EXPECT_NEAR(slope, expected, tolerance * power) << "t = " << time;
     ++compared;
   }
-  EXPECT_GT(compared, 10);
+  return compared;
 }
 
 /// Two starts under one drive never separate.

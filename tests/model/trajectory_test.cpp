@@ -58,6 +58,7 @@ TEST(Trajectory, LawsHoldForOrdinaryTinyAndRandomScenarios) {
   RandomScenario random(seed);
   std::vector<Scenario> scenarios = {reference_run(), tiny_run()};
   for (int i = 0; i < 20; ++i) scenarios.push_back(random.circular());
+  int energy_points = 0;
   for (const Scenario& s : scenarios) {
     const double ratio = s.friction.nominal * s.drive.gravity / laws::drive_amplitude(s);
     SCOPED_TRACE("m/a = " + std::to_string(ratio));
@@ -68,10 +69,11 @@ TEST(Trajectory, LawsHoldForOrdinaryTinyAndRandomScenarios) {
     laws::rotation(s, 1.234, 1e-11);
     laws::scaling(s, 1e-11);
     laws::frictionless_drift(s, 1e-13);
-    laws::energy(s, 1e-9);
+    energy_points += laws::energy(s, 1e-9);
     const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
     laws::contraction(s, speed * Eigen::Vector2d(0.3, -0.8));
   }
+  EXPECT_GT(energy_points, 200);
 }
 
 TEST(Trajectory, StickWipesTheMemory) {
