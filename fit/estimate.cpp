@@ -40,7 +40,7 @@ void settle_scatter(Residuals& residuals, Minimum& best) {
     residuals.set_scatter(estimate_scatter(residuals, unknowns.values(best.z)));
     if (!any(residuals.scatter())) return;
     best = polish(residuals, best.z);
-    if (round > 1 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
+    if (round > 2 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
   }
 }
 
