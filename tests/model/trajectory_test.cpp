@@ -64,7 +64,7 @@ TEST(Trajectory, LawsHoldForOrdinaryTinyAndRandomScenarios) {
     SCOPED_TRACE("m/a = " + std::to_string(ratio));
     if (ratio < 0.98) {
       laws::steady_sliding(s, 1e-11);
-      laws::return_to_steady_sliding(s, 1e-9);
+      laws::return_to_steady_sliding(s, 1e-11);
     }
     laws::rotation(s, 1.234, 1e-11);
     laws::scaling(s, 1e-11);
