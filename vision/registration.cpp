@@ -247,7 +247,7 @@ double TemplateRegistration::correlation(const std::vector<float>& weights) cons
 }
 
 /// Sets the weight of pixels to zero whose residual cannot be noise. Returns how many.
-std::size_t TemplateRegistration::trim(double gain, double, double noise_sd) {
+std::size_t TemplateRegistration::trim(double gain, double noise_sd) {
   std::vector<float> sizes;
   sizes.reserve(residual_.size());
   for (std::size_t i = 0; i < residual_.size(); ++i)
@@ -334,7 +334,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
     sample_template(fraction, re_form);
     if (settled && !trimmed) {
       form_residual();
-      trimmed_count = trim(gain, offset, noise_sd);
+      trimmed_count = trim(gain, noise_sd);
       trimmed = true;
       if (trimmed_count > 0) {
         factor.compute(normal = normal_matrix());

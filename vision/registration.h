@@ -85,7 +85,7 @@ class TemplateRegistration {
   double residual_noise(const Pose& at, double gain) const;
   Eigen::Vector2d noise_force(const Pose& formed, const Pose& at, double gain) const;
   double correlation(const std::vector<float>& weights) const;
-  std::size_t trim(double gain, double offset, double noise_sd);
+  std::size_t trim(double gain, double noise_sd);
 
   RegistrationOptions options_;
   Pattern pattern_;
