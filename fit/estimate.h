@@ -21,8 +21,13 @@ struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
   double sd = 0;
-  Interval ci95;          ///< from the covariance (on the transformed axis for mu1, mu2)
-  Interval profile_ci95;  ///< from the profile likelihood, re-optimised at every point
+  /// From the covariance; Student's t where a scatter was estimated. For mu1, A, w and scale on the axis of
+  /// their logarithm, for mu2 too while sd < 0.3 mu2, else linear and cut at 0. sd and interval are infinite
+  /// for a parameter that a flat direction moves.
+  Interval ci95;
+  /// From the profile likelihood, re-optimised at every point; infinite where open, 0 where mu is compatible
+  /// with 0. NaN when profiles were not asked for.
+  Interval profile_ci95;
 };
 
 /// One observable of one run.
@@ -81,6 +86,12 @@ struct FitResult {
   std::optional<NextExperiment> next_experiment;
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
   std::string covariance_meaning;  ///< which covariance is printed, in words
+  double chi2_before_scatter = 0;  ///< with the data's own sigma alone
+  double p_value = 1;              ///< of chi2_before_scatter
+  int starts = 0;                  ///< descents made
+  int starts_at_best = 0;          ///< of them, those that ended in the minimum told
+  /// How far an error in what was taken as known moves the parameters, in words: "A up 1 %: mu1 up 1.02 %".
+  std::vector<std::string> systematics;
   std::vector<std::string> warnings;
   bool usable() const { return converged && identifiability.verdict != Verdict::not_identifiable; }
   double value(FitParameter parameter) const;

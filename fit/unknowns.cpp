@@ -193,8 +193,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   result.scale = value_of(FitParameter::scale, values);
 
   // Amplitude and frequency are told as the first driven run's; the others keep their ratio to it.
-  const double amplitude_factor =
-      amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
+  const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
   const double picture = amplitude_from_track ? result.scale : 1;
   drive.amplitude *= amplitude_factor * picture;
   drive.amplitude_y *= amplitude_factor * picture;

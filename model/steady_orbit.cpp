@@ -58,6 +58,15 @@ bool attracts(const Scenario& s, bool with_pulses) {
   return mean > 0 && std::hypot(std::sin(s.drive.tilt_x), std::sin(s.drive.tilt_y)) < mean;
 }
 
+/// Whether friction holds a part at rest through the whole cycle.
+bool always_held(const SolverInput<Jet<2>>& in) {
+  const auto held = [&](const Jet<2>& kappa) {
+    const Excess excess(in.problem.drive, kappa.v);
+    return excess.holds(0) && excess.release(0, kTwoPi) >= kTwoPi;
+  };
+  return held(in.problem.kappa_nominal) && (in.edges.count == 0 || held(in.problem.kappa_reduced));
+}
+
 }  // namespace
 
 std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance) {
@@ -68,6 +77,8 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
   auto in = set_up<Jet<2>>(free, {}, with_pulses);
   in.tolerance = tolerance;
   in.max_steps = 1'000'000;
+  if (always_held(in))
+    return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
   Eigen::Vector2d u = first_guess(in.problem, with_pulses);
   CycleMap map = one_cycle(in, u);
   Orbit best{u, map.drift, map.jacobian, 0};

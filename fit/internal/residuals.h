@@ -12,7 +12,7 @@ namespace tribotrack::fit::internal {
 struct Scatter {
   double between_runs = 0;  ///< m per axis, summary runs
   struct Trajectory {
-    double between_points = 0;  ///< m per axis
+    double between_points = 0;    ///< m per axis
     double correlation_time = 1;  ///< points per independent point: weights are divided by it
   };
   std::vector<Trajectory> trajectories;
@@ -25,8 +25,8 @@ struct PointResiduals {
   Eigen::Vector2d start_point = Eigen::Vector2d::Zero();
 };
 
-/// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory point,
-/// the run's unknown start point projected out; one a prior, (value - mean)/sd.
+/// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
+/// point, the run's unknown start point projected out; one a prior, (value - mean)/sd.
 class Residuals {
  public:
   Residuals(const Problem& problem, const Unknowns& unknowns, int threads = 1);

@@ -23,6 +23,9 @@ void expand_from_rest(const ScaledDrive<T>& drive, const T& kappa, int degree, S
   wy[0] = speed * n.y;
   q[0] = speed * speed;
   p[0] = 1.0 / speed;
+  series.frictionless = derivative_count<T> == 0 && value(kappa) == 0;
+  series.square[0] = value(q[0]);
+  series.direction[0] = 1;
   double c = 1, sine = 0;
   for (int k = 1; k < degree; ++k) {
     const double next_c = -sine / k;
@@ -48,6 +51,9 @@ void expand_from_rest(const ScaledDrive<T>& drive, const T& kappa, int degree, S
     const T full = 2.0 * (wx[0] * wx[k] + wy[0] * wy[k]);
     q[k] = lower_q + full;
     p[k] = lower_p - (0.5 * (full * p[0])) / q[0];
+    series.square[k] = value(q[k]);
+    series.direction[k] = std::hypot(value(nx) + (value(wx[k]) - value(n.x) * value(along)) * value(p[0]),
+                                     value(ny) + (value(wy[k]) - value(n.y) * value(along)) * value(p[0]));
   }
   series.order = degree;
   series.x[0] = series.y[0] = T(0.0);

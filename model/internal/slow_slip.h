@@ -45,7 +45,7 @@ struct SlowStep {
 /// step too long) or its r does not stay positive.
 template <class T>
 std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa, double s, double span,
-                                     const T& speed0, const T& angle0, bool to_stop, double tolerance);
+                                     const T& speed0, T angle0, bool to_stop, double tolerance);
 
 /// The solution at the nodes: rates of r and b.
 struct SlowStages {
@@ -92,7 +92,7 @@ struct Tail {
 
 template <class T>
 std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa, double s, double span,
-                                     const T& speed0, const T& angle0, bool to_stop, double tolerance) {
+                                     const T& speed0, T angle0, bool to_stop, double tolerance) {
   using std::cos;
   using std::sin;
   constexpr int S = Collocation::kStages;
@@ -132,6 +132,22 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
       }
     }
   };
+  if constexpr (N > 0) {
+    if (value(speed0) == 0) {
+      // From u = 0 the direction is no initial value: r b' = d.n_perp at r = 0, differentiated, gives its
+      // change.
+      double turning = 0;
+      for (int j = 0; j < S; ++j) {
+        const double sign = j % 2 == 0 ? 1 : -1;  // P_j(-1)
+        turning += sign * c.to_legendre.row(j).dot(stages->rates.template tail<S>());
+      }
+      const Pair<T> d = drive.at(s);
+      const double cosine = std::cos(value(angle0)), sine = std::sin(value(angle0));
+      const T across = d.y * cosine - d.x * sine;
+      const double along = value(d.x) * cosine + value(d.y) * sine;
+      angle0 = with_value(T((across - speed0 * turning) / along), value(angle0));
+    }
+  }
   sum_up();
   if constexpr (N > 0) {
     Eigen::Matrix<double, 2 * S, N> residual;

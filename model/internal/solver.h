@@ -84,7 +84,7 @@ class Solver {
   PieceChain<T> chain_;
   double cycle_ = 0, s_ = 0;
   bool reduced_ = false;
-  bool stuck_ = false;  ///< has been held since it last moved
+  bool stuck_ = false;  ///< stopped and held since it last moved
   Pair<T> u_, x_;
   double slow_span_ = 0.5;
   // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
@@ -95,6 +95,19 @@ class Solver {
     double stops, releases, stick_phase;
   } last_start_{};
 };
+
+/// Values equal to `error`, derivatives to 1e-13 of the largest.
+template <class T>
+bool same_to_rounding(const Pair<T>& a, const Pair<T>& b, double error) {
+  if (length(Pair<T>(a - b)) > error) return false;
+  if constexpr (derivative_count < T >> 0) {
+    for (int j = 0; j < derivative_count<T>; ++j) {
+      const double size = std::hypot(a.x.d[j], a.y.d[j]);
+      if (std::hypot(a.x.d[j] - b.x.d[j], a.y.d[j] - b.y.d[j]) > 1e-13 * size + 1e-15) return false;
+    }
+  }
+  return true;
+}
 
 /// Below this fraction of (|d| + kappa) the speed is small: polar coordinates pay.
 inline constexpr double kSmallSpeed = 0.08;
@@ -163,7 +176,6 @@ void Solver<T>::hold(double target) {
     u_ = {};
     stick_phase += until - s_;
     s_ = until;
-    stuck_ = true;
     if (until >= target) return;
   }
   if (stuck_) releases += 1;
@@ -183,7 +195,8 @@ void Solver<T>::start_from_rest(double target) {
   piece.shift = change(T((u_.x * d.x + u_.y * d.y) / (speed * -norm)));
   SlipSeries<T> series;
   expand_from_rest(shifted(drive_, s_ + piece.shift), kappa(), order_, series);
-  const double h = std::fmin(target - s_, series.step(in_.tolerance, 1));
+  const double reach = std::fmin(target - s_, series.step(in_.tolerance, 1));
+  const double h = series.stays_above(0.2 * series.square[0], reach);
   piece.span = h;
   const T t = h - piece.shift;
   chain_.add(piece, series);
@@ -197,7 +210,9 @@ void Solver<T>::slip(double target) {
   Piece<T> piece = begin_piece();
   SlipSeries<T> series;
   series.expand(drive_, kappa(), s_, u_, order_);
-  const double h = std::fmin(target - s_, series.step(in_.tolerance));
+  const double small = 0.9 * kSmallSpeed * strength();
+  const double reach = std::fmin(target - s_, series.step(in_.tolerance));
+  const double h = series.stays_above(std::fmin(small * small, 0.5 * series.square[0]), reach);
   piece.span = h;
   chain_.add(piece, series);
   u_ = {evaluate(series.x, order_, h), evaluate(series.y, order_, h)};
@@ -266,6 +281,7 @@ void Solver<T>::reach_zero(const T& moved, const Pair<T>&) {
   u_ = {};
   if (Excess(drive_, value(kappa())).holds(s_)) {
     stops += 1;
+    stuck_ = true;
   } else {
     const Pair<T> after = force(drive_, kappa(), s_, u_);
     u_ = Pair<T>{} - moved * after;
@@ -330,11 +346,13 @@ bool Solver<T>::slow(double target, bool from_rest) {
   return true;
 }
 
-/// The flow is a contraction: once a cycle begins as the last one did, to the last bit of values and
-/// derivatives, all later ones are copies and only add their drift.
+/// The flow is a contraction: once a cycle begins as the last one did, to rounding, all later ones are copies
+/// and only add their drift. How slowly the difference fell until then bounds what is left of it.
 template <class T>
 void Solver<T>::skip_repeating_cycles() {
-  const bool repeats = cycle_ >= 2 && same(u_.x, last_start_.u.x) && same(u_.y, last_start_.u.y);
+  const double scale = std::fmax(length(u_), 1e-3);
+  const bool exact = same(u_.x, last_start_.u.x) && same(u_.y, last_start_.u.y);
+  const bool repeats = cycle_ >= 2 && (exact || same_to_rounding(u_, last_start_.u, 4e-16 * scale));
   if (repeats) {
     const double copies = in_.cycles - cycle_;
     repeat_from_ = cycle_;

@@ -1,0 +1,173 @@
+#include "fit/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fit/internal/display.h"
+#include "fit/internal/identifiability.h"
+#include "fit/internal/multi_start.h"
+#include "fit/internal/next_experiment.h"
+#include "fit/internal/parallel.h"
+#include "fit/internal/profile.h"
+#include "fit/internal/results.h"
+#include "fit/internal/scatter.h"
+#include "fit/internal/statistics.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using namespace internal;
+
+constexpr double kSurprise = 1e-3;
+
+Minimum polish(const Residuals& residuals, const Eigen::VectorXd& z) {
+  return minimise(residuals, z);
+}
+
+bool any(const Scatter& scatter) {
+  return scatter.between_runs > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
+                                                 [](const auto& run) { return run.between_points > 0; });
+}
+
+/// Scatter and minimum depend on each other: a few rounds settle both.
+void settle_scatter(Residuals& residuals, Minimum& best) {
+  const Unknowns& unknowns = residuals.unknowns();
+  for (int round = 0; round < 6; ++round) {
+    const double before = residuals.scatter().between_runs;
+    residuals.set_scatter(estimate_scatter(residuals, unknowns.values(best.z)));
+    if (!any(residuals.scatter())) return;
+    best = polish(residuals, best.z);
+    if (round > 1 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
+  }
+}
+
+/// Profiles of all parameters; a point below the minimum restarts them from there.
+std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
+                               double rise, const FitOptions& options) {
+  const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (int restart = 0;; ++restart) {
+    std::vector<Profile> sides(n);
+    parallel_for(n, options.threads, [&](std::size_t i) {
+      sides[i].interval = {-kInfinity, kInfinity};
+      if (!open[i]) sides[i] = profile(residuals, best, static_cast<Eigen::Index>(i), rise);
+    });
+    const Profile* better = nullptr;
+    for (const Profile& side : sides)
+      if (side.better && (!better || side.better->chi2 < better->better->chi2)) better = &side;
+    if (!better || restart == 3) {
+      std::vector<Interval> intervals;
+      for (const Profile& side : sides) intervals.push_back(side.interval);
+      return intervals;
+    }
+    best = with_curvature(residuals, polish(residuals, better->better->z));
+  }
+}
+
+void warn_of_other_minima(const Unknowns& unknowns, const Search& search, FitResult& result) {
+  for (std::size_t i = 1; i < search.minima.size(); ++i) {
+    const Minimum& other = search.minima[i].minimum;
+    const double above = other.chi2 - search.minima.front().minimum.chi2;
+    if (above > 9) continue;
+    const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
+    std::string text = "Another minimum fits nearly as well (chi2 higher by " + number(above, 2) + "):";
+    for (Eigen::Index k = 0; k < unknowns.reported(); ++k)
+      text += std::string(k > 0 ? ", " : " ") + to_string(unknowns.parameter(k)) + " = " +
+              number(values(k) * display_factor(unknowns.parameter(k)), 4);
+    result.warnings.push_back(text + ".");
+  }
+}
+
+void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
+  const Problem& problem = residuals.unknowns().problem();
+  const Scatter& scatter = residuals.scatter();
+  result.scatter = scatter.between_runs;
+  for (const auto& run : scatter.trajectories) result.scatter = std::max(result.scatter, run.between_points);
+  if (!any(scatter)) {
+    result.covariance_meaning =
+        "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with 1.96 sd.";
+    if (result.p_value < kSurprise && !allowed)
+      result.warnings.push_back("chi2 = " + number(result.chi2, 4) + " at " + std::to_string(result.dof) +
+                                " degrees of freedom (p = " + number(result.p_value, 2) +
+                                "): the model or the sigmas are wrong, and the sds too small.");
+    return;
+  }
+  result.covariance_meaning =
+      "sd from the data's own sigma and a scatter estimated from the residuals, added in quadrature; 95 % "
+      "intervals with Student's t.";
+  if (scatter.between_runs > 0)
+    result.warnings.push_back("The runs scatter by " + number(1e3 * scatter.between_runs) +
+                              " mm per axis more than their own sigma (chi2 " +
+                              number(result.chi2_before_scatter, 4) + ", p = " + number(result.p_value, 2) +
+                              "): real scatter, or something in A, w, tilt or the model is wrong.");
+  for (std::size_t i = 0; i < scatter.trajectories.size(); ++i)
+    if (const auto& run = scatter.trajectories[i]; run.between_points > 0)
+      result.warnings.push_back("Run '" + problem.trajectory_runs[i].name + "': its points scatter by " +
+                                number(1e3 * run.between_points) +
+                                " mm per axis more than their own sigma and are correlated over " +
+                                number(run.correlation_time, 2) + " points; the sd counts both.");
+}
+
+}  // namespace
+
+FitResult estimate(const Problem& problem, const FitOptions& options) {
+  problem.validate();
+  const Unknowns unknowns(problem);
+  const int run_threads = problem.trajectory_runs.empty() ? 1 : options.threads;
+  Residuals residuals(problem, unknowns, run_threads);
+
+  const Search search = multi_start(residuals, options);
+  if (search.minima.empty())
+    throw DataError("The model cannot be evaluated at any start: check the drive and [fit.start].");
+  FitResult result;
+  result.starts = search.starts;
+  result.starts_at_best = search.at_best;
+
+  Minimum minimum = polish(residuals, search.minima.front().minimum.z);
+  result.chi2_before_scatter = minimum.chi2;
+  result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
+  if (options.estimate_scatter && result.p_value < kSurprise) settle_scatter(residuals, minimum);
+  minimum.z = fold_lag(unknowns, minimum.z);
+
+  // Uncertainty at the minimum; the profiles may find a better one, then once more.
+  KnownMinimum best = with_curvature(residuals, minimum);
+  const double dof = residuals.degrees_of_freedom();
+  const bool scattered = any(residuals.scatter());
+  const double t =
+      two_sided_quantile(0.95, scattered ? std::max(1.0, dof) : std::numeric_limits<double>::infinity());
+  Eigen::VectorXd values, whitened;
+  Eigen::MatrixXd jacobian;
+  Uncertainty spread;
+  const auto evaluate = [&] {
+    values = unknowns.values(best.minimum.z);
+    if (!residuals.evaluate(values, whitened, &jacobian))
+      throw DataError("The model cannot be evaluated at the minimum: check the drive.");
+    spread = uncertainty(unknowns, values, jacobian);
+  };
+  evaluate();
+  std::vector<Interval> intervals;
+  if (options.profiles) {
+    const double found = best.minimum.chi2;
+    intervals = profiles(residuals, best, moved_by_flat_direction(spread), t * t, options);
+    if (best.minimum.chi2 < found) evaluate();
+  }
+
+  result.converged = best.minimum.converged;
+  result.chi2 = best.minimum.chi2;
+  result.dof = static_cast<int>(std::lround(dof));
+  tell_parameters(unknowns, values, spread, t, result);
+  for (std::size_t i = 0; i < intervals.size(); ++i) result.parameters[i].profile_ci95 = intervals[i];
+  result.identifiability = identifiability(unknowns, values, spread);
+  tell_scatter(residuals, options.estimate_scatter, result);
+  tell_runs(residuals, values, result);
+  tell_systematics(residuals, values, spread, result);
+  warn_of_other_minima(unknowns, search, result);
+  if (!result.converged)
+    result.warnings.push_back(
+        "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
+  result.next_experiment = next_experiment(residuals, values, jacobian, options.threads);
+  return result;
+}
+
+}  // namespace tribotrack::fit

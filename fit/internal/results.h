@@ -1,0 +1,19 @@
+// From a minimum to what is told about it.
+#pragma once
+
+#include "fit/estimate.h"
+#include "fit/internal/covariance.h"
+#include "fit/internal/minimise.h"
+
+namespace tribotrack::fit::internal {
+
+/// Estimates with sd and ci95 (`t`: the two-sided 95 % quantile), covariance, correlation.
+void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+                     double t, FitResult& result);
+/// Residuals of every run; outliers named in the warnings.
+void tell_runs(const Residuals& residuals, const Eigen::VectorXd& values, FitResult& result);
+/// d parameters / d ln A and d ln w, in words.
+void tell_systematics(const Residuals& residuals, const Eigen::VectorXd& values,
+                      const Uncertainty& uncertainty, FitResult& result);
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,124 @@
+#include "fit/problem.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace tribotrack::fit {
+namespace {
+
+bool is_free(const Problem& problem, FitParameter parameter) {
+  return std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
+}
+
+void need(const Problem& problem, FitParameter parameter) {
+  if (is_free(problem, parameter) || problem.fixed.count(parameter)) return;
+  throw DataError(std::string("No value for ") + to_string(parameter) +
+                  ": fit it ([fit] parameters) or give it ([fit.fixed]).");
+}
+
+void check_value(FitParameter parameter, double value, const char* where) {
+  const bool positive = parameter == FitParameter::amplitude || parameter == FitParameter::scale ||
+                        parameter == FitParameter::angular_frequency;
+  const bool not_negative = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
+  if (!std::isfinite(value) || (positive && !(value > 0)) || (not_negative && value < 0))
+    throw DataError(std::string(where) + " " + to_string(parameter) + " = " + std::to_string(value) +
+                    " is out of range" +
+                    (positive       ? ": it must be positive."
+                     : not_negative ? ": it must not be negative."
+                                    : "."));
+}
+
+void check_run(const SummaryRun& run) {
+  run.scenario.validate();
+  if (!run.measured.vector.allFinite() || !run.measured.covariance.allFinite())
+    throw DataError("Run '" + run.name + "': the displacement holds a value that is not a number.");
+  const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
+  if (factor.info() != Eigen::Success)
+    throw DataError(
+        "Run '" + run.name +
+        "': the displacement's covariance is not positive definite: give alpha_sd_rad and v_sd_mm_s "
+        "above 0.");
+}
+
+void check_run(const TrajectoryRun& run) {
+  run.scenario.validate();
+  const auto& track = run.track;
+  const std::size_t n = track.time.size();
+  if (n < 8 || track.position.size() != n || track.covariance.size() != n)
+    throw DataError("Run '" + run.name + "': " + std::to_string(n) +
+                    " tracked points; a fit to the trajectory needs at least 8.");
+  for (std::size_t i = 0; i < n; ++i)
+    if (!std::isfinite(track.time[i]) || !track.position[i].allFinite() || !track.covariance[i].allFinite() ||
+        (i > 0 && !(track.time[i] > track.time[i - 1])))
+      throw DataError("Run '" + run.name + "': row " + std::to_string(i + 1) +
+                      " of the track holds a value that is not a number, or a time that does not increase.");
+}
+
+}  // namespace
+
+const char* to_string(FitParameter parameter) {
+  switch (parameter) {
+    case FitParameter::mu1:
+      return "mu1";
+    case FitParameter::mu2:
+      return "mu2";
+    case FitParameter::lag:
+      return "phase_lag_rad";
+    case FitParameter::delay:
+      return "delay_s";
+    case FitParameter::amplitude:
+      return "amplitude_mm";
+    case FitParameter::angular_frequency:
+      return "angular_frequency_rad_s";
+    case FitParameter::scale:
+      return "mm_per_px";
+    case FitParameter::tilt_x:
+      return "tilt_x_rad";
+    case FitParameter::tilt_y:
+      return "tilt_y_rad";
+  }
+  return "?";
+}
+
+void Problem::validate() const {
+  if (free.empty()) throw DataError("Nothing to fit: [fit] parameters is empty.");
+  if (std::set<FitParameter>(free.begin(), free.end()).size() != free.size())
+    throw DataError("A parameter stands twice in [fit] parameters.");
+  if (summary_runs.empty() && trajectory_runs.empty()) throw DataError("No run to fit to.");
+  for (const auto parameter : free)
+    if (fixed.count(parameter))
+      throw DataError(std::string(to_string(parameter)) + " is both fitted and fixed: take it out of one.");
+  for (const auto& [parameter, value] : fixed) check_value(parameter, value, "fit.fixed");
+  for (const auto& [parameter, value] : start) check_value(parameter, value, "fit.start");
+  for (const auto& [parameter, known] : prior) {
+    check_value(parameter, known.mean, "fit.prior");
+    if (!(known.sd > 0) || !std::isfinite(known.sd))
+      throw DataError(std::string("fit.prior ") + to_string(parameter) + ": sd must be positive.");
+  }
+  if (!(scale_sd >= 0) || !std::isfinite(scale_sd)) throw DataError("The scale's sd must not be negative.");
+
+  std::size_t data = 0, needed = free.size();
+  bool pulses = false;
+  for (const auto& run : summary_runs) {
+    check_run(run);
+    data += 2;
+    pulses = pulses || run.scenario.friction.pulse_width > 0;
+  }
+  for (const auto& run : trajectory_runs) {
+    check_run(run);
+    data += 2 * run.track.time.size();
+    needed += run.free_slide ? 4 : 2;
+    pulses = pulses || (!run.free_slide && run.scenario.friction.pulse_width > 0);
+  }
+  need(*this, FitParameter::mu1);
+  if (pulses) need(*this, FitParameter::mu2);
+  for (const auto& [parameter, known] : prior)
+    if (is_free(*this, parameter)) ++data;
+  if (data < needed)
+    throw DataError("More unknowns (" + std::to_string(needed) + ") than data (" + std::to_string(data) +
+                    "): add runs, or fix a parameter.");
+}
+
+}  // namespace tribotrack::fit

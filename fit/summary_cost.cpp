@@ -1,0 +1,59 @@
+// Displacement vectors: two whitened residuals a run.
+#include <Eigen/Cholesky>
+
+#include "fit/estimate.h"
+#include "fit/internal/residuals.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::fit {
+
+Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
+  return model::integrate(scenario).end().position;
+}
+
+namespace internal {
+namespace {
+
+/// The run lasted as long as it was measured, whatever w is tried.
+model::Scenario as_measured(const SummaryRun& run) {
+  model::Scenario scenario = run.scenario;
+  if (run.measured.duration > 0) scenario.duration = run.measured.duration;
+  return scenario;
+}
+
+}  // namespace
+
+Eigen::Vector2d Residuals::modelled(const Eigen::VectorXd& values, std::size_t index) const {
+  const SummaryRun& run = problem_->summary_runs[index];
+  const auto applied = unknowns_->apply(values, as_measured(run), run.amplitude_from_track, false);
+  return modelled_displacement(applied.scenario) / applied.scale;
+}
+
+void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
+                        Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
+                        Eigen::Index row) const {
+  const SummaryRun& run = problem_->summary_runs[index];
+  const auto applied =
+      unknowns_->apply(values, as_measured(run), run.amplitude_from_track, jacobian != nullptr);
+  const double added = scatter_.between_runs * scatter_.between_runs;
+  const Eigen::LLT<Eigen::Matrix2d> factor(
+      Eigen::Matrix2d(run.measured.covariance + added * Eigen::Matrix2d::Identity()));
+
+  model::IntegrationOptions options;
+  options.derivatives = applied.wanted;
+  const model::Trajectory trajectory = model::integrate(applied.scenario, options);
+  // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
+  // the scale.
+  const Eigen::Vector2d position = trajectory.end().position / applied.scale;
+  residuals = factor.matrixL().solve(run.measured.vector - position);
+  if (!jacobian) return;
+  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
+  if (!applied.wanted.empty())
+    by_unknowns = -(trajectory.sensitive_end().position_jacobian * applied.chain) / applied.scale;
+  if (const auto scale = unknowns_->find(FitParameter::scale))
+    by_unknowns.col(*scale) += position / applied.scale;
+  jacobian->middleRows(row, 2) = factor.matrixL().solve(by_unknowns);
+}
+
+}  // namespace internal
+}  // namespace tribotrack::fit

@@ -1,0 +1,56 @@
+// Campaigns with known truth, made by the slow integrator.
+#pragma once
+
+#include <numbers>
+#include <Eigen/Cholesky>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "fit/problem.h"
+#include "fit/slow_friction.h"
+
+namespace tribotrack::test {
+
+struct Truth {
+  double mu1 = 0.1, mu2 = 0.0125, lag = 0.1;
+};
+
+inline model::Scenario scenario(const Truth& truth, double phi, double dtau, double cycles = 20) {
+  model::Scenario s;
+  s.friction = {truth.mu1, truth.mu2, phi, dtau, truth.lag};
+  s.cycles = cycles;
+  return s;
+}
+
+/// A run measured as alpha and v with the given sds; noise is drawn where `random` is given.
+inline fit::SummaryRun summary_run(const model::Scenario& truth, double alpha_sd, double v_sd,
+                                   std::mt19937* random = nullptr, int steps_per_cycle = 4000) {
+  const double w = truth.drive.angular_frequency;
+  const double duration = truth.cycles * 2 * std::numbers::pi / w;
+  const Eigen::Vector2d d = SlowFriction(truth).displacement(steps_per_cycle);
+  fit::SummaryRun run;
+  run.name = "phi " + std::to_string(truth.friction.phase) + " dtau " + std::to_string(truth.friction.pulse_width);
+  run.scenario = truth;
+  run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // nothing of the truth is handed over
+  run.scenario.friction.lag = 0;
+  double alpha = std::atan2(d.y(), d.x()), v = d.norm() / duration;
+  run.measured = fit::displacement_from_alpha_v({alpha, alpha_sd}, {v, v_sd}, w, static_cast<int>(truth.cycles));
+  if (random) {
+    std::normal_distribution<double> normal;
+    const Eigen::Matrix2d root = run.measured.covariance.llt().matrixL();
+    run.measured.vector += root * Eigen::Vector2d(normal(*random), normal(*random));
+    fit::derive_alpha_and_v(run.measured);
+  }
+  return run;
+}
+
+/// 8 values of phi at dtau = pi/3, then 6 values of dtau, k pi/6, at phi = 0.3.
+inline std::vector<model::Scenario> fourteen(const Truth& truth) {
+  std::vector<model::Scenario> runs;
+  for (int k = 0; k < 8; ++k) runs.push_back(scenario(truth, k * std::numbers::pi / 4, std::numbers::pi / 3));
+  for (int k = 1; k <= 6; ++k) runs.push_back(scenario(truth, 0.3, k * std::numbers::pi / 6));
+  return runs;
+}
+
+}  // namespace tribotrack::test
