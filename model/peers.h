@@ -1,5 +1,5 @@
-// How others solve the friction model: for comparison only (`tribotrack bench model`). Own compact versions of
-// what researchers use, so that all are compiled alike. Do not compute results with these.
+// How others solve the friction model: for comparison only (`tribotrack bench model`). Own compact versions
+// of what researchers use, so that all are compiled alike. Do not compute results with these.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,8 +44,8 @@ PeerResult dormand_prince(const Scenario& scenario, const DormandPrinceOptions& 
 /// Slow (about a second).
 PeerResult extended_precision_reference(const Scenario& scenario, double tolerance = 1e-17);
 
-/// Time stepping of non-smooth mechanics (Moreau-Jean with theta = 1: implicit Euler with the friction disc as
-/// a projection): sticks properly, never fails, first order.
+/// Time stepping of non-smooth mechanics (Moreau-Jean with theta = 1: implicit Euler with the friction disc
+/// as a projection): sticks properly, never fails, first order.
 PeerResult moreau_jean(const Scenario& scenario, double step);
 
 }  // namespace tribotrack::model

@@ -74,7 +74,7 @@ class PlainEquation {
     if (width_ > 0 && width_ < turn())
       for (const T edge : {opens_, opens_ + width_}) {
         const T offset = edge - start_phase_;
-        for (T n = std::floor(-offset / turn()); ; n += 1) {
+        for (T n = std::floor(-offset / turn());; n += 1) {
           const T t = (offset + n * turn()) / w_;
           if (t >= end_) break;
           if (t > 0) times.push_back(t);

@@ -1,9 +1,10 @@
 // Run times that can be compared: the competitors take turns, so that a change of the machine's load or clock
-// hits them alike, and the median of each is told.
+// hits them alike, and the median of each is told. CPU time of this
+// thread: what other programs take from the machine does not count.
 #pragma once
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <functional>
 #include <vector>
 
@@ -19,10 +20,16 @@ struct MedianTime {
   int repetitions = 0;
 };
 
+inline double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 inline double seconds_of(const std::function<void()>& work) {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = thread_seconds();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return thread_seconds() - begin;
 }
 
 inline double median(std::vector<double> values) {
