@@ -67,9 +67,7 @@ std::string RecordingJob::key() const {
 TrackedRecording track_recording(const RecordingJob& job) {
   const auto source = vision::open_source(job.video, {job.frame_rate_hz});
   if (!source->info().time_base.known())
-    throw vision::InputError(
-        fmt::format("{}: {}; give the rate it was recorded at with --fps (frame_rate_hz in a campaign)",
-                    job.video.string(), source->info().time_base.why_unknown()));
+    throw vision::InputError(fmt::format("{}: {}", job.video.string(), source->info().time_base.why_unknown()));
   if (!job.mm_per_px && job.diameter_mm && job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");

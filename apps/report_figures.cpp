@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "apps/report_groups.h"
+#include "apps/report_path.h"
 #include "apps/report_text.h"
 
 namespace tribotrack::apps {
@@ -25,9 +26,9 @@ json rounded(double value) {
   return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
 }
 
-json rounded(const std::vector<double>& values, std::size_t step = 1) {
+json rounded(const std::vector<double>& values) {
   json list = json::array();
-  for (std::size_t i = 0; i < values.size(); i += step) list.push_back(rounded(values[i]));
+  for (const double value : values) list.push_back(rounded(value));
   return list;
 }
 
@@ -93,11 +94,9 @@ json trajectories(const ReportData& data) {
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const ReportRun& run = data.runs[i];
     if (!has_path(run)) continue;
-    const std::size_t step = (run.x_mm.size() + most_points_drawn - 1) / most_points_drawn;
-    paths.push_back({{"number", i + 1},
-                     {"label", run_label(data, i)},
-                     {"x", rounded(run.x_mm, step)},
-                     {"y", rounded(run.y_mm, step)}});
+    const DrawnPath path = thinned(run.x_mm, run.y_mm, most_points_drawn);
+    paths.push_back(
+        {{"number", i + 1}, {"label", run_label(data, i)}, {"x", rounded(path.x)}, {"y", rounded(path.y)}});
   }
   return paths;
 }

@@ -6,6 +6,7 @@
 
 #include "apps/embedded_assets.h"
 #include "apps/report_figures.h"
+#include "apps/report_runs.h"
 #include "apps/report_sections.h"
 #include "apps/report_text.h"
 

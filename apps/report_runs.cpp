@@ -1,14 +1,17 @@
-// The report's table of runs, the pictures with the paths over them, and the plan.
+#include "apps/report_runs.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report_sections.h"
+#include "apps/report_path.h"
 #include "apps/report_text.h"
 
 namespace tribotrack::apps {
 namespace {
+
+constexpr std::size_t most_points_drawn = 1500;  // over a picture a few hundred pixels wide
 
 std::string percent(double share) {
   return std::isnan(share) ? "–" : number(100 * share, 2) + " %";
@@ -22,20 +25,19 @@ std::string phi_and_dtau(const ReportRun& run) {
   return text;
 }
 
-/// Polylines through the measured points; a gap where the part was not measured.
-std::string path_points(const ReportRun& run, std::size_t limit) {
-  const std::size_t count = std::min(run.x_px.size(), run.y_px.size());
-  const std::size_t step = std::max<std::size_t>(1, count / limit);
-  std::string path;
+/// An SVG path through the measured points; a gap where the part was not measured.
+std::string path_commands(const ReportRun& run) {
+  const DrawnPath path = thinned(run.x_px, run.y_px, most_points_drawn);
+  std::string commands;
   bool pen_down = false;
-  for (std::size_t i = 0; i < count; i += step) {
-    const bool measured = std::isfinite(run.x_px[i]) && std::isfinite(run.y_px[i]);
+  for (std::size_t i = 0; i < path.x.size(); ++i) {
+    const bool measured = !std::isnan(path.x[i]);
     // Pixel centres are at whole numbers, the picture's corner at (-0.5, -0.5).
     if (measured)
-      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", run.x_px[i] + 0.5, run.y_px[i] + 0.5);
+      commands += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", path.x[i] + 0.5, path.y[i] + 0.5);
     pen_down = measured;
   }
-  return path;
+  return commands;
 }
 
 struct Ends {
@@ -67,7 +69,7 @@ std::string picture(const ReportRun& run, std::size_t index) {
       run.frame_width_px, run.frame_height_px, escape_html(run.name), mime_type(run.first_frame),
       base64(run.first_frame));
   if (ends.any) {
-    const std::string path = path_points(run, 1500);
+    const std::string path = path_commands(run);
     html += fmt::format("<path class=\"halo\" d=\"{0}\"/><path class=\"path\" d=\"{0}\"/>", path);
     html += fmt::format("<circle class=\"start\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>",
                         run.x_px[ends.first] + 0.5, run.y_px[ends.first] + 0.5, radius);

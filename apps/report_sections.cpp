@@ -67,8 +67,10 @@ std::string given_table(const ReportData& data) {
   std::string html = "<h3>Taken as known</h3>\n<table class=\"compact\"><tbody>";
   for (const ReportGiven& given : data.given) {
     const ParameterWords words = parameter_words(given.name);
-    html += "<tr><th>" + words.symbol + "</th>" + number_cell(number(given.value, 6)) + cell(words.unit) +
-            cell(escape_html(given.source)) + "</tr>";
+    const bool in_radians = words.unit == "rad";
+    html += fmt::format("<tr><th>{}</th>", words.symbol);
+    html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
+    html += cell(in_radians ? "" : words.unit) + cell(escape_html(given.source)) + "</tr>";
   }
   return html + "</tbody></table>\n";
 }

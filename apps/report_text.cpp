@@ -103,6 +103,8 @@ ParameterWords parameter_words(const std::string& key) {
       {"amplitude_y_mm", {"A<sub>y</sub>", "mm", "amplitude of the platform’s motion along y"}},
       {"angular_frequency_rad_s", {"ω", "rad/s", "angular frequency of the platform"}},
       {"phase_shift_rad", {"ε", "rad", "phase shift between the platform’s two axes"}},
+      {"diameter_mm", {"diameter", "mm", "diameter of the part"}},
+      {"height_mm", {"height", "mm", "height of the part"}},
       {"gravity_m_s2", {"g", "m/s²", "acceleration of gravity"}},
       {"mm_per_px", {"scale", "mm/px", "millimetres per pixel"}},
       {"scale", {"scale", "", "factor on every measured length; 1 = as measured"}},

@@ -20,7 +20,8 @@ struct Verdict {
 Verdict verdict_in_words(const ReportData& data);
 
 /// The range chi-square per degree of freedom stays in 99 times out of 100 when the model is right and the
-/// errors are honest (Wilson and Hilferty's approximation). NaN for dof < 1.
+/// errors are honest. Wilson and Hilferty's approximation: the lower end is good to 0.02, the upper to 1 %,
+/// at any dof. NaN for dof < 1.
 ReportInterval expected_reduced_chi2(int dof);
 
 }  // namespace tribotrack::apps

@@ -21,7 +21,9 @@ using namespace internal;
 
 constexpr double kSurprise = 1e-3;
 
-Minimum polish(const Residuals& residuals, const Eigen::VectorXd& z) {
+/// To the last digit that exact data deserve.
+Minimum polish(Residuals residuals, const Eigen::VectorXd& z) {
+  residuals.set_tolerance(1e-12);
   return minimise(residuals, z);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include "fit/internal/parallel.h"
@@ -57,30 +58,46 @@ Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess
   return point;
 }
 
-/// The lag (or delay) that turns the modelled displacements onto the measured ones.
-void align_lag(const Residuals& residuals, Eigen::VectorXd& values) {
+using Complex = std::complex<double>;
+Complex complex(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+
+/// chi^2 at `values`, about. With a free lag (or delay) `values` get the one that turns the modelled
+/// displacements onto the measured ones, and the turned displacements are judged: one simulation a run.
+double screen(const Residuals& residuals, Eigen::VectorXd& values) {
   const auto& unknowns = residuals.unknowns();
   const auto& problem = unknowns.problem();
   const bool by_lag = unknowns.find(FitParameter::lag).has_value();
   const auto index = by_lag ? unknowns.find(FitParameter::lag) : unknowns.find(FitParameter::delay);
-  if (!index || problem.summary_runs.empty()) return;
+  if (!index || problem.summary_runs.empty() || !problem.trajectory_runs.empty())
+    return residuals.chi2(values);
   values(*index) = 0;
-  std::complex<double> sum = 0;
+  // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag. Conjugates where it is the
+  // other way round.
+  std::vector<Complex> measured, modelled;
+  std::vector<double> weight;
+  Complex sum = 0;
   for (std::size_t run = 0; run < problem.summary_runs.size(); ++run) {
-    const auto& measured = problem.summary_runs[run].measured;
-    Eigen::Vector2d modelled;
+    const auto& data = problem.summary_runs[run];
+    const bool clockwise = std::sin(data.scenario.drive.phase_shift) >= 0;
+    Complex m = complex(data.measured.vector), x;
     try {
-      modelled = residuals.modelled(values, run);
+      x = complex(residuals.modelled(values, run));
     } catch (const std::exception&) {
-      return;
+      return std::numeric_limits<double>::infinity();
     }
-    const std::complex<double> m(measured.vector.x(), measured.vector.y()), x(modelled.x(), modelled.y());
-    const double sense = std::sin(problem.summary_runs[run].scenario.drive.phase_shift) >= 0 ? -1 : 1;
-    const std::complex<double> turn = m * std::conj(x) / measured.covariance.trace();
-    sum += sense > 0 ? turn : std::conj(turn);
+    measured.push_back(clockwise ? std::conj(m) : m);
+    modelled.push_back(clockwise ? std::conj(x) : x);
+    weight.push_back(2 / data.measured.covariance.trace());
+    sum += weight.back() * measured.back() * std::conj(modelled.back());
   }
   const double lag = std::arg(sum);
   values(*index) = by_lag ? lag : lag / unknowns.reference_frequency();
+  double chi2 = 0;
+  for (std::size_t run = 0; run < weight.size(); ++run)
+    chi2 += weight[run] * std::norm(measured[run] - modelled[run] * std::polar(1.0, lag));
+  return chi2;
 }
 
 bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b) {
@@ -98,18 +115,20 @@ Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
 
 Search multi_start(const Residuals& residuals, const FitOptions& options) {
   const auto& unknowns = residuals.unknowns();
+  Residuals rough = residuals;
+  rough.set_tolerance(1e-6);
   const Eigen::VectorXd guess = unknowns.first_guess();
   const int wanted = std::max(1, options.multi_starts);
 
   // Start 0, then the best screened points that are not each other's neighbours.
   std::vector<Eigen::VectorXd> starts{unknowns.z(guess)};
   if (wanted > 1) {
-    const int screened = 4 * wanted;
+    const int screened = 3 * wanted;
     std::vector<std::pair<double, Eigen::VectorXd>> points(static_cast<std::size_t>(screened));
     parallel_for(points.size(), options.threads, [&](std::size_t k) {
       Eigen::VectorXd values = k == 0 ? guess : box_point(unknowns, guess, static_cast<int>(k));
-      align_lag(residuals, values);
-      points[k] = {residuals.chi2(values), unknowns.z(values)};
+      const double chi2 = screen(rough, values);
+      points[k] = {chi2, unknowns.z(values)};
     });
     std::stable_sort(points.begin(), points.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -131,15 +150,15 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
       if (same(unknowns, search.minima[i], minimum)) {
         ++hits[i];
         if (minimum.chi2 < search.minima[i].minimum.chi2 && !minimum.joined)
-          search.minima[i] = with_curvature(residuals, minimum);
+          search.minima[i] = with_curvature(rough, minimum);
         return;
       }
-    search.minima.push_back(with_curvature(residuals, minimum));
+    search.minima.push_back(with_curvature(rough, minimum));
     hits.push_back(1);
   };
   // The most promising start finds the minimum that most others then join early.
   std::size_t first = starts.size() > 1 ? 1 : 0;
-  keep(minimise(residuals, starts[first]));
+  keep(minimise(rough, starts[first], {.held = {}, .function_tolerance = 1e-8}));
   std::vector<Eigen::VectorXd> others;
   for (std::size_t i = 0; i < starts.size(); ++i)
     if (i != first) others.push_back(starts[i]);
@@ -150,7 +169,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     MinimiseOptions descent;
     descent.known = &known;
     descent.function_tolerance = 1e-8;
-    found[i] = minimise(residuals, others[i], descent);
+    found[i] = minimise(rough, others[i], descent);
     if (options.progress && options.threads <= 1) options.progress(++done, static_cast<int>(starts.size()));
   });
   for (const Minimum& minimum : found) keep(minimum);

@@ -26,7 +26,9 @@ model::Scenario as_measured(const SummaryRun& run) {
 Eigen::Vector2d Residuals::modelled(const Eigen::VectorXd& values, std::size_t index) const {
   const SummaryRun& run = problem_->summary_runs[index];
   const auto applied = unknowns_->apply(values, as_measured(run), run.amplitude_from_track, false);
-  return modelled_displacement(applied.scenario) / applied.scale;
+  model::IntegrationOptions options;
+  options.tolerance = tolerance_;
+  return model::integrate(applied.scenario, options).end().position / applied.scale;
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
@@ -41,6 +43,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
 
   model::IntegrationOptions options;
   options.derivatives = applied.wanted;
+  options.tolerance = tolerance_;
   const model::Trajectory trajectory = model::integrate(applied.scenario, options);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.

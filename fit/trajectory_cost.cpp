@@ -52,6 +52,7 @@ void Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index
   applied.scenario.duration = run.track.time.back() - origin;
   model::IntegrationOptions options;
   options.derivatives = applied.wanted;
+  options.tolerance = tolerance_;
   const model::Trajectory trajectory = model::integrate(applied.scenario, options);
   const bool camera_frame = !run.free_slide && !run.track.platform_frame;
 

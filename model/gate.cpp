@@ -14,7 +14,8 @@ double gate_share(const Friction& friction, double from, double to) {
     const double whole = std::floor(since / cycle);
     return whole * friction.pulse_width + std::min(since - whole * cycle, friction.pulse_width);
   };
-  return (on_since(to) - on_since(from)) / (to - from);
+  // Rounding must not make a gate that is always on more than that.
+  return std::clamp((on_since(to) - on_since(from)) / (to - from), 0.0, 1.0);
 }
 
 }  // namespace tribotrack::model

@@ -159,27 +159,57 @@ void QuinticSpline::sample_window(double x0, double y0, int width, int height, f
   if (slope_y) combine(smooth, sy, slope_y);
 }
 
+namespace {
+
+constexpr int kReach = 20;  // 0.43^20 < 1e-7
+
+/// What the sample k - kReach - 3 px from the place's whole pixel contributes to value and slope at a
+/// fraction.
+struct Response {
+  std::array<double, 2 * kReach + 1> value{}, slope{};
+  explicit Response(double fraction) {
+    static const std::vector<double> impulse = [] {
+      std::vector<double> line(2 * kReach + 7, 0.0);
+      line[kReach + 3] = 1;
+      prefilter(line.data(), static_cast<int>(line.size()), 1);
+      return line;
+    }();
+    const auto w = quintic_weights(fraction);
+    const auto s = quintic_slopes(fraction);
+    for (std::size_t k = 0; k < value.size(); ++k)
+      for (std::size_t i = 0; i < 6; ++i) {
+        value[k] += w[i] * impulse[k + i];
+        slope[k] += s[i] * impulse[k + i];
+      }
+  }
+};
+
+}  // namespace
+
 InterpolationNoise quintic_noise(double fraction) {
-  // Response of the interpolation at `fraction` to a unit sample k pixels away, summed in squares.
-  constexpr int kReach = 40;
-  std::vector<double> impulse(2 * kReach + 1, 0.0);
-  impulse[kReach] = 1;
-  prefilter(impulse.data(), static_cast<int>(impulse.size()), 1);
-  const double t = fraction - std::floor(fraction);
-  const auto w = quintic_weights(t);
-  const auto s = quintic_slopes(t);
+  const Response r(fraction - std::floor(fraction));
   InterpolationNoise noise{0, 0};
-  for (std::size_t k = 2; k + 3 < impulse.size(); ++k) {
-    double value = 0;
-    double slope = 0;
-    for (std::size_t i = 0; i < 6; ++i) {
-      value += w[i] * impulse[k + i - 2];
-      slope += s[i] * impulse[k + i - 2];
-    }
-    noise.value += value * value;
-    noise.slope += slope * slope;
+  for (std::size_t k = 0; k < r.value.size(); ++k) {
+    noise.value += r.value[k] * r.value[k];
+    noise.slope += r.slope[k] * r.slope[k];
   }
   return noise;
+}
+
+InterpolationCovariance quintic_noise_covariance(double f, double g) {
+  const int shift = static_cast<int>(std::floor(f) - std::floor(g));
+  const Response a(f - std::floor(f));
+  const Response b(g - std::floor(g));
+  InterpolationCovariance out{0, 0};
+  const int n = static_cast<int>(a.value.size());
+  // Moving the place by a whole pixel moves its responses by one sample.
+  for (int k = std::max(0, -shift); k < std::min(n, n - shift); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const auto j = static_cast<std::size_t>(k + shift);
+    out.value_value += a.value[i] * b.value[j];
+    out.slope_value += a.slope[i] * b.value[j];
+  }
+  return out;
 }
 
 }  // namespace tribotrack::vision

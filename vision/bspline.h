@@ -59,4 +59,12 @@ struct InterpolationNoise {
 };
 InterpolationNoise quintic_noise(double fraction);
 
+/// The same noise interpolated at two fractions f and g along one axis: covariance of the two values, and of
+/// the slope at f with the value at g. The latter is not zero: interpolated noise is quieter between pixels
+/// than on them, and a registration that does not know this is drawn there.
+struct InterpolationCovariance {
+  double value_value = 1, slope_value = 0;
+};
+InterpolationCovariance quintic_noise_covariance(double f, double g);
+
 }  // namespace tribotrack::vision

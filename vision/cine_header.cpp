@@ -175,6 +175,7 @@ CineHeader read_cine_header(const MappedFile& file) {
   header.short_rate = field<std::uint16_t>(setup, at::short_rate).value_or(0);
   header.integer_rate = field<std::uint32_t>(setup, at::integer_rate).value_or(0);
   header.camera_version = field<std::uint32_t>(setup, at::camera_version).value_or(0);
+  header.colour_filter = field<std::uint32_t>(setup, at::colour_filter).value_or(0) != 0;
   header.shown_mirrored = field<std::uint32_t>(setup, at::flip_horizontal).value_or(0) != 0 ||
                           field<std::uint32_t>(setup, at::flip_vertical).value_or(0) != 0;
   if (const auto exposure = field<std::uint32_t>(setup, at::exposure_ns); exposure.value_or(0) > 0)

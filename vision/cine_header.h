@@ -32,7 +32,8 @@ struct CineHeader {
   std::uint32_t short_rate = 0;    ///< FrameRate of old files (16 bit)
   std::optional<double> exposure_s;
   std::uint32_t camera_version = 0;
-  bool shown_mirrored = false;               ///< the camera's program shows it flipped; the pixels are not
+  bool colour_filter = false;   ///< the camera sees colour, though the file calls its pictures grey
+  bool shown_mirrored = false;  ///< the camera's program shows it flipped; the pixels are not
   std::vector<std::uint64_t> image_offsets;  ///< one per stored image
   std::vector<CineTime> stamps;              ///< one per stored image, or empty
 };

@@ -1,5 +1,6 @@
 #include "vision/cine_source.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -60,6 +61,15 @@ std::vector<double> stamps_since_first(const CineHeader& header, std::vector<std
   return stamps;
 }
 
+/// From the median step: a stray stamp at an end (seen in a real recording) does not move it.
+double stamped_rate(const std::vector<double>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return 1 / *middle;
+}
+
 std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, const std::vector<double>& stamps,
                                                const SourceOptions& options) {
   std::vector<TimeBaseCandidate> candidates;
@@ -73,20 +83,30 @@ std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, const s
   else
     candidates.push_back({"cine header", 0, false, "its rate fields are 0"});
   if (stamps.size() > 1)
-    candidates.push_back({"cine time stamps", static_cast<double>(stamps.size() - 1) / stamps.back(), true,
-                          "mean rate of the camera's stamps"});
+    candidates.push_back({"cine time stamps", stamped_rate(stamps), true, "rate of the camera's stamps"});
   return candidates;
 }
 
-void note_rate_against_stamps(const std::vector<double>& stamps, double rate,
-                              std::vector<std::string>& notes) {
+void note_odd_stamps(const std::vector<double>& stamps, double rate, std::int64_t first_number,
+                     std::vector<std::string>& notes) {
   if (stamps.size() < 2) return;
-  const double stamped = static_cast<double>(stamps.size() - 1) / stamps.back();
-  if (std::abs(stamped / rate - 1) < 1e-3) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated", stamped,
-                rate);
-  notes.push_back(text);
+  char text[240];
+  if (const double stamped = stamped_rate(stamps); std::abs(stamped / rate - 1) > 1e-3) {
+    std::snprintf(text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated", stamped,
+                  rate);
+    notes.push_back(text);
+  }
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    const double step = stamps[i] - stamps[i - 1];
+    if (std::abs(step * stamped_rate(stamps) - 1) < 0.5) continue;
+    std::snprintf(
+        text, sizeof text,
+        "the camera stamped image %lld as %.6g s after the one before: images are missing, or it does not "
+        "belong to the recording (then leave it out with --frames)",
+        static_cast<long long>(first_number + static_cast<std::int64_t>(i)), step);
+    notes.push_back(text);
+    return;
+  }
 }
 
 class CineSource : public FrameSource {
@@ -109,13 +129,17 @@ class CineSource : public FrameSource {
     if (header_.pixels == CinePixels::p10)
       info_.notes.push_back("10-bit companded levels turned back to 12-bit linear ones");
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+    if (header_.colour_filter && !info_.colour)
+      info_.notes.push_back(
+          "recorded by a colour camera and called grey by the file: look for a chequered pattern");
     if (header_.shown_mirrored)
       info_.notes.push_back(
           "the camera's program shows this recording mirrored; pixels are handed out as stored");
 
     std::vector<double> stamps = stamps_since_first(header_, info_.notes);
     info_.time_base = choose_time_base(rate_candidates(header_, stamps, options));
-    if (info_.time_base.known()) note_rate_against_stamps(stamps, *info_.time_base.rate_hz, info_.notes);
+    if (info_.time_base.known())
+      note_odd_stamps(stamps, *info_.time_base.rate_hz, info_.first_number, info_.notes);
     if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
   }
 

@@ -12,6 +12,8 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kSearchMin = 6, kSearchMax = 13;  ///< radii tried on each level of the pyramid, px
+constexpr double kMinClarity = 2;               ///< contrast over residual: less is no rim
+constexpr double kClarityCap = 8;
 constexpr double kPi = std::numbers::pi;
 
 double level_at(const Picture& picture, double x, double y) {
@@ -205,8 +207,10 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start) {
   return fit;
 }
 
-double score_of(double coverage, double contrast, double radius) {
-  return coverage * coverage * std::abs(contrast) * std::sqrt(radius);
+/// Larger is better, and so is a rim that stands out from what else there is, up to a point: a small mark of
+/// high contrast must not outvote the part.
+double score_of(double coverage, double clarity, double radius) {
+  return std::pow(coverage, 4) * std::min(clarity, kClarityCap) * radius;
 }
 
 struct Candidate {
@@ -319,8 +323,9 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   result.residual_rms = fit.residual_rms;
   const double half = std::min(std::max(1.5, 2 * p(3)), 0.5 * p(2));
   result.coverage = coverage_of(rim_steps(picture, result.circle, half, count), result.contrast);
-  result.score = score_of(result.coverage, result.contrast, p(2));
-  if (result.coverage < 0.5) return std::nullopt;
+  const double clarity = std::abs(result.contrast) / std::max(0.3, result.residual_rms);
+  result.score = score_of(result.coverage, clarity, p(2));
+  if (result.coverage < 0.5 || clarity < kMinClarity || result.radius_sd > 0.1 * p(2)) return std::nullopt;
   return result;
 }
 
@@ -343,7 +348,7 @@ std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search
     const auto steps = rim_steps(picture, c.circle, half, 64);
     const double median = median_of(steps);
     const double coverage = median != 0 ? coverage_of(steps, median) : 0;
-    c.votes = coverage < 0.4 ? 0 : score_of(coverage, median, c.circle.radius);
+    c.votes = coverage < 0.4 ? 0 : coverage * coverage * std::abs(median) * std::sqrt(c.circle.radius);
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.votes > b.votes; });
@@ -360,6 +365,10 @@ std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search
     tried.push_back(c.circle);
     const auto fit = fit_disc(picture, c.circle, std::max(1.5, 0.12 * c.circle.radius));
     if (!fit || fit->coverage < search.min_coverage || !whole(picture, fit->circle)) continue;
+    // A soft blob is no disc, and a rim must stand out from the texture around it.
+    if (fit->blur > search.max_blur_share * fit->circle.radius ||
+        std::abs(fit->contrast) < search.min_clarity * fit->residual_rms)
+      continue;
     if (fit->circle.radius < search.min_radius || fit->circle.radius > search.max_radius) continue;
     if (search.keep_out &&
         std::hypot(search.keep_out->x - fit->circle.x, search.keep_out->y - fit->circle.y) <

@@ -34,7 +34,9 @@ struct DiscSearch {
   double min_radius = 6;
   double max_radius = 420;
   std::optional<Circle> keep_out;  ///< nothing that touches this circle is reported
-  double min_coverage = 0.6;
+  double min_coverage = 0.7;
+  double max_blur_share = 0.25;  ///< of the radius
+  double min_clarity = 3;        ///< contrast over what the fit leaves
 };
 
 /// Round things in the picture, best first.

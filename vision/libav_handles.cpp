@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <mutex>
 #include <new>
+#include <utility>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -64,9 +65,13 @@ std::string libav_error(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = "";
   av_strerror(code, text, sizeof text);
   std::string message = text;
-  if (!last_complaint.empty()) message += " (" + last_complaint + ")";
-  last_complaint.clear();
+  if (const std::string complaint = take_libav_complaint(); !complaint.empty())
+    message += " (" + complaint + ")";
   return message;
+}
+
+std::string take_libav_complaint() {
+  return std::exchange(last_complaint, {});
 }
 
 }  // namespace tribotrack::vision

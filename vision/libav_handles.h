@@ -35,6 +35,8 @@ LibavPacket make_libav_packet();
 
 /// From now on libav prints nothing; the last error it would have printed on this thread is kept instead.
 void silence_libav();
+/// The last error libav complained of on this thread since the previous call of this or libav_error.
+std::string take_libav_complaint();
 /// libav's word for an error code, with the last complaint kept since the previous call.
 std::string libav_error(int code);
 

@@ -170,9 +170,17 @@ class LibavSource : public FrameSource {
 
   /// Decodes the next frame in the order shown into frame_; held_ becomes its packet. False at the end.
   bool next_frame() {
+    take_libav_complaint();
     for (;;) {
       const int error = avcodec_receive_frame(decoder_.get(), frame_.get());
       if (error == 0) {
+        // These codings hide damage (a wrong checksum) behind an old picture and only mutter.
+        const AVCodecID codec = decoder_->codec_id;
+        if (codec == AV_CODEC_ID_FFV1 || codec == AV_CODEC_ID_MJPEG)
+          if (const std::string complaint = take_libav_complaint(); !complaint.empty()) {
+            held_ = -1;
+            refuse_frame(complaint);
+          }
         held_ = frame_->pts;
         return true;
       }

@@ -7,6 +7,7 @@
 #include "vision/in_quotes.h"
 #include "vision/luma.h"
 #include "vision/mapped_file.h"
+#include "vision/tiff_pages.h"
 #include "vision/window.h"
 
 namespace tribotrack::vision {
@@ -130,24 +131,12 @@ class PictureStack : public DecodedPictures {
   PictureStack(const fs::path& path, const SourceOptions& options) : path_(path) {
     info_.path = path;
     info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
-    info_.frame_count = has_tiff_extension(path) ? count_pages() : 1;
+    info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
+    if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
     describe(options);
   }
 
  private:
-  std::int64_t count_pages() const {
-    std::size_t pages = 0;
-    try {
-      pages = cv::imcount(path_.string(), cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {
-      pages = 0;
-    }
-    if (pages == 0)
-      throw InputError(in_quotes(path_) +
-                       " is no readable TIFF: it is damaged, cut short or of another kind");
-    return static_cast<std::int64_t>(pages);
-  }
-
   cv::Mat decode(std::int64_t index) override {
     if (info_.frame_count == 1) return cv::imread(path_.string(), cv::IMREAD_UNCHANGED);
     constexpr std::int64_t pages_at_a_time = 16;

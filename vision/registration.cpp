@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tribotrack::vision {
 namespace {
@@ -62,6 +63,8 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
   const Eigen::MatrixXd normal = debiased(normal_matrix(), {});
   limit_ = options_.noise_variance * normal.inverse().topLeftCorner<2, 2>();
   double information = 0;
+  double noise_information = 0;
+  double count = 0;
   for (int y = 0; y < w.height; ++y)
     for (int x = 0; x < w.width; ++x) {
       const double rx = x + w.x - pattern.centre.x;
@@ -71,9 +74,14 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
       if (pattern.radius > 0 && std::sqrt(rho_squared) > pattern.radius - 2.5) continue;
       const auto i = static_cast<std::size_t>(y) * w.width + x;
       const double slope = slope_x_[i] * -ry + slope_y_[i] * rx;
-      information += slope * slope - options_.noise_variance * noise_gain_[0].slope * rho_squared;
+      information += slope * slope;
+      noise_information += options_.noise_variance * noise_gain_[0].slope * rho_squared;
+      ++count;
     }
-  limit_theta_ = information > 0 ? std::sqrt(options_.noise_variance / information) : 1e9;
+  // The slopes of noise alone look like a texture: it must stand out from their scatter.
+  information -= noise_information;
+  const double visible = noise_information * std::max(0.5, 12 / std::sqrt(std::max(1.0, count)));
+  limit_theta_ = information > visible ? std::sqrt(options_.noise_variance / information) : 1e9;
   options_.rotation = rotation;
 }
 
@@ -182,6 +190,20 @@ Eigen::MatrixXd TemplateRegistration::debiased(const Eigen::MatrixXd& normal, co
   return out;
 }
 
+/// Expectation of sum w J r that is due to the template's noise alone: its slopes (in J, formed at one
+/// fraction) and its values (in r, at another) are correlated. A turned template mixes all fractions, which
+/// averages it out: 2 J1(z) / z for a disc.
+Eigen::Vector2d TemplateRegistration::noise_force(const Pose& formed, const Pose& at, double gain) const {
+  const InterpolationCovariance x = quintic_noise_covariance(-formed.dx, -at.dx);
+  const InterpolationCovariance y = quintic_noise_covariance(-formed.dy, -at.dy);
+  double weight = 0;
+  for (const float w : weight_) weight += w;
+  const double z = 2 * std::numbers::pi * pattern_.reach() * std::abs(at.theta);
+  const double mixing = z > 1e-3 ? (z < 30 ? 2 * std::cyl_bessel_j(1.0, z) / z : 0) : 1;
+  return mixing * gain * options_.noise_variance * weight *
+         Eigen::Vector2d(x.slope_value * y.value_value, x.value_value * y.slope_value);
+}
+
 double TemplateRegistration::correlation(const std::vector<float>& weights) const {
   double s = 0, sv = 0, sl = 0, svv = 0, sll = 0, svl = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -250,7 +272,9 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   for (out.iterations = 1; out.iterations <= options_.max_iterations; ++out.iterations) {
     form_residual();
     const Eigen::VectorXf weighted = MapConst(weight_.data(), n).cwiseProduct(MapConst(residual_.data(), n));
-    const Eigen::VectorXd step = factor.solve((jacobian_.transpose() * weighted).cast<double>());
+    Eigen::VectorXd force = (jacobian_.transpose() * weighted).cast<double>();
+    force.head<2>() -= noise_force(formed, fraction, gain);
+    const Eigen::VectorXd step = factor.solve(force);
     if (!step.allFinite()) return out;
     gain += step(2);
     offset += step(3);
@@ -281,7 +305,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
       if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
       trimmed = false;
     }
-    const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.3 ||
+    const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
     sample_template(fraction, re_form);
     if (settled && !trimmed) {

@@ -7,6 +7,9 @@
 // derivatives and their normal matrix are those of the template, formed once per picture and kept for all
 // iterations. T is a quintic B-spline whose coefficients are computed once.
 //
+// The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
+// pixels by an amount proportional to its variance; that known force is taken out of the normal equations.
+//
 // Covariance of d (Cramer-Rao): sigma^2 (sum w J^T J)^-1, corrected for the noise that the derivatives of a
 // noisy template carry; where the residual exceeds the noise the excess is added by a sandwich estimate over
 // 8 x 8 px blocks, which allows for its correlation.
@@ -65,7 +68,8 @@ class TemplateRegistration {
 
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
-  /// Same for the rotation alone, from the pixels inside the rim, rad.
+  /// Same for the rotation alone, from the pixels inside the rim, rad; 1e9 where no texture stands
+  /// out of the noise.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   const RegistrationOptions& options() const { return options_; }
@@ -78,6 +82,7 @@ class TemplateRegistration {
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
   Eigen::MatrixXd normal_matrix() const;
   Eigen::MatrixXd debiased(const Eigen::MatrixXd& normal, const Pose& fraction) const;
+  Eigen::Vector2d noise_force(const Pose& formed, const Pose& at, double gain) const;
   double correlation(const std::vector<float>& weights) const;
   std::size_t trim(double gain, double offset, double noise_sd);
 

@@ -120,7 +120,7 @@ double TemplateMatcher::score(const Picture& picture, int x, int y) const {
     squares += static_cast<double>(q[0] + q[1]) + (q[2] + q[3]);
   }
   const double spread = squares - sum * sum / weight_;
-  return spread > 1e-6 * weight_ ? product / std::sqrt(spread) : 0;
+  return spread > 1e-6 * (weight_ + squares) ? product / std::sqrt(spread) : 0;
 }
 
 Match TemplateMatcher::best(const Picture& picture, int x0, int y0, int x1, int y1) const {

@@ -26,9 +26,9 @@
 
   function layout(more) {
     return Object.assign({
-      font: FONT, paper_bgcolor: "#fff", plot_bgcolor: "#fff", margin: { l: 60, r: 14, t: 12, b: 48 },
+      font: FONT, paper_bgcolor: "#fff", plot_bgcolor: "#fff", margin: { l: 60, r: 14, t: 30, b: 48 },
       hovermode: "closest", hoverlabel: { font: { size: 12 } },
-      legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 } }
+      legend: { orientation: "h", x: 0, y: 0, yref: "container", yanchor: "bottom", font: { size: 12 } }
     }, more);
   }
 
@@ -61,6 +61,13 @@
     return axis(title, { range: [low, high], tickmode: "array", tickvals: vals, ticktext: text, tickangle: 0 });
   }
 
+  // Lowest and highest of a list that may be empty or hold one value only.
+  function span(values) {
+    if (!values.length) return [0, 1];
+    const low = Math.min(...values), high = Math.max(...values);
+    return high > low ? [low, high] : [low, low + Math.max(Math.abs(low), 1e-3)];
+  }
+
   function numbers(list) { return list.filter(function (v) { return v !== null; }); }
 
   // Figures 9a, 9b, 10 -------------------------------------------------------------------------------------
@@ -87,16 +94,16 @@
       ys.push(...numbers(c.y));
       p.y.forEach(function (y, k) { if (y !== null) ys.push(y - (p.sd[k] || 0), y + (p.sd[k] || 0)); });
     });
-    const x_low = Math.min(...xs), x_high = Math.max(...xs), x_pad = 0.03 * (x_high - x_low);
+    const [x_low, x_high] = span(xs), x_pad = 0.03 * (x_high - x_low);
+    const [low, high] = span(ys);
     let y_axis;
-    if (figure.y_is_angle) {
-      let low = Math.min(...ys), high = Math.max(...ys);
-      if (high - low > Math.PI) { low = Math.min(low, -0.12); high = Math.max(high, 2 * Math.PI + 0.12); }
-      const pad = Math.max(0.08 * (high - low), 0.1);
-      y_axis = high - low > Math.PI ? pi_axis(figure.y_title, low, high, [])
-                                    : pi_axis(figure.y_title, low - pad, high + pad, []);
+    if (!figure.y_is_angle) {
+      y_axis = axis(figure.y_title, { range: [Math.min(0, low), 1.08 * high] });
+    } else if (high - low > Math.PI) {
+      y_axis = pi_axis(figure.y_title, Math.min(low, -0.12), Math.max(high, 2 * Math.PI + 0.12), []);
     } else {
-      y_axis = axis(figure.y_title, { range: [Math.min(0, ...ys), 1.08 * Math.max(...ys)] });
+      const pad = Math.max(0.08 * (high - low), 0.1);
+      y_axis = pi_axis(figure.y_title, low - pad, high + pad, []);
     }
     draw(figure.id, traces, layout({
       xaxis: pi_axis(figure.x_title, x_low - x_pad, x_high + x_pad, measured_x), yaxis: y_axis
@@ -143,7 +150,7 @@
       const shift = (i - (count - 1) / 2) * 0.16;  // beside each other, not on top
       traces.push({
         x: rs.map(function (r) { return runs.indexOf(r.run) + shift; }),
-        y: rs.map(function (r) { return r.standardised; }), mode: "markers", name: observable,
+        y: rs.map(function (r) { return r.standardised; }), mode: "markers", name: observable.split(" (")[0],
         text: rs.map(function (r) { return r.run; }),
         customdata: rs.map(function (r) { return [r.measured, r.modelled, r.sd]; }),
         marker: { color: COLOURS[i % COLOURS.length], size: 9, symbol: SYMBOLS[i % SYMBOLS.length] },

@@ -29,6 +29,7 @@ struct PointResiduals {
 /// point, the run's unknown start point projected out; one a prior, (value - mean)/sd.
 class Residuals {
  public:
+  /// Both must outlive the residuals.
   Residuals(const Problem& problem, const Unknowns& unknowns, int threads = 1);
 
   const Unknowns& unknowns() const { return *unknowns_; }
@@ -37,6 +38,8 @@ class Residuals {
   double degrees_of_freedom() const;
   const Scatter& scatter() const { return scatter_; }
   void set_scatter(const Scatter& scatter) { scatter_ = scatter; }
+  /// Of the integrator. Its error is far below any sigma at 1e-8 already; exact data deserve more.
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
 
   /// False where the model cannot be evaluated. The Jacobian is by physical values.
   bool evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
@@ -61,6 +64,7 @@ class Residuals {
   const Problem* problem_;
   const Unknowns* unknowns_;
   int threads_;
+  double tolerance_ = 1e-10;
   std::vector<std::pair<Eigen::Index, Prior>> priors_;
   std::vector<std::size_t> first_point_;
   Eigen::Index rows_ = 0;

@@ -28,6 +28,7 @@ struct PolarState {
 template <class T>
 struct PolarSeries {
   int order = 0;
+  double pull = 0;  ///< |d| at the start: the rate in sigma at which the angle settles
   T log_speed[kMaxOrder], angle[kMaxOrder], s[kMaxOrder], x[kMaxOrder], y[kMaxOrder], speed[kMaxOrder];
 
   void expand(const ScaledDrive<T>& drive, const T& kappa, const PolarState<T>& start, int degree);
@@ -86,6 +87,7 @@ void PolarSeries<T>::expand(const ScaledDrive<T>& drive, const T& kappa, const P
     if (k == 0) {
       dx[0] += drive.constant.x;
       dy[0] += drive.constant.y;
+      pull = std::hypot(value(dx[0]), value(dy[0]));
     }
     T along{}, across{}, velocity_x{}, velocity_y{}, move_x{}, move_y{};
     for (int j = 0; j <= k; ++j) {
@@ -121,7 +123,7 @@ double PolarSeries<T>::step(double tolerance) const {
     const double size = std::fmax(weight * shape, std::fabs(value(s[k])));
     if (size > 0) h = std::fmin(h, std::pow(tolerance / size, 1.0 / k));
   }
-  return h;
+  return derivative_count<T> > 0 ? std::fmin(h, kDecayPerStep / pull) : h;
 }
 
 template <class T>

@@ -9,6 +9,8 @@
 namespace tribotrack::model::internal {
 
 inline constexpr int kMaxOrder = 32;
+/// exp(-z) to z = kDecayPerStep is within 4e-11 of its Taylor polynomial of order 20.
+inline constexpr double kDecayPerStep = 2.5;
 
 /// sum_k c[k] t^k
 template <class T, class Time>
@@ -38,6 +40,7 @@ struct SlipSeries {
   T x[kMaxOrder], y[kMaxOrder];
   double square[kMaxOrder];  ///< |U|^2, coefficients 0 .. order - 1 (from rest: |U/t|^2)
   bool frictionless = false;
+  double kappa_value = 0;
   double direction[kMaxOrder];  ///< sizes of the coefficients of U/|U|, 0 .. order - 1
 
   /// |u|^2 = q, q^(-1/2) = p from q p' = -p q'/2, then (k+1) u_{k+1} = d_k - kappa (p u)_k.
@@ -55,6 +58,7 @@ void SlipSeries<T>::expand(const ScaledDrive<T>& drive, const T& kappa, double s
                            int degree) {
   using std::sqrt;
   order = degree;
+  kappa_value = value(kappa);
   T q[kMaxOrder], p[kMaxOrder];
   frictionless = derivative_count<T> == 0 && value(kappa) == 0;
   x[0] = u.x;
@@ -106,6 +110,10 @@ double SlipSeries<T>::step(double tolerance, int first) const {
     if (derivative_count < T >> 0 && direction[k - 1] > 0)
       h = std::fmin(h, std::pow(1e2 * tolerance / direction[k - 1], 1.0 / (k - 1)));
   }
+  // Where a motion has settled its coefficients do not show how fast neighbours settle; its derivatives need
+  // that.
+  if (derivative_count < T >> 0 && first == 0 && kappa_value > 0)
+    h = std::fmin(h, kDecayPerStep * scale / kappa_value);
   return h;
 }
 

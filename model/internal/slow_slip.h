@@ -133,19 +133,22 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
     }
   };
   if constexpr (N > 0) {
-    if (value(speed0) == 0) {
-      // From u = 0 the direction is no initial value: r b' = d.n_perp at r = 0, differentiated, gives its
-      // change.
-      double turning = 0;
-      for (int j = 0; j < S; ++j) {
-        const double sign = j % 2 == 0 ? 1 : -1;  // P_j(-1)
-        turning += sign * c.to_legendre.row(j).dot(stages->rates.template tail<S>());
-      }
-      const Pair<T> d = drive.at(s);
-      const double cosine = std::cos(value(angle0)), sine = std::sin(value(angle0));
-      const T across = d.y * cosine - d.x * sine;
-      const double along = value(d.x) * cosine + value(d.y) * sine;
-      angle0 = with_value(T((across - speed0 * turning) / along), value(angle0));
+    // r b' = d.n_perp at the start: where r is so small that the angle settles before anything has moved, its
+    // change is no initial value but follows from that (from u = 0 always).
+    double turning = 0;
+    for (int j = 0; j < S; ++j) {
+      const double sign = j % 2 == 0 ? 1 : -1;  // P_j(-1)
+      turning += sign * c.to_legendre.row(j).dot(stages->rates.template tail<S>());
+    }
+    const Pair<T> d = drive.at(s);
+    const double cosine = std::cos(value(angle0)), sine = std::sin(value(angle0));
+    const double along = value(d.x) * cosine + value(d.y) * sine;
+    const T settled = change(T((d.y * cosine - d.x * sine - speed0 * turning) / along));
+    for (int j = 0; j < N; ++j) {
+      const double off = std::fabs(settled.d[j] - angle0.d[j]);
+      const double start = value(speed0);
+      if (start * start * off <= 1e-13 * along * std::fmax(1.0, std::fabs(speed0.d[j])))
+        angle0.d[j] = settled.d[j];
     }
   }
   sum_up();

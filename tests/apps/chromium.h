@@ -49,8 +49,21 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// What the scripts made, without the scripts themselves.
+inline std::string without_scripts(const std::string& dom) {
+  std::string rest;
+  std::size_t at = 0;
+  while (true) {
+    const std::size_t open = dom.find("<script", at);
+    rest.append(dom, at, open == std::string::npos ? open : open - at);
+    if (open == std::string::npos) return rest;
+    at = dom.find("</script>", open);
+    if (at == std::string::npos) return rest;
+  }
+}
+
 struct Browsed {
-  std::string dom;      ///< the page after its scripts have run
+  std::string dom;      ///< the page after its scripts have run, without the scripts
   std::string net_log;  ///< every request the browser made, as JSON
 };
 
@@ -61,14 +74,14 @@ inline Browsed browse(const std::string& program, const std::string& html,
   const std::string place = folder.path().string();
   std::ofstream(folder.path() / "page.html", std::ios::binary) << html;
   Browsed browsed;
-  browsed.dom = output_of(
+  browsed.dom = without_scripts(output_of(
       "timeout -k 5 120 '" + program +
       "' --headless --no-sandbox --disable-gpu --disable-quic --disable-dev-shm-usage --no-first-run"
       " --disable-background-networking --disable-component-update --disable-sync"
       " --disable-default-apps --disable-extensions --host-resolver-rules='MAP * ~NOTFOUND'"
       " --window-size=1200,6000 --virtual-time-budget=20000 --user-data-dir='" +
       place + "/profile' --log-net-log='" + place + "/net.json' " + what + " 'file://" + place +
-      "/page.html' 2>'" + place + "/stderr'");
+      "/page.html' 2>'" + place + "/stderr'"));
   std::ifstream log(folder.path() / "net.json", std::ios::binary);
   browsed.net_log.assign(std::istreambuf_iterator<char>(log), {});
   return browsed;

@@ -1,8 +1,8 @@
 // Campaigns with known truth, made by the slow integrator.
 #pragma once
 
-#include <numbers>
 #include <Eigen/Cholesky>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -30,12 +30,15 @@ inline fit::SummaryRun summary_run(const model::Scenario& truth, double alpha_sd
   const double duration = truth.cycles * 2 * std::numbers::pi / w;
   const Eigen::Vector2d d = SlowFriction(truth).displacement(steps_per_cycle);
   fit::SummaryRun run;
-  run.name = "phi " + std::to_string(truth.friction.phase) + " dtau " + std::to_string(truth.friction.pulse_width);
+  run.name =
+      "phi " + std::to_string(truth.friction.phase) + " dtau " + std::to_string(truth.friction.pulse_width);
   run.scenario = truth;
-  run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // nothing of the truth is handed over
+  run.scenario.friction.nominal = run.scenario.friction.reduced =
+      0.05;  // nothing of the truth is handed over
   run.scenario.friction.lag = 0;
   double alpha = std::atan2(d.y(), d.x()), v = d.norm() / duration;
-  run.measured = fit::displacement_from_alpha_v({alpha, alpha_sd}, {v, v_sd}, w, static_cast<int>(truth.cycles));
+  run.measured =
+      fit::displacement_from_alpha_v({alpha, alpha_sd}, {v, v_sd}, w, static_cast<int>(truth.cycles));
   if (random) {
     std::normal_distribution<double> normal;
     const Eigen::Matrix2d root = run.measured.covariance.llt().matrixL();

@@ -1,9 +1,10 @@
 // The friction model in quadruple precision by another method than the product's: slow, obviously right.
 //
-// With d(sigma) = ds/|u| the equation u' = d - kappa u/|u| becomes du/dsigma = |u| d - kappa u, ds/dsigma = |u|:
-// no division, no polar angles, one form for sliding, stopping and passing close to zero. It is solved by
-// Gragg-Bulirsch-Stoer extrapolation of the midpoint rule; cos s and sin s ride along as unknowns. Edges are hit by
-// Newton on the last step; a stop is |u| < 1e-26; starts from u = 0 begin a hair later on the known asymptote.
+// With d(sigma) = ds/|u| the equation u' = d - kappa u/|u| becomes du/dsigma = |u| d - kappa u, ds/dsigma =
+// |u|: no division, no polar angles, one form for sliding, stopping and passing close to zero. It is solved
+// by Gragg-Bulirsch-Stoer extrapolation of the midpoint rule; cos s and sin s ride along as unknowns. Edges
+// are hit by Newton on the last step; a stop is |u| < 1e-26; starts from u = 0 begin a hair later on the
+// known asymptote.
 #pragma once
 
 #include <array>
@@ -17,7 +18,9 @@ namespace tribotrack::model::reference {
 
 __extension__ typedef __float128 quad;
 
-inline quad absolute(quad x) { return x < 0 ? -x : x; }
+inline quad absolute(quad x) {
+  return x < 0 ? -x : x;
+}
 inline quad square_root(quad x) {
   if (!(x > 0)) return 0;
   quad r = std::sqrt(static_cast<double>(x));
@@ -80,7 +83,8 @@ class QuadIntegrator {
  public:
   explicit QuadIntegrator(const QuadScenario& q, double tolerance = 1e-21) : tolerance_(tolerance) {
     w_ = q[Parameter::angular_frequency];
-    const quad g = q[Parameter::gravity], a = q[Parameter::amplitude] * w_, b = q[Parameter::amplitude_y] * w_;
+    const quad g = q[Parameter::gravity], a = q[Parameter::amplitude] * w_,
+               b = q[Parameter::amplitude_y] * w_;
     quad st, ct;
     sine_cosine(q[Parameter::tilt_x], st, ct);
     gx_ = g * st / w_;
@@ -173,11 +177,13 @@ class QuadIntegrator {
       for (int i = 0; i < 7; ++i) row[0][i] = (a[i] + b[i] + small * f[i]) / 2;
       for (int k = 1; k <= j; ++k) {
         const quad ratio = quad(j + 1) / quad(j + 1 - k);
-        for (int i = 0; i < 7; ++i) row[k][i] = row[k - 1][i] + (row[k - 1][i] - last[k - 1][i]) / (ratio * ratio - 1);
+        for (int i = 0; i < 7; ++i)
+          row[k][i] = row[k - 1][i] + (row[k - 1][i] - last[k - 1][i]) / (ratio * ratio - 1);
       }
       if (j > 0) {
         error = 0;
-        for (int i = 0; i < 7; ++i) error = std::fmax(error, std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])));
+        for (int i = 0; i < 7; ++i)
+          error = std::fmax(error, std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])));
       }
       result = row[j];
       easy = j < kColumns - 2;
@@ -238,7 +244,8 @@ class QuadIntegrator {
     s_ += t;
   }
 
-  /// |d| grows smoothly through kappa at s: u = r n with the formal series of r n' = d - (d.n) n, r' = d.n - kappa.
+  /// |d| grows smoothly through kappa at s: u = r n with the formal series of r n' = d - (d.n) n, r' = d.n -
+  /// kappa.
   void take_off(quad target) {
     constexpr int kTerms = 40;
     quad k, c;
@@ -359,6 +366,8 @@ class QuadIntegrator {
   int stops_ = 0;
 };
 
-inline QuadState integrate(const QuadScenario& q) { return QuadIntegrator(q).run(); }
+inline QuadState integrate(const QuadScenario& q) {
+  return QuadIntegrator(q).run();
+}
 
 }  // namespace tribotrack::model::reference

@@ -48,7 +48,7 @@ inline Waves random_waves(std::mt19937& random, int count, double min_length, do
 struct TestDisc {
   double x = 0, y = 0, radius = 12, theta = 0;
   double level = 150;
-  Waves texture;  ///< turns with the disc
+  Waves texture = {};  ///< turns with the disc
 };
 
 /// A Gaussian-blurred disc edge has no closed form; to second order in s / R it is the blurred straight edge

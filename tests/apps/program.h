@@ -1,0 +1,82 @@
+// Runs the built program as its user would, and hands back what it said.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace tribotrack::apps {
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+inline std::string content_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline void put(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// A folder of its own for each test, gone afterwards; relative paths on command lines are relative to it.
+class ProgramTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "tribotrack-test-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  /// `arguments` go through the shell, as typed. `environment` such as "NO_COLOR=1 ".
+  Outcome run(const std::string& arguments, const std::string& environment = "") const {
+    const std::string command = "cd '" + folder_.string() + "' && " + environment +
+                                "'" TRIBOTRACK_BINARY "' " + arguments +
+                                " >stdout.txt 2>stderr.txt </dev/null";
+    const int status = std::system(command.c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(folder_ / "stdout.txt"),
+                    content_of(folder_ / "stderr.txt")};
+    std::filesystem::remove(folder_ / "stdout.txt");
+    std::filesystem::remove(folder_ / "stderr.txt");
+    return outcome;
+  }
+  std::filesystem::path in_folder(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path source(const std::string& name) const {
+    return std::filesystem::path(TRIBOTRACK_SOURCE_DIR) / name;
+  }
+  /// Names in the test's folder: what a command left behind.
+  std::vector<std::string> left_behind() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      names.push_back(entry.path().filename().string());
+    return names;
+  }
+
+  std::filesystem::path folder_;
+};
+
+/// One sentence on stderr, nothing on stdout, this exit code, and the words that must stand in it.
+inline void expect_refused(const Outcome& outcome, int exit_code, const std::vector<std::string>& words) {
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  for (const auto& word : words)
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << "missing \"" << word << "\" in: " << outcome.err;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,170 @@
+// The laws of model/trajectory.h: statements that every integrator of the friction model must obey exactly,
+// each a function that applies itself to one scenario.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "model/displacement_angle.h"
+#include "model/steady_orbit.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model::laws {
+
+constexpr double kPi = std::numbers::pi;
+
+inline double drive_amplitude(const Scenario& s) {
+  return s.drive.amplitude * s.drive.angular_frequency * s.drive.angular_frequency;
+}
+
+/// Constant mu < a/g, circular drive: |u| = U = sqrt(a^2 - m^2)/w, the velocity lags the drive by d0, cos d0
+/// = m/a.
+inline void steady_sliding(Scenario s, double tolerance) {
+  s.friction.pulse_width = 0;
+  s.start = Start::circling;
+  s.cycles = 3.3;
+  const double a = drive_amplitude(s), m = s.friction.nominal * s.drive.gravity,
+               w = s.drive.angular_frequency;
+  const double speed = std::sqrt((a - m) * (a + m)) / w;
+  const Trajectory t = integrate(s);
+  for (const double part : {0.0, 0.1, 0.45, 0.8, 1.0}) {
+    const double time = part * t.end_time();
+    const Eigen::Vector2d u = t.at(time).velocity, d = s.drive.acceleration(s.start_phase + w * time);
+    EXPECT_NEAR(u.norm(), speed, tolerance * speed) << "|u| at " << time;
+    EXPECT_NEAR(u.dot(d), u.norm() * m, tolerance * u.norm() * a) << "cos of the lag at " << time;
+    const double turn = std::sin(s.drive.phase_shift) > 0 ? -1 : 1;
+    EXPECT_GT(turn * (u.x() * d.y() - u.y() * d.x()), 0) << "the velocity lags the drive";
+  }
+}
+
+/// The return to it after a small disturbance: in the frame turning with the drive both components obey
+/// z'' + k z' + w^2 z = 0 with k = m/U, so the map over a time T has the trace exp(l1 T) + exp(l2 T) and the
+/// determinant exp(-k T), l the roots -k/2 +- sqrt(k^2/4 - w^2).
+inline void return_to_steady_sliding(Scenario s, double tolerance) {
+  s.friction.pulse_width = 0;
+  const auto orbit = steady_orbit(s, false);
+  ASSERT_TRUE(orbit);
+  s.start = Start::rest;
+  s.initial_velocity = orbit->velocity;
+  s.cycles = 1;  // a whole turn: the turning frame is back
+  IntegrationOptions options;
+  options.derivatives = {Parameter::velocity_x, Parameter::velocity_y};
+  const Eigen::Matrix2d map = integrate(s, options).sensitive_end().velocity_jacobian;
+  const double w = s.drive.angular_frequency,
+               k = s.friction.nominal * s.drive.gravity / orbit->velocity.norm();
+  const double time = 2 * kPi / w;
+  const std::complex<double> root = std::sqrt(std::complex<double>(k * k / 4 - w * w));
+  const std::complex<double> trace = std::exp((-k / 2 + root) * time) + std::exp((-k / 2 - root) * time);
+  EXPECT_NEAR(map.trace(), trace.real(), tolerance);
+  EXPECT_NEAR(map.determinant(), std::exp(-k * time), tolerance);
+  EXPECT_NEAR(orbit->contraction, std::abs(std::exp((-k / 2 + root) * time)), 10 * tolerance);
+}
+
+/// phi -> phi + turn turns the steady drift by exactly -turn (clockwise drive), same length.
+inline void rotation(Scenario s, double turn, double tolerance) {
+  const auto before = steady_orbit(s);
+  s.friction.phase += turn;
+  const auto after = steady_orbit(s);
+  ASSERT_TRUE(before && after);
+  const double sense = std::sin(s.drive.phase_shift) > 0 ? -1 : 1;
+  const Eigen::Vector2d expected = Eigen::Rotation2Dd(sense * turn) * before->drift;
+  EXPECT_LT((after->drift - expected).norm(), tolerance * s.drive.amplitude);
+}
+
+/// (A, w) -> (A/4, 2w) with the same mu g/(A w^2): x/A as a function of wt stays.
+inline void scaling(const Scenario& s, double tolerance) {
+  Scenario other = s;
+  other.drive.amplitude /= 4;
+  other.drive.amplitude_y /= 4;
+  other.drive.angular_frequency *= 2;
+  other.initial_velocity /= 2;
+  const Trajectory a = integrate(s), b = integrate(other);
+  const double size = a.end().position.norm() + s.drive.amplitude;
+  for (const double part : {0.2, 0.55, 0.9, 1.0}) {
+    const Eigen::Vector2d x = a.at(part * a.end_time()).position, y = b.at(part * b.end_time()).position;
+    EXPECT_LT((x - 4 * y).norm(), tolerance * size);
+  }
+}
+
+/// mu = 0 from rest at phase 0, circular drive: the mean drift is A w along -y.
+inline void frictionless_drift(Scenario s, double tolerance) {
+  s.friction.nominal = s.friction.reduced = 0;
+  s.start = Start::rest;
+  s.start_phase = 0;
+  s.drive.phase_shift = kPi / 2;
+  s.drive.amplitude_y = s.drive.amplitude;
+  s.drive.tilt_x = s.drive.tilt_y = 0;
+  s.initial_velocity.setZero();
+  s.cycles = 7;
+  const Trajectory t = integrate(s);
+  const Eigen::Vector2d mean = t.end().position / t.end_time();
+  const double speed = s.drive.amplitude * s.drive.angular_frequency;
+  EXPECT_NEAR(mean.x(), 0, tolerance * speed);
+  EXPECT_NEAR(mean.y(), -speed, tolerance * speed);
+}
+
+/// d(u^2/2)/dt = d.u - mu g |u| between events, by central differences of the dense output: 4th order in the
+/// spacing. Returns how many points were fit for comparison.
+inline int energy(const Scenario& s, double tolerance) {
+  const Trajectory t = integrate(s);
+  const double w = s.drive.angular_frequency, h = 2e-3 / w;
+  const double power = drive_amplitude(s) * drive_amplitude(s) / w;
+  int compared = 0;
+  for (int i = 1; i < 200; ++i) {
+    const double time = t.end_time() * i / 200;
+    const Sample now = t.at(time), low = t.at(time - 2 * h), high = t.at(time + 2 * h);
+    // Away from switches and stops, and from u = 0 where u(t) bends sharply.
+    if (low.mu != now.mu || high.mu != now.mu || now.state != State::slip || low.state != now.state ||
+        high.state != now.state || now.velocity.norm() * w < 0.3 * drive_amplitude(s))
+      continue;
+    const auto kinetic = [&](double at) { return 0.5 * t.at(at).velocity.squaredNorm(); };
+    const double slope =
+        (8 * (kinetic(time + h) - kinetic(time - h)) - kinetic(time + 2 * h) + kinetic(time - 2 * h)) /
+        (12 * h);
+    const double expected = s.drive.acceleration(s.start_phase + w * time).dot(now.velocity) -
+                            now.mu * s.drive.gravity * now.velocity.norm();
+    EXPECT_NEAR(slope, expected, tolerance * power) << "t = " << time;
+    ++compared;
+  }
+  return compared;
+}
+
+/// Two starts under one drive never separate.
+inline void contraction(Scenario s, const Eigen::Vector2d& other_velocity) {
+  Scenario other = s;
+  other.initial_velocity = other_velocity;
+  const Trajectory a = integrate(s), b = integrate(other);
+  double last = HUGE_VAL;
+  for (int i = 0; i <= 100; ++i) {
+    const double gap = (a.at(a.end_time() * i / 100).velocity - b.at(b.end_time() * i / 100).velocity).norm();
+    EXPECT_LE(gap, last * (1 + 1e-12) + 1e-15 * drive_amplitude(s) / s.drive.angular_frequency)
+        << "sample " << i;
+    last = gap;
+  }
+}
+
+/// A common stick wipes the memory: from then on velocities repeat exactly, cycle by cycle, and positions
+/// add.
+inline void stick_repeats(const Scenario& s) {
+  const Trajectory t = integrate(s);
+  ASSERT_GT(t.summary().stops, 1) << "the scenario must stick";
+  const double period = 2 * kPi / s.drive.angular_frequency;
+  const int cycles = static_cast<int>(s.cycles);
+  const Eigen::Vector2d drift = t.at((cycles - 1) * period).position - t.at((cycles - 2) * period).position;
+  for (int n = 2; n < cycles - 1; ++n) {
+    for (const double part : {0.1, 0.37, 0.5, 0.93}) {
+      const Sample a = t.at((n + part) * period), b = t.at((n + 1 + part) * period);
+      const double speed = drive_amplitude(s) / s.drive.angular_frequency;
+      EXPECT_LT((a.velocity - b.velocity).norm(), 1e-12 * speed);
+      EXPECT_LT((b.position - a.position - drift).norm(), 1e-12 * (drift.norm() + s.drive.amplitude));
+      EXPECT_EQ(a.state, b.state);
+    }
+  }
+}
+
+}  // namespace tribotrack::model::laws

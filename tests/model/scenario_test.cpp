@@ -1,0 +1,84 @@
+#include "model/scenario.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+std::string refusal(const Scenario& s) {
+  try {
+    s.validate();
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Scenario, DefaultIsValid) {
+  EXPECT_EQ(refusal(Scenario{}), "");
+}
+
+TEST(Scenario, RefusalsNameTheParameter) {
+  const auto with = [](Parameter p, double value) {
+    Scenario s;
+    s.set(p, value);
+    return refusal(s);
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(with(Parameter::mu1, -0.1), HasSubstr("mu1"));
+  EXPECT_THAT(with(Parameter::mu2, -1e-9), HasSubstr("mu2"));
+  EXPECT_THAT(with(Parameter::dtau, -0.1), HasSubstr("dtau_rad"));
+  EXPECT_THAT(with(Parameter::dtau, 6.3), HasSubstr("dtau_rad"));
+  EXPECT_THAT(with(Parameter::gravity, 0), HasSubstr("gravity_m_s2"));
+  EXPECT_THAT(with(Parameter::angular_frequency, 0), HasSubstr("angular_frequency_rad_s"));
+  EXPECT_THAT(with(Parameter::amplitude, -1), HasSubstr("amplitude_m"));
+  EXPECT_THAT(with(Parameter::amplitude_y, -1), HasSubstr("amplitude_y_m"));
+  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p) {
+    const auto parameter = static_cast<Parameter>(p);
+    for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()})
+      EXPECT_THAT(with(parameter, bad), HasSubstr(to_string(parameter)));
+  }
+  Scenario s;
+  s.cycles = -1;
+  EXPECT_THAT(refusal(s), HasSubstr("cycles"));
+  s.cycles = 1;
+  s.duration = std::nan("");
+  EXPECT_THAT(refusal(s), HasSubstr("duration"));
+}
+
+TEST(Scenario, LegalExtremes) {
+  for (const double dtau : {0.0, 2 * std::numbers::pi}) {
+    Scenario s;
+    s.friction = {0, 0, 1e6, dtau, -1e6};
+    s.drive.amplitude = s.drive.amplitude_y = 0;
+    EXPECT_EQ(refusal(s), "");
+    EXPECT_EQ(integrate(s).end().position.norm(), 0);
+  }
+}
+
+TEST(Scenario, GetReturnsWhatSetStored) {
+  Scenario s;
+  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
+    s.set(static_cast<Parameter>(p), p + 0.5);
+  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
+    EXPECT_EQ(s.get(static_cast<Parameter>(p)), p + 0.5);
+}
+
+TEST(Scenario, EndTime) {
+  Scenario s;
+  s.drive.angular_frequency = 10;
+  s.cycles = 5;
+  EXPECT_DOUBLE_EQ(s.end_time(), std::numbers::pi);
+  s.duration = 2;
+  EXPECT_EQ(s.end_time(), 2);
+}
+
+}  // namespace
+}  // namespace tribotrack::model

@@ -1,0 +1,225 @@
+// Derivatives of model/trajectory.h against differences in quadruple precision.
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "model/laws.h"
+#include "model/quad_reference.h"
+#include "model/random_scenario.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+using laws::kPi;
+using reference::quad;
+using reference::QuadScenario;
+
+constexpr std::array kAll = {
+    Parameter::mu1,         Parameter::mu2,        Parameter::lag,         Parameter::phi,
+    Parameter::dtau,        Parameter::amplitude,  Parameter::amplitude_y, Parameter::angular_frequency,
+    Parameter::phase_shift, Parameter::gravity,    Parameter::tilt_x,      Parameter::tilt_y,
+    Parameter::velocity_x,  Parameter::velocity_y, Parameter::start_phase};
+
+/// A size over which the motion changes noticeably with the parameter.
+double natural_size(const Scenario& s, Parameter p) {
+  const double w = s.drive.angular_frequency, a = s.drive.amplitude * w * w;
+  switch (p) {
+    case Parameter::mu1:
+    case Parameter::mu2:
+      return a / s.drive.gravity;
+    case Parameter::amplitude:
+    case Parameter::amplitude_y:
+      return s.drive.amplitude;
+    case Parameter::angular_frequency:
+      return w;
+    case Parameter::gravity:
+      return s.drive.gravity;
+    case Parameter::tilt_x:
+    case Parameter::tilt_y:
+      return a / s.drive.gravity;
+    case Parameter::velocity_x:
+    case Parameter::velocity_y:
+      return a / w;
+    default:
+      return 1;
+  }
+}
+
+/// Worst error of d(end)/dp, relative to (how far the part gets)/(natural size of p), over the parameters.
+double worst_error(const Scenario& s, bool from_moving) {
+  IntegrationOptions options;
+  options.derivatives.assign(kAll.begin(), kAll.end());
+  const Trajectory t = integrate(s, options);
+  const SensitiveSample end = t.sensitive_end();
+  double worst = 0;
+  for (size_t j = 0; j < kAll.size(); ++j) {
+    const Parameter p = kAll[j];
+    // From rest the motion has a kink in the initial velocity.
+    if (!from_moving && (p == Parameter::velocity_x || p == Parameter::velocity_y)) continue;
+    const quad step = 1e-5 * natural_size(s, p);
+    const auto at = [&](int n) {
+      QuadScenario q(s);
+      q[p] += n * step;
+      return reference::integrate(q);
+    };
+    const auto a = at(-2), b = at(-1), c = at(1), d = at(2);
+    const double dx = static_cast<double>((8 * (c.x - b.x) - (d.x - a.x)) / (12 * step));
+    const double dy = static_cast<double>((8 * (c.y - b.y) - (d.y - a.y)) / (12 * step));
+    const auto column = end.position_jacobian.col(static_cast<Eigen::Index>(j));
+    const double scale = std::max(std::hypot(dx, dy), 1e-3 * s.drive.amplitude / natural_size(s, p));
+    const double error = std::hypot(dx - column.x(), dy - column.y()) / scale;
+    EXPECT_LT(error, 1e-9) << to_string(p) << ": " << column.transpose() << " but differences say " << dx
+                           << ' ' << dy;
+    worst = std::max(worst, error);
+  }
+  return worst;
+}
+
+Scenario reference_run() {
+  Scenario s;
+  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0.1};
+  s.cycles = 2;
+  s.start_phase = 0.2;
+  return s;
+}
+
+TEST(Sensitivity, ThroughSwitchesWhileSliding) {
+  std::cout << "worst " << worst_error(reference_run(), false) << '\n';
+}
+
+TEST(Sensitivity, ThroughStopsAndReleasesAtEdges) {
+  for (const double mu : {0.13, 0.3}) {
+    Scenario s = reference_run();
+    s.friction.nominal = mu;
+    s.friction.pulse_width = kPi / 5;
+    ASSERT_GT(integrate(s).summary().stops, 0);
+    std::cout << "worst " << worst_error(s, false) << '\n';
+  }
+}
+
+TEST(Sensitivity, EllipseTiltAndInitialVelocity) {
+  Scenario s = reference_run();
+  s.drive.amplitude_y = 0.2e-3;
+  s.drive.phase_shift = 1.1;
+  s.drive.tilt_x = 0.01;
+  s.drive.tilt_y = -0.02;
+  s.initial_velocity = {0.01, 0.02};
+  std::cout << "worst " << worst_error(s, true) << '\n';
+}
+
+TEST(Sensitivity, SmoothTakeOff) {
+  Scenario s = reference_run();
+  s.friction = {0.12, 0.03, 0.5, 0.4, 0.1};
+  s.drive.tilt_x = 0.03;
+  s.drive.tilt_y = 0.004;
+  s.cycles = 1.3;
+  ASSERT_GT(integrate(s).summary().stops, 0);
+  std::cout << "worst " << worst_error(s, false) << '\n';
+}
+
+/// Samples along the way at fixed times: against the same trajectory stopped there.
+TEST(Sensitivity, EverySample) {
+  Scenario s = reference_run();
+  s.friction.nominal = 0.13;
+  s.duration = 0.25;
+  IntegrationOptions options;
+  options.derivatives = {Parameter::mu1, Parameter::angular_frequency, Parameter::start_phase};
+  const Trajectory t = integrate(s, options);
+  for (const double time : {0.013, 0.05, 0.1, 0.17, 0.21}) {
+    const SensitiveSample sample = t.sensitive_at(time);
+    Scenario shorter = s;
+    shorter.duration = time;
+    for (int j = 0; j < 3; ++j) {
+      const Parameter p = options.derivatives[static_cast<size_t>(j)];
+      const quad step = 1e-5 * natural_size(s, p);
+      const auto at = [&](int n) {
+        QuadScenario q(shorter);
+        q[p] += n * step;
+        return reference::integrate(q);
+      };
+      const auto a = at(-2), b = at(-1), c = at(1), d = at(2);
+      const auto slope = [&](quad f0, quad f1, quad f2, quad f3) {
+        return static_cast<double>((8 * (f2 - f1) - (f3 - f0)) / (12 * step));
+      };
+      const Eigen::Vector2d x(slope(a.x, b.x, c.x, d.x), slope(a.y, b.y, c.y, d.y));
+      const Eigen::Vector2d u(slope(a.ux, b.ux, c.ux, d.ux), slope(a.uy, b.uy, c.uy, d.uy));
+      EXPECT_LT((x - sample.position_jacobian.col(j)).norm(), 1e-9 * (x.norm() + 1e-9))
+          << to_string(p) << time;
+      EXPECT_LT((u - sample.velocity_jacobian.col(j)).norm(), 1e-9 * (u.norm() + 1e-9))
+          << to_string(p) << time;
+    }
+  }
+}
+
+/// A start on the periodic motion moves with the parameters: against differences of the product's own end
+/// points.
+TEST(Sensitivity, StartsOnOrbits) {
+  for (const Start start : {Start::circling, Start::steady}) {
+    for (const double mu : {0.08, 0.13}) {
+      Scenario s = reference_run();
+      s.friction.nominal = mu;
+      s.start = start;
+      IntegrationOptions options;
+      options.derivatives.assign(kAll.begin(), kAll.end());
+      const SensitiveSample end = integrate(s, options).sensitive_end();
+      for (size_t j = 0; j < kAll.size(); ++j) {
+        const Parameter p = kAll[j];
+        const double h = 1e-3 * natural_size(s, p);
+        const auto central = [&](double step) {
+          const auto at = [&](double n) {
+            Scenario moved = s;
+            moved.set(p, s.get(p) + n * step);
+            return integrate(moved).end().position;
+          };
+          return Eigen::Vector2d((45 * (at(1) - at(-1)) - 9 * (at(2) - at(-2)) + (at(3) - at(-3))) /
+                                 (60 * step));
+        };
+        const Eigen::Vector2d d = central(h);
+        const double scale = std::max(d.norm(), 1e-2 * s.drive.amplitude / natural_size(s, p));
+        EXPECT_LT((d - end.position_jacobian.col(static_cast<Eigen::Index>(j))).norm(), 1e-8 * scale)
+            << to_string(start) << ' ' << mu << ' ' << to_string(p);
+      }
+    }
+  }
+}
+
+TEST(Sensitivity, OneSidedAtAPulseEdgeOnTheStart) {
+  Scenario s = reference_run();
+  s.start_phase = 0;
+  s.friction.phase = 0;
+  s.friction.lag = 0;
+  s.cycles = 20;
+  IntegrationOptions options;
+  options.derivatives = {Parameter::lag};
+  const Trajectory t = integrate(s, options);
+  EXPECT_TRUE(t.summary().one_sided);
+  const auto end = [&](double lag) {
+    s.friction.lag = lag;
+    return integrate(s).end().position;
+  };
+  const double h = 1e-5;  // one-sided difference of third order
+  const Eigen::Vector2d later = (-11 * end(0) + 18 * end(h) - 9 * end(2 * h) + 2 * end(3 * h)) / (6 * h);
+  const Eigen::Vector2d earlier = (end(0) - end(-h)) / h;
+  EXPECT_LT((later - t.sensitive_end().position_jacobian.col(0)).norm(), 1e-7 * later.norm());
+  EXPECT_GT((later - earlier).norm(), 1e-2 * later.norm());
+  s.friction.lag = 0.01;
+  EXPECT_FALSE(integrate(s, options).summary().one_sided);
+}
+
+TEST(Sensitivity, RandomScenarios) {
+  const unsigned seed = 77;
+  std::cout << "seed " << seed << '\n';
+  RandomScenario random(seed);
+  double worst = 0;
+  for (int i = 0; i < 4; ++i) {
+    Scenario s = random.general();
+    s.cycles = 1;
+    SCOPED_TRACE("scenario " + std::to_string(i));
+    worst = std::max(worst, worst_error(s, s.initial_velocity.norm() > 0));
+  }
+  std::cout << "worst " << worst << '\n';
+}
+
+}  // namespace
+}  // namespace tribotrack::model

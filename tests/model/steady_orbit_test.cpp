@@ -1,0 +1,79 @@
+#include "model/steady_orbit.h"
+
+#include <gtest/gtest.h>
+
+#include "model/laws.h"
+#include "model/random_scenario.h"
+
+namespace tribotrack::model {
+namespace {
+
+using laws::kPi;
+
+Scenario reference_run() {
+  Scenario s;
+  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
+  return s;
+}
+
+/// The orbit is where a long run ends.
+TEST(SteadyOrbit, IsWhereTheMotionSettles) {
+  RandomScenario random(5);
+  std::cout << "seed 5\n";
+  std::vector<Scenario> scenarios = {reference_run()};
+  for (int i = 0; i < 20; ++i) scenarios.push_back(random.circular());
+  for (Scenario s : scenarios) {
+    s.cycles = 400;
+    const auto orbit = steady_orbit(s);
+    ASSERT_TRUE(orbit);
+    const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
+    EXPECT_LT((integrate(s).end().velocity - orbit->velocity).norm(), 1e-12 * speed);
+    EXPECT_LT(orbit->contraction, 1);
+  }
+}
+
+TEST(SteadyOrbit, ContractionVanishesWithStick) {
+  Scenario s = reference_run();
+  s.friction.nominal = 0.3;
+  const auto orbit = steady_orbit(s);
+  ASSERT_TRUE(orbit);
+  EXPECT_EQ(orbit->contraction, 0);
+}
+
+TEST(SteadyOrbit, NoneWithoutFriction) {
+  Scenario s = reference_run();
+  s.friction.nominal = s.friction.reduced = 0;
+  EXPECT_FALSE(steady_orbit(s));
+  s = reference_run();
+  s.friction.nominal = 0;
+  EXPECT_FALSE(steady_orbit(s, false));
+}
+
+TEST(SteadyOrbit, NoneBeyondTheFrictionAngle) {
+  Scenario s = reference_run();
+  s.friction.pulse_width = 0;
+  s.drive.tilt_x = std::asin(0.1001);
+  EXPECT_FALSE(steady_orbit(s));
+  s.drive.tilt_x = std::asin(0.05);
+  EXPECT_TRUE(steady_orbit(s));
+}
+
+TEST(SteadyOrbit, RestIsTheOrbitOfAPartThatIsHeld) {
+  Scenario s = reference_run();
+  s.friction = {0.2, 0.15, 0, 1, 0};
+  const auto orbit = steady_orbit(s);
+  ASSERT_TRUE(orbit);
+  EXPECT_EQ(orbit->velocity.norm(), 0);
+  EXPECT_EQ(orbit->drift.norm(), 0);
+}
+
+/// v = |drift| w / 2 pi, alpha = its direction.
+TEST(SteadyOrbit, AlphaAndMeanVelocity) {
+  SteadyOrbit orbit;
+  orbit.drift = {3e-4, -4e-4};
+  EXPECT_DOUBLE_EQ(orbit.mean_velocity(2 * kPi), 5e-4);
+  EXPECT_DOUBLE_EQ(orbit.alpha(), 2 * kPi - std::atan2(4, 3));
+}
+
+}  // namespace
+}  // namespace tribotrack::model

@@ -1,0 +1,65 @@
+#include "vision/time_base.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(TimeBase, TheMostTrustedAcceptedCandidateWinsAndTheOthersSayWhyNot) {
+  const TimeBase base = choose_time_base({{"sidecar", 0, false, "no rate in it"},
+                                          {"tag", 240, true, "written by the camera"},
+                                          {"container time stamps", 120, true, "uniform"}});
+  ASSERT_TRUE(base.known());
+  EXPECT_EQ(*base.rate_hz, 240);
+  EXPECT_EQ(base.source, "tag");
+  ASSERT_EQ(base.candidates.size(), 3u);
+  EXPECT_FALSE(base.candidates[0].accepted);
+  EXPECT_TRUE(base.candidates[1].accepted);
+  EXPECT_FALSE(base.candidates[2].accepted);
+  EXPECT_EQ(base.candidates[2].reason, "tag is trusted more");
+  EXPECT_EQ(base.why_unknown(), "");
+  EXPECT_DOUBLE_EQ(base.time_s(12), 0.05);
+}
+
+TEST(TimeBase, UnknownSaysWhatWasFoundAndWhatToGive) {
+  const TimeBase base = choose_time_base({{"container time stamps", 29.97, false, "a playback rate"}});
+  EXPECT_FALSE(base.known());
+  EXPECT_THAT(base.why_unknown(), HasSubstr("29.97"));
+  EXPECT_THAT(base.why_unknown(), HasSubstr("a playback rate"));
+  EXPECT_THAT(base.why_unknown(), HasSubstr("--fps"));
+  EXPECT_THAT(TimeBase{}.why_unknown(), HasSubstr("--fps"));
+}
+
+TEST(TimeBase, StampsBeatIndexOverRate) {
+  TimeBase base;
+  base.rate_hz = 100;
+  base.stamps_s = {0, 0.0101, 0.0199};
+  EXPECT_EQ(base.time_s(1), 0.0101);
+}
+
+TEST(TimeBase, UsualPlaybackRates) {
+  for (const double rate :
+       {24.0, 23.976, 25.0, 29.97, 30000.0 / 1001, 30.0, 50.0, 60000.0 / 1001, 60.0, 600.0, 1000.0, 65535.0})
+    EXPECT_TRUE(usual_playback_rate(rate)) << rate;
+  for (const double rate : {15.0, 24.5, 31.0, 48.0, 100.0, 120.0, 239.76, 240.0, 250.0, 500.0, 601.5, 998.0,
+                            1002.0, 7000.0, 65000.0})
+    EXPECT_FALSE(usual_playback_rate(rate)) << rate;
+  EXPECT_EQ(usual_playback_rate(30000.0 / 1001), 29.97);
+}
+
+TEST(TimeBase, TheUsersRateMustBeAPositiveNumber) {
+  EXPECT_EQ(user_rate(240).rate_hz, 240);
+  for (const double rate :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(user_rate(rate), InputError) << rate;
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

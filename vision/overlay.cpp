@@ -1,0 +1,249 @@
+#include "vision/overlay.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "vision/frame_sink.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kShift = 5;           ///< binary places of the sub-pixel drawing coordinates
+constexpr int kLegibleWidth = 960;  ///< smaller pictures are enlarged by a whole factor up to about this
+constexpr int kMaxEnlargement = 4;
+const cv::Scalar kPath(0, 160, 255);  // BGR
+const cv::Scalar kOutline(80, 255, 80);
+const cv::Scalar kMarker(255, 200, 0);
+const cv::Scalar kBad(60, 60, 255);
+const cv::Scalar kText(255, 255, 255);
+
+/// Grey levels to 8 bits so that the darkest and brightest half per cent of the first frame just clip.
+struct Stretch {
+  float low = 0, high = 255;
+  explicit Stretch(const Picture& picture) {
+    std::vector<float> levels(picture.levels().begin(), picture.levels().end());
+    if (levels.empty()) return;
+    const auto at = [&](double share) {
+      const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
+      std::nth_element(levels.begin(), levels.begin() + rank, levels.end());
+      return levels[static_cast<std::size_t>(rank)];
+    };
+    low = at(0.005);
+    high = std::max(at(0.995), low + 1);
+  }
+  cv::Mat operator()(const Picture& picture) const {
+    cv::Mat out(picture.height(), picture.width(), CV_8U);
+    for (int y = 0; y < picture.height(); ++y)
+      for (int x = 0; x < picture.width(); ++x)
+        out.at<unsigned char>(y, x) = static_cast<unsigned char>(
+            std::clamp(255 * (picture.at(x, y) - low) / (high - low), 0.0F, 255.0F));
+    return out;
+  }
+};
+
+/// A colour canvas over a frame, enlarged, with drawing in the frame's pixel coordinates.
+class Canvas {
+ public:
+  Canvas(const cv::Mat& grey, int enlargement) : scale_(enlargement) {
+    cv::Mat large;
+    cv::resize(grey, large, {}, scale_, scale_, scale_ > 1 ? cv::INTER_CUBIC : cv::INTER_NEAREST);
+    cv::cvtColor(large, image_, cv::COLOR_GRAY2BGR);
+    weight_ = std::max(1, image_.cols / 640);
+  }
+  cv::Mat& image() { return image_; }
+
+  void line(const Point& a, const Point& b, const cv::Scalar& colour) {
+    cv::line(image_, fixed(a), fixed(b), colour, weight_, cv::LINE_AA, kShift);
+  }
+  void circle(const Point& c, double radius, const cv::Scalar& colour) {
+    const int r = static_cast<int>(std::lround(radius * scale_ * (1 << kShift)));
+    cv::circle(image_, fixed(c), r, colour, weight_, cv::LINE_AA, kShift);
+  }
+  void dot(const Point& c, const cv::Scalar& colour) {
+    const int r = static_cast<int>(std::lround(1.6 * weight_ * (1 << kShift)));
+    cv::circle(image_, fixed(c), r, colour, cv::FILLED, cv::LINE_AA, kShift);
+  }
+  void cross(const Point& c, const cv::Scalar& colour) {
+    const double arm = 5.0 * weight_ / scale_;
+    line({c.x - arm, c.y}, {c.x + arm, c.y}, colour);
+    line({c.x, c.y - arm}, {c.x, c.y + arm}, colour);
+  }
+  /// One line of text in the top left corner, line 0, 1, ...; dark behind so that it reads on any ground.
+  void text(int row, const std::string& words, const cv::Scalar& colour) {
+    const double size = std::max(0.45, image_.cols / 1600.0);
+    int base = 0;
+    const cv::Size box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 1, &base);
+    const int step = box.height + base + 4;
+    const cv::Point at(8, 8 + box.height + row * step);
+    const cv::Rect back =
+        cv::Rect(4, at.y - box.height - 3, box.width + 8, step) & cv::Rect(0, 0, image_.cols, image_.rows);
+    image_(back) *= 0.4;
+    cv::putText(image_, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
+  }
+
+ private:
+  cv::Point fixed(const Point& p) const {
+    // Pixel centres at integers before and after enlargement.
+    const auto to = [&](double v) {
+      return static_cast<int>(std::lround(((v + 0.5) * scale_ - 0.5) * (1 << kShift)));
+    };
+    return {to(p.x), to(p.y)};
+  }
+  cv::Mat image_;
+  int scale_;
+  int weight_ = 1;
+};
+
+int enlargement_for(const SourceInfo& info) {
+  return std::clamp(kLegibleWidth / std::max(1, info.width), 1, kMaxEnlargement);
+}
+
+void draw_path(Canvas& canvas, const std::vector<TrackPoint>& points, std::size_t count) {
+  for (std::size_t k = 1; k < count; ++k) {
+    const TrackPoint& a = points[k - 1];
+    const TrackPoint& b = points[k];
+    if (a.status == TrackStatus::ok && b.status == TrackStatus::ok)
+      canvas.line({a.x, a.y}, {b.x, b.y}, kPath);
+  }
+  if (count < 150)
+    for (std::size_t k = 0; k < count; ++k)
+      if (points[k].status == TrackStatus::ok) canvas.dot({points[k].x, points[k].y}, kPath);
+}
+
+double outline_radius(const TrackSummary& summary) {
+  return summary.disc.radius > 0 ? summary.disc.radius : 6;  // a rectangle is shown by its centre
+}
+
+std::string numbers_text(const TrackPoint& p) {
+  std::array<char, 160> text{};
+  if (p.status == TrackStatus::ok)
+    std::snprintf(text.data(), text.size(), "x %.2f  y %.2f px  ncc %.3f", p.x, p.y, p.ncc);
+  return text.data();
+}
+
+void write_whole(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
+  std::filesystem::path temporary = path;
+  temporary += ".partial";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) {
+      std::error_code ignored;
+      std::filesystem::remove(temporary, ignored);
+      throw InputError(path.string() +
+                       ": the overlay cannot be written there; name a folder that can be written");
+    }
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  if (error) {
+    std::filesystem::remove(temporary, error);
+    throw InputError(path.string() +
+                     ": the overlay cannot be written there; name a folder that can be written");
+  }
+}
+
+void write_png(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
+  const auto& points = result.track.points;
+  const Picture first = source.read(points.front().frame - source.info().first_number);
+  Canvas canvas(Stretch(first)(first), enlargement_for(source.info()));
+  draw_path(canvas, points, points.size());
+  if (result.summary.marker.radius > 0)
+    canvas.circle({result.summary.marker.x, result.summary.marker.y}, result.summary.marker.radius, kMarker);
+  const TrackPoint* start = nullptr;
+  const TrackPoint* end = nullptr;
+  for (const TrackPoint& p : points) {
+    if (p.status != TrackStatus::ok) continue;
+    if (!start) start = &p;
+    end = &p;
+  }
+  if (start) {
+    canvas.circle({start->x, start->y}, outline_radius(result.summary), kOutline);
+    canvas.cross({start->x, start->y}, kOutline);
+    canvas.circle({end->x, end->y}, outline_radius(result.summary), kPath);
+    canvas.text(0, "frames " + std::to_string(start->frame) + " (green) to " + std::to_string(end->frame),
+                kText);
+  }
+  const TrackSummary& s = result.summary;
+  canvas.text(
+      1,
+      std::to_string(s.ok) + " ok, " + std::to_string(s.lost) + " lost, " + std::to_string(s.edge) + " edge",
+      kText);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", canvas.image(), bytes);
+  write_whole(path, bytes);
+}
+
+void write_video(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
+  const auto& points = result.track.points;
+  const SourceInfo& info = source.info();
+  const int enlargement = enlargement_for(info);
+  // Even sizes: the colour of most codecs has half the resolution.
+  const int width = (info.width * enlargement + 1) / 2 * 2;
+  const int height = (info.height * enlargement + 1) / 2 * 2;
+  SinkOptions options;
+  options.width = width;
+  options.height = height;
+  options.frame_rate_hz = 30;  // for looking at, frame by frame
+  if (path.extension() != ".mp4") options.codec = Codec::mjpeg;
+  const auto sink = create_sink(path, options);
+  std::optional<Stretch> stretch;
+  Picture picture;
+  cv::Mat rgb;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const TrackPoint& p = points[k];
+    source.read(p.frame - info.first_number, source.bounds(), picture);
+    if (!stretch) stretch.emplace(picture);
+    Canvas canvas((*stretch)(picture), enlargement);
+    const std::size_t from = std::max<std::size_t>(k > 2000 ? k - 2000 : 0, 0);
+    const std::vector<TrackPoint> tail(points.begin() + static_cast<std::ptrdiff_t>(from),
+                                       points.begin() + static_cast<std::ptrdiff_t>(k + 1));
+    draw_path(canvas, tail, tail.size());
+    if (p.marker) canvas.circle({p.marker->x, p.marker->y}, result.summary.marker.radius, kMarker);
+    const bool ok = p.status == TrackStatus::ok;
+    if (ok) {
+      canvas.circle({p.x, p.y}, outline_radius(result.summary), kOutline);
+      canvas.cross({p.x, p.y}, kOutline);
+    }
+    canvas.text(0, "frame " + std::to_string(p.frame) + "  " + to_string(p.status), ok ? kText : kBad);
+    if (ok) canvas.text(1, numbers_text(p), kText);
+    cv::Mat even;
+    cv::copyMakeBorder(canvas.image(), even, 0, height - canvas.image().rows, 0, width - canvas.image().cols,
+                       cv::BORDER_REPLICATE);
+    cv::cvtColor(even, rgb, cv::COLOR_BGR2RGB);
+    sink->write_rgb(width, height, rgb.data);
+  }
+  sink->close();
+}
+
+}  // namespace
+
+void write_overlay(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
+  if (result.track.points.empty())
+    throw InputError(path.string() + ": the track is empty, there is nothing to draw");
+  const std::string extension = path.extension().string();
+  if (extension == ".png") {
+    write_png(source, result, path);
+  } else if (extension == ".mp4" || extension == ".avi" || extension == ".mkv") {
+    write_video(source, result, path);
+  } else {
+    throw InputError(path.string() + ": an overlay is a .png picture or a .mp4, .avi or .mkv video, not " +
+                     (extension.empty() ? "a name without ending" : extension));
+  }
+}
+
+std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number) {
+  const Picture first = source.read(frame_number - source.info().first_number);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", Stretch(first)(first), bytes);
+  return bytes;
+}
+
+}  // namespace tribotrack::vision
