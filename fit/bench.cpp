@@ -127,7 +127,8 @@ Answer plain(const internal::PlainResiduals& residuals, int max_iterations) {
   const auto back = [](const Vector3d& z) { return Vector3d(std::exp(z(0)), std::exp(z(1)), z(2)); };
   const Vector3d sd = end.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   Answer answer;
-  answer.converged = end.converged;
+  // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
+  answer.converged = end.converged && sd.allFinite();
   answer.estimate = back(end.z);
   answer.low = back(end.z - 1.959964 * sd);
   answer.high = back(end.z + 1.959964 * sd);
@@ -196,7 +197,7 @@ FitBenchRow judge(const Entry& entry, const Entry& first, const std::vector<FitT
     row.rms_error += share * (answer.estimate - truth).cwiseQuotient(unit).cwiseAbs2();
     row.mean_sd += share * answer.sd.cwiseQuotient(unit);
     for (Eigen::Index i = 0; i < 3; ++i)
-      row.covered(i) += share * (answer.low(i) <= truth(i) && truth(i) <= answer.high(i));
+      row.covered(i) += share * (answer.converged && answer.low(i) <= truth(i) && truth(i) <= answer.high(i));
     const Answer& own = first.answers[k];
     const double off = (answer.estimate - own.estimate).cwiseQuotient(own.sd).cwiseAbs().maxCoeff();
     row.off_minimum = std::max(row.off_minimum, off);
