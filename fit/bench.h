@@ -38,10 +38,11 @@ struct FitBenchRow {
   Eigen::Vector3d covered = Eigen::Vector3d::Zero();  ///< share of 95 % intervals that hold the truth
   /// Farthest any estimate lies from that of "tribotrack" on the same campaign, in its standard deviations.
   double off_minimum = 0;
-  double time_over_ours = 0;  ///< over "tribotrack"'s time; below 1 the peer is faster
+  double time_over_ours = 0;  ///< over "tribotrack"'s time
 };
 
-/// Ours: estimate() as `fit` calls it, without and with profiles. Beside it one Levenberg-Marquardt from the
+/// Ours: estimate() as `fit` calls it (8 starts and the search for the next run), with profiles, and from one
+/// start. Beside it one Levenberg-Marquardt from the
 /// same start with exact derivatives, with central differences (relative step 1e-6) through our solver,
 /// through a segmented Dormand-Prince at 1e-8, and through the paper's recipe (few campaigns: it is slow).
 std::vector<FitBenchRow> bench_fit(const FitBenchOptions& options = {});
