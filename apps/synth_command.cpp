@@ -37,9 +37,11 @@ class Motion {
     return shot_.motion.scenario.start_phase + shot_.motion.scenario.drive.angular_frequency * t;
   }
 
-  /// The part relative to the platform, m; at rest on it before the run starts.
+  /// The part relative to the platform, m. The first exposure begins before the run does: there the part goes
+  /// on as it started, so that it rests when it starts from rest and slides when it starts sliding.
   Eigen::Vector2d part(double t) const {
-    return trajectory_.at(std::clamp(t, 0.0, trajectory_.end_time())).position;
+    if (t < 0) return trajectory_.at(0).velocity * t;
+    return trajectory_.at(std::min(t, trajectory_.end_time())).position;
   }
 
   vision::ScenePose pose(double t) const {

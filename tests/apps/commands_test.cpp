@@ -152,7 +152,7 @@ TEST_F(Commands, ARenderedSlideIsTrackedOntoItsTruth) {
     ++rows;
   }
   EXPECT_EQ(rows, 40);
-  EXPECT_LT(worst, 0.04);
+  EXPECT_LT(worst, 0.02);  // noise of 0.003 px, and a constant: the centre found in the first frame
 }
 
 TEST_F(Commands, EveryFormatOfSynthIsReadBackAndTracked) {
@@ -252,7 +252,8 @@ TEST_F(Commands, BadRecordingsAreExit3AndLeaveNothing) {
        {"missing.cine", "empty.cine", "cut.cine", "head.cine", "cut.mp4", "text.mp4", "nowhere/%03d.png"}) {
     const Outcome outcome =
         run(std::string("track ") + bad + " --fps 1000 --disc 40,40,9 --mm-per-px 1 -o t.csv");
-    expect_refused(outcome, 3, {std::filesystem::path(bad).filename().string()});
+    const std::string name = bad;
+    expect_refused(outcome, 3, {name.substr(0, name.find('/'))});
     EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv"))) << bad;
   }
   expect_refused(run("track good.cine --disc 500,40,9 --mm-per-px 1 -o t.csv"), 3, {"500"});
