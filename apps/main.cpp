@@ -1,7 +1,9 @@
 #include "apps/command.h"
 #include "apps/output_file.h"
+#include "vision/threads.h"
 
 int main(int argc, char** argv) {
   tribotrack::apps::clean_up_on_signals();
+  tribotrack::vision::keep_to_calling_thread();
   return tribotrack::apps::run_program(argc, argv);
 }
