@@ -238,7 +238,8 @@ std::string dependence_section(const ReportData& data) {
 
 std::string trajectory_plot(const ReportData& data) {
   if (std::none_of(data.runs.begin(), data.runs.end(), has_path))
-    return "<p class=\"left-out\">No run has a tracked path: the trajectories (paper, figure 11) are left "
+    return "<p class=\"left-out\">No run with friction pulses has a tracked path: the trajectories (paper, "
+           "figure 11) are left "
            "out.</p>\n";
   return plot_box("trajectories",
                   "<b>Trajectories of the part</b> (paper, figure 11), in millimetres from where each "
