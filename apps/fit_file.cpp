@@ -52,6 +52,15 @@ Json correlation_json(const fit::FitResult& result) {
   return json;
 }
 
+Json slide_json(const fit::RunResult& run) {
+  Json json = {{"time_s", run.slide.time}, {"position_mm", Json::array()}, {"fitted_mm", Json::array()}};
+  for (const double m : run.slide.measured) json["position_mm"].push_back(m * 1e3);
+  for (const double m : run.slide.modelled) json["fitted_mm"].push_back(m * 1e3);
+  json["sentence"] = fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                                 run.nuisance.at("initial_speed_mm_s"), run.points, run.rms_m * 1e3);
+  return json;
+}
+
 Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
   Json json = {{"name", analysed.run->name}, {"kind", analysed.run->free_slide ? "free_slide" : "pulses"}};
   if (!analysed.failure.empty()) {
@@ -62,10 +71,10 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
     json["phi_rad"] = analysed.run->phi;
     json["dtau_rad"] = analysed.run->dtau;
   }
-  json["scenario"] = json_of(analysed.scenario);
   json["observables"] = Json::array();
   for (const fit::RunResult& run : result.runs) {
     if (run.name != analysed.run->name) continue;
+    json["scenario"] = json_of(run.fitted);
     for (const fit::Residual& r : run.residuals)
       json["observables"].push_back({{"observable", r.observable},
                                      {"measured", finite(r.measured)},
@@ -77,6 +86,7 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
       json["residual_rms_mm"] = run.rms_m * 1e3;
     }
     if (!run.nuisance.empty()) json["nuisance"] = run.nuisance;
+    if (!run.slide.time.empty()) json["slide"] = slide_json(run);
   }
   return json;
 }

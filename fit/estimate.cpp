@@ -40,7 +40,7 @@ void settle_scatter(Residuals& residuals, Minimum& best) {
     residuals.set_scatter(estimate_scatter(residuals, unknowns.values(best.z)));
     if (!any(residuals.scatter())) return;
     best = polish(residuals, best.z);
-    if (round > 1 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
+    if (round > 2 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
   }
 }
 
@@ -67,13 +67,16 @@ std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, c
   }
 }
 
-void warn_of_other_minima(const Unknowns& unknowns, const Search& search, FitResult& result) {
+void warn_of_other_minima(const Residuals& residuals, const Search& search, double excess,
+                          FitResult& result) {
+  const Unknowns& unknowns = residuals.unknowns();
   for (std::size_t i = 1; i < search.minima.size(); ++i) {
     const Minimum& other = search.minima[i].minimum;
     const double above = other.chi2 - search.minima.front().minimum.chi2;
-    if (above > 9) continue;
+    if (above > 9 * excess) continue;
     const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
-    std::string text = "Another minimum fits nearly as well (chi2 higher by " + number(above, 2) + "):";
+    std::string text =
+        "Another minimum fits nearly as well (chi2 higher by " + number(above / excess, 2) + "):";
     for (Eigen::Index k = 0; k < unknowns.reported(); ++k)
       text += std::string(k > 0 ? ", " : " ") + to_string(unknowns.parameter(k)) + " = " +
               number(values(k) * display_factor(unknowns.parameter(k)), 4);
@@ -129,6 +132,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   Minimum minimum = polish(residuals, search.minima.front().minimum.z);
   result.chi2_before_scatter = minimum.chi2;
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
+  const double excess = residuals.excess(minimum.chi2);
   if (options.estimate_scatter && result.p_value < kSurprise) settle_scatter(residuals, minimum);
   minimum.z = fold_lag(unknowns, minimum.z);
 
@@ -164,7 +168,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   tell_scatter(residuals, options.estimate_scatter, result);
   tell_runs(residuals, values, result);
   tell_systematics(residuals, values, spread, result);
-  warn_of_other_minima(unknowns, search, result);
+  warn_of_other_minima(residuals, search, excess, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");

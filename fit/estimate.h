@@ -41,11 +41,18 @@ struct Residual {
 
 struct RunResult {
   std::string name;
+  model::Scenario fitted;  ///< the run's scenario at the fitted values, for curves
   std::vector<Residual> residuals;
   std::size_t points = 0;  ///< trajectory runs: points used
   double rms_m = 0;        ///< trajectory runs: rms of the residual, m
   std::map<std::string, double>
       nuisance;  ///< trajectory runs: start point, initial velocity, onset, ... with units in the names
+  /// Free slides, one entry per point used: distance along the initial velocity from the fitted start point.
+  struct Slide {
+    std::vector<double> time;      ///< s, the recording's
+    std::vector<double> measured;  ///< m
+    std::vector<double> modelled;  ///< m
+  } slide;
 };
 
 enum class Verdict { identifiable, weak, not_identifiable };

@@ -50,6 +50,11 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
   FreeSlideGuess guess;
   guess.first = fastest == kHalfWindow ? 0 : fastest;
   guess.last = n;
+  // The frame of the strike itself lies between rest and sliding: its step is short.
+  const auto step_speed = [&](std::size_t i) {
+    return (track.position[i + 1] - track.position[i]).norm() / (track.time[i + 1] - track.time[i]);
+  };
+  while (guess.first < fastest && step_speed(guess.first) < 0.9 * top) ++guess.first;
   if (guess.last - guess.first < kFewest)
     refuse("the part is fastest at the end of the track, so no free sliding was seen: analyse later frames.");
   if (!(top > 0)) refuse("the part does not move.");

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kTradeOff = 0.95;
 constexpr double kWeak = 0.3;
+constexpr double kPulsesSeen = 3;
 
 /// The flat or weak direction as "mu1 up 1 % is hidden by phase_lag_rad down 0.021 and ...".
 std::string direction_in_words(const Unknowns& unknowns, const Eigen::VectorXd& values,
@@ -141,6 +142,22 @@ Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd&
         prior != problem.prior.end() && sd(i) > 0.9 * prior->second.sd)
       result.weak_directions.push_back(std::string(to_string(parameter)) +
                                        " is told by its prior, not by the data.");
+  }
+
+  // Where mu1 = mu2 is not excluded, the pulses may do nothing, and no lag is better than another.
+  const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2);
+  const bool pulses_placed = unknowns.find(FitParameter::lag) || unknowns.find(FitParameter::delay);
+  if (mu1 && mu2 && pulses_placed) {
+    const double difference = std::abs(values(*mu1) - values(*mu2));
+    const double variance = uncertainty.covariance(*mu1, *mu1) + uncertainty.covariance(*mu2, *mu2) -
+                            2 * uncertainty.covariance(*mu1, *mu2);
+    if (difference < kPulsesSeen * std::sqrt(std::max(0.0, variance))) {
+      result.weak_directions.push_back("mu1 and mu2 agree within " + number(kPulsesSeen) +
+                                       " sd: the pulses may have no effect, and then the lag means nothing; "
+                                       "check that the actuator works, or "
+                                       "fit mu1 alone with mu2 fixed.");
+      worsen(result, Verdict::not_identifiable);
+    }
   }
 
   bool traded = false;

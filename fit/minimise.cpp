@@ -18,6 +18,7 @@ class WholeProblem final : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(static_cast<int>(start.size()) - (held ? 1 : 0));
   }
 
+  const Residuals& residuals() const { return residuals_; }
   Eigen::VectorXd full(const double* free) const {
     Eigen::VectorXd z = z_;
     for (Eigen::Index i = 0, j = 0; i < z.size(); ++i)
@@ -35,10 +36,15 @@ class WholeProblem final : public ceres::CostFunction {
     const Eigen::VectorXd z = full(parameters[0]);
     const auto& unknowns = residuals_.unknowns();
     const bool wanted = jacobians && jacobians[0];
-    Eigen::VectorXd r;
-    Eigen::MatrixXd by_value;
-    if (!z.allFinite() || !residuals_.evaluate(unknowns.values(z), r, wanted ? &by_value : nullptr))
-      return false;
+    // A point is asked for its cost first and, nearly always, for its Jacobian next: one simulation does
+    // both.
+    if (last_z_.size() != z.size() || last_z_ != z) {
+      last_z_ = z;
+      last_good_ = z.allFinite() && residuals_.evaluate(unknowns.values(z), last_residuals_, &last_jacobian_);
+    }
+    if (!last_good_) return false;
+    const Eigen::VectorXd& r = last_residuals_;
+    const Eigen::MatrixXd& by_value = last_jacobian_;
     Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
     if (!wanted) return true;
     const Eigen::VectorXd slopes = unknowns.slopes(z);
@@ -52,6 +58,9 @@ class WholeProblem final : public ceres::CostFunction {
   const Residuals& residuals_;
   Eigen::VectorXd z_;
   std::optional<Eigen::Index> held_;
+  mutable Eigen::VectorXd last_z_, last_residuals_;  ///< one solver, one thread
+  mutable Eigen::MatrixXd last_jacobian_;
+  mutable bool last_good_ = false;
 };
 
 /// Ends a descent that has come within a fifth of a standard deviation of a minimum already known.
@@ -65,7 +74,8 @@ class JoinsKnown final : public ceres::IterationCallback {
     for (const auto& [minimum, curvature] : known_) {
       const Eigen::VectorXd distance = z - minimum.z;
       const double above = 2 * summary.cost - minimum.chi2;
-      if (distance.dot(curvature * distance) < 0.04 && above < 0.08) {
+      const double spread = cost_.residuals().excess(minimum.chi2);
+      if (distance.dot(curvature * distance) < 0.04 * spread && above < 0.08 * spread) {
         joined = true;
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }

@@ -100,10 +100,13 @@ double screen(const Residuals& residuals, Eigen::VectorXd& values) {
   return chi2;
 }
 
-bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b) {
+/// Within half a standard deviation; standard deviations as wide as the residuals ask for (`spread` =
+/// chi^2/dof).
+bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread) {
   Eigen::VectorXd distance = b.z - a.minimum.z;
   if (const auto lag = unknowns.find(FitParameter::lag)) distance(*lag) = model::wrap_angle(distance(*lag));
-  return distance.dot(a.curvature * distance) < 0.25 && std::abs(b.chi2 - a.minimum.chi2) < 0.5;
+  return distance.dot(a.curvature * distance) < 0.25 * spread &&
+         std::abs(b.chi2 - a.minimum.chi2) < 0.5 * spread;
 }
 
 }  // namespace
@@ -116,7 +119,7 @@ Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
 Search multi_start(const Residuals& residuals, const FitOptions& options) {
   const auto& unknowns = residuals.unknowns();
   Residuals rough = residuals;
-  rough.set_tolerance(1e-6);
+  rough.set_tolerance(1e-7);
   const Eigen::VectorXd guess = unknowns.first_guess();
   const int wanted = std::max(1, options.multi_starts);
 
@@ -147,7 +150,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     ++search.starts;
     if (!std::isfinite(minimum.chi2)) return;
     for (std::size_t i = 0; i < search.minima.size(); ++i)
-      if (same(unknowns, search.minima[i], minimum)) {
+      if (same(unknowns, search.minima[i], minimum, residuals.excess(search.minima[i].minimum.chi2))) {
         ++hits[i];
         if (minimum.chi2 < search.minima[i].minimum.chi2 && !minimum.joined)
           search.minima[i] = with_curvature(rough, minimum);

@@ -78,6 +78,7 @@ std::optional<NextExperiment> next_experiment(const Residuals& residuals, const 
     if (applied.wanted.empty()) return;
     model::IntegrationOptions options;
     options.derivatives = applied.wanted;
+    options.tolerance = 1e-6;  // a forecast
     try {
       const auto end = model::integrate(applied.scenario, options).sensitive_end();
       Eigen::MatrixXd rows = end.position_jacobian * applied.chain / applied.scale;

@@ -1,5 +1,6 @@
 #include "fit/internal/residuals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -42,6 +43,11 @@ double Residuals::degrees_of_freedom() const {
   for (std::size_t i = 0; i < first_point_.size(); ++i)
     dof += 2.0 * static_cast<double>(point_count(i)) / scatter_.trajectories[i].correlation_time - 2;
   return dof;
+}
+
+double Residuals::excess(double chi2) const {
+  const double dof = degrees_of_freedom();
+  return dof > 0 ? std::max(1.0, chi2 / dof) : 1;
 }
 
 bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,

@@ -37,6 +37,7 @@ RunResult tell_summary(const Residuals& residuals, const Eigen::VectorXd& values
 
   RunResult result;
   result.name = run.name;
+  result.fitted = residuals.unknowns().apply(values, run.scenario, run.amplitude_from_track, false).scenario;
   const Eigen::LLT<Eigen::Matrix2d> factor(measured.covariance);
   const Eigen::Vector2d whitened = factor.matrixL().solve(measured.vector - modelled.vector);
   const char* names[] = {"dx_mm", "dy_mm"};
@@ -66,6 +67,9 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   RunResult result;
   result.name = run.name;
   result.points = points.row.size();
+  result.fitted = run.free_slide
+                      ? unknowns.apply_free_slide(values, index, false).scenario
+                      : unknowns.apply(values, run.scenario, run.amplitude_from_track, false).scenario;
   std::vector<double> lengths;
   for (const auto& residual : points.residual) {
     result.rms_m += residual.squaredNorm() / n;
@@ -99,6 +103,13 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
     nuisance["velocity_x_mm_s"] = 1e3 * velocity.x();
     nuisance["velocity_y_mm_s"] = 1e3 * velocity.y();
     nuisance["initial_speed_mm_s"] = 1e3 * velocity.norm();
+    const Eigen::Vector2d along = velocity.normalized();
+    for (std::size_t i = 0; i < points.row.size(); ++i) {
+      const double measured_along = along.dot(run.track.position[points.row[i]] - points.start_point);
+      result.slide.time.push_back(run.track.time[points.row[i]]);
+      result.slide.measured.push_back(measured_along);
+      result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
+    }
     const double mu1 = unknowns.value_of(FitParameter::mu1, values);
     nuisance["stop_time_s"] = run.track.time[first] + velocity.norm() / (mu1 * run.scenario.drive.gravity);
   }

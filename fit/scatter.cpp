@@ -69,14 +69,23 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
       x.push_back(run.residual[k].x());
       y.push_back(run.residual[k].y());
     }
-    const double own = problem.trajectory_runs[i].free_slide ? 5 : 2;
-    const double expected = 2.0 * static_cast<double>(run.row.size()) - own;
+    // A fitted column takes as much of correlated noise as of that many independent points.
+    const double along = problem.trajectory_runs[i].free_slide ? 3 : 1,
+                 across = problem.trajectory_runs[i].free_slide ? 2 : 1;
+    const double rows = 2.0 * static_cast<double>(run.row.size());
+    const double expected = std::max(0.4 * rows, rows - (along + across) * scatter.correlation_time);
     scatter.between_points = scatter_for(run.residual, covariances, expected, scatter.between_points > 0);
     scatter.correlation_time = 1;
     if (scatter.between_points > 0) {
-      const double longest = static_cast<double>(run.row.size()) / 4;
-      scatter.correlation_time =
-          std::min(longest, std::max(autocorrelation_time(x), autocorrelation_time(y)));
+      double x_square = 0, y_square = 0;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        x_square += x[k] * x[k];
+        y_square += y[k] * y[k];
+      }
+      const double both =
+          (x_square * residual_correlation_time(x, along) + y_square * residual_correlation_time(y, along)) /
+          (x_square + y_square);
+      scatter.correlation_time = std::min(static_cast<double>(run.row.size()) / 4, both);
     }
   }
   return result;

@@ -82,4 +82,17 @@ double autocorrelation_time(const std::vector<double>& series) {
   return std::max(1.0, time);
 }
 
+double residual_correlation_time(const std::vector<double>& series, double parameters) {
+  const double n = static_cast<double>(series.size());
+  double square = 0, product = 0;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    square += series[i] * series[i];
+    if (i > 0) product += series[i] * series[i - 1];
+  }
+  if (!(square > 0) || n < 4 * parameters + 4) return autocorrelation_time(series);
+  const double rho = (product / square + parameters / n) / (1 - (parameters + 2) / n);
+  const double first_order = rho > 0 ? (1 + std::min(rho, 0.98)) / (1 - std::min(rho, 0.98)) : 1;
+  return std::max(first_order, autocorrelation_time(series));
+}
+
 }  // namespace tribotrack::fit::internal

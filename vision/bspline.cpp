@@ -197,7 +197,7 @@ InterpolationNoise quintic_noise(double fraction) {
 }
 
 InterpolationCovariance quintic_noise_covariance(double f, double g) {
-  const int shift = static_cast<int>(std::floor(f) - std::floor(g));
+  const int shift = static_cast<int>(std::floor(g) - std::floor(f));
   const Response a(f - std::floor(f));
   const Response b(g - std::floor(g));
   InterpolationCovariance out{0, 0};

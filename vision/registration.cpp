@@ -190,17 +190,41 @@ Eigen::MatrixXd TemplateRegistration::debiased(const Eigen::MatrixXd& normal, co
   return out;
 }
 
+/// Noise variance that would explain the present residual, picture and template noisy alike.
+double TemplateRegistration::residual_noise(const Pose& at, double gain) const {
+  const auto value_gain = [&](double f) {  // continuous, or the iteration could swing between two entries
+    const double t = (f - std::floor(f)) * kFractions;
+    const auto k = std::min(static_cast<std::size_t>(t), static_cast<std::size_t>(kFractions - 1));
+    const double share = t - static_cast<double>(k);
+    return (1 - share) * noise_gain_[k].value + share * noise_gain_[k + 1].value;
+  };
+  double weight = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < residual_.size(); ++i) {
+    weight += weight_[i];
+    squares += static_cast<double>(weight_[i]) * residual_[i] * residual_[i];
+  }
+  const double parameters = options_.rotation ? 5 : 4;
+  return squares / std::max(1.0, weight - parameters) /
+         (1 + gain * gain * value_gain(at.dx) * value_gain(at.dy));
+}
+
 /// Expectation of sum w J r that is due to the template's noise alone: its slopes (in J, formed at one
 /// fraction) and its values (in r, at another) are correlated. A turned template mixes all fractions, which
 /// averages it out: 2 J1(z) / z for a disc.
 Eigen::Vector2d TemplateRegistration::noise_force(const Pose& formed, const Pose& at, double gain) const {
+  // The noise cannot be more than what the residual shows; from clearly less to within its scatter, a ramp.
+  const double shown = residual_noise(at, gain);
+  const double share = std::clamp((shown / options_.noise_variance - 0.6) / 0.2, 0.0, 1.0);
+  const double noise =
+      share * options_.noise_variance + (1 - share) * std::min(shown, options_.noise_variance);
   const InterpolationCovariance x = quintic_noise_covariance(-formed.dx, -at.dx);
   const InterpolationCovariance y = quintic_noise_covariance(-formed.dy, -at.dy);
   double weight = 0;
   for (const float w : weight_) weight += w;
   const double z = 2 * std::numbers::pi * pattern_.reach() * std::abs(at.theta);
   const double mixing = z > 1e-3 ? (z < 30 ? 2 * std::cyl_bessel_j(1.0, z) / z : 0) : 1;
-  return mixing * gain * options_.noise_variance * weight *
+  return mixing * gain * noise * weight *
          Eigen::Vector2d(x.slope_value * y.value_value, x.value_value * y.slope_value);
 }
 
@@ -223,7 +247,7 @@ double TemplateRegistration::correlation(const std::vector<float>& weights) cons
 }
 
 /// Sets the weight of pixels to zero whose residual cannot be noise. Returns how many.
-std::size_t TemplateRegistration::trim(double gain, double, double noise_sd) {
+std::size_t TemplateRegistration::trim(double gain, double noise_sd) {
   std::vector<float> sizes;
   sizes.reserve(residual_.size());
   for (std::size_t i = 0; i < residual_.size(); ++i)
@@ -310,7 +334,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
     sample_template(fraction, re_form);
     if (settled && !trimmed) {
       form_residual();
-      trimmed_count = trim(gain, offset, noise_sd);
+      trimmed_count = trim(gain, noise_sd);
       trimmed = true;
       if (trimmed_count > 0) {
         factor.compute(normal = normal_matrix());
@@ -343,17 +367,18 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   out.trimmed_share = static_cast<double>(trimmed_count) / pixels_;
   out.residual_rms = std::sqrt(squares / std::max(1.0, weight - parameters));
 
+  // A residual clearly below the estimated noise (a texture passed for noise) is the better estimate; nearly
+  // none is the template met again in its own frame.
+  const double shown = residual_noise(fraction, gain);
+  const bool quieter = shown < 0.8 * options_.noise_variance && shown > 0.1 * options_.noise_variance;
+  const double noise = quieter ? std::max(shown, 1.0 / 12) : options_.noise_variance;
   const Eigen::MatrixXd inverse = debiased(normal, fraction).inverse();
   const Eigen::MatrixXd spread = inverse * normal * inverse / (gain * gain);
-  out.covariance = options_.noise_variance * spread.topLeftCorner<2, 2>();
-  if (options_.rotation) out.sigma_theta = std::sqrt(options_.noise_variance * spread(4, 4));
+  out.covariance = noise * spread.topLeftCorner<2, 2>();
+  if (options_.rotation) out.sigma_theta = std::sqrt(noise * spread(4, 4));
 
   // Residual beyond noise: something in the picture that the model does not have.
-  const auto value_gain = [&](double f) {
-    return noise_gain_[static_cast<std::size_t>(std::lround((f - std::floor(f)) * kFractions))].value;
-  };
-  const double expected =
-      options_.noise_variance * (1 + gain * gain * value_gain(fraction.dx) * value_gain(fraction.dy));
+  const double expected = out.residual_rms * out.residual_rms * std::min(1.0, noise / shown);
   const double excess = out.residual_rms * out.residual_rms - expected;
   // Four times the scatter of a variance estimate, and a tenth for noise that is not quite white.
   const double tolerated = expected * (0.1 + 4 * std::sqrt(2 / std::max(1.0, weight)));

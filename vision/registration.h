@@ -82,9 +82,10 @@ class TemplateRegistration {
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
   Eigen::MatrixXd normal_matrix() const;
   Eigen::MatrixXd debiased(const Eigen::MatrixXd& normal, const Pose& fraction) const;
+  double residual_noise(const Pose& at, double gain) const;
   Eigen::Vector2d noise_force(const Pose& formed, const Pose& at, double gain) const;
   double correlation(const std::vector<float>& weights) const;
-  std::size_t trim(double gain, double offset, double noise_sd);
+  std::size_t trim(double gain, double noise_sd);
 
   RegistrationOptions options_;
   Pattern pattern_;

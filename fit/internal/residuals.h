@@ -36,6 +36,8 @@ class Residuals {
   Eigen::Index size() const { return rows_; }
   /// Independent rows less unknowns (trajectory points divided by their correlation time).
   double degrees_of_freedom() const;
+  /// max(1, chi^2/dof): by how much the residuals exceed their sigma.
+  double excess(double chi2) const;
   const Scatter& scatter() const { return scatter_; }
   void set_scatter(const Scatter& scatter) { scatter_ = scatter; }
   /// Of the integrator. Its error is far below any sigma at 1e-8 already; exact data deserve more.

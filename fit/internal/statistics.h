@@ -17,4 +17,9 @@ double two_sided_quantile(double probability, double dof);
 /// independent points is smaller than the number of points. Summed over five times itself (Sokal's window).
 double autocorrelation_time(const std::vector<double>& series);
 
+/// The same for the residuals of a fit with `parameters` smooth columns, which has taken slow parts of the
+/// noise away: at least that of a first-order process with the lag-1 correlation corrected for the loss,
+/// E(r1) = rho - ((1 + rho) p + 2 rho)/n (Kendall's bias for p columns).
+double residual_correlation_time(const std::vector<double>& series, double parameters);
+
 }  // namespace tribotrack::fit::internal

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <optional>
 
@@ -90,6 +91,56 @@ struct Tail {
   }
 };
 
+/// Derivatives of the stages: one Newton step in Jets on the converged values.
+template <int N, class Stages>
+bool differentiate(const ScaledDrive<Jet<N>>& drive, const Jet<N>& kappa, double s, double span,
+                   const SlowStages& stages, const Stages& r, const Stages& b, Stages& rate, Stages& turn) {
+  constexpr int S = Collocation::kStages;
+  const Collocation& c = Collocation::get();
+  Eigen::Matrix<double, 2 * S, N> residual;
+  for (int i = 0; i < S; ++i) {
+    const Pair<Jet<N>> d = drive.at(s + span * c.node[i]);
+    const Jet<N> cosine = cos(b[i]), sine = sin(b[i]);
+    const Jet<N> first = rate[i] - (d.x * cosine + d.y * sine - kappa);
+    const Jet<N> second = r[i] * turn[i] - (d.y * cosine - d.x * sine);
+    for (int j = 0; j < N; ++j) {
+      residual(i, j) = first.d[j];
+      residual(S + i, j) = second.d[j];
+    }
+  }
+  const Eigen::Matrix<double, 2 * S, N> correction = stages.jacobian.solve(residual);
+  for (int i = 0; i < S; ++i)
+    for (int j = 0; j < N; ++j) {
+      rate[i].d[j] -= correction(i, j);
+      turn[i].d[j] -= correction(S + i, j);
+    }
+  return correction.allFinite();
+}
+
+/// The derivatives whose acceleration's Legendre coefficients have not died out.
+template <int N, class Stages>
+std::bitset<N> find_unresolved(const Stages& r, const Stages& b, const Stages& rate, const Stages& turn,
+                               double span, double tolerance) {
+  constexpr int S = Collocation::kStages;
+  std::array<Eigen::Matrix<double, S, 1>, N> ax, ay;
+  for (int i = 0; i < S; ++i) {
+    const Jet<N> cosine = cos(b[i]), sine = sin(b[i]), across = r[i] * turn[i];
+    const Jet<N> fx = rate[i] * cosine - across * sine, fy = rate[i] * sine + across * cosine;
+    for (int j = 0; j < N; ++j) {
+      ax[j][i] = fx.d[j];
+      ay[j][i] = fy.d[j];
+    }
+  }
+  std::bitset<N> unresolved;
+  for (int j = 0; j < N; ++j) {
+    Tail derivative;
+    derivative.add(ax[j]);
+    derivative.add(ay[j]);
+    unresolved[j] = !(derivative.tail * span <= 1e5 * tolerance * std::fmax(1.0, derivative.size));
+  }
+  return unresolved;
+}
+
 template <class T>
 std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa, double s, double span,
                                      const T& speed0, T angle0, bool to_stop, double tolerance) {
@@ -116,7 +167,6 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
     span -= speed[S - 1] / rates[S - 1];
     if (!(span > 0 && span <= longest)) return std::nullopt;
   }
-  // Derivatives: one Newton step in Jets on the converged stages.
   std::array<T, S> r, b, rate, turn;
   for (int j = 0; j < S; ++j) {
     rate[j] = T(stages->rates[j]);
@@ -132,75 +182,44 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
       }
     }
   };
-  if constexpr (N > 0) {
-    // r b' = d.n_perp at the start: where r is so small that the angle settles before anything has moved, its
-    // change is no initial value but follows from that (from u = 0 always).
-    double turning = 0;
-    for (int j = 0; j < S; ++j) {
-      const double sign = j % 2 == 0 ? 1 : -1;  // P_j(-1)
-      turning += sign * c.to_legendre.row(j).dot(stages->rates.template tail<S>());
-    }
-    const Pair<T> d = drive.at(s);
-    const double cosine = std::cos(value(angle0)), sine = std::sin(value(angle0));
-    const double along = value(d.x) * cosine + value(d.y) * sine;
-    const T settled = change(T((d.y * cosine - d.x * sine - speed0 * turning) / along));
-    for (int j = 0; j < N; ++j) {
-      const double off = std::fabs(settled.d[j] - angle0.d[j]);
-      const double start = value(speed0);
-      if (start * start * off <= 1e-13 * along * std::fmax(1.0, std::fabs(speed0.d[j])))
-        angle0.d[j] = settled.d[j];
-    }
-  }
   sum_up();
   if constexpr (N > 0) {
-    Eigen::Matrix<double, 2 * S, N> residual;
-    for (int i = 0; i < S; ++i) {
-      const Pair<T> d = drive.at(s + span * c.node[i]);
-      const T cosine = cos(b[i]), sine = sin(b[i]);
-      const T first = rate[i] - (d.x * cosine + d.y * sine - kappa);
-      const T second = r[i] * turn[i] - (d.y * cosine - d.x * sine);
+    // Where r is so small that the angle settles before anything has moved, its change at the start is no
+    // initial value: what the nodes see, which have settled, is carried back to the start, until the step
+    // resolves it.
+    for (int attempt = 0;; ++attempt) {
+      if (!differentiate<N>(drive, kappa, s, span, *stages, r, b, rate, turn)) return std::nullopt;
+      sum_up();
+      const std::bitset<N> unresolved = find_unresolved<N>(r, b, rate, turn, span, tolerance);
+      if (unresolved.none()) break;
+      if (attempt == 4) return std::nullopt;
       for (int j = 0; j < N; ++j) {
-        residual(i, j) = first.d[j];
-        residual(S + i, j) = second.d[j];
+        if (!unresolved[j]) continue;
+        double settled = 0;
+        for (int k = 0; k < S; ++k)
+          for (int i = 0; i < S; ++i) settled += (k % 2 == 0 ? 1 : -1) * c.to_legendre(k, i) * b[i].d[j];
+        const double start = value(speed0), off = std::fabs(settled - angle0.d[j]);
+        if (!(start * start * off <= 1e-13 * value(kappa) * std::fmax(1.0, std::fabs(speed0.d[j]))))
+          return std::nullopt;
+        angle0.d[j] = settled;
       }
+      sum_up();
     }
-    const Eigen::Matrix<double, 2 * S, N> correction = stages->jacobian.solve(residual);
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < N; ++j) {
-        rate[i].d[j] = -correction(i, j);
-        turn[i].d[j] = -correction(S + i, j);
-      }
-    sum_up();
   }
 
-  // Resolved? The acceleration's Legendre coefficients must have died out, in the derivatives, too.
+  // Resolved? The acceleration's Legendre coefficients must have died out.
+  std::array<T, S> vx, vy;
   Eigen::Matrix<double, S, 1> ax, ay;
-  std::array<T, S> vx, vy, fx, fy;
   for (int i = 0; i < S; ++i) {
-    const T cosine = cos(b[i]), sine = sin(b[i]);
-    vx[i] = r[i] * cosine;
-    vy[i] = r[i] * sine;
-    fx[i] = rate[i] * cosine - vy[i] * turn[i];
-    fy[i] = rate[i] * sine + vx[i] * turn[i];
-    ax[i] = value(fx[i]);
-    ay[i] = value(fy[i]);
+    vx[i] = r[i] * cos(b[i]);
+    vy[i] = r[i] * sin(b[i]);
+    ax[i] = value(rate[i]) * std::cos(value(b[i])) - value(vy[i]) * value(turn[i]);
+    ay[i] = value(rate[i]) * std::sin(value(b[i])) + value(vx[i]) * value(turn[i]);
   }
   Tail tail;
   tail.add(ax);
   tail.add(ay);
   if (!(tail.tail * span <= 20 * tolerance)) return std::nullopt;
-  if constexpr (N > 0) {
-    for (int j = 0; j < N; ++j) {
-      Tail derivative;
-      for (int i = 0; i < S; ++i) {
-        ax[i] = fx[i].d[j];
-        ay[i] = fy[i].d[j];
-      }
-      derivative.add(ax);
-      derivative.add(ay);
-      if (!(derivative.tail * span <= 1e5 * tolerance * std::fmax(1.0, derivative.size))) return std::nullopt;
-    }
-  }
 
   SlowStep<T> step;
   step.span = span;

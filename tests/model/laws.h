@@ -112,7 +112,7 @@ inline void frictionless_drift(Scenario s, double tolerance) {
 /// spacing. Returns how many points were fit for comparison.
 inline int energy(const Scenario& s, double tolerance) {
   const Trajectory t = integrate(s);
-  const double w = s.drive.angular_frequency, h = 2e-3 / w;
+  const double w = s.drive.angular_frequency, h = 5e-4 / w;
   const double power = drive_amplitude(s) * drive_amplitude(s) / w;
   int compared = 0;
   for (int i = 1; i < 200; ++i) {

@@ -64,7 +64,7 @@ TEST(Trajectory, LawsHoldForOrdinaryTinyAndRandomScenarios) {
     SCOPED_TRACE("m/a = " + std::to_string(ratio));
     if (ratio < 0.98) {
       laws::steady_sliding(s, 1e-11);
-      laws::return_to_steady_sliding(s, 1e-9);
+      laws::return_to_steady_sliding(s, 1e-11);
     }
     laws::rotation(s, 1.234, 1e-11);
     laws::scaling(s, 1e-11);
@@ -301,7 +301,7 @@ TEST(Trajectory, ExtremesStayFiniteAndCheap) {
     EXPECT_LT(plain.summary().steps, 50 * 400);
     const Trajectory differentiated = integrate(s, options);
     EXPECT_TRUE(differentiated.sensitive_end().position_jacobian.allFinite());
-    EXPECT_LT((plain.end().position - differentiated.end().position).norm(),
+    EXPECT_LE((plain.end().position - differentiated.end().position).norm(),
               1e-12 * (s.drive.amplitude + plain.end().position.norm()));
   }
 }

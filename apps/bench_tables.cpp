@@ -1,0 +1,178 @@
+#include "apps/bench_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/bench_plot.h"
+#include "apps/number_text.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+/// A cell of free text.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+const char* yes(bool value) {
+  return value ? "yes" : "no";
+}
+
+/// Microseconds or milliseconds, four characters or so.
+std::string duration(double seconds) {
+  return seconds < 1e-3 ? fmt::format("{:.4g} us", 1e6 * seconds) : fmt::format("{:.4g} ms", 1e3 * seconds);
+}
+
+std::string verdict(const model::ModelBenchRow& row) {
+  if (row.ours) return "";
+  if (!row.finished) return "gave up";
+  if (row.time_over_ours == 0) return "PEER WINS: more accurate than any of ours";
+  return row.time_over_ours < 1 ? fmt::format("PEER WINS x{:.2f}", 1 / row.time_over_ours)
+                                : fmt::format("ours faster x{:.1f}", row.time_over_ours);
+}
+
+std::string verdict(const vision::VisionBenchRow& row) {
+  if (row.ours) return "";
+  const bool closer = row.rms_over_ours < 1, faster = row.time_over_ours < 1;
+  if (closer && faster) return "PEER WINS both";
+  if (closer) return "PEER WINS on error";
+  return faster ? "peer faster" : "";
+}
+
+/// The panel called `title`, and in it the series called `name`; made where missing.
+PlotSeries& series_in(std::vector<PlotPanel>& panels, const std::string& title, const std::string& name,
+                      bool ours) {
+  const auto with = [](auto& list, auto member, const std::string& wanted) {
+    return std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.*member == wanted; });
+  };
+  auto panel = with(panels, &PlotPanel::title, title);
+  if (panel == panels.end()) panel = panels.insert(panels.end(), {title, {}});
+  auto series = with(panel->series, &PlotSeries::name, name);
+  if (series == panel->series.end()) series = panel->series.insert(panel->series.end(), {name, {}, ours});
+  return *series;
+}
+
+}  // namespace
+
+BenchTable table_of(const std::vector<model::ModelBenchRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,time_s,repetitions,"
+      "time_over_ours,reference\n";
+  std::vector<PlotPanel> panels;
+  std::string scene;
+  for (const auto& row : rows) {
+    if (row.scene != scene) {
+      scene = row.scene;
+      table.text += fmt::format("\n{}\n  {:<24} {:>9} {:>10} {:>9} {:>11} {:>11}  at the same error\n", scene,
+                                "method", "tolerance", "max step", "steps", "error, m", "time");
+    }
+    table.csv += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene), quoted(row.method),
+        row.tolerance > 0 ? exact(row.tolerance) : "", row.max_step > 0 ? exact(row.max_step) : "",
+        yes(row.finished), row.steps, exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), exact(row.error),
+        compact(row.time), row.repetitions, compact(row.time_over_ours), quoted(row.reference));
+    table.text += fmt::format("  {:<24} {:>9} {:>10} {:>9} {:>11.2g} {:>11}  {}\n", row.method,
+                              row.tolerance > 0 ? fmt::format("{:g}", row.tolerance) : "-",
+                              row.max_step > 0 ? fmt::format("{:g} s", row.max_step) : "-", row.steps,
+                              row.error, duration(row.time), verdict(row));
+    if (row.finished)
+      series_in(panels, row.scene, row.method, row.ours).points.push_back({row.time, row.error});
+  }
+  table.svg = log_log_svg(panels, "CPU time of 20 cycles, s", "error of the end point, m");
+  return table;
+}
+
+BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
+      "allowed,"
+      "held,failure\n";
+  table.text =
+      fmt::format("\n{:<34} {:>11} {:>9} {:>9} {:>6} {:>7} {:>9} {:>8}  {}\n", "stiff and extreme cases",
+                  "end, mm", "steps", "time", "x/cyc", "finite", "violated", "allowed", "law");
+  for (const auto& row : rows) {
+    table.csv +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.name), yes(row.finite),
+                    exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), row.steps, row.stops,
+                    compact(row.time), compact(row.ratio_per_cycle), quoted(row.invariant),
+                    compact(row.violation), compact(row.allowed), yes(row.held), quoted(row.failure));
+    table.text +=
+        fmt::format("{:<34} {:>11.4g} {:>9} {:>9} {:>6.2f} {:>7} {:>9.1e} {:>8.1e}  {} {}\n", row.name,
+                    row.end.norm() * 1e3, row.steps, duration(row.time), row.ratio_per_cycle, yes(row.finite),
+                    row.violation, row.allowed,
+                    row.held ? "held:" : "BROKEN:", row.failure.empty() ? row.invariant : row.failure);
+  }
+  return table;
+}
+
+BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,peak_locking_"
+      "px,"
+      "time_s,rms_over_ours,time_over_ours\n";
+  std::vector<PlotPanel> panels;
+  std::string scene;
+  for (const auto& row : rows) {
+    const std::string title = fmt::format("{}, R = {:g} px, noise {:g}", row.scene, row.radius, row.noise);
+    if (title != scene) {
+      scene = title;
+      table.text +=
+          fmt::format("\n{} (bound {:.4f} px)\n  {:<32} {:>8} {:>8} {:>8} {:>9} {:>12} {:>5}\n", scene,
+                      row.bound, "method", "rms, px", "x bound", "bias, px", "locking", "time/frame", "lost");
+    }
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene),
+                             exact(row.radius), exact(row.noise), quoted(row.method), row.frames, row.lost,
+                             compact(row.rms), compact(row.bound), compact(row.rms / row.bound),
+                             compact(row.offset), compact(row.peak_locking), compact(row.time),
+                             compact(row.rms_over_ours), compact(row.time_over_ours));
+    table.text += fmt::format("  {:<32} {:>8.4f} {:>8.2f} {:>8.4f} {:>9.4f} {:>12} {:>5}  {}\n", row.method,
+                              row.rms, row.rms / row.bound, row.offset, row.peak_locking, duration(row.time),
+                              row.lost, verdict(row));
+    if (row.noise == 2)
+      series_in(panels, title, row.method, row.ours).points.push_back({row.time, row.rms / row.bound});
+  }
+  table.svg = log_log_svg(panels, "CPU time per frame, s", "rms over the Cramer-Rao bound");
+  return table;
+}
+
+BenchTable table_of(const std::vector<fit::FitBenchRow>& rows) {
+  BenchTable table;
+  table.csv = "method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd";
+  for (const char* name : {"mu1", "mu2", "lag"})
+    table.csv += fmt::format(",{0}_rms_error{1},{0}_mean_sd{1},{0}_covered", name,
+                             std::string(name) == "lag" ? "_rad" : "_relative");
+  table.csv += "\n";
+  table.text = fmt::format("\n{:<64} {:>10} {:>7} {:>7} {:>22} {:>15} {:>9}\n", "14-run summary campaigns",
+                           "time", "x ours", "conv.", "rms mu1 %, mu2 %, lag", "95 % cover", "off, sd");
+  std::vector<PlotPanel> panels;
+  for (const auto& row : rows) {
+    table.csv += fmt::format("{},{},{},{},{},{},{}", quoted(row.method), row.campaigns, row.converged,
+                             compact(row.time), row.solves > 0 ? compact(row.solves) : "",
+                             compact(row.time_over_ours), compact(row.off_minimum));
+    for (Eigen::Index i = 0; i < 3; ++i)
+      table.csv += fmt::format(",{},{},{}", compact(row.rms_error(i)), compact(row.mean_sd(i)),
+                               compact(row.covered(i)));
+    table.csv += "\n";
+    table.text += fmt::format(
+        "{:<64} {:>10} {:>7.2f} {:>3}/{:<3} {:>8.3f} {:>6.2f} {:>6.4f} {:>5.2f}{:>5.2f}{:>5.2f} {:>9.1e}\n",
+        row.method, duration(row.time), row.time_over_ours, row.converged, row.campaigns,
+        100 * row.rms_error(0), 100 * row.rms_error(1), row.rms_error(2), row.covered(0), row.covered(1),
+        row.covered(2), row.off_minimum);
+    series_in(panels, "rms error of mu1", row.method, row.ours)
+        .points.push_back({row.time, row.rms_error(0)});
+    series_in(panels, "distance from the minimum, sd", row.method, row.ours)
+        .points.push_back({row.time, row.off_minimum});
+  }
+  table.svg = log_log_svg(panels, "CPU time per campaign, s", "relative error; standard deviations");
+  return table;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,22 @@
+// The benchmarks' rows as CSV, as tables for people, and as plots.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fit/bench.h"
+#include "model/bench.h"
+#include "vision/bench.h"
+
+namespace tribotrack::apps {
+
+struct BenchTable {
+  std::string csv, text, svg;  ///< svg empty where there is nothing to draw
+};
+
+BenchTable table_of(const std::vector<model::ModelBenchRow>& rows);
+BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows);
+BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
+BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,112 @@
+// Transforms, profiles at the edge, and whether the forecast of the next run comes true.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+#include "fit/internal/transform.h"
+
+namespace tribotrack::fit {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
+  using internal::Transform;
+  for (const auto kind : {Transform::Kind::linear, Transform::Kind::logarithm, Transform::Kind::hyperbola}) {
+    const Transform transform(kind, 0.005);
+    for (const double value : {1e-6, 1e-3, 0.0125, 0.1, 3.0}) {
+      const double z = transform.z(value);
+      EXPECT_NEAR(transform.value(z), value, 1e-12 * value);
+      const double h = 1e-5 * std::max(1.0, std::abs(z));
+      EXPECT_NEAR((transform.value(z + h) - transform.value(z - h)) / (2 * h), transform.slope(z),
+                  1e-7 * std::abs(transform.slope(z)));
+    }
+    if (transform.positive()) {
+      EXPECT_GE(transform.value(-1e9), 0);
+    }
+  }
+}
+
+// mu2 = 0 is legal: its interval is one-sided and closed by 0.
+TEST(Profile, Mu2CompatibleWithZeroIsOneSided) {
+  std::mt19937 random(2);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({0.1, 0.0004, 0.1}))
+    problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  FitOptions options;
+  options.multi_starts = 2;
+  const FitResult result = estimate(problem, options);
+  const auto& mu2 = result.parameters[1];
+  EXPECT_EQ(mu2.profile_ci95.low, 0);
+  EXPECT_EQ(mu2.ci95.low, 0);
+  EXPECT_GT(mu2.profile_ci95.high, 0.0004);
+  EXPECT_LT(mu2.profile_ci95.high, 0.01);
+  EXPECT_LT(mu2.estimate, mu2.profile_ci95.high);
+}
+
+// chi^2 at the end of a profile, minimised again by other means, is 3.84 above the minimum.
+TEST(Profile, ItsEndsAreWhereChiSquareHasRisenBy384) {
+  std::mt19937 random(9);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({}))
+    if (s.friction.phase < 0.5)
+      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  FitOptions options;
+  options.multi_starts = 2;
+  const FitResult result = estimate(problem, options);
+  options.profiles = false;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const double end : {result.parameters[i].profile_ci95.low, result.parameters[i].profile_ci95.high}) {
+      Problem held = problem;
+      held.free.erase(held.free.begin() + long(i));
+      held.fixed[result.parameters[i].parameter] = end;
+      EXPECT_NEAR(estimate(held, options).chi2 - result.chi2, 3.8415, 0.06);
+    }
+}
+
+TEST(NextExperiment, ItsForecastComesTrue) {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  const test::Truth truth;
+  for (int k = 0; k < 6; ++k) {
+    problem.summary_runs.push_back(
+        test::summary_run(test::scenario(truth, k * pi / 3, pi / 3), 0.01, 0.05e-3));
+    problem.summary_runs.back().measured.covariance = 1e-8 * Eigen::Matrix2d::Identity();
+  }
+  FitOptions options;
+  options.profiles = false;
+  options.multi_starts = 2;
+  const FitResult before = estimate(problem, options);
+  ASSERT_TRUE(before.next_experiment);
+  problem.summary_runs.push_back(test::summary_run(
+      test::scenario(truth, before.next_experiment->phi, before.next_experiment->dtau), 0.01, 0.05e-3));
+  problem.summary_runs.back().measured.covariance = 1e-8 * Eigen::Matrix2d::Identity();
+  const FitResult after = estimate(problem, options);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double forecast = before.next_experiment->predicted_sd.at(after.parameters[i].parameter);
+    EXPECT_NEAR(after.parameters[i].sd, forecast, 0.02 * forecast);
+    EXPECT_LT(forecast, before.parameters[i].sd);
+  }
+}
+
+TEST(Threads, DoNotChangeTheAnswer) {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  std::mt19937 random(9);
+  for (int k = 0; k < 4; ++k)
+    problem.summary_runs.push_back(
+        test::summary_run(test::scenario({}, k, 0.5 + 0.5 * k), 0.01, 0.05e-3, &random, 500));
+  FitOptions one, many;
+  many.threads = 4;
+  const FitResult a = estimate(problem, one), b = estimate(problem, many);
+  EXPECT_EQ(a.full_report(), b.full_report());
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
