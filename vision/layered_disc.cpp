@@ -6,7 +6,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kContext = 2;            ///< px of grid beyond the rim's reach
+constexpr int kContext = 2;             ///< px of grid beyond the rim's reach
 constexpr double kLeastCoverage = 0.3;  ///< of the disc, for its texture to be read there
 constexpr int kBackfits = 3;
 
@@ -62,8 +62,8 @@ Picture LayeredDisc::on_plain(double level) const {
   return out;
 }
 
-/// Per pixel of the disc, over the frames: y what the disc shows in its own light, z the ground beneath in the
-/// same light.
+/// Per pixel of the disc, over the frames: y what the disc shows in its own light, z the ground beneath in
+/// the same light.
 struct LayeredDisc::Sums {
   double n = 0, y = 0, z = 0, yz = 0, zz = 0;
 };
@@ -141,8 +141,8 @@ void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const Gr
                   known.data());
     Picture rest(size, size);
     std::vector<float> level(pixels);
-    picture.sample_window(s.centre.x - half_ - w.x, s.centre.y - half_ - w.y, size, size, level.data(), nullptr,
-                          nullptr);
+    picture.sample_window(s.centre.x - half_ - w.x, s.centre.y - half_ - w.y, size, size, level.data(),
+                          nullptr, nullptr);
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
@@ -189,7 +189,8 @@ void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const Gr
   texture_spline_ = QuinticSpline(texture_);
 }
 
-void LayeredDisc::learn(std::vector<KeptWindow>& windows, const GroundPicture& ground, double noise_variance) {
+void LayeredDisc::learn(std::vector<KeptWindow>& windows, const GroundPicture& ground,
+                        double noise_variance) {
   double gain = 0;
   double slope_x = 0;
   double slope_y = 0;

@@ -30,8 +30,8 @@ class LayeredDisc {
   /// Pictures reach `half` px beyond the centre in every direction.
   LayeredDisc(double radius, double blur, bool turning);
 
-  /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k is
-  /// 1, the mean of g_k is 0, which changes the states accordingly.
+  /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
+  /// is 1, the mean of g_k is 0, which changes the states accordingly.
   void learn(std::vector<KeptWindow>& windows, const GroundPicture& ground, double noise_variance);
 
   int half() const { return half_; }

@@ -45,6 +45,7 @@ void continue_smoothly(Picture& levels, Picture known) {
 GroundPicture::GroundPicture(const Rect& region)
     : region_(region),
       sum_(region.width, region.height),
+      squares_(region.width, region.height),
       count_(region.width, region.height),
       known_(region.width, region.height) {}
 
@@ -82,17 +83,32 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
   for (int v = v0; v <= v1; ++v)
     for (int u = u0; u <= u1; ++u) {
       if (!uncovered(u, v)) continue;
-      sum_.at(u - region_.x, v - region_.y) += light * moved.at(u - u0, v - v0);
+      const float level = light * moved.at(u - u0, v - v0);
+      sum_.at(u - region_.x, v - region_.y) += level;
+      squares_.at(u - region_.x, v - region_.y) += level * level;
       count_.at(u - region_.x, v - region_.y) += 1;
     }
-  ++frames_;
 }
 
 void GroundPicture::finish() {
   Picture enough(region_.width, region_.height);
+  std::vector<float> variances;
+  double sum = 0;
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
+    const double n = count_.levels()[i];
+    if (n >= kFramesNeeded) {
+      const double mean = sum_.levels()[i] / n;
+      variances.push_back(static_cast<float>((squares_.levels()[i] / n - mean * mean) * n / (n - 1)));
+      sum += mean;
+    }
     enough.levels()[i] = count_.levels()[i] >= kFramesNeeded ? 1.0F : 0.0F;
     sum_.levels()[i] = enough.levels()[i] > 0 ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
+  }
+  if (!variances.empty()) {
+    mean_ = sum / static_cast<double>(variances.size());
+    const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+    std::nth_element(variances.begin(), middle, variances.end());
+    unrest_ = *middle;
   }
   continue_smoothly(sum_, enough);
   // A place is known where its neighbours, which the interpolation leans on, are known too.
@@ -107,6 +123,7 @@ void GroundPicture::finish() {
   spline_ = QuinticSpline(sum_);
   sum_ = Picture();
   count_ = Picture();
+  squares_ = Picture();
 }
 
 void GroundPicture::sample(double x0, double y0, int width, int height, float* value, float* known) const {
@@ -114,13 +131,14 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* v
   const double top = y0 - region_.y;
   const int near_x = static_cast<int>(std::lround(left));
   const int near_y = static_cast<int>(std::lround(top));
-  const bool inside =
-      near_x >= -4 && near_y >= -4 && near_x + width <= region_.width + 4 && near_y + height <= region_.height + 4;
+  const bool inside = near_x >= -4 && near_y >= -4 && near_x + width <= region_.width + 4 &&
+                      near_y + height <= region_.height + 4;
   if (inside) {
     spline_.sample_window(left, top, width, height, value, nullptr, nullptr);
   } else {
     for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i) value[j * width + i] = static_cast<float>(spline_.value(left + i, top + j));
+      for (int i = 0; i < width; ++i)
+        value[j * width + i] = static_cast<float>(spline_.value(left + i, top + j));
   }
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) {
@@ -129,21 +147,6 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* v
       known[j * width + i] =
           x >= 0 && y >= 0 && x < region_.width && y < region_.height ? known_.at(x, y) : 0.0F;
     }
-}
-
-double GroundPicture::known_share(const Circle& outer, double inner_radius) const {
-  double known = 0;
-  double all = 0;
-  for (int y = static_cast<int>(std::ceil(outer.y - outer.radius)); y <= outer.y + outer.radius; ++y)
-    for (int x = static_cast<int>(std::ceil(outer.x - outer.radius)); x <= outer.x + outer.radius; ++x) {
-      const double rho = std::hypot(x - outer.x, y - outer.y);
-      if (rho > outer.radius || rho < inner_radius) continue;
-      ++all;
-      const int u = x - region_.x;
-      const int v = y - region_.y;
-      if (u >= 0 && v >= 0 && u < region_.width && v < region_.height) known += known_.at(u, v);
-    }
-  return all > 0 ? known / all : 0;
 }
 
 }  // namespace tribotrack::vision

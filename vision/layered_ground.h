@@ -22,14 +22,15 @@ class GroundPicture {
   const Rect& region() const { return region_; }
   /// B at places (x0 + i, y0 + j); known 1 where it was uncovered in enough frames, else 0.
   void sample(double x0, double y0, int width, int height, float* value, float* known) const;
-  /// Share of a ring of the platform's places that is known.
-  double known_share(const Circle& outer, double inner_radius) const;
-  int frames() const { return frames_; }
+  double mean() const { return mean_; }
+  /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
+  /// right.
+  double unrest() const { return unrest_; }
 
  private:
   Rect region_;
-  Picture sum_, count_, known_;
-  int frames_ = 0;
+  Picture sum_, squares_, count_, known_;
+  double mean_ = 0, unrest_ = 0;
   QuinticSpline spline_;
 };
 

@@ -9,10 +9,11 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kSweeps = 4;
-constexpr int kContext = 6;              ///< px kept beyond the disc's pictures
-constexpr double kGroundPixels = 6e7;    ///< of all frames the platform's picture is averaged from
-constexpr std::size_t kFewest = 12;      ///< frames to learn from
-constexpr double kTurnVisible = 0.15;    ///< px at the rim: less rotation over the recording is none
+constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
+constexpr double kGroundPixels = 6e7;  ///< of all frames the platform's picture is averaged from
+constexpr std::size_t kFewest = 12;    ///< frames to learn from
+constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
+constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
 Rect clipped(double x0, double y0, double x1, double y1, const Rect& bounds) {
   const int left = std::max(bounds.x, static_cast<int>(std::floor(x0)));
@@ -84,9 +85,9 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   // Keep windows, average the ground.
   const double window_bytes = 4 * std::pow(2 * reach + 2, 2);
   const auto windows =
-      std::min(frames.size(), static_cast<std::size_t>(std::max(
-                                  16.0, std::min<double>(options.max_windows,
-                                                         options.max_kept_bytes / window_bytes))));
+      std::min(frames.size(),
+               static_cast<std::size_t>(std::max(
+                   16.0, std::min<double>(options.max_windows, options.max_kept_bytes / window_bytes))));
   const double area = static_cast<double>(region.width) * region.height;
   const auto ground_stride = static_cast<std::size_t>(
       std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(16.0, kGroundPixels / area))));
@@ -104,6 +105,10 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     if (whole) ground.add(frame, part.x, part.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
   }
   ground.finish();
+  if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
+    out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
+    return out;
+  }
   out.windows = static_cast<int>(windows);
 
   // Learn.
@@ -136,8 +141,9 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
 
   // Where the disc's picture has its centre.
   Point offset;
-  const Picture plain = disc.on_plain(0);
-  const Circle nominal{static_cast<double>(disc.half()), static_cast<double>(disc.half()), options.disc.radius};
+  const Picture plain = disc.on_plain(ground.mean());
+  const Circle nominal{static_cast<double>(disc.half()), static_cast<double>(disc.half()),
+                       options.disc.radius};
   if (const auto fit = fit_disc(plain, nominal, 2.0))
     offset = {fit->circle.x - disc.half(), fit->circle.y - disc.half()};
 

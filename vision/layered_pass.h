@@ -27,11 +27,12 @@ struct FirstPassFrame {
 };
 
 struct LayeredOptions {
-  Circle disc;              ///< in the first frame
-  double blur = 1;          ///< of its rim, px
-  bool turning = false;     ///< its texture shows its rotation
+  Circle disc;                ///< in the first frame
+  double blur = 1;            ///< of its rim, px
+  bool turning = false;       ///< its texture shows its rotation
   double noise_variance = 1;  ///< a start
-  int max_windows = 128;    ///< kept for learning: the layers' own noise adds 1 / windows to the variance
+  bool motion_known = false;  ///< else the pass looks whether the platform rests
+  int max_windows = 128;      ///< kept for learning: the layers' own noise adds 1 / windows to the variance
   double max_kept_bytes = 64e6;
   std::function<void(std::int64_t done)> progress;  ///< frames measured
 };
@@ -44,8 +45,9 @@ struct LayeredResult {
   NoiseLaw noise;
   int windows = 0;
   double ground_texture = 0;  ///< of the platform's picture about the path, grey levels rms
-  double rim_excess = 0;      ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
-  bool light_known = false;   ///< the light's slope follows from the place; else it is free in every frame
+  double rim_excess =
+      0;  ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
+  bool light_known = false;  ///< the light's slope follows from the place; else it is free in every frame
 };
 
 /// Never throws for what the scene is like; InputError for a recording that cannot be read.

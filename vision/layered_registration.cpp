@@ -8,12 +8,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBorder = 1;            ///< px beyond the rim's reach: the ground's own level is learnt there
+constexpr int kBorder = 1;              ///< px beyond the rim's reach: the ground's own level is learnt there
 constexpr double kTurnTolerance = 0.1;  ///< px at the rim: further the disc's picture is turned anew
-constexpr double kTolerance = 1e-4;   ///< px
-constexpr double kMaxMove = 2;        ///< px from the start
+constexpr double kTolerance = 1e-4;     ///< px
+constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
-constexpr double kTrim = 5;           ///< sd: a pixel further off is something else (dust, glare, a lamp)
+constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dust, glare, a lamp)
 constexpr double kMaxTrim = 0.2;
 constexpr double kLeastRim = 0.6;  ///< share of the rim that must be in the picture over known ground
 

@@ -66,8 +66,8 @@ class LayeredRegistration {
   QuinticSpline standing_, slope_theta_, share_;
   // The window: one entry per pixel.
   int x0_ = 0, y0_ = 0;
-  std::vector<float> level_, weight_, below_, known_, disc_level_, disc_x_, disc_y_, disc_theta_, see_through_,
-      see_x_, see_y_, residual_, predicted_, u_, v_, rho_;
+  std::vector<float> level_, weight_, below_, known_, disc_level_, disc_x_, disc_y_, disc_theta_,
+      see_through_, see_x_, see_y_, residual_, predicted_, u_, v_, rho_;
   Eigen::MatrixXf jacobian_;
 };
 

@@ -33,7 +33,7 @@ class RimProfile {
   };
   Place place(double rho) const;
   double inner_ = 0, outer_ = 0, step_ = 0.5;
-  std::vector<double> value_;                    ///< at the knots
+  std::vector<double> value_;                      ///< at the knots
   std::vector<double> right_, diagonal_, beside_;  ///< normal equations, tridiagonal
   double evidence_ = 0;
 };

@@ -21,9 +21,7 @@ struct LayeredState {
 /// Variance of a pixel: a + b I, grey levels^2.
 struct NoiseLaw {
   double constant = 1.0 / 12, per_level = 0;
-  double at(double level) const {
-    return constant + per_level * (level > 0 ? level : 0);
-  }
+  double at(double level) const { return constant + per_level * (level > 0 ? level : 0); }
 };
 
 }  // namespace tribotrack::vision
