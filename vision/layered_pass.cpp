@@ -111,13 +111,26 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   }
   out.windows = static_cast<int>(windows);
 
-  // Learn.
+  // Learn. The disc's picture turns about the middle of its grid: its rim's centre is brought there.
+  const auto middle = static_cast<double>(disc.half());
+  const Circle nominal{middle, middle, options.disc.radius};
   LayeredRegistration registration(disc, ground);
   out.noise.constant = options.noise_variance;
   std::vector<LayeredFix> learnt;
+  Point offset;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (KeptWindow& w : kept) {
+      w.state.centre.x += offset.x;
+      w.state.centre.y += offset.y;
+    }
     disc.learn(kept, ground, options.noise_variance);
     registration.disc_changed();
+    offset = {};
+    if (const auto fit = fit_disc(disc.on_plain(ground.mean()), nominal, 2.0)) {
+      offset = {fit->circle.x - disc.half(), fit->circle.y - disc.half()};
+      out.disc_radius = fit->circle.radius;
+      out.disc_radius_sd = fit->radius_sd;
+    }
     registration.set_noise(out.noise);
     LayeredRegistration::LevelSums sums;
     learnt.clear();
@@ -138,14 +151,6 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   double rim_chi = 0;
   for (const LayeredFix& fix : learnt) rim_chi += fix.rim_chi_squared / static_cast<double>(learnt.size());
   out.rim_excess = rim_chi - 1;
-
-  // Where the disc's picture has its centre.
-  Point offset;
-  const Picture plain = disc.on_plain(ground.mean());
-  const Circle nominal{static_cast<double>(disc.half()), static_cast<double>(disc.half()),
-                       options.disc.radius};
-  if (const auto fit = fit_disc(plain, nominal, 2.0))
-    offset = {fit->circle.x - disc.half(), fit->circle.y - disc.half()};
 
   const double widened = std::max(1.0, rim_chi) * (1 + 1 / static_cast<double>(windows));
   std::int64_t done = 0;
