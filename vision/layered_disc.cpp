@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kContext = 2;             ///< px of grid beyond the rim's reach
-constexpr double kLeastCoverage = 0.3;  ///< of the disc, for its texture to be read there
-constexpr int kBackfits = 3;
+constexpr int kContext = 2;          ///< px of grid beyond the rim's reach
+constexpr double kTurnStep = 0.25;   ///< px at the rim: frames turned by less are averaged
+constexpr double kTurnBytes = 48e6;  ///< for these averages
+constexpr double kTextureSd = 20;    ///< grey levels a disc's texture may have
+constexpr int kSplitIterations = 30;
 
 /// Whether a place of the camera lies in the window, where it may be interpolated.
 bool inside(const KeptWindow& w, double x, double y) {
@@ -21,10 +25,10 @@ LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
     : radius_(radius), turning_(turning), rim_(radius, blur) {
   half_ = static_cast<int>(std::ceil(rim_.outer())) + kContext;
   const int size = 2 * half_ + 1;
-  standing_ = Picture(size, size);
-  texture_ = Picture(size, size);
+  parts_.standing = Picture(size, size);
+  parts_.turning = Picture(size, size);
   make_share();
-  texture_spline_ = QuinticSpline(texture_);
+  texture_spline_ = QuinticSpline(parts_.turning);
 }
 
 void LayeredDisc::make_share() {
@@ -36,7 +40,7 @@ void LayeredDisc::make_share() {
 }
 
 Picture LayeredDisc::at(double theta, Picture* slope) const {
-  Picture out = standing_;
+  Picture out = parts_.standing;
   if (slope) *slope = Picture(out.width(), out.height());
   if (!turning_) return out;
   // Counter-clockwise with y up is, in pixels with y down, (x, y) -> (c x + s y, -s x + c y).
@@ -56,7 +60,7 @@ Picture LayeredDisc::at(double theta, Picture* slope) const {
 }
 
 Picture LayeredDisc::on_plain(double level) const {
-  Picture out = standing_;
+  Picture out = at(middle_theta_);
   for (std::size_t i = 0; i < out.levels().size(); ++i)
     out.levels()[i] += static_cast<float>(level) * share_.levels()[i];
   return out;
@@ -69,7 +73,7 @@ struct LayeredDisc::Sums {
 };
 
 void LayeredDisc::learn_standing(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                                 double noise_variance, bool with_rim) {
+                                 double noise_variance) {
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
   std::vector<Sums> sums(pixels);
@@ -83,7 +87,7 @@ void LayeredDisc::learn_standing(const std::vector<KeptWindow>& windows, const G
     Picture turned;
     if (turning_) {
       turned = at(s.theta);
-      for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= standing_.levels()[i];
+      for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
     }
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
@@ -101,92 +105,83 @@ void LayeredDisc::learn_standing(const std::vector<KeptWindow>& windows, const G
         sum.zz += z * z;
       }
   }
-  if (with_rim) {
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
-        const Sums& sum = sums[static_cast<std::size_t>(j) * size + i];
-        if (sum.n < 3) continue;
-        rim_.add(std::hypot(i - half_, j - half_), sum.yz - sum.y * sum.z / sum.n,
-                 sum.zz - sum.z * sum.z / sum.n);
-      }
-    rim_.solve(noise_variance);
-    make_share();
-  }
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const Sums& sum = sums[static_cast<std::size_t>(j) * size + i];
+      if (sum.n < 3) continue;
+      rim_.add(std::hypot(i - half_, j - half_), sum.yz - sum.y * sum.z / sum.n,
+               sum.zz - sum.z * sum.z / sum.n);
+    }
+  rim_.solve(noise_variance);
+  make_share();
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       const auto k = static_cast<std::size_t>(j) * size + i;
       const Sums& sum = sums[k];
       const bool beyond = std::hypot(i - half_, j - half_) >= rim_.outer();
       if (beyond) {
-        standing_.levels()[k] = 0;
+        parts_.standing.levels()[k] = 0;
       } else if (sum.n > 0) {
-        standing_.levels()[k] = static_cast<float>((sum.y - share_.levels()[k] * sum.z) / sum.n);
+        parts_.standing.levels()[k] = static_cast<float>((sum.y - share_.levels()[k] * sum.z) / sum.n);
       }
     }
 }
 
-void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground) {
+/// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
+/// at the rim does not matter. Where that makes too many pictures for the memory, some frames are left out.
+void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
+                                double noise_variance) {
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
-  std::vector<double> above(pixels, 0.0), weight(pixels, 0.0);
-  std::vector<float> below(pixels), known(pixels);
-  const QuinticSpline standing(standing_);
+  double low = windows.front().state.theta;
+  double high = low;
   for (const KeptWindow& w : windows) {
+    low = std::min(low, w.state.theta);
+    high = std::max(high, w.state.theta);
+  }
+  middle_theta_ = 0.5 * (low + high);
+  const double step = kTurnStep / radius_;
+  const double room = std::max(8.0, kTurnBytes / (8.0 * static_cast<double>(pixels)));
+  const auto wanted = std::min(static_cast<double>(windows.size()), std::floor((high - low) / step) + 1);
+  const auto stride = static_cast<std::size_t>(std::ceil(wanted / room));
+
+  std::map<std::int64_t, TurnedPicture> bins;
+  std::map<std::int64_t, double> count;
+  std::vector<float> level(pixels), below(pixels), known(pixels);
+  for (std::size_t n = 0; n < windows.size(); n += stride) {
+    const KeptWindow& w = windows[n];
     const LayeredState& s = w.state;
-    // What is left of the frame on the camera's own grid about the disc's whole pixel, then turned back.
-    const QuinticSpline picture(w.picture);
-    const double c = std::cos(s.theta);
-    const double sine = std::sin(s.theta);
-    ground.sample(s.centre.x - half_ - s.ground.x, s.centre.y - half_ - s.ground.y, size, size, below.data(),
-                  known.data());
-    Picture rest(size, size);
-    std::vector<float> level(pixels);
-    picture.sample_window(s.centre.x - half_ - w.x, s.centre.y - half_ - w.y, size, size, level.data(),
-                          nullptr, nullptr);
+    const double left = s.centre.x - half_;
+    const double top = s.centre.y - half_;
+    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
+    const auto bin = static_cast<std::int64_t>(std::floor((s.theta - low) / step));
+    TurnedPicture& turned = bins[bin];
+    if (turned.level.empty()) turned = {0, Picture(size, size), Picture(size, size)};
+    turned.theta += s.theta;
+    count[bin] += 1;
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
+        const float share = share_.levels()[k];
+        if (share >= 1 || !inside(w, left + i, top + j) || (share > 0 && known[k] == 0)) continue;
         const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
-        if (inside(w, s.centre.x + i - half_, s.centre.y + j - half_))
-          rest.levels()[k] = static_cast<float>(
-              (level[k] - s.ground_gain * share_.levels()[k] * below[k]) / light - standing_.levels()[k]);
-      }
-    const QuinticSpline left_over(rest);
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
-        const double rho = std::hypot(i - half_, j - half_);
-        const double cover = 1 - rim_.at(rho);
-        if (cover < kLeastCoverage) continue;
-        const double vx = c * (i - half_) + sine * (j - half_);
-        const double vy = -sine * (i - half_) + c * (j - half_);
-        const int near_x = half_ + static_cast<int>(std::lround(vx));
-        const int near_y = half_ + static_cast<int>(std::lround(vy));
-        if (!inside(w, s.centre.x + vx, s.centre.y + vy)) continue;
-        if (rho > rim_.inner() && known[static_cast<std::size_t>(near_y) * size + near_x] == 0) continue;
-        const auto k = static_cast<std::size_t>(j) * size + i;
-        above[k] += cover * left_over.value(half_ + vx, half_ + vy);
-        weight[k] += cover * cover;
+        turned.level.levels()[k] += static_cast<float>((level[k] - s.ground_gain * share * below[k]) / light);
+        turned.weight.levels()[k] += 1;
       }
   }
-  // Outwards from where it is seen the texture is continued, so that its spline does not ring at the rim.
-  Picture known_here(size, size);
-  for (std::size_t k = 0; k < pixels; ++k) {
-    known_here.levels()[k] = weight[k] > 0 ? 1.0F : 0.0F;
-    texture_.levels()[k] = weight[k] > 0 ? static_cast<float>(above[k] / weight[k]) : 0.0F;
+  std::vector<TurnedPicture> pictures;
+  for (auto& [bin, turned] : bins) {
+    turned.theta /= count[bin];
+    for (std::size_t k = 0; k < pixels; ++k)
+      if (turned.weight.levels()[k] > 0) turned.level.levels()[k] /= turned.weight.levels()[k];
+    pictures.push_back(std::move(turned));
   }
-  for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i) {
-      if (known_here.at(i, j) > 0) continue;
-      const double rho = std::hypot(i - half_, j - half_);
-      for (double r = rho - 0.5; r > 0 && rho - r < 4; r -= 0.5) {
-        const int x = half_ + static_cast<int>(std::lround((i - half_) * r / rho));
-        const int y = half_ + static_cast<int>(std::lround((j - half_) * r / rho));
-        if (known_here.at(x, y) == 0) continue;
-        texture_.at(i, j) = texture_.at(x, y);
-        break;
-      }
-    }
-  texture_spline_ = QuinticSpline(texture_);
+  Picture cover = share_;
+  for (float& c : cover.levels()) c = std::max(0.0F, 1 - c);
+  split_turning(pictures, cover, noise_variance / (kTextureSd * kTextureSd), rim_.inner() - 1,
+                kSplitIterations, parts_);
+  texture_spline_ = QuinticSpline(parts_.turning);
 }
 
 void LayeredDisc::learn(std::vector<KeptWindow>& windows, const GroundPicture& ground,
@@ -205,12 +200,8 @@ void LayeredDisc::learn(std::vector<KeptWindow>& windows, const GroundPicture& g
     w.state.slope_x -= slope_x;
     w.state.slope_y -= slope_y;
   }
-  learn_standing(windows, ground, noise_variance, true);
-  if (!turning_) return;
-  for (int k = 0; k < kBackfits; ++k) {
-    learn_turning(windows, ground);
-    learn_standing(windows, ground, noise_variance, k + 1 == kBackfits);
-  }
+  learn_standing(windows, ground, noise_variance);
+  if (turning_) learn_turning(windows, ground, noise_variance);
 }
 
 }  // namespace tribotrack::vision

@@ -2,9 +2,7 @@
 //
 //   S(u; theta) = S0(u) + alpha(|u|) S1(R(theta)^T u),   u = x - c,
 // S0 what stands still while the disc turns (its rim, its shading, the lamp's reflection), S1 what turns with
-// it (scratches, print). Both are means over the frames of what remains when everything else is taken away,
-// one after the other (backfitting); slow variations round the disc, which the seen rotation cannot tell
-// apart, stay where they fit and do no harm.
+// it (scratches, print); see layered_split.h.
 #pragma once
 
 #include <utility>
@@ -13,6 +11,7 @@
 #include "vision/bspline.h"
 #include "vision/layered_ground.h"
 #include "vision/layered_rim.h"
+#include "vision/layered_split.h"
 #include "vision/layered_state.h"
 #include "vision/picture.h"
 
@@ -42,22 +41,25 @@ class LayeredDisc {
   const Picture& share() const { return share_; }
   /// S on the grid at a rotation, and its derivative with respect to it (null where not wanted).
   Picture at(double theta, Picture* slope = nullptr) const;
-  /// The disc on a plain ground of this level.
+  /// The disc on a plain ground of this level, at a rotation midway through what it has learnt from.
   Picture on_plain(double level) const;
 
  private:
   struct Sums;
   void learn_standing(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                      double noise_variance, bool with_rim);
-  void learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground);
+                      double noise_variance);
+  void learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
+                     double noise_variance);
   void make_share();
 
   double radius_ = 0;
   bool turning_ = false;
   RimProfile rim_;
   int half_ = 0;
-  Picture share_, standing_, texture_;
+  Picture share_;
+  StandingAndTurning parts_;
   QuinticSpline texture_spline_;
+  double middle_theta_ = 0;
 };
 
 }  // namespace tribotrack::vision
