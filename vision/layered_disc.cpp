@@ -72,7 +72,7 @@ struct LayeredDisc::Sums {
   double n = 0, y = 0, z = 0, yz = 0, zz = 0;
 };
 
-void LayeredDisc::learn_standing(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
+void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
                                  double noise_variance) {
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
@@ -129,7 +129,7 @@ void LayeredDisc::learn_standing(const std::vector<KeptWindow>& windows, const G
 
 /// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
 /// at the rim does not matter. Where that makes too many pictures for the memory, some frames are left out.
-void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
+void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground,
                                 double noise_variance) {
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
@@ -184,8 +184,7 @@ void LayeredDisc::learn_turning(const std::vector<KeptWindow>& windows, const Gr
   texture_spline_ = QuinticSpline(parts_.turning);
 }
 
-void LayeredDisc::learn(std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                        double noise_variance) {
+void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance) {
   double gain = 0;
   double slope_x = 0;
   double slope_y = 0;

@@ -5,8 +5,7 @@
 // it (scratches, print); see layered_split.h.
 #pragma once
 
-#include <utility>
-#include <vector>
+#include <span>
 
 #include "vision/bspline.h"
 #include "vision/layered_ground.h"
@@ -31,7 +30,7 @@ class LayeredDisc {
 
   /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
   /// is 1, the mean of g_k is 0, which changes the states accordingly.
-  void learn(std::vector<KeptWindow>& windows, const GroundPicture& ground, double noise_variance);
+  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance);
 
   int half() const { return half_; }
   double radius() const { return radius_; }
@@ -46,10 +45,9 @@ class LayeredDisc {
 
  private:
   struct Sums;
-  void learn_standing(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
+  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
                       double noise_variance);
-  void learn_turning(const std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                     double noise_variance);
+  void learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance);
   void make_share();
 
   double radius_ = 0;

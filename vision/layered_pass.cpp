@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "vision/disc_detection.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kSweeps = 4;
+constexpr int kEarlySweeps = 7;  ///< over every kEarlyStride-th window
+constexpr std::size_t kEarlyStride = 4;
+constexpr int kSweeps = 2;             ///< over all of them
 constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
 constexpr double kGroundPixels = 6e7;  ///< of all frames the platform's picture is averaged from
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
@@ -69,6 +72,51 @@ NoiseLaw noise_law(const LayeredRegistration::LevelSums& s) {
   return law;
 }
 
+/// Learns the disc from windows, and measures these again over what was learnt.
+struct Learning {
+  LayeredDisc& disc;
+  const GroundPicture& ground;
+  LayeredRegistration& registration;
+  const LayeredOptions& options;
+  LayeredResult& out;
+  Point offset;  ///< of the rim's centre from the pivot in the disc's picture
+  std::vector<LayeredFix> fixes;
+
+  /// The disc's picture turns about the middle of its grid: its rim's centre is brought there first.
+  void learn(std::span<KeptWindow> windows) {
+    for (KeptWindow& w : windows) {
+      w.state.centre.x += offset.x;
+      w.state.centre.y += offset.y;
+    }
+    disc.learn(windows, ground, options.noise_variance);
+    registration.disc_changed();
+    registration.set_noise(out.noise);
+    const auto middle = static_cast<double>(disc.half());
+    offset = {};
+    if (const auto fit = fit_disc(disc.on_plain(ground.mean()), {middle, middle, options.disc.radius}, 2.0)) {
+      offset = {fit->circle.x - middle, fit->circle.y - middle};
+      out.disc_radius = fit->circle.radius;
+      out.disc_radius_sd = fit->radius_sd;
+    }
+  }
+
+  /// False where most windows are not explained.
+  bool measure(std::span<KeptWindow> windows) {
+    LayeredRegistration::LevelSums sums;
+    fixes.clear();
+    for (KeptWindow& w : windows)
+      if (const auto fix = registration.refine(w.picture, w.x, w.y, w.state)) {
+        w.state = fix->state;
+        fixes.push_back(*fix);
+        registration.add_residuals(sums);
+      }
+    if (fixes.size() < std::max(kFewest, windows.size() / 2)) return false;
+    out.noise = noise_law(sums);
+    registration.set_noise(out.noise);
+    return true;
+  }
+};
+
 }  // namespace
 
 LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
@@ -111,42 +159,31 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   }
   out.windows = static_cast<int>(windows);
 
-  // Learn. The disc's picture turns about the middle of its grid: its rim's centre is brought there.
-  const auto middle = static_cast<double>(disc.half());
-  const Circle nominal{middle, middle, options.disc.radius};
+  // A part of the windows first, spread over the recording: most sweeps need no more.
+  std::stable_partition(kept.begin(), kept.end(), [&, n = 0](const KeptWindow&) mutable {
+    return windows < kEarlyStride * kFewest || n++ % kEarlyStride == 0;
+  });
   LayeredRegistration registration(disc, ground);
   out.noise.constant = options.noise_variance;
-  std::vector<LayeredFix> learnt;
-  Point offset;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (KeptWindow& w : kept) {
-      w.state.centre.x += offset.x;
-      w.state.centre.y += offset.y;
-    }
-    disc.learn(kept, ground, options.noise_variance);
-    registration.disc_changed();
-    offset = {};
-    if (const auto fit = fit_disc(disc.on_plain(ground.mean()), nominal, 2.0)) {
-      offset = {fit->circle.x - disc.half(), fit->circle.y - disc.half()};
-      out.disc_radius = fit->circle.radius;
-      out.disc_radius_sd = fit->radius_sd;
-    }
-    registration.set_noise(out.noise);
-    LayeredRegistration::LevelSums sums;
-    learnt.clear();
-    for (KeptWindow& w : kept)
-      if (const auto fix = registration.refine(w.picture, w.x, w.y, w.state)) {
-        w.state = fix->state;
-        learnt.push_back(*fix);
-        registration.add_residuals(sums);
-      }
-    if (learnt.size() < std::max(kFewest, windows / 2)) {
-      out.why_not = "the layers do not explain most of the kept frames";
-      return out;
-    }
-    out.noise = noise_law(sums);
+  Learning learning{disc, ground, registration, options, out, {}, {}};
+  const std::span<KeptWindow> all(kept);
+  const auto early =
+      all.first(windows < kEarlyStride * kFewest ? windows : (windows + kEarlyStride - 1) / kEarlyStride);
+  bool explained = true;
+  for (int sweep = 0; sweep < kEarlySweeps && explained; ++sweep) {
+    learning.learn(early);
+    explained = learning.measure(sweep + 1 < kEarlySweeps ? early : all);
   }
-  registration.set_noise(out.noise);
+  for (int sweep = 0; sweep < kSweeps && explained; ++sweep) {
+    learning.learn(all);
+    explained = learning.measure(all);
+  }
+  if (!explained) {
+    out.why_not = "the layers do not explain most of the kept frames";
+    return out;
+  }
+  const Point offset = learning.offset;
+  const std::vector<LayeredFix>& learnt = learning.fixes;
 
   double rim_chi = 0;
   for (const LayeredFix& fix : learnt) rim_chi += fix.rim_chi_squared / static_cast<double>(learnt.size());
