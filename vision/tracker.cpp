@@ -85,8 +85,8 @@ void check_whole(const Picture& first, const Circle& c, const FrameSource& sourc
              source.info().path.string().c_str(), what, c.x, c.y, c.radius, first.width(), first.height()));
 }
 
-/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. From
-/// the median deviation, so that a neighbour or a shadow does not count.
+/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. What
+/// lies far outside the median deviation, a neighbour or a shadow, does not count.
 double ground_texture(const Picture& first, const Circle& disc, double noise_variance) {
   std::vector<float> levels;
   const double inner = disc.radius + 4;
@@ -106,8 +106,16 @@ double ground_texture(const Picture& first, const Circle& disc, double noise_var
   };
   const float centre = median();
   for (float& level : levels) level = std::abs(level - centre);
-  const double spread = 1.4826 * median();
-  return std::sqrt(std::max(0.0, spread * spread - noise_variance));
+  // The median of whole levels is coarse: it only says which pixels are strangers.
+  const double stranger = 4 * std::max(1.0, 1.4826 * median());
+  double squares = 0;
+  double count = 0;
+  for (const float level : levels)
+    if (level <= stranger) {
+      squares += static_cast<double>(level) * level;
+      ++count;
+    }
+  return std::sqrt(std::max(0.0, squares / count - noise_variance));
 }
 
 /// The part, where the user does not say where it is: away from a given marker, which is round too, and the
