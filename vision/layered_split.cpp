@@ -12,6 +12,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kPad = 4;            ///< coefficients beyond the grid
+constexpr int kRounds = 10;         ///< overlapping rings share what they take out: one round leaves a part
 constexpr double kEnough = 1e-10;  ///< of the first residual's square
 
 using Vector = Eigen::VectorXf;
@@ -209,7 +210,7 @@ void split_turning(const std::vector<TurnedPicture>& pictures, const Picture& co
     direction = residual + static_cast<float>(next / square) * direction;
     square = next;
   }
-  problem.make_round(v, round_from);
+  for (int k = 0; k < kRounds; ++k) problem.make_round(v, round_from);
   problem.fit_standing(v);
   std::copy_n(v.data(), problem.pixels(), known.standing.levels().begin());
   known.coefficients.assign(v.data() + problem.pixels(), v.data() + problem.unknowns());

@@ -94,7 +94,9 @@ TEST(SplitTurning, TurningRimHasNoFirstHarmonic) {
       harmonic_y += parts.turning.at(x, y) * ((y - kHalf) / rho);
       ++n;
     }
-  EXPECT_LT(2 * std::hypot(harmonic_x, harmonic_y) / n, 0.1);
+  // The shift is 1 px/rad: all of it would be 50 erfc' = 94 / sqrt(pi) / 1.2 grey levels at the rim, about 30
+  // in the mean over this ring. Less than a hundredth is left.
+  EXPECT_LT(2 * std::hypot(harmonic_x, harmonic_y) / n, 0.3);
 }
 
 }  // namespace
