@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "vision/disc_detection.h"
+#include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
 
@@ -84,8 +85,8 @@ void check_whole(const Picture& first, const Circle& c, const FrameSource& sourc
              source.info().path.string().c_str(), what, c.x, c.y, c.radius, first.width(), first.height()));
 }
 
-/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. From
-/// the median deviation, so that a neighbour or a shadow does not count.
+/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. What
+/// lies far outside the median deviation, a neighbour or a shadow, does not count.
 double ground_texture(const Picture& first, const Circle& disc, double noise_variance) {
   std::vector<float> levels;
   const double inner = disc.radius + 4;
@@ -105,13 +106,41 @@ double ground_texture(const Picture& first, const Circle& disc, double noise_var
   };
   const float centre = median();
   for (float& level : levels) level = std::abs(level - centre);
-  const double spread = 1.4826 * median();
-  return std::sqrt(std::max(0.0, spread * spread - noise_variance));
+  // The median of whole levels is coarse: it only says which pixels are strangers.
+  const double stranger = 4 * std::max(1.0, 1.4826 * median());
+  double squares = 0;
+  double count = 0;
+  for (const float level : levels)
+    if (level <= stranger) {
+      squares += static_cast<double>(level) * level;
+      ++count;
+    }
+  return std::sqrt(std::max(0.0, squares / count - noise_variance));
+}
+
+/// The part, where the user does not say where it is: away from a given marker, which is round too, and the
+/// largest of what is supported nearly as well as the best.
+DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options) {
+  DiscSearch search;
+  if (options.marker.kind == MarkerChoice::Kind::circle) {
+    search.keep_out = options.marker.circle;
+    search.keep_out->radius += std::max(kGivenCapture, 0.03 * search.keep_out->radius);
+  }
+  const auto found = find_discs(first, search, 5);
+  if (found.empty())
+    throw InputError(source.info().path.string() +
+                     ": no disc was found in the first analysed frame; give it with --disc X,Y,R");
+  DiscFit best = found.front();
+  if (search.keep_out)
+    for (const DiscFit& other : found)
+      if (other.score > 0.5 * found.front().score && other.circle.radius > best.circle.radius) best = other;
+  return best;
 }
 
 struct Setup {
   Pattern pattern;
   FollowOptions follow;
+  double ground_texture = 0;
 };
 
 Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
@@ -134,14 +163,12 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
       check_whole(first, options.target.disc, source, "disc");
       summary.disc = refined(first, options.target.disc, "disc", summary.disc_radius_sd, summary);
     } else {
-      const auto found = find_discs(first, {}, 1);
-      if (found.empty())
-        throw InputError(source.info().path.string() +
-                         ": no disc was found in the first analysed frame; give it with --disc X,Y,R");
-      summary.disc = found.front().circle;
-      summary.disc_radius_sd = found.front().radius_sd;
+      const DiscFit found = find_part(first, source, options);
+      summary.disc = found.circle;
+      summary.disc_radius_sd = found.radius_sd;
     }
     const double texture = ground_texture(first, summary.disc, noise_variance);
+    setup.ground_texture = texture;
     const bool busy = texture > kTextureFactor * std::sqrt(noise_variance);
     DiscPatternOptions mask;
     mask.margin_px = busy ? 0 : 3;
@@ -247,15 +274,20 @@ void note_effort(const FollowEffort& effort, TrackSummary& summary) {
                           0, 0});
 }
 
-void note_excess(std::vector<double>& excess, double noise, TrackSummary& summary) {
-  if (excess.empty()) return;
+/// Grey levels rms beyond the noise, of the median frame.
+double median_excess(std::vector<double>& excess) {
+  if (excess.empty()) return 0;
   const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(excess.size() / 2);
   std::nth_element(excess.begin(), middle, excess.end());
-  if (*middle > 0.5 * noise)
+  return *middle;
+}
+
+void note_excess(double excess, double noise, TrackSummary& summary) {
+  if (excess > 0.5 * noise)
     summary.warnings.push_back(format(
         "the registration leaves %.2f grey levels rms beyond the noise of %.2f (moving ground seen through "
         "the rim, glare, compression): the standard deviations are widened accordingly",
-        *middle, noise));
+        excess, noise));
 }
 
 }  // namespace
@@ -291,6 +323,13 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   std::optional<PatternFollower> marker = plan_marker(first, range.first, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
 
+  FirstPass pass;
+  pass.first_index = range.first;
+  pass.turning = setup.follow.rotation;
+  pass.noise_variance = noise;
+  pass.ground_texture = setup.ground_texture;
+  if (setup.pattern.radius > 0)
+    if (const auto rim = fit_disc(first, summary.disc, 1)) pass.blur = rim->blur;
   std::vector<double> excess;
   std::optional<Sighting> tentative;
   auto& points = result.track.points;
@@ -303,6 +342,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
     const FollowStep step = part.step(source, index);
     if (step.confirms_previous && tentative) {
       fill(points.back(), *tentative);
+      pass.theta.back() = tentative->pose.theta;
       ++summary.refound;
     }
     tentative = step.tentative ? step.sighting : std::nullopt;
@@ -315,11 +355,17 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
       if (const FollowStep seen = marker->step(source, index); seen.status == TrackStatus::ok)
         point.marker = marker_point(*seen.sighting);
     points.push_back(point);
+    pass.theta.push_back(step.status == TrackStatus::ok ? step.sighting->pose.theta : 0);
     if (options.progress) options.progress(index - range.first + 1, total);
   }
   count(result.track, options.max_lost_share, summary);
   note_effort(part.effort(), summary);
-  note_excess(excess, summary.noise_levels, summary);
+  pass.excess = median_excess(excess);
+  summary.layered =
+      layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
+        if (options.progress) options.progress(total + done, 2 * total);
+      });
+  if (!summary.layered) note_excess(pass.excess, summary.noise_levels, summary);
   return result;
 }
 

@@ -27,6 +27,11 @@ struct MarkerChoice {
   Circle circle;
 };
 
+/// Whether the disc is measured a second time over the platform's own picture, both learnt from the recording
+/// (layered_pass.h). Automatic: where the ground's texture or a change of light leaves its mark on a single
+/// template, and the platform rests or has a marker. On: also where it does not.
+enum class Layers { automatic, off, on };
+
 struct TrackOptions {
   Target target;
   MarkerChoice marker;
@@ -37,6 +42,7 @@ struct TrackOptions {
       0.1;  ///< quality gate: share of frames that may be lost (after-it-left frames not counted)
   int search_margin_px =
       0;  ///< half width of the predicted window beyond the template; 0: chosen from the motion
+  Layers layers = Layers::automatic;
   std::function<void(std::int64_t done, std::int64_t total)> progress;
   /// Throws std::invalid_argument naming the option.
   void validate() const;
@@ -56,7 +62,8 @@ struct TrackSummary {
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   Circle marker;
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
-  double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px
+  double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
+  bool layered = false;     ///< positions come from the layered second pass
   std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
   std::int64_t lost_counted = 0;  ///< lost frames, those after it had left the picture for good not counted
   bool gate_passed = true;        ///< lost_counted / frames <= max_lost_share
@@ -72,8 +79,8 @@ struct TrackResult {
 };
 
 /// Follows the target from the first analysed frame. The template is taken there and never replaced (a
-/// replaced template drifts). Throws InputError (target outside the picture, frames not in the recording, no
-/// disc found, no time base).
+/// replaced template drifts). Where the plan says so, a second pass measures every frame again (Layers).
+/// Throws InputError (target outside the picture, frames not in the recording, no disc found, no time base).
 TrackResult track(FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

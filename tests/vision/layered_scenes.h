@@ -1,0 +1,125 @@
+// Recordings of rendered scenes with their truth, for the tests of the layered pass. The renderer integrates
+// analytic scenes and owes nothing to our interpolation.
+#pragma once
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/scene.h"
+#include "vision/scene_bound.h"
+#include "vision/track.h"
+
+namespace tribotrack::vision::test {
+
+/// A disc that slides along x over a platform that circles (2.8 px), with a marker at the left.
+struct SlidingScene {
+  Scene scene;
+  int frames = 240;
+  double path_px = 150;
+  double spin_rad = 0;  ///< over the whole recording
+  double circle_px = 2.8;
+
+  SlidingScene() {
+    scene.width = 300;
+    scene.height = 110;
+    scene.disc.radius_px = 30;
+    scene.disc.scratches = 0;
+    scene.disc.highlight = 0;
+    scene.platform.level = 70;
+    scene.platform.texture_rms = 6;
+    scene.read_noise = 1.2;
+    scene.marker = MarkerAppearance{{22, 30}, 12};
+    scene.seed = 77;
+  }
+  ScenePose pose(double frame) const {
+    ScenePose p;
+    p.platform = {circle_px * std::cos(0.25 * frame), -circle_px * std::sin(0.25 * frame)};
+    const double share = frame / frames;
+    p.disc = {85.3 + path_px * share + 0.8 * p.platform.x, 56.4 + 4 * share + 0.8 * p.platform.y};
+    p.theta = spin_rad * share;
+    return p;
+  }
+  Point truth(std::int64_t frame) const { return pose(static_cast<double>(frame)).disc; }
+  /// Cramer-Rao bound of a coordinate, rms of the two, px; of a frame midway.
+  double bound() const {
+    const SceneRenderer renderer(scene);
+    const Eigen::Matrix2d c = position_bound(renderer, 0, 0, [&](double) { return pose(0.5 * frames); });
+    return std::sqrt(0.5 * c.trace());
+  }
+};
+
+class SceneSource : public FrameSource {
+ public:
+  explicit SceneSource(const SlidingScene& scene) {
+    const SceneRenderer renderer(scene.scene);
+    for (int k = 0; k < scene.frames; ++k)
+      pictures_.push_back(renderer.render(k, 0, 0, [&](double) { return scene.pose(k); }));
+    info_.path = "rendered";
+    info_.width = scene.scene.width;
+    info_.height = scene.scene.height;
+    info_.bits = scene.scene.bits;
+    info_.frame_count = scene.frames;
+    info_.time_base.rate_hz = 250;
+    info_.time_base.source = "test";
+  }
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    ++reads_;
+    const Picture& frame = pictures_.at(static_cast<std::size_t>(index));
+    picture = Picture(window.width, window.height);
+    for (int y = 0; y < window.height; ++y)
+      std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+  }
+  using FrameSource::read;
+  std::int64_t reads() const { return reads_; }
+
+ private:
+  std::vector<Picture> pictures_;
+  std::int64_t reads_ = 0;
+};
+
+/// Errors of a track, the mean offset removed.
+struct TrackErrors {
+  double rms = 0;           ///< of the components, px
+  double standardised = 0;  ///< rms of e^T C^-1 e / 2
+  double drift = 0;         ///< mean of the last tenth minus that of the first, px
+  int count = 0;
+};
+
+inline TrackErrors errors_of(const Track& track, const SlidingScene& scene) {
+  std::vector<Eigen::Vector2d> errors;
+  std::vector<Eigen::Matrix2d> spreads;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    const Point t = scene.truth(p.frame);
+    errors.emplace_back(p.x - t.x, p.y - t.y);
+    const double covariance = p.rho_xy * p.sigma_x * p.sigma_y;
+    Eigen::Matrix2d c;
+    c << p.sigma_x * p.sigma_x, covariance, covariance, p.sigma_y * p.sigma_y;
+    spreads.push_back(c);
+    mean += errors.back();
+  }
+  TrackErrors out;
+  out.count = static_cast<int>(errors.size());
+  if (errors.empty()) return out;
+  mean /= out.count;
+  const std::size_t tenth = errors.size() / 10;
+  Eigen::Vector2d drift = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    const Eigen::Vector2d e = errors[k] - mean;
+    out.rms += e.squaredNorm() / (2 * out.count);
+    out.standardised += e.dot(spreads[k].inverse() * e) / (2 * out.count);
+    if (k < tenth) drift -= e / static_cast<double>(tenth);
+    if (k >= errors.size() - tenth) drift += e / static_cast<double>(tenth);
+  }
+  out.rms = std::sqrt(out.rms);
+  out.standardised = std::sqrt(out.standardised);
+  out.drift = drift.norm();
+  return out;
+}
+
+}  // namespace tribotrack::vision::test

@@ -1,0 +1,206 @@
+#include "vision/layered_disc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kContext = 2;          ///< px of grid beyond the rim's reach
+constexpr double kTurnStep = 0.25;   ///< px at the rim: frames turned by less are averaged
+constexpr double kTurnBytes = 48e6;  ///< for these averages
+constexpr double kTextureSd = 20;    ///< grey levels a disc's texture may have
+constexpr int kSplitIterations = 30;
+
+/// Whether a place of the camera lies in the window, where it may be interpolated.
+bool inside(const KeptWindow& w, double x, double y) {
+  return x >= w.x && y >= w.y && x <= w.x + w.picture.width() - 1 && y <= w.y + w.picture.height() - 1;
+}
+
+}  // namespace
+
+LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
+    : radius_(radius), turning_(turning), rim_(radius, blur) {
+  half_ = static_cast<int>(std::ceil(rim_.outer())) + kContext;
+  const int size = 2 * half_ + 1;
+  parts_.standing = Picture(size, size);
+  parts_.turning = Picture(size, size);
+  make_share();
+  texture_spline_ = QuinticSpline(parts_.turning);
+}
+
+void LayeredDisc::make_share() {
+  const int size = 2 * half_ + 1;
+  share_ = Picture(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      share_.at(x, y) = static_cast<float>(rim_.at(std::hypot(x - half_, y - half_)));
+}
+
+Picture LayeredDisc::at(double theta, Picture* slope) const {
+  Picture out = parts_.standing;
+  if (slope) *slope = Picture(out.width(), out.height());
+  if (!turning_) return out;
+  // Counter-clockwise with y up is, in pixels with y down, (x, y) -> (c x + s y, -s x + c y).
+  const double c = std::cos(theta);
+  const double s = std::sin(theta);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      const float cover = 1 - share_.at(x, y);
+      if (cover <= 0) continue;
+      const double ux = c * (x - half_) - s * (y - half_);
+      const double uy = s * (x - half_) + c * (y - half_);
+      const SplineSample t = texture_spline_.sample(half_ + ux, half_ + uy);
+      out.at(x, y) += cover * static_cast<float>(t.value);
+      if (slope) slope->at(x, y) = cover * static_cast<float>(-t.slope_x * uy + t.slope_y * ux);
+    }
+  return out;
+}
+
+Picture LayeredDisc::on_plain(double level) const {
+  Picture out = at(middle_theta_);
+  for (std::size_t i = 0; i < out.levels().size(); ++i)
+    out.levels()[i] += static_cast<float>(level) * share_.levels()[i];
+  return out;
+}
+
+/// Per pixel of the disc, over the frames: y what the disc shows in its own light, z the ground beneath in
+/// the same light.
+struct LayeredDisc::Sums {
+  double n = 0, y = 0, z = 0, yz = 0, zz = 0;
+};
+
+void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
+                                 double noise_variance) {
+  const int size = 2 * half_ + 1;
+  const auto pixels = static_cast<std::size_t>(size) * size;
+  std::vector<Sums> sums(pixels);
+  std::vector<float> level(pixels), below(pixels), known(pixels);
+  for (const KeptWindow& w : windows) {
+    const LayeredState& s = w.state;
+    const double left = s.centre.x - half_;
+    const double top = s.centre.y - half_;
+    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
+    Picture turned;
+    if (turning_) {
+      turned = at(s.theta);
+      for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
+    }
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const auto k = static_cast<std::size_t>(j) * size + i;
+        if (!inside(w, left + i, top + j)) continue;
+        if (share_.levels()[k] > 0 && known[k] == 0) continue;
+        const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
+        const double y = level[k] / light - (turning_ ? turned.levels()[k] : 0.0F);
+        const double z = s.ground_gain * below[k] / light;
+        Sums& sum = sums[k];
+        sum.n += 1;
+        sum.y += y;
+        sum.z += z;
+        sum.yz += y * z;
+        sum.zz += z * z;
+      }
+  }
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const Sums& sum = sums[static_cast<std::size_t>(j) * size + i];
+      if (sum.n < 3) continue;
+      rim_.add(std::hypot(i - half_, j - half_), sum.yz - sum.y * sum.z / sum.n,
+               sum.zz - sum.z * sum.z / sum.n);
+    }
+  rim_.solve(noise_variance);
+  make_share();
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const auto k = static_cast<std::size_t>(j) * size + i;
+      const Sums& sum = sums[k];
+      const bool beyond = std::hypot(i - half_, j - half_) >= rim_.outer();
+      if (beyond) {
+        parts_.standing.levels()[k] = 0;
+      } else if (sum.n > 0) {
+        parts_.standing.levels()[k] = static_cast<float>((sum.y - share_.levels()[k] * sum.z) / sum.n);
+      }
+    }
+}
+
+/// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
+/// at the rim does not matter. Where that makes too many pictures for the memory, some frames are left out.
+void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground,
+                                double noise_variance) {
+  const int size = 2 * half_ + 1;
+  const auto pixels = static_cast<std::size_t>(size) * size;
+  double low = windows.front().state.theta;
+  double high = low;
+  for (const KeptWindow& w : windows) {
+    low = std::min(low, w.state.theta);
+    high = std::max(high, w.state.theta);
+  }
+  middle_theta_ = 0.5 * (low + high);
+  const double step = kTurnStep / radius_;
+  const double room = std::max(8.0, kTurnBytes / (8.0 * static_cast<double>(pixels)));
+  const auto wanted = std::min(static_cast<double>(windows.size()), std::floor((high - low) / step) + 1);
+  const auto stride = static_cast<std::size_t>(std::ceil(wanted / room));
+
+  std::map<std::int64_t, TurnedPicture> bins;
+  std::map<std::int64_t, double> count;
+  std::vector<float> level(pixels), below(pixels), known(pixels);
+  for (std::size_t n = 0; n < windows.size(); n += stride) {
+    const KeptWindow& w = windows[n];
+    const LayeredState& s = w.state;
+    const double left = s.centre.x - half_;
+    const double top = s.centre.y - half_;
+    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
+    const auto bin = static_cast<std::int64_t>(std::floor((s.theta - low) / step));
+    TurnedPicture& turned = bins[bin];
+    if (turned.level.empty()) turned = {0, Picture(size, size), Picture(size, size)};
+    turned.theta += s.theta;
+    count[bin] += 1;
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const auto k = static_cast<std::size_t>(j) * size + i;
+        const float share = share_.levels()[k];
+        if (share >= 1 || !inside(w, left + i, top + j) || (share > 0 && known[k] == 0)) continue;
+        const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
+        turned.level.levels()[k] += static_cast<float>((level[k] - s.ground_gain * share * below[k]) / light);
+        turned.weight.levels()[k] += 1;
+      }
+  }
+  std::vector<TurnedPicture> pictures;
+  for (auto& [bin, turned] : bins) {
+    turned.theta /= count[bin];
+    for (std::size_t k = 0; k < pixels; ++k)
+      if (turned.weight.levels()[k] > 0) turned.level.levels()[k] /= turned.weight.levels()[k];
+    pictures.push_back(std::move(turned));
+  }
+  Picture cover = share_;
+  for (float& c : cover.levels()) c = std::max(0.0F, 1 - c);
+  split_turning(pictures, cover, noise_variance / (kTextureSd * kTextureSd), rim_.inner() - 1,
+                kSplitIterations, parts_);
+  texture_spline_ = QuinticSpline(parts_.turning);
+}
+
+void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance) {
+  double gain = 0;
+  double slope_x = 0;
+  double slope_y = 0;
+  for (const KeptWindow& w : windows) {
+    const auto n = static_cast<double>(windows.size());
+    gain += w.state.gain / n;
+    slope_x += w.state.slope_x / n;
+    slope_y += w.state.slope_y / n;
+  }
+  for (KeptWindow& w : windows) {
+    w.state.gain /= gain;
+    w.state.slope_x -= slope_x;
+    w.state.slope_y -= slope_y;
+  }
+  learn_standing(windows, ground, noise_variance);
+  if (turning_) learn_turning(windows, ground, noise_variance);
+}
+
+}  // namespace tribotrack::vision

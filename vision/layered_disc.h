@@ -1,0 +1,63 @@
+// The disc's own picture, learnt from kept windows of the recording.
+//
+//   S(u; theta) = S0(u) + alpha(|u|) S1(R(theta)^T u),   u = x - c,
+// S0 what stands still while the disc turns (its rim, its shading, the lamp's reflection), S1 what turns with
+// it (scratches, print); see layered_split.h.
+#pragma once
+
+#include <span>
+
+#include "vision/bspline.h"
+#include "vision/layered_ground.h"
+#include "vision/layered_rim.h"
+#include "vision/layered_split.h"
+#include "vision/layered_state.h"
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// A window of a frame kept in memory, its first pixel at pixel (x, y) of the frame.
+struct KeptWindow {
+  Picture picture;
+  int x = 0, y = 0;
+  LayeredState state;
+};
+
+class LayeredDisc {
+ public:
+  /// Pictures reach `half` px beyond the centre in every direction.
+  LayeredDisc(double radius, double blur, bool turning);
+
+  /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
+  /// is 1, the mean of g_k is 0, which changes the states accordingly.
+  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance);
+
+  int half() const { return half_; }
+  double radius() const { return radius_; }
+  bool turning() const { return turning_; }
+  const RimProfile& rim() const { return rim_; }
+  /// w on the grid -half .. half.
+  const Picture& share() const { return share_; }
+  /// S on the grid at a rotation, and its derivative with respect to it (null where not wanted).
+  Picture at(double theta, Picture* slope = nullptr) const;
+  /// The disc on a plain ground of this level, at a rotation midway through what it has learnt from.
+  Picture on_plain(double level) const;
+
+ private:
+  struct Sums;
+  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
+                      double noise_variance);
+  void learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance);
+  void make_share();
+
+  double radius_ = 0;
+  bool turning_ = false;
+  RimProfile rim_;
+  int half_ = 0;
+  Picture share_;
+  StandingAndTurning parts_;
+  QuinticSpline texture_spline_;
+  double middle_theta_ = 0;
+};
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,211 @@
+#include "vision/layered_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "vision/disc_detection.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kEarlySweeps = 7;  ///< over every kEarlyStride-th window
+constexpr std::size_t kEarlyStride = 4;
+constexpr int kSweeps = 2;             ///< over all of them
+constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
+constexpr double kGroundPixels = 6e7;  ///< of all frames the platform's picture is averaged from
+constexpr std::size_t kFewest = 12;    ///< frames to learn from
+constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
+constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
+
+Rect clipped(double x0, double y0, double x1, double y1, const Rect& bounds) {
+  const int left = std::max(bounds.x, static_cast<int>(std::floor(x0)));
+  const int top = std::max(bounds.y, static_cast<int>(std::floor(y0)));
+  const int right = std::min(bounds.x + bounds.width, static_cast<int>(std::ceil(x1)) + 1);
+  const int bottom = std::min(bounds.y + bounds.height, static_cast<int>(std::ceil(y1)) + 1);
+  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
+}
+
+Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
+  Picture out(part.width, part.height);
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(picture.row(part.y - from.y + y).begin() + (part.x - from.x), part.width, out.row(y).begin());
+  return out;
+}
+
+bool turns(const std::vector<FirstPassFrame>& frames, const LayeredOptions& options) {
+  if (!options.turning) return false;
+  double low = frames.front().theta;
+  double high = low;
+  for (const FirstPassFrame& f : frames) {
+    low = std::min(low, f.theta);
+    high = std::max(high, f.theta);
+  }
+  return (high - low) * options.disc.radius > kTurnVisible;
+}
+
+/// What is read of every kept frame: the disc's path with a margin.
+Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds) {
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9, away = 0;
+  for (const FirstPassFrame& f : frames) {
+    x0 = std::min(x0, f.centre.x);
+    x1 = std::max(x1, f.centre.x);
+    y0 = std::min(y0, f.centre.y);
+    y1 = std::max(y1, f.centre.y);
+    away = std::max(away, std::hypot(f.ground.x, f.ground.y));
+  }
+  const double margin = reach + 2 * away + 4;
+  return clipped(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
+}
+
+NoiseLaw noise_law(const LayeredRegistration::LevelSums& s) {
+  NoiseLaw law;
+  const double mean = s.level / s.n;
+  const double spread = s.level_level / s.n - mean * mean;
+  const double square = s.square / s.n;
+  if (spread > 1) law.per_level = std::max(0.0, (s.level_square / s.n - mean * square) / spread);
+  law.constant = square - law.per_level * mean;
+  if (law.constant < 1.0 / 12) {
+    law.constant = 1.0 / 12;
+    law.per_level = mean > 0 ? std::max(0.0, (square - law.constant) / mean) : 0;
+  }
+  return law;
+}
+
+/// Learns the disc from windows, and measures these again over what was learnt.
+struct Learning {
+  LayeredDisc& disc;
+  const GroundPicture& ground;
+  LayeredRegistration& registration;
+  const LayeredOptions& options;
+  LayeredResult& out;
+  Point offset;  ///< of the rim's centre from the pivot in the disc's picture
+  std::vector<LayeredFix> fixes;
+
+  /// The disc's picture turns about the middle of its grid: its rim's centre is brought there first.
+  void learn(std::span<KeptWindow> windows) {
+    for (KeptWindow& w : windows) {
+      w.state.centre.x += offset.x;
+      w.state.centre.y += offset.y;
+    }
+    disc.learn(windows, ground, options.noise_variance);
+    registration.disc_changed();
+    registration.set_noise(out.noise);
+    const auto middle = static_cast<double>(disc.half());
+    offset = {};
+    if (const auto fit = fit_disc(disc.on_plain(ground.mean()), {middle, middle, options.disc.radius}, 2.0)) {
+      offset = {fit->circle.x - middle, fit->circle.y - middle};
+      out.disc_radius = fit->circle.radius;
+      out.disc_radius_sd = fit->radius_sd;
+    }
+  }
+
+  /// False where most windows are not explained.
+  bool measure(std::span<KeptWindow> windows) {
+    LayeredRegistration::LevelSums sums;
+    fixes.clear();
+    for (KeptWindow& w : windows)
+      if (const auto fix = registration.refine(w.picture, w.x, w.y, w.state)) {
+        w.state = fix->state;
+        fixes.push_back(*fix);
+        registration.add_residuals(sums);
+      }
+    if (fixes.size() < std::max(kFewest, windows.size() / 2)) return false;
+    out.noise = noise_law(sums);
+    registration.set_noise(out.noise);
+    return true;
+  }
+};
+
+}  // namespace
+
+LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                           const LayeredOptions& options) {
+  LayeredResult out;
+  if (frames.size() < kFewest) {
+    out.why_not = "too few frames to learn the layers from";
+    return out;
+  }
+  LayeredDisc disc(options.disc.radius, options.blur, turns(frames, options));
+  const double reach = disc.half() + kContext;
+  const Rect region = swath(frames, reach, source.bounds());
+
+  // Keep windows, average the ground.
+  const double window_bytes = 4 * std::pow(2 * reach + 2, 2);
+  const auto windows =
+      std::min(frames.size(),
+               static_cast<std::size_t>(std::max(
+                   16.0, std::min<double>(options.max_windows, options.max_kept_bytes / window_bytes))));
+  const double area = static_cast<double>(region.width) * region.height;
+  const auto ground_stride = static_cast<std::size_t>(
+      std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(16.0, kGroundPixels / area))));
+  GroundPicture ground(region);
+  std::vector<KeptWindow> kept;
+  Picture frame;
+  for (std::size_t k = 0; k < windows; ++k) {
+    const FirstPassFrame& f = frames[k * (frames.size() - 1) / (windows - 1)];
+    const Rect about = clipped(f.centre.x - reach, f.centre.y - reach, f.centre.x + reach, f.centre.y + reach,
+                               source.bounds());
+    const bool whole = k % ground_stride == 0;
+    const Rect part = whole ? region : about;
+    source.read(f.index, part, frame);
+    kept.push_back({cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}});
+    if (whole) ground.add(frame, part.x, part.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
+  }
+  ground.finish();
+  if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
+    out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
+    return out;
+  }
+  out.windows = static_cast<int>(windows);
+
+  // A part of the windows first, spread over the recording: most sweeps need no more.
+  std::stable_partition(kept.begin(), kept.end(), [&, n = 0](const KeptWindow&) mutable {
+    return windows < kEarlyStride * kFewest || n++ % kEarlyStride == 0;
+  });
+  LayeredRegistration registration(disc, ground);
+  out.noise.constant = options.noise_variance;
+  Learning learning{disc, ground, registration, options, out, {}, {}};
+  const std::span<KeptWindow> all(kept);
+  const auto early =
+      all.first(windows < kEarlyStride * kFewest ? windows : (windows + kEarlyStride - 1) / kEarlyStride);
+  bool explained = true;
+  for (int sweep = 0; sweep < kEarlySweeps && explained; ++sweep) {
+    learning.learn(early);
+    explained = learning.measure(sweep + 1 < kEarlySweeps ? early : all);
+  }
+  for (int sweep = 0; sweep < kSweeps && explained; ++sweep) {
+    learning.learn(all);
+    explained = learning.measure(all);
+  }
+  if (!explained) {
+    out.why_not = "the layers do not explain most of the kept frames";
+    return out;
+  }
+  const Point offset = learning.offset;
+  const std::vector<LayeredFix>& learnt = learning.fixes;
+
+  double rim_chi = 0;
+  for (const LayeredFix& fix : learnt) rim_chi += fix.rim_chi_squared / static_cast<double>(learnt.size());
+  out.rim_excess = rim_chi - 1;
+
+  const double widened = std::max(1.0, rim_chi) * (1 + 1 / static_cast<double>(windows));
+  std::int64_t done = 0;
+  for (const FirstPassFrame& f : frames) {
+    const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,
+                                f.centre.x + registration.reach() + 1, f.centre.y + registration.reach() + 1,
+                                source.bounds());
+    source.read(f.index, window, frame);
+    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground});
+    if (fix) {
+      fix->covariance *= widened;
+      fix->state.centre.x += offset.x;
+      fix->state.centre.y += offset.y;
+    }
+    out.fixes.push_back(std::move(fix));
+    if (options.progress) options.progress(++done);
+  }
+  return out;
+}
+
+}  // namespace tribotrack::vision

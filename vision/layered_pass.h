@@ -1,0 +1,58 @@
+// The second pass: disc over platform, both pictures learnt from the recording itself.
+//
+// A first pass with a single template sees the platform through the rim and the light change along the path;
+// both look like motion. This pass keeps a bounded number of windows spread over the recording, learns from
+// them the platform's picture, the rim's profile and the disc's picture (see layered_state.h), and then
+// measures every frame again. Reads the recording at most twice, forwards; memory does not grow with its
+// length.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/layered_registration.h"
+
+namespace tribotrack::vision {
+
+/// A frame as the first pass left it.
+struct FirstPassFrame {
+  std::int64_t index = 0;
+  Point centre;
+  double theta = 0;
+  Point ground;  ///< the platform's displacement since the first frame
+};
+
+struct LayeredOptions {
+  Circle disc;                ///< in the first frame
+  double blur = 1;            ///< of its rim, px
+  bool turning = false;       ///< its texture shows its rotation
+  double noise_variance = 1;  ///< a start
+  bool motion_known = false;  ///< else the pass looks whether the platform rests
+  int max_windows = 128;      ///< kept for learning: the layers' own noise adds 1 / windows to the variance
+  double max_kept_bytes = 64e6;
+  std::function<void(std::int64_t done)> progress;  ///< frames measured
+};
+
+struct LayeredResult {
+  /// One per frame handed in, nullopt where the model does not hold (too near the border, something in the
+  /// way). Empty if nothing could be learnt; see why_not.
+  std::vector<std::optional<LayeredFix>> fixes;
+  std::string why_not;
+  NoiseLaw noise;
+  double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
+  int windows = 0;
+  double ground_texture = 0;  ///< of the platform's picture about the path, grey levels rms
+  double rim_excess =
+      0;  ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
+  bool light_known = false;  ///< the light's slope follows from the place; else it is free in every frame
+};
+
+/// Never throws for what the scene is like; InputError for a recording that cannot be read.
+LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                           const LayeredOptions& options);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,144 @@
+#include "vision/layered_stage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "vision/layered_pass.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kTextureShare = 0.6;  ///< of the noise: the least ground texture that is told from noise
+constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
+constexpr const char* kName = "layers: disc over platform";
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(), pattern, args...);
+  return text.data();
+}
+
+std::string finding(const FirstPass& first) {
+  return format(
+      "the ground has a texture of %.2f grey levels rms and a single template leaves %.2f "
+      "unexplained, against noise of %.2f",
+      first.ground_texture, first.excess, std::sqrt(first.noise_variance));
+}
+
+/// The frames in which the part, and the marker where there is one, were found.
+std::vector<FirstPassFrame> seen_frames(const Track& track, const FirstPass& first,
+                                        std::vector<std::size_t>& places) {
+  std::vector<FirstPassFrame> frames;
+  const MarkerPoint* origin = nullptr;
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    const TrackPoint& p = track.points[k];
+    if (p.status != TrackStatus::ok || (track.has_marker && !p.marker)) continue;
+    FirstPassFrame f;
+    f.index = first.first_index + static_cast<std::int64_t>(k);
+    f.centre = {p.x, p.y};
+    f.theta = first.theta[k];
+    if (p.marker) {
+      if (!origin) origin = &*p.marker;
+      f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
+    }
+    frames.push_back(f);
+    places.push_back(k);
+  }
+  return frames;
+}
+
+void change(TrackPoint& point, const LayeredFix& fix) {
+  point.x = fix.state.centre.x;
+  point.y = fix.state.centre.y;
+  point.sigma_x = std::sqrt(fix.covariance(0, 0));
+  point.sigma_y = std::sqrt(fix.covariance(1, 1));
+  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  point.ncc = fix.ncc;
+}
+
+/// What is left to the first pass gets the mean difference of the two passes, so that both speak of the same
+/// point of the disc.
+void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& moved) {
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    if (track.points[k].status == TrackStatus::ok && !changed[k]) {
+      track.points[k].x += moved.x;
+      track.points[k].y += moved.y;
+    }
+}
+
+}  // namespace
+
+bool layers_wanted(const FirstPass& first, Layers layers) {
+  if (layers == Layers::off || first.blur <= 0) return false;
+  const double noise = std::sqrt(first.noise_variance);
+  return layers == Layers::on || first.ground_texture > kTextureShare * noise ||
+         first.excess > kExcessShare * noise;
+}
+
+bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
+                   TrackSummary& summary, const std::function<void(std::int64_t)>& progress) {
+  const auto off = [&](const std::string& reason) {
+    summary.plan.push_back({kName, false, reason, 0.5, 0});
+    return false;
+  };
+  if (layers == Layers::off) return off("switched off; " + finding(first));
+  if (first.blur <= 0) return off("the part has no measured round rim");
+  if (!layers_wanted(first, layers)) return off(finding(first));
+
+  std::vector<std::size_t> places;
+  const std::vector<FirstPassFrame> frames = seen_frames(track, first, places);
+  LayeredOptions options;
+  options.disc = summary.disc;
+  options.blur = first.blur;
+  options.turning = first.turning;
+  options.noise_variance = first.noise_variance;
+  options.motion_known = track.has_marker;
+  options.progress = progress;
+  const LayeredResult result = layered_pass(source, frames, options);
+  if (result.fixes.empty()) return off(result.why_not + "; " + finding(first));
+
+  std::vector<bool> changed(track.points.size(), false);
+  std::vector<double> limits;
+  Point moved;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!result.fixes[k]) continue;
+    TrackPoint& p = track.points[places[k]];
+    moved.x += result.fixes[k]->state.centre.x - p.x;
+    moved.y += result.fixes[k]->state.centre.y - p.y;
+    change(p, *result.fixes[k]);
+    changed[places[k]] = true;
+    limits.push_back(std::sqrt(0.5 * result.fixes[k]->covariance.trace()));
+  }
+  if (limits.empty()) return off("the layers explain no frame; " + finding(first));
+  const auto count = static_cast<double>(limits.size());
+  keep_the_rest(track, changed, {moved.x / count, moved.y / count});
+  std::nth_element(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(limits.size() / 2),
+                   limits.end());
+  summary.limit_px = limits[limits.size() / 2];
+  if (result.disc_radius > 0) {
+    summary.disc.radius = result.disc_radius;
+    summary.disc_radius_sd = std::min(summary.disc_radius_sd, result.disc_radius_sd);
+  }
+  std::int64_t left = 0;
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    left += track.points[k].status == TrackStatus::ok && !changed[k];
+  if (left > 0)
+    summary.warnings.push_back(format(
+        "%lld frames keep the position of the first pass, in which the ground is seen through the rim (the "
+        "ground about the part is not known there, or something covers it): their standard deviations are "
+        "wider",
+        static_cast<long long>(left)));
+  summary.plan.push_back(
+      {kName, true,
+       finding(first) +
+           format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
+                  result.windows, result.noise.constant, result.noise.per_level,
+                  100 * std::max(0.0, result.rim_excess)),
+       0, 0});
+  return true;
+}
+
+}  // namespace tribotrack::vision
