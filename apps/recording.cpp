@@ -55,7 +55,10 @@ Json RecordingJob::configuration() const {
           {"last_frame", optional_json(track.last_frame)},
           {"min_ncc", track.min_ncc},
           {"max_lost_share", track.max_lost_share},
-          {"search_margin_px", track.search_margin_px}};
+          {"search_margin_px", track.search_margin_px},
+          {"layers", track.layers == vision::Layers::automatic ? "auto"
+                     : track.layers == vision::Layers::on      ? "on"
+                                                               : "off"}};
 }
 
 std::string RecordingJob::key() const {
@@ -67,7 +70,8 @@ std::string RecordingJob::key() const {
 TrackedRecording track_recording(const RecordingJob& job) {
   const auto source = vision::open_source(job.video, {job.frame_rate_hz});
   if (!source->info().time_base.known())
-    throw vision::InputError(fmt::format("{}: {}", job.video.string(), source->info().time_base.why_unknown()));
+    throw vision::InputError(
+        fmt::format("{}: {}", job.video.string(), source->info().time_base.why_unknown()));
   if (!job.mm_per_px && job.diameter_mm && job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");

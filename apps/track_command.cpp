@@ -16,7 +16,7 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, frames, overlay, config;
+  std::string input, output, disc, target, marker, frames, overlay, config, layers;
   std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad;
   bool json = false;
   bool explain = false;
@@ -141,6 +141,12 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.marker.circle = circle_of("--marker", options.marker);
   }
   if (!options.frames.empty()) set_frames(job.track, options.frames);
+  if (options.layers == "off")
+    job.track.layers = vision::Layers::off;
+  else if (options.layers == "on")
+    job.track.layers = vision::Layers::on;
+  else if (!options.layers.empty() && options.layers != "auto")
+    throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
   return job;
 }
 
@@ -213,6 +219,11 @@ void add_track(CLI::App& app, Context& context) {
       ->type_name("A:B");
   add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
+  command
+      .add_option(
+          "--layers", options->layers,
+          "Second pass that models the platform seen through the disc's rim (default auto: where it matters)")
+      ->type_name("auto|on|off");
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");
   command
