@@ -34,7 +34,8 @@ Json marker_json(const vision::MarkerChoice& marker) {
 std::optional<vision::Scale> scale_of(const RecordingJob& job, const vision::TrackSummary& summary) {
   if (job.mm_per_px) return vision::given_scale(*job.mm_per_px);
   if (!job.diameter_mm) return std::nullopt;
-  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd);
+  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd,
+                                     summary.disc_blur);
 }
 
 template <class T>
@@ -94,6 +95,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"gate_passed", s.gate_passed},
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
+               {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
                {"limit_px", s.limit_px},
                {"frame_rate_hz", optional_json(recording.info.time_base.rate_hz)},

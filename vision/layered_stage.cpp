@@ -120,7 +120,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   summary.limit_px = limits[limits.size() / 2];
   if (result.disc_radius > 0) {
     summary.disc.radius = result.disc_radius;
-    summary.disc_radius_sd = std::min(summary.disc_radius_sd, result.disc_radius_sd);
+    summary.disc_radius_sd = result.disc_radius_sd;
   }
   std::int64_t left = 0;
   for (std::size_t k = 0; k < track.points.size(); ++k)

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kNoiseFrames = 6;
 constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
+constexpr double kClickSd = 0.5;         ///< sd of a radius that no rim confirms, px
 constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
 
@@ -61,14 +62,15 @@ bool whole_in(const Picture& picture, const Circle& c) {
 }
 
 /// A click made exact by the rim where it supports it.
-Circle refined(const Picture& first, const Circle& given, const char* what, double& radius_sd,
+Circle refined(const Picture& first, const Circle& given, const char* what, double& radius_sd, double& blur,
                TrackSummary& summary) {
   const double capture = std::max(kGivenCapture, 0.03 * given.radius);
   if (const auto fit = fit_disc(first, given, capture); fit && whole_in(first, fit->circle)) {
     radius_sd = fit->radius_sd;
+    blur = fit->blur;
     return fit->circle;
   }
-  radius_sd = 0;
+  radius_sd = kClickSd;
   summary.warnings.push_back(format(
       "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
       "as they are, and a scale from its diameter is as good as the given radius",
@@ -161,11 +163,13 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   } else {
     if (options.target.kind == Target::Kind::disc) {
       check_whole(first, options.target.disc, source, "disc");
-      summary.disc = refined(first, options.target.disc, "disc", summary.disc_radius_sd, summary);
+      summary.disc =
+          refined(first, options.target.disc, "disc", summary.disc_radius_sd, summary.disc_blur, summary);
     } else {
       const DiscFit found = find_part(first, source, options);
       summary.disc = found.circle;
       summary.disc_radius_sd = found.radius_sd;
+      summary.disc_blur = found.blur;
     }
     const double texture = ground_texture(first, summary.disc, noise_variance);
     setup.ground_texture = texture;
@@ -202,8 +206,8 @@ std::optional<PatternFollower> plan_marker(const Picture& first, std::int64_t in
   }
   if (options.marker.kind == MarkerChoice::Kind::circle) {
     check_whole(first, options.marker.circle, source, "marker");
-    double ignored = 0;
-    summary.marker = refined(first, options.marker.circle, "marker", ignored, summary);
+    double radius_sd = 0, blur = 0;  // the marker sets no scale
+    summary.marker = refined(first, options.marker.circle, "marker", radius_sd, blur, summary);
   } else {
     DiscSearch search;
     search.min_radius = 3;

@@ -59,6 +59,7 @@ struct PlanStage {
 
 struct TrackSummary {
   Circle disc;                ///< as tracked in the first frame: given or found, px
+  double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   Circle marker;
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
