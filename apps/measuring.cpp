@@ -81,8 +81,9 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
 
 Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
   Json json = Json::object();
+  const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
   if (m.displacement) {
-    const fit::Displacement& d = *m.displacement;
+    const fit::Displacement d = fit::with_scale_sd(*m.displacement, scale_sd);
     put(json, "dx_mm", {d.vector.x(), std::sqrt(d.covariance(0, 0))}, 1e-3);
     put(json, "dy_mm", {d.vector.y(), std::sqrt(d.covariance(1, 1))}, 1e-3);
     json["cov_dx_dy_mm2"] = d.covariance(0, 1) * 1e6;
@@ -91,8 +92,9 @@ Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
     json["cycles"] = d.cycles;
   }
   if (m.platform) {
-    put(json, "amplitude_mm", m.platform->amplitude, 1e-3);
-    put(json, "amplitude_y_mm", m.platform->amplitude_y, 1e-3);
+    const fit::PlatformMotion platform = fit::with_scale_sd(*m.platform, scale_sd);
+    put(json, "amplitude_mm", platform.amplitude, 1e-3);
+    put(json, "amplitude_y_mm", platform.amplitude_y, 1e-3);
     put(json, "angular_frequency_rad_s", m.platform->angular_frequency);
     put(json, "phase_shift_rad", m.platform->phase_shift);
     put(json, "phase_at_zero_rad", m.platform->phase_at_zero);

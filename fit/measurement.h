@@ -67,4 +67,10 @@ struct PlatformMotion {
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 
+/// The same measurements with the sd of the scale (relative, common to all lengths) counted in. A fit carries
+/// the scale as a parameter of its own and wants them without; what is told to people and other programs has
+/// it in.
+Displacement with_scale_sd(Displacement displacement, double relative_sd);
+PlatformMotion with_scale_sd(PlatformMotion motion, double relative_sd);
+
 }  // namespace tribotrack::fit
