@@ -177,18 +177,20 @@ void run_command(const RunOptions& options, Context& context) {
 
   std::size_t failed = 0, skipped = 0;
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    if (!runs[k].failure.empty()) {
-      ++failed;
-      fmt::print(stderr, "tribotrack: {}\n", runs[k].failure);
-    }
+    failed += !runs[k].failure.empty();
     skipped += logs[k].skipped;
   }
-  if (failed == runs.size()) {
+  const bool none_left = failed == runs.size();
+  if (none_left) {
     std::error_code ignored;
     if (made_here) fs::remove_all(folder.root, ignored);
+    if (failed == 1) throw InvalidInput(runs.front().failure);
+  }
+  for (const AnalysedRun& run : runs)
+    if (!run.failure.empty()) fmt::print(stderr, "tribotrack: {}\n", run.failure);
+  if (none_left)
     throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
                                    options.campaign, runs.size()));
-  }
 
   const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
   const Json json = fit_json(campaign, runs, result);

@@ -220,7 +220,7 @@ TEST_F(Commands, ABadRunIsLeftOutAndSaid) {
   EXPECT_EQ(run("fit one_bad.toml --allow-missing 1 -o f.json -q").exit_code, 0);
 
   put(in_folder("all_bad.toml"), head + bad);
-  EXPECT_EQ(run("run all_bad.toml -o out2 -q").exit_code, 3);
+  expect_refused(run("run all_bad.toml -o out2 -q"), 3, {"gone.cine"});
   EXPECT_FALSE(std::filesystem::exists(in_folder("out2")));
 }
 
