@@ -97,7 +97,7 @@ std::string now_utc() {
   return text;
 }
 
-void print_plan(const Campaign& campaign, const RunFolder& folder, const RunOptions& options) {
+void print_plan(const Campaign& campaign, const RunFolder& folder) {
   for (const CampaignRun& run : campaign.runs) {
     std::string step = "use alpha_rad, v_mm_s as given";
     if (run.video) {
@@ -120,7 +120,6 @@ void print_plan(const Campaign& campaign, const RunFolder& folder, const RunOpti
                  }(),
                  ", "),
              campaign.runs.size(), folder.fit().string(), "report", folder.report().string());
-  (void)options;
 }
 
 void write_log(const RunFolder& folder, const RunOptions& options, const std::vector<AnalysedRun>& runs,
@@ -148,7 +147,7 @@ void run_command(const RunOptions& options, Context& context) {
   const auto begun = std::chrono::steady_clock::now();
   const Campaign campaign = read_campaign(options.campaign);
   const RunFolder folder{options.output};
-  if (options.dry_run) return print_plan(campaign, folder, options);
+  if (options.dry_run) return print_plan(campaign, folder);
   const bool made_here = !fs::exists(folder.root);
   create_folder(folder.tracks());
   create_folder(folder.measurement("x").parent_path());

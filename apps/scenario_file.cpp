@@ -171,7 +171,7 @@ Json json_of(const model::Scenario& scenario) {
 
 model::Scenario scenario_from(const Json& json) {
   ScenarioFile file;
-  // json_of writes the amplitude before amplitude_y_mm, which the first would overwrite.
+  // In the order written: amplitude_mm sets both axes, amplitude_y_mm after it corrects the second.
   for (const auto& [name, value] : json.items())
     if (name != "start") set_scenario_parameter(file, name, value.get<double>());
   file.scenario.start = parse_start(json.at("start").get<std::string>());
