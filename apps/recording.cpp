@@ -34,8 +34,7 @@ Json marker_json(const vision::MarkerChoice& marker) {
 std::optional<vision::Scale> scale_of(const RecordingJob& job, const vision::TrackSummary& summary) {
   if (job.mm_per_px) return vision::given_scale(*job.mm_per_px);
   if (!job.diameter_mm) return std::nullopt;
-  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd,
-                                     summary.disc_blur);
+  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd);
 }
 
 template <class T>

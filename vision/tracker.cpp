@@ -10,12 +10,14 @@
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
+#include "vision/rim_watch.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kNoiseFrames = 6;
 constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
+constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
 constexpr double kClickSd = 0.5;         ///< sd of a radius that no rim confirms, px
 constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
@@ -339,6 +341,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   auto& points = result.track.points;
   const std::int64_t total = range.last - range.first + 1;
   points.reserve(static_cast<std::size_t>(total));
+  RimWatch rim(summary.disc, total / kRimFrames);
   for (std::int64_t index = range.first; index <= range.last; ++index) {
     TrackPoint point;
     point.frame = source.number(index);
@@ -354,6 +357,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
     if (step.status == TrackStatus::ok) {
       fill(point, *step.sighting);
       excess.push_back(step.sighting->excess_rms);
+      if (setup.pattern.radius > 0) rim.see(source, index, step.sighting->position);
     }
     if (marker)
       if (const FollowStep seen = marker->step(source, index); seen.status == TrackStatus::ok)
@@ -365,6 +369,10 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   count(result.track, options.max_lost_share, summary);
   note_effort(part.effort(), summary);
   pass.excess = median_excess(excess);
+  if (const auto mean = rim.radius(); mean && summary.disc_radius_sd < kClickSd) {
+    summary.disc.radius = mean->radius;
+    summary.disc_radius_sd = mean->sd;
+  }
   summary.layered =
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);
