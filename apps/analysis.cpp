@@ -57,7 +57,15 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   job.video = *run.video;
   job.frame_rate_hz = campaign.camera.frame_rate_hz;
   job.mm_per_px = run.mm_per_px ? run.mm_per_px : campaign.camera.mm_per_px;
-  if (!job.mm_per_px) job.diameter_mm = campaign.diameter_mm;
+  if (job.mm_per_px)
+    job.mm_per_px_sd = run.mm_per_px ? 0 : campaign.camera.mm_per_px_sd;
+  else if (campaign.camera.calibration)
+    job.calibration = campaign.camera.calibration;
+  else
+    job.diameter_mm = campaign.diameter_mm;
+  job.diameter_sd_mm = campaign.diameter_sd_mm;
+  job.height_mm = campaign.height_mm;
+  job.working_distance_mm = campaign.camera.working_distance_mm;
   job.xi_axis_rad = campaign.camera.xi_axis_rad;
   if (const auto disc = run.disc_px ? run.disc_px : campaign.camera.disc_px)
     job.track.target = {vision::Target::Kind::disc, *disc, {}};
@@ -149,8 +157,8 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     else
       problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
   }
-  // The runs' scales share their systematic part (how the rim is defined, the part's true diameter): taken as
-  // common.
+  // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
+  // diameter).
   problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
   return problem;
 }

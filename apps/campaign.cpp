@@ -44,10 +44,16 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
   return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
 }
 
-CameraSection read_camera(StrictTable& table) {
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   CameraSection camera;
   camera.frame_rate_hz = table.positive("frame_rate_hz");
   camera.mm_per_px = table.positive("mm_per_px");
+  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (const auto file = table.text("calibration")) {
+    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+    camera.calibration = folder / *file;
+  }
   camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
   camera.working_distance_mm = table.positive("working_distance_mm");
   camera.disc_px = read_circle(table, "disc_px");
@@ -185,10 +191,12 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   if (!run.free_slide && (!phi || !dtau))
     throw InvalidInput(
         fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
-  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.diameter_mm)
-    throw InvalidInput(fmt::format(
-        "{}: nothing says how large a pixel is; give `diameter_mm` in [part] or `mm_per_px` in [camera]",
-        run.place));
+  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
+      !campaign.diameter_mm)
+    throw InvalidInput(
+        fmt::format("{}: nothing says how large a pixel is; give `diameter_mm` in [part], or `mm_per_px` or "
+                    "`calibration` in [camera]",
+                    run.place));
   return run;
 }
 
@@ -236,10 +244,11 @@ Campaign read_campaign(const fs::path& file) {
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
   if (auto table = top.table("part")) {
     campaign.diameter_mm = table->positive("diameter_mm");
+    campaign.diameter_sd_mm = table->not_negative("diameter_sd_mm").value_or(0);
     campaign.height_mm = table->positive("height_mm");
     table->finish();
   }
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
@@ -251,10 +260,6 @@ Campaign read_campaign(const fs::path& file) {
 
   if (campaign.camera.gate_px)
     campaign.warnings.push_back("gate_px is not read yet: phi and dtau are taken as commanded");
-  if (campaign.height_mm && campaign.camera.working_distance_mm)
-    campaign.warnings.push_back(
-        "the parallax between the part's top and the marker's plane (height_mm, working_distance_mm) is not "
-        "corrected yet");
   for (const CampaignRun& run : campaign.runs)
     if (run.scope)
       campaign.warnings.push_back(fmt::format(
@@ -282,7 +287,12 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
           {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
           {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
+          {"mm_per_px_sd", camera.mm_per_px_sd},
+          {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
           {"diameter_mm", optional_json(diameter_mm)},
+          {"diameter_sd_mm", diameter_sd_mm},
+          {"height_mm", optional_json(height_mm)},
+          {"working_distance_mm", optional_json(camera.working_distance_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
           {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)}};
@@ -297,7 +307,9 @@ Json Campaign::effective_configuration() const {
                       {"gravity_m_s2", platform.gravity},
                       {"tilt_x_rad", platform.tilt_x},
                       {"tilt_y_rad", platform.tilt_y}};
-  json["part"] = {{"diameter_mm", optional_json(diameter_mm)}, {"height_mm", optional_json(height_mm)}};
+  json["part"] = {{"diameter_mm", optional_json(diameter_mm)},
+                  {"diameter_sd_mm", diameter_sd_mm},
+                  {"height_mm", optional_json(height_mm)}};
   Json fit_json;
   fit_json["parameters"] = Json::array();
   for (const FitParameter parameter : fit.parameters)

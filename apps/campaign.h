@@ -19,6 +19,8 @@ namespace tribotrack::apps {
 struct CameraSection {
   std::optional<double> frame_rate_hz;
   std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< resolved against the campaign's folder
   double xi_axis_rad = 0;
   std::optional<double> working_distance_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
@@ -57,6 +59,7 @@ struct Campaign {
   std::filesystem::path file;
   PlatformSection platform;
   std::optional<double> diameter_mm, height_mm;
+  double diameter_sd_mm = 0;
   CameraSection camera;
   FitSection fit;
   std::vector<CampaignRun> runs;

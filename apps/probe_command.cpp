@@ -117,8 +117,13 @@ void add_probe(CLI::App& app, Context& context) {
     const auto source = vision::open_source(*video, {*fps});
     vision::SourceInfo info = source->info();
     const double pixels = static_cast<double>(info.width) * info.height;
-    const vision::RepeatedFrames repeats =
-        vision::find_repeated_frames(*source, static_cast<std::int64_t>(kPixelsToCompare / pixels) + 2);
+    vision::RepeatedFrames repeats;
+    try {
+      repeats =
+          vision::find_repeated_frames(*source, static_cast<std::int64_t>(kPixelsToCompare / pixels) + 2);
+    } catch (const vision::InputError& error) {
+      info.notes.push_back(std::string("not every frame can be read: ") + error.what());
+    }
     for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
     if (*json)
       fmt::print("{}", text_of(description_of(info, repeats)));

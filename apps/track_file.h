@@ -9,11 +9,14 @@
 #include "apps/meta_file.h"
 #include "fit/track_table.h"
 #include "vision/track.h"
+#include "vision/track_millimetres.h"
 
 namespace tribotrack::apps {
 
 /// The CSV of a track, columns as the interface promises. Without a scale the millimetre columns stay empty.
-std::string track_csv(const vision::Track& track, const std::optional<vision::Scale>& scale,
+/// Where the marker's plane has another scale than the part's top, or a lens is corrected, four columns more:
+/// rho_xy_mm,marker_x_mm,marker_y_mm,marker_sigma_mm.
+std::string track_csv(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
                       double xi_axis_rad);
 
 /// A track read back.

@@ -68,6 +68,18 @@ double scale_in_the_middle(const CameraCalibration& c) {
   return std::sqrt(std::abs(c.locate({0.5 * (c.width - 1), 0.5 * (c.height - 1)}).slope.determinant()));
 }
 
+Eigen::Matrix3d plane_homography(const CameraCalibration& c) {
+  Eigen::Matrix3d camera = Eigen::Matrix3d::Identity();
+  camera(0, 0) = c.lens.fx;
+  camera(1, 1) = c.lens.fy;
+  camera(0, 2) = c.lens.cx;
+  camera(1, 2) = c.lens.cy;
+  Eigen::Matrix3d from_plane;
+  from_plane << c.plane.rotation.col(0), c.plane.rotation.col(1), c.plane.translation;
+  const Eigen::Matrix3d h = (camera * from_plane).inverse();
+  return h / h(2, 2);
+}
+
 PlanePose turned_to_picture(const CameraCalibration& calibration) {
   CameraCalibration c = calibration;
   // A board's z points away from the camera or towards it; ours towards it.

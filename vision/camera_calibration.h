@@ -53,6 +53,10 @@ struct CameraCalibration {
 /// sqrt |det d(mm)/d(px)| in the middle of the picture.
 double scale_in_the_middle(const CameraCalibration& calibration);
 
+/// H with (X, Y, 1) ~ H (u, v, 1): from pixels freed of distortion, at the same camera matrix, to mm on the
+/// plane.
+Eigen::Matrix3d plane_homography(const CameraCalibration& calibration);
+
 /// The pose in which x points right and y up in the middle of the picture, whichever way the board that told
 /// it lay there.
 PlanePose turned_to_picture(const CameraCalibration& calibration);

@@ -10,7 +10,6 @@
 #include <opencv2/aruco/charuco.hpp>
 #include <random>
 
-
 namespace tribotrack::vision {
 namespace {
 
