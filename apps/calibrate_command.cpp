@@ -1,6 +1,7 @@
 // tribotrack calibrate: pictures of a flat board to the camera's lens, the platform's plane and its scale.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <numbers>
 
@@ -8,6 +9,7 @@
 #include "apps/calibration_file.h"
 #include "apps/command.h"
 #include "apps/output_file.h"
+#include "apps/progress.h"
 #include "vision/calibration_pictures.h"
 
 namespace tribotrack::apps {

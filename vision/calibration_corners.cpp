@@ -8,10 +8,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vision/calibration_corner_fit.h"
+
 namespace tribotrack::vision {
 namespace {
 
 constexpr std::size_t kFewestCorners = 8;
+constexpr double kShareOfSquare = 0.35;  ///< of its side that a corner's window reaches
 
 /// 8 bits, the darkest and the brightest percent at the ends: detection wants them, accuracy does not suffer.
 cv::Mat to_8_bit(const Picture& picture) {
@@ -41,11 +44,15 @@ int dictionary_of(const std::string& name) {
   return static_cast<int>(found - names.begin());
 }
 
-/// Refined where the grey levels' gradients all point to the corner (Foerstner and Guelch 1987).
-void refine(const cv::Mat& picture, std::vector<cv::Point2f>& corners, double square_px) {
-  const int half = std::clamp(static_cast<int>(0.3 * square_px), 2, 15);
-  cv::cornerSubPix(picture, corners, {half, half}, {-1, -1},
-                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 200, 1e-5});
+/// OpenCV's refinement (gradients all point to the corner: Foerstner and Guelch 1987) brings the corner to a
+/// tenth of a pixel or better, the fit of its edges in the picture at its full depth to the noise's limit.
+void refine(const Picture& picture, const cv::Mat& grey, std::vector<cv::Point2f>& corners, double reach) {
+  const int half = std::clamp(static_cast<int>(reach), 2, 15);
+  cv::cornerSubPix(grey, corners, {half, half}, {-1, -1},
+                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 100, 1e-4});
+  for (cv::Point2f& corner : corners)
+    if (const auto fitted = fit_corner(picture, {corner.x, corner.y}, std::clamp(reach, 3.0, 15.0)))
+      corner = {static_cast<float>(fitted->x), static_cast<float>(fitted->y)};
 }
 
 double nearest_neighbours_px(const std::vector<cv::Point2f>& corners) {
@@ -55,14 +62,14 @@ double nearest_neighbours_px(const std::vector<cv::Point2f>& corners) {
   return least;
 }
 
-BoardView find_checkerboard(const CalibrationBoard& board, const cv::Mat& picture) {
+BoardView find_checkerboard(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
   BoardView view;
   const cv::Size inner(board.columns - 1, board.rows - 1);
   const bool found = cv::findChessboardCorners(picture, inner, view.seen,
                                                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) ||
                      cv::findChessboardCornersSB(picture, inner, view.seen, cv::CALIB_CB_EXHAUSTIVE);
   if (!found) return {};
-  refine(picture, view.seen, nearest_neighbours_px(view.seen));
+  refine(levels, picture, view.seen, kShareOfSquare * nearest_neighbours_px(view.seen));
   for (int y = 0; y < inner.height; ++y)
     for (int x = 0; x < inner.width; ++x)
       view.on_board.emplace_back(static_cast<float>(x * board.square_mm),
@@ -70,7 +77,7 @@ BoardView find_checkerboard(const CalibrationBoard& board, const cv::Mat& pictur
   return view;
 }
 
-BoardView find_charuco(const CalibrationBoard& board, const cv::Mat& picture) {
+BoardView find_charuco(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
   const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_of(board.dictionary));
   const auto pattern =
       cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
@@ -85,7 +92,7 @@ BoardView find_charuco(const CalibrationBoard& board, const cv::Mat& picture) {
   if (view.seen.size() < kFewestCorners) return {};
   // A corner's window must not reach the markers beside it.
   const double gap = 0.5 * (board.square_mm - board.marker_mm) / board.square_mm;
-  refine(picture, view.seen, nearest_neighbours_px(view.seen) * std::min(1.0, gap / 0.3));
+  refine(levels, picture, view.seen, nearest_neighbours_px(view.seen) * std::min(kShareOfSquare, gap));
   for (const int id : ids) view.on_board.push_back(pattern->chessboardCorners[static_cast<std::size_t>(id)]);
   return view;
 }
@@ -105,8 +112,9 @@ void CalibrationBoard::validate() const {
 
 BoardView find_board(const CalibrationBoard& board, const Picture& picture) {
   const cv::Mat grey = to_8_bit(picture);
-  BoardView view = board.kind == CalibrationBoard::Kind::checkerboard ? find_checkerboard(board, grey)
-                                                                      : find_charuco(board, grey);
+  BoardView view = board.kind == CalibrationBoard::Kind::checkerboard
+                       ? find_checkerboard(board, picture, grey)
+                       : find_charuco(board, picture, grey);
   if (view.seen.size() < kFewestCorners && board.kind == CalibrationBoard::Kind::charuco) return {};
   return view;
 }
