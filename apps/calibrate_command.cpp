@@ -1,6 +1,7 @@
 // tribotrack calibrate: pictures of a flat board to the camera's lens, the platform's plane and its scale.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -25,17 +26,17 @@ struct CalibrateOptions {
 
 vision::CalibrationBoard board_of(const CalibrateOptions& options) {
   vision::CalibrationBoard board;
-  const auto cross = options.squares.find('x');
-  const auto columns = parse_number(options.squares.substr(0, cross));
-  const auto rows =
-      cross == std::string::npos ? std::nullopt : parse_number(options.squares.substr(cross + 1));
-  if (!columns || !rows || *columns != std::floor(*columns) || *rows != std::floor(*rows) ||
-      *columns > 1000 || *rows > 1000)
+  const auto cross = std::min(options.squares.find('x'), options.squares.size());
+  const double columns = parse_number(options.squares.substr(0, cross)).value_or(0);
+  const double rows =
+      cross + 1 < options.squares.size() ? parse_number(options.squares.substr(cross + 1)).value_or(0) : 0;
+  const auto is_count = [](double n) { return n >= 1 && n <= 1000 && n == std::floor(n); };
+  if (!is_count(columns) || !is_count(rows))
     throw UsageError(
         fmt::format("--squares must read COLUMNSxROWS, such as 10x7 (squares, not corners), not \"{}\"",
                     options.squares));
-  board.columns = static_cast<int>(*columns);
-  board.rows = static_cast<int>(*rows);
+  board.columns = static_cast<int>(columns);
+  board.rows = static_cast<int>(rows);
   board.square_mm = *options.square_mm;
   board.dictionary = options.dictionary;
   if (options.marker_mm) {

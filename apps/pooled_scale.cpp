@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "vision/scale.h"
-
 namespace tribotrack::apps {
 
 namespace {

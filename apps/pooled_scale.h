@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/analysis.h"
+#include "vision/scale.h"
 
 namespace tribotrack::apps {
 
