@@ -91,7 +91,7 @@ void print(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats
     fmt::print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
                std::ranges::max(info.exposures_s));
   else if (info.exposure_s)
-    fmt::print("  exposure {} s\n", *info.exposure_s);
+    fmt::print("  exposure {:.6g} s\n", *info.exposure_s);
   if (info.black_level && info.white_level)
     fmt::print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
   if (!info.camera.empty()) fmt::print("  camera {}\n", info.camera);

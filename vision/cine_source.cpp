@@ -70,11 +70,16 @@ void move_to_mid_exposure(std::vector<double>& stamps, const std::vector<double>
     stamps[i] += 0.5 * (exposures[i] - exposures[0]);
 }
 
-/// Exposures written image by image repeat the header's to a clock tick; else they vary.
-bool exposures_vary(const std::vector<double>& exposures) {
-  if (exposures.empty()) return false;
-  const auto [least, most] = std::minmax_element(exposures.begin(), exposures.end());
-  return *most - *least > std::max(1e-7, 1e-3 * *most);
+/// Exposures written image by image repeat the header's to a clock tick; else they vary. Images that do not
+/// belong to the recording have no say.
+bool exposures_vary(const std::vector<double>& exposures, const std::vector<std::int64_t>& strays) {
+  double least = 1e9, most = 0;
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    if (std::ranges::binary_search(strays, static_cast<std::int64_t>(i))) continue;
+    least = std::min(least, exposures[i]);
+    most = std::max(most, exposures[i]);
+  }
+  return most - least > std::max(1e-7, 1e-3 * most);
 }
 
 double linear_level(const CineHeader& header, int stored) {
@@ -161,14 +166,14 @@ class CineSource : public FrameSource {
 
  private:
   void describe_time(const SourceOptions& options) {
-    if (exposures_vary(header_.exposures_s)) {
+    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
+    StampCheck check = check_stamps(stamps, kClockTick);
+    if (exposures_vary(header_.exposures_s, check.strays)) {
       info_.exposures_s = header_.exposures_s;
       info_.exposure_s = header_.exposures_s.front();
       info_.notes.push_back("the exposure varies within the shot: a frame's time is the middle of its own");
+      move_to_mid_exposure(stamps, header_.exposures_s);
     }
-    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
-    StampCheck check = check_stamps(stamps, kClockTick);
-    move_to_mid_exposure(stamps, header_.exposures_s);
     info_.time_base = choose_time_base(rate_candidates(header_, check.rate_hz, options));
     if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
     const double stamped_rate = check.rate_hz;

@@ -179,9 +179,9 @@ TEST(CalibrateCamera, ACharucoBoardMayBeSeenInPart) {
   CalibrationBoard board = board_of(8, 6);
   board.kind = CalibrationBoard::Kind::charuco;
   board.marker_mm = 0.7 * kSquare;
-  // Its ink by OpenCV's own drawing, 20 px a square, read to the nearest: an edge of the board is where it
+  // Its ink by OpenCV's own drawing, 60 px a square, read to the nearest: an edge of the board is where it
   // says.
-  constexpr int per_square = 20;
+  constexpr int per_square = 60;
   const auto pattern =
       cv::aruco::CharucoBoard::create(8, 6, static_cast<float>(kSquare), static_cast<float>(board.marker_mm),
                                       cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50));

@@ -291,6 +291,7 @@ TEST_F(RealCineTest, PackedTenBits) {
   for (int k = 0; k < 234; ++k) EXPECT_NEAR(other->time_s(k), k / 100.0, 1e-6);
   // Its last image was stamped 292 days later and is blank: kept, and said.
   EXPECT_THAT(other->info().notes, ::testing::Contains(HasSubstr("image 234")));
+  EXPECT_TRUE(other->info().exposures_s.empty()) << "that image's exposure has no say";
 }
 
 TEST_F(RealCineTest, AColourMosaicIsExplained) {
