@@ -181,6 +181,9 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start, bool curv
   };
   double damping = 1e-3;
   Covariance normal;
+  struct {
+    double weight = 0, square = 0, slope = 0;  // sums of w, psi^2, psi'
+  } influence;
   for (int round = 0; round < 4; ++round) {
     double cost = weighted_cost(fit.p);
     for (int k = 0; k < 25; ++k) {
@@ -227,17 +230,26 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start, bool curv
     const double scale = std::max(0.3, 1.4826 * median_of(sizes));
     double weight = 0;
     double squares = 0;
+    influence = {};
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const double t = sizes[i] / (6 * scale);
       pixels[i].weight = t < 1 ? (1 - t * t) * (1 - t * t) : 0;
       weight += pixels[i].weight;
       squares += pixels[i].weight * sizes[i] * sizes[i];
+      influence.square += std::pow(pixels[i].weight * sizes[i], 2);
+      influence.slope += t < 1 ? (1 - t * t) * (1 - 5 * t * t) : 0;
     }
+    influence.weight = weight;
     fit.residual_rms = std::sqrt(squares / std::max(1.0, weight - kParameters));
   }
   const Covariance inverse_normal = normal.ldlt().solve(Covariance::Identity());
-  fit.covariance = inverse_normal * fit.residual_rms * fit.residual_rms;
+  // Huber (1981): with psi = w r the covariance is E[psi^2] / E[psi']^2 (sum g g^T)^-1, g the slopes.
+  const auto count = static_cast<double>(pixels.size());
+  const double gain = influence.weight / std::max(1.0, influence.slope);
+  fit.covariance = inverse_normal * gain * gain * (influence.square / influence.weight) * count /
+                   std::max(1.0, count - kParameters);
   fit.sector_pull = sector_pull(pixels, fit, inverse_normal);
+  for (double& pull : fit.sector_pull) pull *= gain;
   return fit;
 }
 
@@ -340,7 +352,7 @@ MeanRadius mean_radius(std::span<const DiscFit> fits) {
   if (!sectors) return mean;
   for (const DiscFit& fit : fits)
     for (std::size_t k = 0; k < kSectors; ++k) pull[k] += fit.sector_pull[k] / count;
-  mean.sd = std::sqrt(scatter_of_sum(pull));
+  mean.sd = std::sqrt(std::max(white, scatter_of_sum(pull)));
   return mean;
 }
 

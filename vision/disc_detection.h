@@ -39,7 +39,7 @@ struct MeanRadius {
 
 /// The mean radius. Its sd comes from how differently the sectors of the rim pull at it, each sector's pull
 /// averaged over the frames: noise averages out, what belongs to the disc (a scratch across its rim) does not
-/// and stays in the sd. Where the rim has too few sectors, the noise alone. `fits` must not be empty.
+/// and stays in the sd, which is never less than that of the noise alone. `fits` must not be empty.
 MeanRadius mean_radius(std::span<const DiscFit> fits);
 
 /// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does

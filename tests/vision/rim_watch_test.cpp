@@ -35,6 +35,8 @@ TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
       ASSERT_TRUE(mean);
       EXPECT_NEAR(mean->radius, radius, 0.005) << highlight;
       EXPECT_LT(mean->sd, 0.0025);
+      std::printf("highlight %g, radius %g: error %+.5f, sd %.5f px\n", highlight, radius,
+                  mean->radius - radius, mean->sd);
       squares += std::pow((mean->radius - radius) / mean->sd, 2);
       ++count;
     }
@@ -61,7 +63,7 @@ TEST(MeanRadius, WhatBelongsToTheDiscDoesNotAverageOut) {
   // A slow change along the rim is no scatter.
   for (int k = 0; k < 36; ++k)
     fit.sector_pull[static_cast<std::size_t>(k)] = 0.01 * std::cos(2 * M_PI * 2 * k / 36);
-  EXPECT_LT(mean_radius({&fit, 1}).sd, 1e-9);
+  EXPECT_NEAR(mean_radius({&fit, 1}).sd, 1e-4, 1e-12);  // the noise alone
 }
 
 }  // namespace
