@@ -396,7 +396,7 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     if (!p.allFinite()) return std::nullopt;
     band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
     // A level that may curve needs pixels to tell its slope by.
-    if (p(2) >= kCurvedRadius) band = std::max(band, std::min(std::clamp(9 * p(3), 8.0, 30.0), 0.35 * p(2)));
+    if (p(2) >= kCurvedRadius) band = std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2)));
   }
   DiscFit result;
   result.circle = {p(0), p(1), p(2)};

@@ -369,14 +369,14 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   count(result.track, options.max_lost_share, summary);
   note_effort(part.effort(), summary);
   pass.excess = median_excess(excess);
-  if (const auto mean = rim.radius(); mean && summary.disc_radius_sd < kClickSd) {
-    summary.disc.radius = mean->radius;
-    summary.disc_radius_sd = mean->sd;
-  }
   summary.layered =
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);
       });
+  if (const auto mean = rim.radius(); mean && summary.disc_radius_sd < kClickSd) {
+    summary.disc.radius = mean->radius;
+    summary.disc_radius_sd = mean->sd;
+  }
   if (!summary.layered) note_excess(pass.excess, summary.noise_levels, summary);
   return result;
 }
