@@ -12,6 +12,7 @@
 #include "apps/meta_file.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
+#include "model/peers/peer.h"
 
 namespace tribotrack::apps {
 
@@ -61,9 +62,9 @@ Json circumstances() {
                         "the 1/12 of rounding included"},
                        {"fit", "truth of simulated campaigns; 1 degree on alpha and 2 % on v per run"}};
   json["peers"] =
-      "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, compiled with the "
-      "same "
-      "flags; OpenCV as installed, on one thread";
+      "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, and Boost.odeint, "
+      "compiled with the same flags (odeint a second time for AVX2 and FMA); SUNDIALS and OpenCV as "
+      "installed, on one thread";
   return json;
 }
 
@@ -78,6 +79,7 @@ class Bench {
   void model() {
     model::ModelBenchOptions options;
     options.quick = options_.quick;
+    options.peers = model::peers::all_peers();
     std::vector<model::ModelBenchRow> rows;
     std::vector<model::ModelExtremeRow> extremes;
     {
@@ -176,7 +178,7 @@ void add_bench(CLI::App& app, Context& context) {
   command
       .add_option(
           "WHAT", options->what,
-          "model: integrators and the table of extremes (15 s); vision: sub-pixel methods on rendered "
+          "model: integrators and the table of extremes (two minutes); vision: sub-pixel methods on rendered "
           "scenes (a minute); fit: exact derivatives against differences (a minute); all")
       ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
       ->required();

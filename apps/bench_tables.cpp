@@ -62,25 +62,28 @@ PlotSeries& series_in(std::vector<PlotPanel>& panels, const std::string& title, 
 BenchTable table_of(const std::vector<model::ModelBenchRow>& rows) {
   BenchTable table;
   table.csv =
-      "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,time_s,repetitions,"
+      "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
+      "repetitions,"
       "time_over_ours,reference\n";
   std::vector<PlotPanel> panels;
   std::string scene;
   for (const auto& row : rows) {
     if (row.scene != scene) {
       scene = row.scene;
-      table.text += fmt::format("\n{}\n  {:<24} {:>9} {:>10} {:>9} {:>11} {:>11}  at the same error\n", scene,
-                                "method", "tolerance", "max step", "steps", "error, m", "time");
+      table.text +=
+          fmt::format("\n{}\n  {:<45} {:>9} {:>10} {:>9} {:>11} {:>11} {:>11}  at the same error\n", scene,
+                      "method", "tolerance", "max step", "steps", "error, m", "of path, m", "time");
     }
-    table.csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene), quoted(row.method),
-        row.tolerance > 0 ? exact(row.tolerance) : "", row.max_step > 0 ? exact(row.max_step) : "",
-        yes(row.finished), row.steps, exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), exact(row.error),
-        compact(row.time), row.repetitions, compact(row.time_over_ours), quoted(row.reference));
-    table.text += fmt::format("  {:<24} {:>9} {:>10} {:>9} {:>11.2g} {:>11}  {}\n", row.method,
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene),
+                             quoted(row.method), row.tolerance > 0 ? exact(row.tolerance) : "",
+                             row.max_step > 0 ? exact(row.max_step) : "", yes(row.finished), row.steps,
+                             exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), exact(row.error),
+                             exact(row.path_error), compact(row.time), row.repetitions,
+                             compact(row.time_over_ours), quoted(row.reference));
+    table.text += fmt::format("  {:<45} {:>9} {:>10} {:>9} {:>11.2g} {:>11.2g} {:>11}  {}\n", row.method,
                               row.tolerance > 0 ? fmt::format("{:g}", row.tolerance) : "-",
                               row.max_step > 0 ? fmt::format("{:g} s", row.max_step) : "-", row.steps,
-                              row.error, duration(row.time), verdict(row));
+                              row.error, row.path_error, duration(row.time), verdict(row));
     if (row.finished)
       series_in(panels, row.scene, row.method, row.ours).points.push_back({row.time, row.error});
   }
