@@ -50,7 +50,7 @@ struct ModelBenchRow {
   bool finished = true;
   Eigen::Vector2d end = Eigen::Vector2d::Zero();  ///< m
   double error = 0;                               ///< m, |end - reference|
-  double path_error = 0;  ///< m, the largest |x - reference| over the ends of the cycles
+  double path_error = 0;  ///< m, the largest |x - reference| after 1, 2, 5, 10 and all cycles
   double time = 0;        ///< s, CPU time, median of repetitions taken in turn with the others
   int repetitions = 0;
   std::string reference;
