@@ -69,6 +69,17 @@ void add_ellipses(ExtremeList& list) {
   });
 }
 
+/// Tilted so that the drive grows smoothly through friction once a cycle: by ever less.
+void add_smooth_take_offs(ExtremeList& list) {
+  for (const double tilt : {0.03, 0.0078, 0.00744}) {
+    Scenario s = list.stick.base;
+    s.friction.nominal = 0.12;
+    s.friction.pulse_width = 0;
+    s.drive.tilt_x = tilt;
+    list.add("takes off smoothly, tilt " + number(tilt), s, scaling_law());
+  }
+}
+
 void add_tilts(ExtremeList& list) {
   for (const double offset : {1e-6, 1e-9})
     for (const double side : {-1.0, 1.0}) {
@@ -107,6 +118,7 @@ void add_tilts(ExtremeList& list) {
 void add_drive_extremes(ExtremeList& list) {
   add_ellipses(list);
   add_scales(list);
+  add_smooth_take_offs(list);
   add_tilts(list);
 }
 
@@ -135,6 +147,11 @@ void add_start_extremes(ExtremeList& list) {
         s.initial_velocity = {1e-300, 0};
       },
       [](const Scenario& base, const Scenario&) { return same_as("as from rest", base, 1e-11); });
+  for (const double speed : {1e-17, 1e-8})
+    list.add_both(
+        "initial speed " + number(speed) + " m/s",
+        [speed](Scenario& s) { s.initial_velocity = {speed, speed / 3}; },
+        [](const Scenario& base, const Scenario&) { return never_separates_from(base); });
   list.add_both(
       "initial speed 1e3 m/s",
       [](Scenario& s) {

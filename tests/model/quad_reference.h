@@ -12,56 +12,11 @@
 #include <stdexcept>
 #include <vector>
 
+#include "model/quad_creep.h"
+#include "model/quad_math.h"
 #include "model/scenario.h"
 
 namespace tribotrack::model::reference {
-
-__extension__ typedef __float128 quad;
-
-inline quad absolute(quad x) {
-  return x < 0 ? -x : x;
-}
-inline quad square_root(quad x) {
-  if (!(x > 0)) return 0;
-  quad r = std::sqrt(static_cast<double>(x));
-  if (r == 0) r = static_cast<quad>(1e-160);
-  for (int i = 0; i < 4; ++i) r = (r + x / r) / 2;
-  return r;
-}
-/// Machin's formula.
-inline quad pi() {
-  const auto arctan_inverse = [](int n) {
-    quad sum = 0, power = quad(1) / n;
-    for (int k = 0; k < 60; ++k, power /= n * n) sum += (k % 2 == 0 ? power : -power) / (2 * k + 1);
-    return sum;
-  };
-  static const quad value = 4 * (4 * arctan_inverse(5) - arctan_inverse(239));
-  return value;
-}
-inline quad floor_of(quad x) {
-  quad n = std::floor(static_cast<double>(x));
-  while (n > x) n -= 1;
-  while (n + 1 <= x) n += 1;
-  return n;
-}
-inline void sine_cosine(quad x, quad& s, quad& c) {
-  x -= 2 * pi() * floor_of(x / (2 * pi()) + quad(0.5));
-  x /= 64;
-  quad sine = 0, versine = 0, term = x;  // sin and 1 - cos of the small angle
-  for (int k = 1; k < 16; ++k) {
-    sine += term;
-    term *= x / (2 * k);
-    versine += term;
-    term *= -x / (2 * k + 1);
-  }
-  for (int i = 0; i < 6; ++i) {  // doubling: 1 - cos 2x = 2 sin^2 x
-    const quad doubled = 2 * sine * (1 - versine);
-    versine = 2 * sine * sine;
-    sine = doubled;
-  }
-  s = sine;
-  c = 1 - versine;
-}
 
 /// All parameters of a Scenario, in quadruple precision.
 struct QuadScenario {
@@ -183,7 +138,10 @@ class QuadIntegrator {
       if (j > 0) {
         error = 0;
         for (int i = 0; i < 7; ++i)
-          error = std::fmax(error, std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])));
+          if (const double e = std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])); !(e <= error)) {
+            if (!(e < HUGE_VAL)) return HUGE_VAL;
+            error = e;
+          }
       }
       result = row[j];
       easy = j < kColumns - 2;
@@ -194,43 +152,97 @@ class QuadIntegrator {
   }
 
   quad excess(quad s) const {
-    quad k, c;
-    sine_cosine(s, k, c);
-    const quad dx = gx_ + px_ * c + qx_ * k, dy = gy_ + py_ * c + qy_ * k;
+    quad dx, dy;
+    drive().at(s, dx, dy);
     return dx * dx + dy * dy - kappa_ * kappa_;
+  }
+  /// Half of its derivative.
+  quad excess_slope(quad s) const {
+    quad dx, dy, k, c;
+    drive().at(s, dx, dy);
+    sine_cosine(s, k, c);
+    return dx * (qx_ * c - px_ * k) + dy * (qy_ * c - py_ * k);
+  }
+  QuadDrive drive() const { return {gx_, gy_, px_, py_, qx_, qy_}; }
+
+  /// The first phase in [from, to] at which sign * excess grows through sign * level; `to` if none. A grid,
+  /// and the peaks between its points: the excess has at most four extrema a cycle.
+  quad crossing(quad from, quad to, quad level, int sign) const {
+    const auto above = [&](quad s) { return sign * (excess(s) - level) > 0; };
+    const auto climbs = [&](quad s) { return sign * excess_slope(s) > 0; };
+    const auto bisect = [](quad low, quad high, auto&& beyond) {
+      for (int i = 0; i < 110; ++i) {
+        const quad middle = (low + high) / 2;
+        (beyond(middle) ? high : low) = middle;
+      }
+      return high;
+    };
+    const quad grid = pi() / 200;
+    for (quad low = from; low < to;) {
+      const quad high = low + grid < to ? low + grid : to;
+      if (above(high)) return bisect(low, high, above);
+      if (climbs(low) && !climbs(high)) {
+        const quad peak = bisect(low, high, [&](quad s) { return !climbs(s); });
+        if (above(peak)) return bisect(low, peak, above);
+      }
+      low = high;
+    }
+    return to;
   }
 
   void go(quad target, quad kappa) {
     kappa_ = kappa;
     while (s_ < target) {
-      const quad speed = square_root(ux_ * ux_ + uy_ * uy_);
-      if (speed == 0)
+      if (absolute(ux_) + absolute(uy_) < quad(1e-26)) ux_ = uy_ = 0;
+      if (ux_ == 0 && uy_ == 0)
         rest(target);
+      else if (creep(target))
+        continue;
       else
         slide(target);
     }
+  }
+
+  /// Slow, along the drive, and neither speeding up nor slowing down fast? Then over one long interval.
+  bool creep(quad target) {
+    const quad r = square_root(ux_ * ux_ + uy_ * uy_);
+    if (!(kappa_ > 0) || r > quad(0.02) * kappa_) return false;
+    if (steps_ < creep_again_) return false;
+    quad dx, dy;
+    drive().at(s_, dx, dy);
+    if (r > 0 && absolute(ux_ * dy - uy_ * dx) > 5 * r * r) return false;
+    const quad rate = (r > 0 ? (ux_ * dx + uy_ * dy) / r : square_root(dx * dx + dy * dy)) - kappa_;
+    if (absolute(rate) > quad(0.05) * kappa_) return false;
+    static const ChebyshevCreep chebyshev;
+    quad h = target - s_ < quad(0.4) ? target - s_ : quad(0.4);
+    // Where the drive falls below friction again the part may stop soon after: in small steps there.
+    const quad falls = crossing(s_, s_ + h, 0, -1) - s_;
+    if (rate > 0 && falls < h) h = falls / 2 > quad(1e-12) ? falls / 2 : h;
+    if (rate < 0 && h * -rate > quad(0.9) * r) h = quad(0.9) * r / -rate;
+    for (int i = 0; i < 9; ++i, h /= 3) {
+      const auto end = chebyshev.over(drive(), kappa_, s_, h, ux_, uy_);
+      if (!end) continue;
+      ux_ = end->ux;
+      uy_ = end->uy;
+      x_ += end->dx;
+      y_ += end->dy;
+      s_ = h < target - s_ ? s_ + h : target;
+      if (rate < 0 && square_root(ux_ * ux_ + uy_ * uy_) < quad(1e-26)) {
+        ux_ = uy_ = 0;
+        if (excess(s_) <= 0) ++stops_;
+      }
+      return true;
+    }
+    creep_again_ = steps_ + 200;
+    return false;
   }
 
   /// Held until |d| grows through kappa, then off along the drive.
   void rest(quad target) {
     const quad rounding = quad(1e-15) * kappa_ * kappa_;
     if (excess(s_) <= rounding) {
-      const quad grid = pi() / 2000;
-      quad low = s_, high = low;
-      for (;;) {
-        if (low >= target) {
-          s_ = target;
-          return;
-        }
-        high = low + grid < target ? low + grid : target;
-        if (excess(high) > rounding) break;
-        low = high;
-      }
-      for (int i = 0; i < 120; ++i) {
-        const quad middle = (low + high) / 2;
-        (excess(middle) > 0 ? high : low) = middle;
-      }
-      s_ = high;
+      s_ = crossing(s_, target, rounding, 1);
+      if (s_ >= target) return;
       take_off(target);
       return;
     }
@@ -238,7 +250,8 @@ class QuadIntegrator {
     sine_cosine(s_, k, c);
     const quad dx = gx_ + px_ * c + qx_ * k, dy = gy_ + py_ * c + qy_ * k;
     const quad norm = square_root(dx * dx + dy * dy), surplus = norm - kappa_;
-    const quad t = quad(1e-23);
+    if (creep(target)) return;
+    const quad t = quad(1e-24) / surplus;
     ux_ = surplus * t * dx / norm;
     uy_ = surplus * t * dy / norm;
     s_ += t;
@@ -298,6 +311,9 @@ class QuadIntegrator {
       return absolute(nx[kLast] * power) + absolute(ny[kLast] * power) < quad(1e-27);
     };
     while (!negligible(t)) t /= quad(1.25);
+    // Not as far as to where the drive falls below friction again: the part may stop there.
+    const quad falls = crossing(s_ + quad(1e-9), s_ + t, 0, -1) - s_;
+    if (falls < t) t = falls / 4;
     if (s_ + t > target) t = target - s_;
     // position by Simpson-free exact integration of the product series
     std::array<quad, kTerms + 1> vx{}, vy{};
@@ -322,10 +338,14 @@ class QuadIntegrator {
     sine_cosine(s_, k, c);
     State y{ux_, uy_, 0, x_, y_, c, k}, next;
     const quad base = s_, floor = quad(1e-26);
-    quad h = quad(0.25);
+    // Directions and speeds change over sigma ~ 1/(|d| + kappa), whatever the units.
+    quad dx, dy;
+    drive().at(s_, dx, dy);
+    const quad longest = quad(1.5) / (square_root(dx * dx + dy * dy) + kappa_);
+    quad h = step_ < longest ? step_ : longest;
     bool stopped = false, easy = false;
     for (long count = 0;; ++count) {
-      if (count > 400000) throw std::runtime_error("reference: too many steps");
+      if (++steps_ > patience_) throw std::runtime_error("reference: too many steps");
       const double error = step(y, h, next, easy);
       if (error > tolerance_) {
         h /= 2;
@@ -349,7 +369,12 @@ class QuadIntegrator {
         s_ = base + y[2];
         break;
       }
-      if (easy && h < 1) h *= quad(1.5);
+      if (easy && h < longest) h *= quad(1.5);
+      step_ = h;
+      if (count % 40 == 39) {  // back to the caller, which may find that it creeps
+        s_ = base + y[2];
+        break;
+      }
     }
     x_ = y[3];
     y_ = y[4];
@@ -359,6 +384,8 @@ class QuadIntegrator {
   }
 
   double tolerance_;
+  long steps_ = 0, patience_ = 60000, creep_again_ = 0;
+  quad step_ = 0.25;
   quad w_, unit_, gx_, gy_, px_, py_, qx_, qy_, nominal_, reduced_, kappa_ = 0;
   quad opening_, width_, end_;
   bool always_ = false;
