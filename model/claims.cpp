@@ -30,10 +30,10 @@ std::vector<PaperClaim> paper_claims(const ClaimOptions& options) {
 }
 
 /// Coarsely, then by golden sections: v has one maximum in dtau.
-double widest_drift(Scenario s) {
+double width_of_greatest_v(Scenario s, bool steady) {
   const auto v = [&](double dtau) {
     s.friction.pulse_width = dtau;
-    return internal::steady_drift(s).v;
+    return (steady ? internal::steady_drift(s) : internal::drift_from_rest(s)).v;
   };
   constexpr double kTurn = 2 * std::numbers::pi;
   constexpr int kCoarse = 64;

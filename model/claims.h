@@ -44,8 +44,9 @@ Scenario paper_conditions(double mu1, double dtau, double phi = 0);
 
 std::vector<PaperClaim> paper_claims(const ClaimOptions& options = {});
 
-/// Where the steady v is greatest over dtau (rad), found to 1e-6; mu1, mu2, A, w as in the scenario.
-double widest_drift(Scenario scenario);
+/// Where v is greatest over dtau (rad), found to 1e-6; mu1, mu2, A, w as in the scenario. v of the steady
+/// motion, or over the scenario's cycles from rest.
+double width_of_greatest_v(Scenario scenario, bool steady = true);
 
 const char* to_string(Verdict verdict);
 
