@@ -46,14 +46,15 @@ struct Scene {
 PlanStage stick(const Scene& scene) {
   if (scene.may_stick)
     return {"stick and release", true,
-            with_figures("friction %.4g m/s^2 can hold the part: the drive falls to %.4g m/s^2", scene.friction,
-                         scene.least),
+            with_figures("friction %.4g m/s^2 can hold the part: the drive falls to %.4g m/s^2",
+                         scene.friction, scene.least),
             0, 0};
-  return {"stick and release", false,
-          with_figures("the drive never falls below %.4g m/s^2, friction is at most %.4g m/s^2: the part, once "
-                       "sliding, never sticks",
-                       scene.least, scene.friction),
-          cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kStop), 0};
+  return {
+      "stick and release", false,
+      with_figures("the drive never falls below %.4g m/s^2, friction is at most %.4g m/s^2: the part, once "
+                   "sliding, never sticks",
+                   scene.least, scene.friction),
+      cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kStop), 0};
 }
 
 PlanStage switches(const Scene& scene) {
@@ -62,7 +63,8 @@ PlanStage switches(const Scene& scene) {
     return {"friction switches", true,
             with_figures("mu switches between %.4g and %.4g twice a cycle", f.nominal, f.reduced), 0, 0};
   return {"friction switches", false, "mu is constant: a pulse of no width, or mu2 = mu1",
-          cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kSwitchedCycle - cost::kSmoothCycle), 0};
+          cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kSwitchedCycle - cost::kSmoothCycle),
+          0};
 }
 
 PlanStage driven(const Scene& scene) {
@@ -70,17 +72,17 @@ PlanStage driven(const Scene& scene) {
   const double w = d.angular_frequency, a = std::max(d.amplitude, d.amplitude_y) * w * w;
   if (a > 0) return {"platform drive", true, with_figures("a = A w^2 = %.4g m/s^2", a), 0, 0};
   // A straight line, and rest after it, whatever the number of cycles.
-  const double with = scene.cycles * scene.cycle_cost();
+  const double with = scene.cycles * (scene.pulses ? cost::kSwitchedCycle : cost::kSmoothCycle);
   return {"platform drive", false, "A = 0: a free slide along a straight line",
-          cost::saving(std::min(with, cost::kStop), with), 0};
+          cost::saving(std::min(with, cost::kFreeSlide), with), 0};
 }
 
 PlanStage elliptic(const Scene& scene) {
   const Drive& d = scene.scenario.drive;
   const bool circular = d.amplitude == d.amplitude_y && std::fabs(std::cos(d.phase_shift)) < 1e-15;
   if (circular)
-    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both", 0,
-            0};
+    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both",
+            0, 0};
   return {"elliptic drive", true,
           with_figures("the drive's x and y differ: A = %.4g mm, A_y = %.4g mm, epsilon = %.6g rad",
                        1e3 * d.amplitude, 1e3 * d.amplitude_y, d.phase_shift),
@@ -97,14 +99,21 @@ PlanStage tilt(const Scene& scene) {
 PlanStage transient(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
   if (scene.scenario.start == Start::rest)
     return {"transient", true, "the run starts from rest: its first cycles differ from the others", 0, 0};
-  if (!orbit)
-    return {"transient", true, "no unique periodic motion exists to start from", 0, 0};
+  if (scene.scenario.start == Start::circling)
+    return {"transient", scene.pulses,
+            scene.pulses
+                ? "the run starts circling at constant mu1: with the pulses its first cycles differ from "
+                  "the others"
+                : "the run starts on the circle of constant mu1 and stays there",
+            0, 0};
+  if (!orbit) return {"transient", true, "no unique periodic motion exists to start from", 0, 0};
   const double settle = cost::cycles_until_repeating(orbit->contraction);
   const double direct = orbit->contraction > 0 ? cost::kOrbitInCycles : cost::kStickingOrbitInCycles;
   return {"transient", false,
-          with_figures("the run starts on a periodic motion, found directly by Newton's method in %.0f iterations; "
-                       "a run would settle in %.0f cycles",
-                       orbit->newton_iterations, settle),
+          with_figures(
+              "the run starts on a periodic motion, found directly by Newton's method in %.0f iterations; "
+              "a run would settle in %.0f cycles",
+              orbit->newton_iterations, settle),
           cost::saving(1 + direct, 1 + settle), 0};
 }
 
@@ -118,10 +127,11 @@ PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbi
   const bool on_orbit = scene.scenario.start == Start::steady;
   const double integrated = on_orbit ? 2 : cost::cycles_until_repeating(c);
   if (scene.cycles <= integrated)
-    return {name, true,
-            with_figures("%.4g cycles are fewer than the %.4g after which they repeat (contraction %.3g a cycle)",
-                         scene.cycles, integrated, c),
-            0, 0};
+    return {
+        name, true,
+        with_figures("%.4g cycles are fewer than the %.4g after which they repeat (contraction %.3g a cycle)",
+                     scene.cycles, integrated, c),
+        0, 0};
   const Drive& d = scene.scenario.drive;
   const double w = d.angular_frequency, unit = std::max(d.amplitude, d.amplitude_y) * w;
   const double copies = scene.cycles - integrated, period = 2 * std::numbers::pi / w;
@@ -138,7 +148,8 @@ PlanStage derivatives(const PlanPurpose& purpose) {
             with_figures("%.0f parameters: %.2g times the time of a plain run", purpose.derivatives,
                          cost::derivatives(purpose.derivatives)),
             0, 0};
-  return {"derivatives", false, "nobody asks for them: only a fit does", cost::saving(1, cost::derivatives(3)), 0};
+  return {"derivatives", false, "nobody asks for them: only a fit does",
+          cost::saving(1, cost::derivatives(3)), 0};
 }
 
 }  // namespace
@@ -147,14 +158,14 @@ std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose
   scenario.validate();
   const Scene scene(scenario);
   const bool worth_knowing = scenario.start != Start::rest || scene.cycles > 2;
-  const auto orbit =
-      worth_knowing ? steady_orbit(scenario, scenario.start != Start::circling || scene.pulses) : std::nullopt;
+  const auto orbit = worth_knowing ? steady_orbit(scenario) : std::nullopt;
   std::vector<PlanStage> stages{stick(scene), switches(scene), driven(scene), elliptic(scene), tilt(scene)};
   stages.push_back(transient(scene, orbit));
   if (worth_knowing)
     stages.push_back(every_cycle(scene, orbit));
   else
-    stages.push_back({"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles), 0, 0});
+    stages.push_back(
+        {"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles), 0, 0});
   stages.push_back(derivatives(purpose));
   return stages;
 }

@@ -29,8 +29,9 @@ struct PlanPurpose {
 /// (model/internal/plan_cost.h); `tribotrack bench model` prints them beside measured ones.
 std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});
 
-/// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a trigonometric
-/// polynomial of degree 2; its minima are found by safeguarded Newton steps between samples of its slope.
+/// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a
+/// trigonometric polynomial of degree 2; its minima are found by safeguarded Newton steps between samples of
+/// its slope.
 double least_drive(const Drive& drive);
 
 }  // namespace tribotrack::model

@@ -14,10 +14,12 @@ inline constexpr double kSmoothCycle = 6.5;
 inline constexpr double kSwitchedCycle = 22;
 /// A stop, the rest after it and the release, beyond the sliding around them.
 inline constexpr double kStop = 25;
+/// A free slide to its stop, however long.
+inline constexpr double kFreeSlide = 25;
 /// Newton's method on the one-cycle map: cycles' worth of plain steps, with derivatives by the velocity.
-inline constexpr double kOrbitInCycles = 8.5;
+inline constexpr double kOrbitInCycles = 11;
 /// An orbit that sticks is found in one cycle and confirmed in a second.
-inline constexpr double kStickingOrbitInCycles = 3;
+inline constexpr double kStickingOrbitInCycles = 5;
 /// Two velocities this close, relative to the speed, count as the same: cycles repeat from there on.
 inline constexpr double kSameVelocity = 4e-16;
 
