@@ -40,11 +40,13 @@ void add_sweep(PaperClaim& claim, const std::string& conditions, const std::vect
   const std::string wrong = sign > 0 ? "v falls" : "v rises";
   claim.figures.push_back({conditions, wrong + " from", unit_factor * m.fails_from, unit});
   claim.figures.push_back({conditions, wrong + " until", unit_factor * m.fails_to, unit});
+  claim.finding += (claim.finding.empty() ? "Not for " : "; ") + conditions + ": " + wrong +
+                   text_of(" from %.4g to %.4g ", unit_factor * m.fails_from, unit_factor * m.fails_to) +
+                   unit;
 }
 
-std::string summed_up(const PaperClaim& claim, const char* true_text) {
-  return claim.verdict == Verdict::holds ? std::string(true_text)
-                                         : "Not everywhere: the figures say from where to where not.";
+std::string summed_up(const PaperClaim& claim, const char* if_true) {
+  return claim.finding.empty() ? if_true : claim.finding + ".";
 }
 
 }  // namespace

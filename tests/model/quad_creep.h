@@ -11,20 +11,10 @@
 #include <cmath>
 #include <optional>
 
+#include "model/quad_drive.h"
 #include "model/quad_math.h"
 
 namespace tribotrack::model::reference {
-
-/// d(s) = constant + p cos s + q sin s.
-struct QuadDrive {
-  quad constant_x = 0, constant_y = 0, px = 0, py = 0, qx = 0, qy = 0;
-  void at(quad s, quad& x, quad& y) const {
-    quad sine, cosine;
-    sine_cosine(s, sine, cosine);
-    x = constant_x + px * cosine + qx * sine;
-    y = constant_y + py * cosine + qy * sine;
-  }
-};
 
 struct QuadCreep {
   quad ux = 0, uy = 0, dx = 0, dy = 0;  ///< velocity at the end of the interval, way over it
