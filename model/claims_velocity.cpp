@@ -41,8 +41,8 @@ void add_sweep(PaperClaim& claim, const std::string& conditions, const std::vect
   claim.figures.push_back({conditions, wrong + " from", unit_factor * m.fails_from, unit});
   claim.figures.push_back({conditions, wrong + " until", unit_factor * m.fails_to, unit});
   claim.finding += (claim.finding.empty() ? "Not for " : "; ") + conditions + ": " + wrong +
-                   text_of(" from %.4g to %.4g ", unit_factor * m.fails_from, unit_factor * m.fails_to) +
-                   unit;
+                   text_of(" from %.4g to %.4g", unit_factor * m.fails_from, unit_factor * m.fails_to) +
+                   (unit.empty() ? "" : " " + unit);
 }
 
 std::string summed_up(const PaperClaim& claim, const char* if_true) {
