@@ -61,7 +61,7 @@ struct ModelBenchRow {
 
 std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options = {});
 
-/// One stiff or extreme scenario.
+/// One stiff or extreme scenario of model/extremes.h.
 struct ModelExtremeRow {
   std::string name;
   bool finite = false;
@@ -74,7 +74,9 @@ struct ModelExtremeRow {
   double violation = 0;  ///< how far it is from holding, relative to the path unless the law says otherwise
   double allowed = 0;
   bool held = false;
-  std::string failure;  ///< message of an exception
+  bool derivatives_finite = false;  ///< of the end point with respect to every parameter
+  bool one_sided = false;           ///< and whether they are flagged as those of one side of a kink
+  std::string failure;              ///< message of an exception
 };
 
 std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& options = {});

@@ -62,12 +62,13 @@ TEST(ModelBench, EveryExtremeCaseIsFiniteAndKeepsItsLaw) {
   ModelBenchOptions options;
   options.quick = true;
   const auto rows = bench_model_extremes(options);
-  EXPECT_GE(rows.size(), 45u);
+  EXPECT_GE(rows.size(), 140u);
   std::set<std::string> names;
   for (const ModelExtremeRow& row : rows) {
     EXPECT_TRUE(names.insert(row.name).second) << row.name << " twice";
     EXPECT_EQ(row.failure, "") << row.name;
     EXPECT_TRUE(row.finite) << row.name;
+    EXPECT_TRUE(row.derivatives_finite) << row.name;
     EXPECT_TRUE(row.held) << row.name << ": " << row.invariant << " violated by " << row.violation;
     EXPECT_LE(row.violation, row.allowed) << row.name;
   }
