@@ -249,8 +249,6 @@ Campaign read_campaign(const fs::path& file) {
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
   name_runs(campaign.runs);
 
-  if (campaign.camera.gate_px)
-    campaign.warnings.push_back("gate_px is not read yet: phi and dtau are taken as commanded");
   if (campaign.height_mm && campaign.camera.working_distance_mm)
     campaign.warnings.push_back(
         "the parallax between the part's top and the marker's plane (height_mm, working_distance_mm) is not "
@@ -285,7 +283,8 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"diameter_mm", optional_json(diameter_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
-          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)}};
+          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+          {"gate_px", circle_json(camera.gate_px)}};
 }
 
 Json Campaign::effective_configuration() const {

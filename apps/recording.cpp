@@ -52,6 +52,7 @@ Json RecordingJob::configuration() const {
           {"xi_axis_rad", xi_axis_rad},
           {"target", target_json(track.target)},
           {"marker", marker_json(track.marker)},
+          {"gate", track.gate ? circle_json(*track.gate) : Json()},
           {"first_frame", optional_json(track.first_frame)},
           {"last_frame", optional_json(track.last_frame)},
           {"min_ncc", track.min_ncc},
@@ -102,6 +103,10 @@ Json summary_json(const TrackedRecording& recording) {
                {"time_base", recording.info.time_base.source},
                {"mm_per_px", recording.scale ? Json(recording.scale->mm_per_px) : Json()},
                {"warnings", s.warnings}};
+  if (recording.result.track.has_gate) {
+    json["gate_pixels"] = s.gate_pixels;
+    json["gate_clipped_share"] = s.gate_clipped_share;
+  }
   if (recording.result.track.has_marker) json["marker_px"] = circle_json(s.marker);
   return json;
 }
@@ -121,6 +126,7 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
                             {"bits", recording.info.bits},
                             {"frames", recording.info.frame_count},
                             {"first_image", recording.info.first_number},
+                            {"exposure_s", optional_json(recording.info.exposure_s)},
                             {"notes", recording.info.notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
   meta.more["scale"] = recording.scale ? Json{{"mm_per_px", recording.scale->mm_per_px},

@@ -19,6 +19,7 @@ namespace {
 constexpr const char* kColumns =
     "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm";
 constexpr const char* kMarkerColumns = ",marker_x_px,marker_y_px,marker_sigma_px,marker_ncc";
+constexpr const char* kGateColumn = ",gate";
 
 /// Takes camera pixels (y down) to metres in campaign axes (y up, turned by -xi_axis).
 Eigen::Matrix2d to_campaign_axes(double mm_per_px, double xi_axis_rad) {
@@ -39,6 +40,7 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Sc
   if (scale) millimetres = track.to_millimetres(*scale, xi_axis_rad);
   std::string csv = kColumns;
   if (track.has_marker) csv += kMarkerColumns;
+  if (track.has_gate) csv += kGateColumn;
   csv += '\n';
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const vision::TrackPoint& p = track.points[k];
@@ -59,6 +61,7 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Sc
       csv += p.marker ? fmt::format(",{},{},{},{}", compact(p.marker->x), compact(p.marker->y),
                                     compact(p.marker->sigma), compact(p.marker->ncc))
                       : std::string(",,,,");
+    if (track.has_gate) csv += p.gate ? "," + compact(*p.gate) : std::string(",");
     csv += '\n';
   }
   return csv;

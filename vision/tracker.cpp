@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "vision/disc_detection.h"
+#include "vision/gate_lamp.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
@@ -120,6 +121,15 @@ double ground_texture(const Picture& first, const Circle& disc, double noise_var
   return std::sqrt(std::max(0.0, squares / count - noise_variance));
 }
 
+/// The lamp is round and bright, too.
+void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
+  if (!options.gate) return;
+  std::erase_if(found, [&](const DiscFit& f) {
+    return std::hypot(f.circle.x - options.gate->x, f.circle.y - options.gate->y) <
+           std::max(options.gate->radius, f.circle.radius);
+  });
+}
+
 /// The part, where the user does not say where it is: away from a given marker, which is round too, and the
 /// largest of what is supported nearly as well as the best.
 DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options) {
@@ -128,7 +138,8 @@ DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOp
     search.keep_out = options.marker.circle;
     search.keep_out->radius += std::max(kGivenCapture, 0.03 * search.keep_out->radius);
   }
-  const auto found = find_discs(first, search, 5);
+  auto found = find_discs(first, search, 5);
+  leave_out_lamp(found, options);
   if (found.empty())
     throw InputError(source.info().path.string() +
                      ": no disc was found in the first analysed frame; give it with --disc X,Y,R");
@@ -215,7 +226,8 @@ std::optional<PatternFollower> plan_marker(const Picture& first, std::int64_t in
     search.keep_out->radius =
         std::max(summary.disc.radius,
                  0.5 * std::hypot(options.target.rectangle.width, options.target.rectangle.height));
-    const auto found = find_discs(first, search, 1);
+    auto found = find_discs(first, search, 1 + options.gate.has_value());
+    leave_out_lamp(found, options);
     if (found.empty())
       throw InputError(
           source.info().path.string() +
@@ -305,6 +317,7 @@ void TrackOptions::validate() const {
     if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))
       throw std::invalid_argument(std::string(what) + " must have finite coordinates and a positive radius");
   };
+  if (gate) check(*gate, "gate");
   if (target.kind == Target::Kind::disc) check(target.disc, "target.disc");
   if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
 }
@@ -326,6 +339,10 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   PatternFollower part(first, range.first, setup.pattern, setup.follow);
   std::optional<PatternFollower> marker = plan_marker(first, range.first, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
+  std::optional<GateLamp> lamp;
+  if (options.gate) lamp.emplace(*options.gate, source);
+  result.track.has_gate = lamp.has_value();
+  summary.gate_pixels = lamp ? lamp->pixels() : 0;
 
   FirstPass pass;
   pass.first_index = range.first;
@@ -358,6 +375,11 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
     if (marker)
       if (const FollowStep seen = marker->step(source, index); seen.status == TrackStatus::ok)
         point.marker = marker_point(*seen.sighting);
+    if (lamp) {
+      const GateLamp::Sample light = lamp->sample(source, index);
+      point.gate = light.level;
+      summary.gate_clipped_share = std::max(summary.gate_clipped_share, light.clipped_share);
+    }
     points.push_back(point);
     pass.theta.push_back(step.status == TrackStatus::ok ? step.sighting->pose.theta : 0);
     if (options.progress) options.progress(index - range.first + 1, total);
