@@ -61,21 +61,43 @@ double frame_likelihood(const EdgeFrame& f, double e, double tau) {
   return (1 - kStray) * sum + kStray / contrast;
 }
 
-double log_likelihood(const std::vector<EdgeFrame>& frames, double e, double tau) {
-  double sum = 0;
-  for (const EdgeFrame& f : frames) sum += std::log(frame_likelihood(f, e, tau));
-  return sum;
-}
+/// The log-likelihood over a range of edges: frames that say the same for all of it are summed once.
+class LogLikelihood {
+ public:
+  LogLikelihood(const std::vector<EdgeFrame>& frames, double from, double to, double tau) : tau_(tau) {
+    const double margin = 9 * tau;
+    for (const EdgeFrame& f : frames) {
+      if (f.high < from - margin)
+        common_ += std::log(frame_likelihood(f, to + margin, 0));
+      else if (f.low > to + margin)
+        common_ += std::log(frame_likelihood(f, from - margin, 0));
+      else
+        frames_.push_back(f);
+    }
+  }
+  double operator()(double edge) const {
+    double sum = common_;
+    for (const EdgeFrame& f : frames_) sum += std::log(frame_likelihood(f, edge, tau_));
+    return sum;
+  }
+
+ private:
+  std::vector<EdgeFrame> frames_;
+  double tau_;
+  double common_ = 0;
+};
 
 struct Peak {
   double at = 0, log_likelihood = -std::numeric_limits<double>::infinity();
 };
 
-Peak best_on_grid(const std::vector<EdgeFrame>& frames, double centre, double reach, int points, double tau) {
+Peak best_on_grid(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
+  constexpr int points = 40;
+  const LogLikelihood likelihood(frames, centre - reach, centre + reach, tau);
   Peak best;
   for (int k = 0; k <= points; ++k) {
     const double e = centre + reach * (2.0 * k / points - 1);
-    if (const double l = log_likelihood(frames, e, tau); l > best.log_likelihood) best = {e, l};
+    if (const double l = likelihood(e); l > best.log_likelihood) best = {e, l};
   }
   return best;
 }
@@ -83,11 +105,9 @@ Peak best_on_grid(const std::vector<EdgeFrame>& frames, double centre, double re
 /// From a blurred likelihood to the sharp one: each round looks closer about the last best place.
 Peak sharpen(const std::vector<EdgeFrame>& frames, double centre, double reach, double finest, double tau) {
   Peak best{centre};
-  for (double span = reach;; span *= 0.35) {
-    best = best_on_grid(frames, best.at, span, 60, std::max(tau, span / 25));
-    if (span < finest) break;
-  }
-  return best_on_grid(frames, best.at, finest, 60, tau);
+  for (double span = reach; span > finest; span *= 0.35)
+    best = best_on_grid(frames, best.at, span, std::max(tau, span / 16));
+  return best_on_grid(frames, best.at, finest, tau);
 }
 
 struct Moments {
@@ -95,45 +115,46 @@ struct Moments {
   double log_evidence = 0;
 };
 
-/// Where the log-likelihood falls kDepth below the top, going from `at` in one direction.
+/// Where the log-likelihood falls kDepth below the top, going from there in one direction.
 double foot(const std::vector<EdgeFrame>& frames, const Peak& top, double tau, double direction, double first,
             double reach) {
   double inside = 0, outside = first;
-  while (outside < 2 * reach &&
-         log_likelihood(frames, top.at + direction * outside, tau) > top.log_likelihood - kDepth) {
+  const auto deep = [&](double distance) {
+    const double e = top.at + direction * distance;
+    return LogLikelihood(frames, std::min(e, top.at), std::max(e, top.at), tau)(e) <
+           top.log_likelihood - kDepth;
+  };
+  while (outside < 2 * reach && !deep(outside)) {
     inside = outside;
-    outside *= 1.5;
+    outside *= 1.7;
   }
-  for (int k = 0; k < 12; ++k) {
+  for (int k = 0; k < 10; ++k) {
     const double middle = 0.5 * (inside + outside);
-    (log_likelihood(frames, top.at + direction * middle, tau) > top.log_likelihood - kDepth ? inside
-                                                                                            : outside) =
-        middle;
+    (deep(middle) ? outside : inside) = middle;
   }
   return top.at + direction * outside;
 }
 
 /// Mean and sd over the support about the top.
-Moments integrate(const std::vector<EdgeFrame>& frames, Peak top, double tau, double first, double reach) {
+Moments integrate(const std::vector<EdgeFrame>& frames, const Peak& top, double tau, double first,
+                  double reach) {
   const double from = foot(frames, top, tau, -1, first, reach), to = foot(frames, top, tau, 1, first, reach);
-  constexpr int points = 600;
-  std::vector<double> at(points), log_values(points);
-  double most = -std::numeric_limits<double>::infinity();
-  for (int k = 0; k < points; ++k) {
-    at[k] = from + (to - from) * (k + 0.5) / points;
-    log_values[k] = log_likelihood(frames, at[k], tau);
-    most = std::max(most, log_values[k]);
-  }
+  const LogLikelihood likelihood(frames, from, to, tau);
+  constexpr int points = 400;
+  const double cell = (to - from) / points;
+  std::vector<double> log_values(points);
+  for (int k = 0; k < points; ++k) log_values[k] = likelihood(from + cell * (k + 0.5));
+  const double most = *std::max_element(log_values.begin(), log_values.end());
   double weight = 0, first_moment = 0, second_moment = 0;
   for (int k = 0; k < points; ++k) {
     const double p = std::exp(log_values[k] - most);
+    const double at = from + cell * (k + 0.5) - top.at;
     weight += p;
-    first_moment += p * (at[k] - top.at);
-    second_moment += p * (at[k] - top.at) * (at[k] - top.at);
+    first_moment += p * at;
+    second_moment += p * at * at;
   }
   const double mean = first_moment / weight;
-  // Points of a box are as far apart as the box is wide over their number: their own width belongs to it.
-  const double cell = (to - from) / points;
+  // Each point stands for its cell: its width belongs to the sum.
   const double variance = std::max(0.0, second_moment / weight - mean * mean) + cell * cell / 12;
   return {{top.at + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
 }
@@ -141,21 +162,28 @@ Moments integrate(const std::vector<EdgeFrame>& frames, Peak top, double tau, do
 }  // namespace
 
 EdgeEstimate estimate_edge(const std::vector<EdgeFrame>& frames, double reach, double resolution) {
-  const Peak blurred = sharpen(frames, 0, reach, std::max(resolution, 1e-4 * reach), reach / 50);
+  const Peak blurred = sharpen(frames, 0, reach, std::max(resolution, 1e-3 * reach), reach / 50);
   const Peak sharp = sharpen(frames, blurred.at, 0.3 * reach, resolution, 0);
   const Moments still = integrate(frames, sharp, 0, resolution, reach);
 
   // Jitter, where it is worth its while.
   EdgeEstimate best{still.edge, 0};
   double best_evidence = still.log_evidence + kJitterGain;
-  for (double tau = 2 * resolution; tau < 0.5 * reach; tau *= 1.7) {
-    const Peak top = sharpen(frames, blurred.at, 0.3 * reach, resolution, tau);
+  double most = still.log_evidence;
+  const auto attempt = [&](double tau) {
+    const Peak top = sharpen(frames, blurred.at, 0.3 * reach, std::max(resolution, 0.3 * tau), tau);
     const Moments moved = integrate(frames, top, tau, 0.3 * tau, reach);
     if (moved.log_evidence > best_evidence) {
       best_evidence = moved.log_evidence;
       best = {moved.edge, tau};
     }
+    most = std::max(most, moved.log_evidence);
+    return moved.log_evidence > most - 25;
+  };
+  for (double tau = 2 * resolution; tau < 0.5 * reach && attempt(tau); tau *= 2) {
   }
+  if (const double tau = best.jitter; tau > 0)
+    for (const double factor : {0.6, 0.77, 1.3, 1.6}) attempt(tau * factor);
   return best;
 }
 

@@ -52,32 +52,44 @@ Plateau plateau_of(const std::vector<double>& levels) {
   return p;
 }
 
-/// The gate as a first look shows it: the stretch of the folded cycle with the largest sum of (level - half).
+/// The gate as a first look shows it.
 struct FirstLook {
   double opening = 0, closing = 0;  ///< rad; closing > opening
   double spacing = 0;               ///< the wider of the gaps between frames about the two edges
 };
 
+/// Kadane: the consecutive stretch [first, last] with the largest sum of sign * (level - half).
+struct Stretch {
+  double sum = 0;
+  std::size_t first = 0, last = 0;
+};
+
+Stretch largest_stretch(const std::vector<std::pair<double, double>>& folded, double half, double sign) {
+  Stretch best, current;
+  for (std::size_t k = 0; k < folded.size(); ++k) {
+    if (current.sum <= 0) current = {0, k, k};
+    current.sum += sign * (folded[k].second - half);
+    current.last = k;
+    if (current.sum > best.sum) best = current;
+  }
+  return best;
+}
+
 FirstLook look(const std::vector<std::pair<double, double>>& folded, double half) {
   const std::size_t n = folded.size();
-  double best = 0, sum = 0;
-  std::size_t start = 0, first = 0, last = 0;
-  for (std::size_t k = 0; k < 2 * n; ++k) {
-    if (sum <= 0 || k - start >= n) {
-      sum = 0;
-      start = k;
-    }
-    sum += folded[k % n].second - half;
-    if (sum > best) {
-      best = sum;
-      first = start;
-      last = k;
-    }
-  }
-  const auto phase = [&](std::size_t k) { return folded[k % n].first + (k >= n ? turn : 0.0); };
+  // On a circle the pulse, or else the pause, is one piece.
+  const Stretch lit = largest_stretch(folded, half, 1), dark = largest_stretch(folded, half, -1);
+  double total = 0;
+  for (const auto& [phase, level] : folded) total += level - half;
+  const bool pulse_in_one_piece = lit.sum >= total + dark.sum;
+  const std::size_t first = pulse_in_one_piece ? lit.first : (dark.last + 1) % n;
+  const std::size_t last = pulse_in_one_piece ? lit.last : (dark.first + n - 1) % n;
+  const auto phase = [&](std::size_t k) { return folded[k % n].first; };
   const double gap_before = into_circle(phase(first) - phase(first + n - 1));
   const double gap_after = into_circle(phase(last + 1) - phase(last));
-  return {phase(first) - 0.5 * gap_before, phase(last) + 0.5 * gap_after, std::max(gap_before, gap_after)};
+  const double width = into_circle(phase(last) - phase(first));
+  const double opening = phase(first) - 0.5 * gap_before;
+  return {opening, opening + 0.5 * gap_before + width + 0.5 * gap_after, std::max(gap_before, gap_after)};
 }
 
 struct Levels {
@@ -115,16 +127,20 @@ std::vector<internal::EdgeFrame> frames_about(double edge, bool opening, double 
     f.level_above = above.level;
     f.sigma_below = below.sigma;
     f.sigma_above = above.sigma;
-    double half = half_exposure;
-    if (!lamp.exposure) {
-      // Fully lit or dark says no more than where the middle of the exposure lies.
-      const double share = (f.level - levels.off.level) / levels.contrast();
-      const double margin = 5 * std::max(below.sigma, above.sigma) / levels.contrast();
-      half = share > margin && share < 1 - margin ? half_interval : 0;
-    }
+    const double share = (f.level - levels.off.level) / levels.contrast();
+    const double margin = 5 * std::max(below.sigma, above.sigma) / levels.contrast();
+    const bool between = share > margin && share < 1 - margin;
     f.only_inside = lamp.clipped || !lamp.exposure;
-    f.low = at - half;
-    f.high = at + half;
+    double half = lamp.exposure ? half_exposure : half_interval;
+    double centre = at;
+    if (!lamp.exposure && !between) half = 0;  // says no more than where the middle of the exposure lies
+    if (lamp.exposure && lamp.clipped && !between) {
+      // A saturated lamp may have been lit for a part of it only: not dark says that some of it was.
+      centre += opening ? half : -half;
+      half = 0;
+    }
+    f.low = centre - half;
+    f.high = centre + half;
     frames.push_back(f);
   }
   return frames;
@@ -137,7 +153,7 @@ struct Edge {
 };
 
 Edge edge_of(double guess, bool opening, double reach, double half_exposure, double half_interval,
-             const LampRecord& lamp, const std::vector<double>& phase, const Levels& levels) {
+             double cycles, const LampRecord& lamp, const std::vector<double>& phase, const Levels& levels) {
   const auto frames = frames_about(guess, opening, reach, half_exposure, half_interval, lamp, phase, levels);
   // What one frame can say at best, over as many as there are.
   const double sigma = std::max(levels.off.sigma, levels.on.sigma) / levels.contrast();
@@ -147,6 +163,8 @@ Edge edge_of(double guess, bool opening, double reach, double half_exposure, dou
   Edge edge;
   edge.phase = {guess + found.edge.value, found.edge.sd};
   edge.jitter = found.jitter;
+  // One cycle tells its own edge once, whatever its frames say.
+  edge.phase.sd = std::max(edge.phase.sd, edge.jitter / std::sqrt(std::max(1.0, cycles)));
   for (const auto& f : frames)
     edge.partly_lit += !f.only_inside && f.low < found.edge.value && f.high > found.edge.value;
   if (edge.partly_lit > 0) {
@@ -192,18 +210,18 @@ GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock) {
     return none(
         "the pulse, or the pause between pulses, is shorter than an exposure: the lamp shows no edges of its "
         "own");
-  const double spread = longest + first.spacing;
-  const double margin = std::min(1.5 * spread, 0.3 * std::min(width, turn - width));
+  const double margin = std::min(1.2 * longest, 0.3 * std::min(width, turn - width));
   const Levels levels = levels_of(lamp, phase, first, margin);
   if (levels.on.frames < 3 || levels.off.frames < 3)
     return none("no frames lie wholly inside the pulse, or wholly outside");
   if (levels.contrast() < 5 * std::max(levels.on.sigma, levels.off.sigma))
     return none("the lamp does not stand out of its noise, or does not blink with the platform's frequency");
 
-  const double reach = std::min(3 * spread + margin, 0.5 * std::min(width, turn - width));
-  const Edge opening = edge_of(first.opening, true, reach, half_exposure, half_interval, lamp, phase, levels);
+  const double reach = std::min(2 * (longest + first.spacing), 0.5 * std::min(width, turn - width));
+  const Edge opening =
+      edge_of(first.opening, true, reach, half_exposure, half_interval, cycles, lamp, phase, levels);
   const Edge closing =
-      edge_of(first.closing, false, reach, half_exposure, half_interval, lamp, phase, levels);
+      edge_of(first.closing, false, reach, half_exposure, half_interval, cycles, lamp, phase, levels);
 
   GateTiming timing;
   const double clock_variance = clock.phase_sd * clock.phase_sd;
