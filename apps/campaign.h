@@ -24,6 +24,16 @@ struct CameraSection {
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
 };
 
+/// [scope]: which channel is what, and how its time is tied to the camera's.
+struct ScopeSection {
+  int sensor_channel = 1, actuator_channel = 2;  ///< 1 = the file's first; 0 = there is none
+  double carrier_hz = 5890;
+  double sensor_delay_s = 0, sensor_delay_sd_s = 0;
+  std::string tie = "sensor";  ///< "sensor", "trigger", "lamp"
+  std::optional<double> trigger_time_s;
+  double tie_sd_s = 0;
+};
+
 struct FitSection {
   std::vector<fit::FitParameter> parameters = {fit::FitParameter::mu1, fit::FitParameter::mu2,
                                                fit::FitParameter::lag};
@@ -58,6 +68,7 @@ struct Campaign {
   PlatformSection platform;
   std::optional<double> diameter_mm, height_mm;
   CameraSection camera;
+  ScopeSection scope;
   FitSection fit;
   std::vector<CampaignRun> runs;
   /// Keys that are understood but not yet acted on, each a sentence for the user.
