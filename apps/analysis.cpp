@@ -129,7 +129,9 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   if (const auto disc = run.disc_px ? run.disc_px : campaign.camera.disc_px)
     job.track.target = {vision::Target::Kind::disc, *disc, {}};
   const auto marker = run.marker_px ? run.marker_px : campaign.camera.marker_px;
-  if (marker && !run.free_slide) job.track.marker = {vision::MarkerChoice::Kind::circle, *marker};
+  if (!run.free_slide)
+    job.track.marker = marker ? vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *marker}
+                              : vision::MarkerChoice{campaign.camera.marker, {}};
   if (!run.free_slide) job.track.gate = campaign.camera.gate_px;
   job.track.first_frame = run.first_frame;
   job.track.last_frame = run.last_frame;

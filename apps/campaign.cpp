@@ -54,6 +54,9 @@ CameraSection read_camera(StrictTable& table) {
   camera.disc_px = read_circle(table, "disc_px");
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
+  using Marker = vision::MarkerChoice::Kind;
+  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
+  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
   table.finish();
   return camera;
 }
@@ -304,6 +307,9 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
           {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+          {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
+                     : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
+                                                                          : "none"},
           {"gate_px", circle_json(camera.gate_px)},
           {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
 }

@@ -13,6 +13,7 @@
 #include "fit/problem.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
@@ -22,6 +23,8 @@ struct CameraSection {
   double xi_axis_rad = 0;
   std::optional<double> working_distance_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  /// Without marker_px: how the platform's motion is seen.
+  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
 };
 
 /// [scope]: which channel is what, and how its time is tied to the camera's.

@@ -28,6 +28,7 @@ Json target_json(const vision::Target& target) {
 Json marker_json(const vision::MarkerChoice& marker) {
   using Kind = vision::MarkerChoice::Kind;
   if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  if (marker.kind == Kind::texture) return "texture";
   return marker.kind == Kind::find ? Json("find") : Json("none");
 }
 
@@ -129,6 +130,8 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
                             {"exposure_s", optional_json(recording.info.exposure_s)},
                             {"notes", recording.info.notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
+  if (recording.result.track.has_marker)
+    meta.more["platform_seen_by"] = recording.result.summary.texture_patch.width > 0 ? "texture" : "marker";
   meta.more["scale"] = recording.scale ? Json{{"mm_per_px", recording.scale->mm_per_px},
                                               {"mm_per_px_sd", recording.scale->sd},
                                               {"source", recording.scale->source}}

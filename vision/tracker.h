@@ -21,9 +21,10 @@ struct Target {
   Rect rectangle;
 };
 
-/// The mark fixed to the platform.
+/// The mark fixed to the platform: a round one found or given, or a patch of the platform's own texture that
+/// the part never covers. `find` falls back on texture.
 struct MarkerChoice {
-  enum class Kind { none, find, circle } kind = Kind::none;
+  enum class Kind { none, find, circle, texture } kind = Kind::none;
   Circle circle;
 };
 
@@ -63,6 +64,7 @@ struct TrackSummary {
   double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   Circle marker;
+  Rect texture_patch;             ///< where the platform's own texture serves as its marker; else of no width
   int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
   double gate_clipped_share = 0;  ///< of them, at the top level in the frame where that was most
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
