@@ -63,6 +63,8 @@ struct FoldedLamp {
   std::vector<double> phase;  ///< rad in [0, 2 pi), ascending
   std::vector<double> share;
 };
+/// The same as the fitted edges and the exposure make it: a trapezoid.
+FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 
 }  // namespace tribotrack::fit
