@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <regex>
 #include <set>
 
@@ -59,8 +60,33 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   camera.disc_px = read_circle(table, "disc_px");
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
+  using Marker = vision::MarkerChoice::Kind;
+  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
+  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
   table.finish();
   return camera;
+}
+
+ScopeSection read_scope(StrictTable& table) {
+  ScopeSection scope;
+  const auto channel = [&](const char* key, int fallback) {
+    const auto value = table.integer(key).value_or(fallback);
+    if (value < 0 || value > 4)
+      table.fail(key, fmt::format("must be 1 to 4, the file's first to fourth channel, or 0 for none, not {}",
+                                  value));
+    return static_cast<int>(value);
+  };
+  scope.sensor_channel = channel("sensor_channel", scope.sensor_channel);
+  scope.actuator_channel = channel("actuator_channel", scope.actuator_channel);
+  scope.carrier_hz = table.positive("carrier_hz").value_or(scope.carrier_hz);
+  scope.sensor_delay_s = table.number("sensor_delay_s").value_or(0);
+  scope.sensor_delay_sd_s = table.not_negative("sensor_delay_sd_s").value_or(0);
+  constexpr std::array<const char*, 3> ties = {"sensor", "trigger", "lamp"};
+  scope.tie = ties[table.choice("tie", {"sensor", "trigger", "lamp"}).value_or(0)];
+  scope.trigger_time_s = table.number("trigger_time_s");
+  scope.tie_sd_s = table.not_negative("tie_sd_s").value_or(0);
+  table.finish();
+  return scope;
 }
 
 FitParameter require_fit_parameter(const StrictTable& table, std::string_view key, const std::string& name) {
@@ -249,6 +275,7 @@ Campaign read_campaign(const fs::path& file) {
     table->finish();
   }
   if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
+  if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
@@ -258,12 +285,6 @@ Campaign read_campaign(const fs::path& file) {
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
   name_runs(campaign.runs);
 
-  if (campaign.camera.gate_px)
-    campaign.warnings.push_back("gate_px is not read yet: phi and dtau are taken as commanded");
-  for (const CampaignRun& run : campaign.runs)
-    if (run.scope)
-      campaign.warnings.push_back(fmt::format(
-          "{}: the oscilloscope trace is not read yet: phi and dtau are taken as commanded", run.name));
   return campaign;
 }
 
@@ -295,7 +316,12 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"working_distance_mm", optional_json(camera.working_distance_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
-          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)}};
+          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+          {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
+                     : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
+                                                                          : "none"},
+          {"gate_px", circle_json(camera.gate_px)},
+          {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
 }
 
 Json Campaign::effective_configuration() const {
@@ -307,6 +333,14 @@ Json Campaign::effective_configuration() const {
                       {"gravity_m_s2", platform.gravity},
                       {"tilt_x_rad", platform.tilt_x},
                       {"tilt_y_rad", platform.tilt_y}};
+  json["scope"] = {{"sensor_channel", scope.sensor_channel},
+                   {"actuator_channel", scope.actuator_channel},
+                   {"carrier_hz", scope.carrier_hz},
+                   {"sensor_delay_s", scope.sensor_delay_s},
+                   {"sensor_delay_sd_s", scope.sensor_delay_sd_s},
+                   {"tie", scope.tie},
+                   {"trigger_time_s", optional_json(scope.trigger_time_s)},
+                   {"tie_sd_s", scope.tie_sd_s}};
   json["part"] = {{"diameter_mm", optional_json(diameter_mm)},
                   {"diameter_sd_mm", diameter_sd_mm},
                   {"height_mm", optional_json(height_mm)}};

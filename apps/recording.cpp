@@ -29,6 +29,7 @@ Json target_json(const vision::Target& target) {
 Json marker_json(const vision::MarkerChoice& marker) {
   using Kind = vision::MarkerChoice::Kind;
   if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  if (marker.kind == Kind::texture) return "texture";
   return marker.kind == Kind::find ? Json("find") : Json("none");
 }
 
@@ -75,6 +76,7 @@ Json RecordingJob::configuration() const {
           {"xi_axis_rad", xi_axis_rad},
           {"target", target_json(track.target)},
           {"marker", marker_json(track.marker)},
+          {"gate", track.gate ? circle_json(*track.gate) : Json()},
           {"first_frame", optional_json(track.first_frame)},
           {"last_frame", optional_json(track.last_frame)},
           {"min_ncc", track.min_ncc},
@@ -137,6 +139,10 @@ Json summary_json(const TrackedRecording& recording) {
                {"time_base", recording.info.time_base.source},
                {"mm_per_px", recording.scale ? Json(recording.scale->mm_per_px) : Json()},
                {"warnings", s.warnings}};
+  if (recording.result.track.has_gate) {
+    json["gate_pixels"] = s.gate_pixels;
+    json["gate_clipped_share"] = s.gate_clipped_share;
+  }
   if (recording.result.track.has_marker) json["marker_px"] = circle_json(s.marker);
   return json;
 }
@@ -157,8 +163,11 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
                             {"bits", recording.info.bits},
                             {"frames", recording.info.frame_count},
                             {"first_image", recording.info.first_number},
+                            {"exposure_s", optional_json(recording.info.exposure_s)},
                             {"notes", recording.info.notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
+  if (recording.result.track.has_marker)
+    meta.more["platform_seen_by"] = recording.result.summary.texture_patch.width > 0 ? "texture" : "marker";
   meta.more["scale"] = recording.scale
                            ? Json{{"mm_per_px", recording.scale->mm_per_px},
                                   {"mm_per_px_sd", recording.scale->sd},

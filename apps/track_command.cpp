@@ -16,7 +16,7 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, frames, overlay, config, layers, calibration;
+  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
   std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
   bool json = false;
   bool explain = false;
@@ -102,6 +102,8 @@ void apply_config(RecordingJob& job, const std::string& file) {
       job.track.marker.kind = vision::MarkerChoice::Kind::circle;
       job.track.marker.circle = {(*v)[0], (*v)[1], (*v)[2]};
     }
+    if (const auto v = camera->numbers("gate_px", 3))
+      job.track.gate = vision::Circle{(*v)[0], (*v)[1], (*v)[2]};
     camera->finish();
   }
   if (auto track = top.table("track")) {
@@ -157,12 +159,15 @@ RecordingJob job_of(const TrackCommandOptions& options) {
   }
   if (options.marker == "auto") {
     job.track.marker.kind = vision::MarkerChoice::Kind::find;
+  } else if (options.marker == "texture") {
+    job.track.marker.kind = vision::MarkerChoice::Kind::texture;
   } else if (options.marker == "none") {
     job.track.marker.kind = vision::MarkerChoice::Kind::none;
   } else if (!options.marker.empty()) {
     job.track.marker.kind = vision::MarkerChoice::Kind::circle;
     job.track.marker.circle = circle_of("--marker", options.marker);
   }
+  if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
   if (!options.frames.empty()) set_frames(job.track, options.frames);
   if (options.layers == "off")
     job.track.layers = vision::Layers::off;
@@ -241,9 +246,17 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");
   command
-      .add_option("--marker", options->marker,
-                  "Mark fixed to the platform: its motion is subtracted (default none)")
-      ->type_name("X,Y,R|auto|none");
+      .add_option(
+          "--marker", options->marker,
+          "Mark fixed to the platform: its motion is subtracted (default none). texture: a patch of the "
+          "platform's own texture that the part never covers; auto: a round mark, else texture")
+      ->type_name("X,Y,R|auto|texture|none");
+  command
+      .add_option(
+          "--gate", options->gate,
+          "Lamp that is lit while the actuator is on: its brightness is recorded, `measure` finds phi "
+          "and dtau from it")
+      ->type_name("X,Y,R");
   command
       .add_option("--frames", options->frames,
                   "Image numbers of the first and last frame to analyse, both included")

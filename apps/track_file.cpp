@@ -19,6 +19,8 @@ namespace {
 constexpr const char* kColumns =
     "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm";
 constexpr const char* kMarkerColumns = ",marker_x_px,marker_y_px,marker_sigma_px,marker_ncc";
+constexpr const char* kGateColumn = ",gate";
+constexpr double kClippedShare = 0.02;  ///< of the lamp's pixels: above it its brightness is not linear
 
 constexpr const char* kPlacedColumns = ",rho_xy_mm,marker_x_mm,marker_y_mm,marker_sigma_mm";
 
@@ -51,6 +53,7 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Pl
   const bool placed_columns = geometry && !geometry->plain();
   std::string csv = kColumns;
   if (track.has_marker) csv += kMarkerColumns;
+  if (track.has_gate) csv += kGateColumn;
   if (placed_columns) csv += kPlacedColumns;
   csv += '\n';
   for (std::size_t k = 0; k < track.points.size(); ++k) {
@@ -72,6 +75,7 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Pl
       csv += p.marker ? fmt::format(",{},{},{},{}", compact(p.marker->x), compact(p.marker->y),
                                     compact(p.marker->sigma), compact(p.marker->ncc))
                       : std::string(",,,,");
+    if (track.has_gate) csv += p.gate ? "," + compact(*p.gate) : std::string(",");
     if (placed_columns) csv += placed_cells(mm);
     csv += '\n';
   }
@@ -95,11 +99,11 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       xi_axis_rad = configuration->value("xi_axis_rad", 0.0);
   }
   try {
-    io::CSVReader<19, io::trim_chars<' ', '\t', '\r'>, io::no_quote_escape<','>> csv(path.string());
+    io::CSVReader<20, io::trim_chars<' ', '\t', '\r'>, io::no_quote_escape<','>> csv(path.string());
     csv.read_header(io::ignore_extra_column | io::ignore_missing_column, "frame", "time_s", "status", "x_mm",
                     "y_mm", "sigma_x_mm", "sigma_y_mm", "rho_xy", "marker_x_px", "marker_y_px",
-                    "marker_sigma_px", "x_px", "y_px", "sigma_x_px", "sigma_y_px", "rho_xy_mm", "marker_x_mm",
-                    "marker_y_mm", "marker_sigma_mm");
+                    "marker_sigma_px", "x_px", "y_px", "sigma_x_px", "sigma_y_px", "gate", "rho_xy_mm",
+                    "marker_x_mm", "marker_y_mm", "marker_sigma_mm");
     for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
       if (!csv.has_column(needed))
         throw InvalidInput(
@@ -107,10 +111,10 @@ TrackFile read_track_file(const std::filesystem::path& path) {
     file.has_marker_columns = csv.has_column("marker_x_px");
     const bool placed = csv.has_column("rho_xy_mm");
     const char *frame = "", *time = "", *status = "", *x = "", *y = "", *sx = "", *sy = "", *rho = "0",
-               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "", *rho_mm = "",
+               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "", *gate = "", *rho_mm = "",
                *mx_mm = "", *my_mm = "", *ms_mm = "";
-    while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp, rho_mm, mx_mm,
-                        my_mm, ms_mm)) {
+    while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp, gate, rho_mm,
+                        mx_mm, my_mm, ms_mm)) {
       ++file.frames;
       const std::string_view state = status;
       if (state == "lost") ++file.lost;
@@ -121,6 +125,10 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       file.x_mm.push_back(or_nan(x));
       file.y_mm.push_back(or_nan(y));
       file.sigma_px.push_back(or_nan(sxp));
+      if (const auto level = parse_number(gate)) {
+        file.lamp.time.push_back(or_nan(time));
+        file.lamp.level.push_back(*level);
+      }
       if (state != "ok" || *x == '\0') continue;  // an ok disc without its marker has no platform position
       const auto number = [&](const char* text, const char* column) {
         const auto value = parse_number(text);
@@ -162,8 +170,28 @@ TrackFile read_track_file(const std::filesystem::path& path) {
   } catch (const io::error::base& error) {
     throw InvalidInput(fmt::format("{}: is not a track: {}", path.string(), error.what()));
   }
+  if (const auto recording = file.meta.find("recording"); recording != file.meta.end())
+    if (const Json exposure = recording->value("exposure_s", Json()); exposure.is_number()) {
+      file.table.exposure = exposure.get<double>();
+      file.lamp.exposure = exposure.get<double>();
+    }
+  if (const auto summary = file.meta.find("summary"); summary != file.meta.end())
+    file.lamp.clipped = summary->value("gate_clipped_share", 0.0) > kClippedShare;
+  file.platform_from_texture = file.meta.is_object() && file.meta.value("platform_seen_by", "") == "texture";
   file.table.platform_frame = file.has_marker_columns;
   return file;
+}
+
+std::optional<double> trigger_time_of(const TrackFile& track) {
+  if (!track.meta.is_object()) return std::nullopt;
+  try {
+    const Json& recording = track.meta.at("recording");
+    if (recording.at("format") != "cine") return std::nullopt;
+    return -recording.at("first_image").get<double>() /
+           track.meta.at("time_base").at("rate_hz").get<double>();
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace tribotrack::apps
