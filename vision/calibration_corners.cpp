@@ -1,4 +1,4 @@
-#include "vision/calibration_corners.h"
+#include "vision/internal/calibration_corners.h"
 
 #include <algorithm>
 #include <array>

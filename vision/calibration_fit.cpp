@@ -7,7 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
-#include "vision/calibration_corners.h"
+#include "vision/internal/calibration_corners.h"
 #include "vision/in_quotes.h"
 
 namespace tribotrack::vision {

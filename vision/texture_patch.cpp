@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSmallest = 24;  ///< px: a smaller window sees too little of a texture a few pixels wide
 constexpr int kStep = 4;
+constexpr double kSignificant = 6;  ///< sd: the best of thousands of windows is looked for
 
 /// Sums over any rectangle in constant time.
 class SumTable {
@@ -53,11 +54,15 @@ Gradients gradients_of(const Picture& p, const std::vector<Circle>& covered) {
   return g;
 }
 
-/// Smaller eigenvalue of the sum of grad f grad f^T without the noise's share.
+/// Smaller eigenvalue of the sum of grad f grad f^T without the noise's share; 0 where it is not above what
+/// noise alone may show. A central difference has variance s^2 / 2, its square one of s^4 / 2, and two pixels
+/// along the difference share a level: the sum over n pixels scatters by s^2 sqrt(3 n / 4).
 double information(const Gradients& g, const Rect& r, double noise_variance) {
-  const double of_noise = 0.5 * noise_variance * r.width * r.height;
+  const double n = static_cast<double>(r.width) * r.height;
+  const double of_noise = 0.5 * noise_variance * n;
   const double a = g.xx.over(r) - of_noise, b = g.xy.over(r), c = g.yy.over(r) - of_noise;
-  return 0.5 * (a + c) - std::hypot(0.5 * (a - c), b);
+  const double smaller = 0.5 * (a + c) - std::hypot(0.5 * (a - c), b);
+  return smaller > kSignificant * noise_variance * std::sqrt(0.75 * n) ? smaller : 0;
 }
 
 }  // namespace
