@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/internal/arc_stepper.h"
 #include "model/internal/edges.h"
 #include "model/internal/piece.h"
 #include "model/internal/rest_series.h"
@@ -25,7 +26,15 @@ struct SolverInput {
       false;  ///< `velocity` lies on one motion whatever the start phase: it does not shift with it
   double cycles = 0, rest = 0;  ///< the run ends `rest` after so many whole cycles
   double tolerance = 1e-16;
+  bool dense = false;  ///< keep the pieces
+  bool reuse = true;   ///< of repeating cycles
   long max_steps = 0;
+};
+
+/// The friction at one time.
+struct Contact {
+  bool reduced = false;  ///< mu2 holds
+  bool sticks = false;
 };
 
 /// Carries U, X (with derivatives at fixed s) from the start to the end and keeps the pieces.
@@ -33,13 +42,23 @@ template <class T>
 class Solver {
  public:
   explicit Solver(const SolverInput<T>& input)
-      : in_(input), drive_(input.problem.drive), order_(taylor_order(input.tolerance)) {}
+      : in_(input),
+        drive_(input.problem.drive),
+        order_(taylor_order(input.tolerance)),
+        arcs_(drive_, in_.tolerance) {}
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
 
   void run();
   Motion<T> end() const { return {u_, x_}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
   Motion<T> at(double cycle, double s) const;
-  const Piece<T>& piece(double cycle, double s) const { return chain_.find(source_cycle(cycle), s); }
+  /// Which friction holds, and whether it holds the part, at a phase of a dense run and at the end.
+  Contact contact(double cycle, double s) const {
+    const Piece<T>& piece = chain_.find(source_cycle(cycle), s);
+    return {piece.reduced, piece.kind == PieceKind::stick};
+  }
+  Contact end_contact() const { return contact_; }
   const ScaledDrive<T>& drive() const { return drive_; }
   const T& kappa(bool reduced) const {
     return reduced ? in_.problem.kappa_reduced : in_.problem.kappa_nominal;
@@ -53,6 +72,7 @@ class Solver {
   void advance(double target);
   void hold(double target);
   void start_from_rest(double target);
+  bool glide(double target);
   void slip(double target);
   void creep_past_zero(double target);
   bool slow(double target, bool from_rest);
@@ -62,14 +82,21 @@ class Solver {
 
   bool at_rest() const { return value(u_.x) == 0 && value(u_.y) == 0; }
   const T& kappa() const { return kappa(reduced_); }
+  bool small_speed() const;
   double strength() const { return length(drive_.value_at(s_)) + value(kappa()); }
+  /// What strength() cannot exceed.
+  double strength_bound() const { return drive_bound_ + value(kappa()); }
   double source_cycle(double cycle) const {
     return cycle >= repeat_from_ && cycle < repeat_to_ ? repeat_from_ - 1 : cycle;
   }
-  Piece<T> begin_piece() {
+  void count_step() {
     if (++steps > in_.max_steps)
       throw std::runtime_error("integrate: more than max_steps = " + std::to_string(in_.max_steps) +
                                " steps; raise IntegrationOptions::max_steps or shorten the run");
+    contact_ = {reduced_, false};
+  }
+  Piece<T> begin_piece() {
+    count_step();
     Piece<T> piece;
     piece.cycle = cycle_;
     piece.s = s_;
@@ -81,12 +108,15 @@ class Solver {
   SolverInput<T> in_;
   ScaledDrive<T> drive_;
   int order_;
+  ArcStepper<T> arcs_;
   PieceChain<T> chain_;
   double cycle_ = 0, s_ = 0;
   bool reduced_ = false;
+  Contact contact_;     ///< during the last step
   bool stuck_ = false;  ///< stopped and held since it last moved
   Pair<T> u_, x_;
   double slow_span_ = 0.5;
+  double drive_bound_ = 0;
   // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
   double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
   Pair<T> repeat_drift_;
@@ -118,12 +148,15 @@ inline constexpr double kStiffSpeed = 0.02;
 
 template <class T>
 void Solver<T>::run() {
+  drive_bound_ =
+      length(drive_.constant) + std::sqrt(value(dot(drive_.p, drive_.p)) + value(dot(drive_.q, drive_.q)));
   reduced_ = in_.edges.open_at_start && !in_.circling;
+  arcs_.begin_segment(reduced_);
   const Pair<T> f = force(drive_, kappa(), 0.0, in_.velocity);
   u_ = in_.on_orbit ? in_.velocity : in_.velocity - in_.start_shift * f;
   x_ = Pair<T>{} - in_.start_shift * in_.velocity;
   while (cycle_ < in_.cycles) {
-    if (cycle_ >= 1) skip_repeating_cycles();
+    if (cycle_ >= 1 && in_.reuse) skip_repeating_cycles();
     if (cycle_ >= in_.cycles) break;
     run_cycle(kTwoPi);
     cycle_ += 1;
@@ -151,6 +184,7 @@ void Solver<T>::apply(const Edge<T>& edge) {
   reduced_ = edge.opens;
   const Pair<T> after = force(drive_, kappa(), s_, u_);
   u_ = u_ + edge.change * (before - after);
+  arcs_.begin_segment(reduced_);
 }
 
 template <class T>
@@ -158,9 +192,9 @@ void Solver<T>::advance(double target) {
   while (s_ < target) {
     if (at_rest())
       hold(target);
-    else if (length(u_) < kSmallSpeed * strength() && (derivative_count<T> > 0 || value(kappa()) > 0))
+    else if (small_speed())
       creep_past_zero(target);
-    else
+    else if (in_.dense || !glide(target))
       slip(target);
   }
 }
@@ -172,7 +206,8 @@ void Solver<T>::hold(double target) {
     const double until = excess.release(s_, target);
     Piece<T> piece = begin_piece();
     piece.span = until - s_;
-    chain_.add_stick(piece);
+    contact_.sticks = true;
+    if (in_.dense) chain_.add_stick(piece);
     u_ = {};
     stick_phase += until - s_;
     s_ = until;
@@ -199,10 +234,26 @@ void Solver<T>::start_from_rest(double target) {
   const double h = series.stays_above(0.2 * series.square[0], reach);
   piece.span = h;
   const T t = h - piece.shift;
-  chain_.add(piece, series);
+  if (in_.dense) chain_.add(piece, series);
   u_ = {evaluate(series.x, order_, t), evaluate(series.y, order_, t)};
   x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, t), evaluate_integral(series.y, order_, t)};
   s_ = h < target - s_ ? s_ + h : target;
+}
+
+template <class T>
+bool Solver<T>::small_speed() const {
+  if (derivative_count<T> == 0 && value(kappa()) == 0) return false;
+  const double ux = value(u_.x), uy = value(u_.y), most = kSmallSpeed * strength_bound();
+  return ux * ux + uy * uy < most * most && length(u_) < kSmallSpeed * strength();
+}
+
+/// One arc; false where no arc will do.
+template <class T>
+bool Solver<T>::glide(double target) {
+  if (value(kappa()) == 0) return false;
+  if (!arcs_.advance(s_, target, kappa(), kSmallSpeed * strength_bound(), u_, x_)) return false;
+  count_step();
+  return true;
 }
 
 template <class T>
@@ -214,7 +265,7 @@ void Solver<T>::slip(double target) {
   const double reach = std::fmin(target - s_, series.step(in_.tolerance));
   const double h = series.stays_above(std::fmin(small * small, 0.5 * series.square[0]), reach);
   piece.span = h;
-  chain_.add(piece, series);
+  if (in_.dense) chain_.add(piece, series);
   u_ = {evaluate(series.x, order_, h), evaluate(series.y, order_, h)};
   x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, h), evaluate_integral(series.y, order_, h)};
   s_ = h < target - s_ ? s_ + h : target;
@@ -256,7 +307,7 @@ void Solver<T>::creep_past_zero(double target) {
       piece.span = series.solve(target, piece.span);
       next = series.at(piece.span);
     }
-    chain_.add(piece, series);
+    if (in_.dense) chain_.add(piece, series);
     state = next;
     s_ = hit ? target : value(state.s);
     state.s = with_value(state.s, s_);
@@ -334,7 +385,7 @@ bool Solver<T>::slow(double target, bool from_rest) {
   piece.span = step->span;
   step->x0 = x_.x;
   step->y0 = x_.y;
-  chain_.add(piece, *step);
+  if (in_.dense) chain_.add(piece, *step);
   const auto p = step->at(step->span);
   x_ = {p.x, p.y};
   s_ = step->span < left ? s_ + step->span : target;
