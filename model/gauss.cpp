@@ -47,6 +47,9 @@ GaussTable make_table(int pairs) {
       for (int k = 1; k < n; ++k) a[i][j] += 0.5L * weight[j] * p[j][k] * (p[i][k + 1] - p[i][k - 1]);
       g.integrate[i][j] = static_cast<double>(a[i][j]);
     }
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      g.to_legendre[k][j] = static_cast<double>(static_cast<Real>(2 * k + 1) * weight[j] * p[j][k]);
   for (int i = 0; i < n; ++i) {
     const Real c = 0.5L * (1 + x[i]);
     g.node[i] = static_cast<double>(c);
@@ -76,6 +79,26 @@ GaussTable make_table(int pairs) {
 const GaussTable& GaussTable::of_pairs(int pairs) {
   static const GaussTable few = make_table(3), many = make_table(7);
   return pairs == 3 ? few : many;
+}
+
+void GaussTable::integrals_to(double c, double* once, double* twice) const {
+  const int n = 2 * pairs;
+  // The integral of P_k is (P_k+1 - P_k-1)/(4k + 2), that of P_0 is c.
+  double p[kMaxNodes + 3], first[kMaxNodes + 2];
+  const double x = 2 * c - 1;
+  p[0] = 1;
+  p[1] = x;
+  for (int k = 1; k < n + 2; ++k) p[k + 1] = ((2 * k + 1) * x * p[k] - k * p[k - 1]) / (k + 1);
+  first[0] = c;
+  for (int k = 1; k <= n; ++k) first[k] = (p[k + 1] - p[k - 1]) / (4 * k + 2);
+  for (int j = 0; j < n; ++j) once[j] = twice[j] = 0;
+  for (int k = 0; k < n; ++k) {
+    const double second = k == 0 ? 0.5 * c * c : (first[k + 1] - first[k - 1]) / (4 * k + 2);
+    for (int j = 0; j < n; ++j) {
+      once[j] += to_legendre[k][j] * first[k];
+      twice[j] += to_legendre[k][j] * second;
+    }
+  }
 }
 
 }  // namespace tribotrack::model::internal

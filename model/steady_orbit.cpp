@@ -12,26 +12,10 @@ namespace tribotrack::model {
 namespace internal {
 namespace {
 
-/// One period from u: where it leads, how far it moves, and how that depends on u.
-struct CycleMap {
-  Eigen::Vector2d end, drift;
-  Eigen::Matrix2d jacobian;
-};
-
-CycleMap one_cycle(SolverInput<Jet<2>> in, const Eigen::Vector2d& u) {
-  in.velocity.x = Jet<2>(u.x());
-  in.velocity.y = Jet<2>(u.y());
-  in.velocity.x.d[0] = in.velocity.y.d[1] = 1;
-  in.cycles = 1;
-  in.rest = 0;
+/// One period from the local phase 0 and velocity u, with its dependence on u.
+CycleMap one_cycle(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcSpans& spans) {
   Solver<Jet<2>> solver(in);
-  solver.run();
-  const auto [velocity, position] = solver.end();
-  CycleMap map;
-  map.end = {velocity.x.v, velocity.y.v};
-  map.drift = {position.x.v, position.y.v};
-  map.jacobian << velocity.x.d[0], velocity.x.d[1], velocity.y.d[0], velocity.y.d[1];
-  return map;
+  return solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, spans);
 }
 
 /// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
@@ -67,6 +51,39 @@ bool always_held(const SolverInput<Jet<2>>& in) {
   return held(in.problem.kappa_nominal) && (in.edges.count == 0 || held(in.problem.kappa_reduced));
 }
 
+/// U = P(U) to the tolerance of `in`, with a Jacobian good to `jacobian_error`.
+std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
+  ArcSpans spans = kLongestSpans;
+  Orbit best;
+  double best_error = HUGE_VAL;
+  for (int i = 1; i <= 200; ++i) {
+    const CycleMap map = one_cycle(in, u, spans);
+    const Eigen::Vector2d gap = map.end - u;
+    const double error = gap.norm(), scale = std::max(0.25, u.norm());
+    if (!std::isfinite(error)) break;
+    const bool better = error < 0.7 * best_error;
+    if (error < best_error) {
+      best = {u, map.drift, map.jacobian, i};
+      best_error = error;
+    }
+    if (error <= 4 * in.tolerance * scale || (!better && best_error < 1e-14)) return best;
+    // Newton, as long as it gains; the map itself never separates two motions, so it is always safe.
+    const Eigen::Matrix2d system = Eigen::Matrix2d::Identity() - map.jacobian;
+    const Eigen::Vector2d newton = system.fullPivLu().solve(gap);
+    if (!better || !newton.allFinite() || newton.norm() >= 1e3 * (1 + u.norm())) {
+      u = map.end;
+      continue;
+    }
+    u += newton;
+    // The step leaves an error of second order, and the Jacobian is off by one of first order.
+    const double step = newton.norm() / scale;
+    if (step < jacobian_error && 10 * step * step <= in.tolerance)
+      return Orbit{u, map.drift + map.drift_slope * newton, map.jacobian, i};
+  }
+  if (best_error < 1e-12) return best;
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance) {
@@ -79,30 +96,15 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
   in.max_steps = 1'000'000;
   if (always_held(in))
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
+  // Cheap cycles first: what they leave is squared by the next Newton step.
   Eigen::Vector2d u = first_guess(in.problem, with_pulses);
-  CycleMap map = one_cycle(in, u);
-  Orbit best{u, map.drift, map.jacobian, 0};
-  double best_error = HUGE_VAL;
-  const auto done = [&](double error) { return error <= 4e-16 * std::max(0.25, u.norm()); };
-  for (int i = 1; i <= 200; ++i) {
-    const Eigen::Vector2d gap = map.end - u;
-    const double error = gap.norm();
-    if (!std::isfinite(error)) break;
-    const bool better = error < 0.7 * best_error;
-    if (error < best_error) {
-      best = {u, map.drift, map.jacobian, i};
-      best_error = error;
+  for (const double loose : {1e-4, 1e-10})
+    if (loose > tolerance) {
+      in.tolerance = loose;
+      if (const auto orbit = solve_cycle(in, u, 1)) u = orbit->velocity;
     }
-    if (done(error) || (!better && best_error < 1e-14)) return best;
-    // Newton, as long as it gains; the map itself never separates two motions, so it is always safe.
-    const Eigen::Matrix2d system = Eigen::Matrix2d::Identity() - map.jacobian;
-    const Eigen::Vector2d newton = system.fullPivLu().solve(gap);
-    const bool usable = better && newton.allFinite() && newton.norm() < 1e3 * (1 + u.norm());
-    u = usable ? Eigen::Vector2d(u + newton) : map.end;
-    map = one_cycle(in, u);
-  }
-  if (best_error < 1e-12) return best;
-  return std::nullopt;
+  in.tolerance = tolerance;
+  return solve_cycle(in, u, 1e-9);
 }
 
 }  // namespace internal

@@ -50,6 +50,10 @@ struct IntegrationSummary {
   int releases = 0;       ///< stick -> slip transitions, a start from rest not counted
   double stick_time = 0;  ///< s
   double sticking_fraction = 0;
+  /// What cycles that were taken as repeating can add to the error of the end point, m. The flow of the
+  /// velocity is a contraction, so cycles that begin a velocity d apart stay within d of each other; 0 where
+  /// they repeat to the last digit or none was left out.
+  double error_bound = 0;
   bool one_sided = false;  ///< derivatives at a kink (pulse edge on a start from rest): those of a later edge
   std::string brief_report() const;
 };

@@ -20,11 +20,15 @@ struct GaussTable {
   alignas(64) double moment_front[kMaxLanes], moment_mirror[kMaxLanes];  ///< b (1 - c)
   alignas(64) double tail_front[kMaxLanes], tail_mirror[kMaxLanes];      ///< to the last Legendre coefficient
   alignas(64) double weight[kMaxNodes], moment[kMaxNodes],
-      node[kMaxNodes];                          ///< b, b (1 - c), c in ascending order
-  alignas(64) double integrate[kMaxNodes][16];  ///< a_ij in ascending order
+      node[kMaxNodes];                                   ///< b, b (1 - c), c in ascending order
+  alignas(64) double to_legendre[kMaxNodes][kMaxNodes];  ///< [k][j]: coefficient of P_k(2c - 1)
+  alignas(64) double integrate[kMaxNodes][16];           ///< a_ij in ascending order
 
   /// For 3 or 7 pairs.
   static const GaussTable& of_pairs(int pairs);
+
+  /// Weights that integrate a function known at the nodes from 0 to c, once and twice.
+  void integrals_to(double c, double* once, double* twice) const;
 };
 
 /// The arc: dU/dt = constant + p cos t + q sin t - kappa U/|U|, t = -span/2 .. span/2 (so p, q belong to its
@@ -35,6 +39,7 @@ struct ArcInput {
   double span = 0;
   Pair<double> velocity;  ///< at its start
   double tolerance = 0;   ///< of the velocity, absolute
+  bool keep = false;      ///< the directions at the nodes
 };
 
 struct ArcOutput {
@@ -44,6 +49,8 @@ struct ArcOutput {
   double slowest = 0;         ///< least |U| at the nodes and both ends
   int sweeps = 0;
   bool converged = false;
+  double direction_x[GaussTable::kMaxNodes],
+      direction_y[GaussTable::kMaxNodes];  ///< U/|U| in ascending order
 };
 
 /// Derivatives by `columns` parameters, in columns side by side.
@@ -58,6 +65,8 @@ struct ArcColumns {
   Row constant, p, q;
   Row velocity;      ///< in: at the start; out: at the end
   Row displacement;  ///< out
+  alignas(64) double turn[GaussTable::kMaxNodes][kMax] =
+      {};  ///< out if kept: by how much U/|U| turns at the nodes
 };
 
 /// Solves the arc. `columns` may be null.

@@ -40,11 +40,19 @@ struct ArcKernel {
   static constexpr int kPairs = L - 1, kNodes = 2 * kPairs;
   static constexpr int kMaxSweeps = 48;
 
-  [[gnu::always_inline]] static void direction(const V& x, const V& y, V& nx, V& ny, V& square) {
+  [[gnu::always_inline]] static void direction(const V& x, const V& y, V& nx, V& ny, V& square, V& inverse) {
     square = x * x + y * y;
-    const V inverse = 1.0 / Math::sqrt(square);
+    inverse = 1.0 / Math::sqrt(square);
     nx = x * inverse;
     ny = y * inverse;
+  }
+
+  /// Lanes into ascending order.
+  [[gnu::always_inline]] static void take(double* to, const V& front, const V& mirror) {
+    for (int i = 0; i < kPairs; ++i) {
+      to[i] = front[i];
+      to[kNodes - 1 - i] = mirror[i];
+    }
   }
 
   static void solve(const GaussTable& g, const ArcInput& in, ArcOutput& out, ArcColumns* columns) {
@@ -73,14 +81,13 @@ struct ArcKernel {
     V ux_m = wx_m + pace * (nx0 * sine_m - (turn * ny0) * rest_m),
       uy_m = wy_m + pace * (ny0 * sine_m + (turn * nx0) * rest_m);
 
-    const double rate = 1.5 * -pull / speed;  // kappa h/|U|, with a margin for a speed that falls
     alignas(64) double even_x[L], even_y[L], odd_x[L], odd_y[L];
-    V nx_f, ny_f, nx_m, ny_m, square_f, square_m, ix_f, iy_f, ix_m, iy_m;
+    V nx_f, ny_f, nx_m, ny_m, square_f, square_m, inverse_f, inverse_m, ix_f, iy_f, ix_m, iy_m;
     out.converged = false;
     int sweep = 0;
     while (true) {
-      direction(ux_f, uy_f, nx_f, ny_f, square_f);
-      direction(ux_m, uy_m, nx_m, ny_m, square_m);
+      direction(ux_f, uy_f, nx_f, ny_f, square_f, inverse_f);
+      direction(ux_m, uy_m, nx_m, ny_m, square_m, inverse_m);
       Math::store(nx_f + nx_m, even_x);
       Math::store(ny_f + ny_m, even_y);
       Math::store(nx_f - nx_m, odd_x);
@@ -103,14 +110,17 @@ struct ArcKernel {
       const V vx_f = wx_f + pull * ix_f, vy_f = wy_f + pull * iy_f, vx_m = wx_m + pull * ix_m,
               vy_m = wy_m + pull * iy_m;
       const V dx_f = vx_f - ux_f, dy_f = vy_f - uy_f, dx_m = vx_m - ux_m, dy_m = vy_m - uy_m;
-      const V moved = (dx_f * dx_f + dy_f * dy_f) + (dx_m * dx_m + dy_m * dy_m);
       ux_f = vx_f;
       uy_f = vy_f;
       ux_m = vx_m;
       uy_m = vy_m;
-      // Two sweeps on (the sums below are one), this much is left of `moved`.
-      const double left = rate * rate / ((sweep + 1) * (sweep + 2));
-      out.converged = Math::all_below(moved, (in.tolerance / left) * (in.tolerance / left));
+      // Two sweeps on (the sums below are one) (kappa h/|U|)^2/((sweep + 1)(sweep + 2)) of a change of U is
+      // left.
+      const V left_f = inverse_f * inverse_f, left_m = inverse_m * inverse_m;
+      const V moved =
+          left_f * left_f * (dx_f * dx_f + dy_f * dy_f) + left_m * left_m * (dx_m * dx_m + dy_m * dy_m);
+      const double allowed = 0.5 * in.tolerance * (sweep + 1) * (sweep + 2) / (pull * pull);
+      out.converged = Math::all_below(moved, allowed * allowed);
     }
     out.sweeps = sweep;
     out.velocity = {wx_f[kPairs] + pull * ix_f[kPairs], wy_f[kPairs] + pull * iy_f[kPairs]};
@@ -129,17 +139,21 @@ struct ArcKernel {
     double slowest = least[0];
     for (int i = 1; i < L; ++i) slowest = least[i] < slowest ? least[i] : slowest;
     out.slowest = __builtin_sqrt(slowest);
+    if (in.keep) {
+      take(out.direction_x, nx_f, nx_m);
+      take(out.direction_y, ny_f, ny_m);
+    }
     if (columns && out.converged) {
       Solution solution;
       solution.sine = S;
       solution.cosine = C;
-      solution.take(solution.nx, nx_f, nx_m);
-      solution.take(solution.ny, ny_f, ny_m);
-      solution.take(solution.ix, ix_f, ix_m);
-      solution.take(solution.iy, iy_f, iy_m);
-      solution.take(solution.cosines, int_cos_f, int_cos_m);
-      solution.take(solution.sines, int_sin, int_sin);
-      solution.take(solution.speed, Math::sqrt(square_f), Math::sqrt(square_m));
+      take(solution.nx, nx_f, nx_m);
+      take(solution.ny, ny_f, ny_m);
+      take(solution.ix, ix_f, ix_m);
+      take(solution.iy, iy_f, iy_m);
+      take(solution.cosines, int_cos_f, int_cos_m);
+      take(solution.sines, int_sin, int_sin);
+      take(solution.speed, Math::sqrt(square_f), Math::sqrt(square_m));
       solution.end_x = ix_f[kPairs];
       solution.end_y = iy_f[kPairs];
       solution.moment_x = mx;
@@ -161,13 +175,6 @@ struct ArcKernel {
     double speed[kNodes];
     double end_x, end_y, moment_x, moment_y;  ///< sums of b n and b (1 - c) n
     double sine, cosine;                      ///< of half the span
-
-    static void take(double* to, const V& front, const V& mirror) {
-      for (int i = 0; i < kPairs; ++i) {
-        to[i] = front[i];
-        to[kNodes - 1 - i] = mirror[i];
-      }
-    }
   };
 
   /// The same equation differentiated: friction answers only to what moves U across n, dn = (e.dU/|U|) e with
@@ -222,6 +229,9 @@ struct ArcKernel {
       for (int i = 0; i < k; ++i)
         for (int c = 0; c < kParts; ++c) y[i][c] -= matrix[i][k] * y[k][c];
     }
+    if (in.keep)
+      for (int i = 0; i < kNodes; ++i)
+        for (int c = 0; c < kParts; ++c) PartMath::store(y[i][c], d.turn[i] + c * kWidth);
     const double S = u.sine, half_cosine = u.cosine, kappa_h = in.kappa * h;
     for (int c = 0; c < kParts; ++c) {
       Part vx{}, vy{}, mx{}, my{};

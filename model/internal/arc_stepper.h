@@ -8,25 +8,43 @@
 
 namespace tribotrack::model::internal {
 
+/// The kernel's cos and sin are good up to half of this.
+inline constexpr double kLongestArc = 2.4;
+
+/// How long the next arc may be at most: at mu1, mu2; later arcs, the first after a switch.
+struct ArcSpans {
+  double at[2][2];
+};
+inline constexpr ArcSpans kLongestSpans{{{kLongestArc, kLongestArc}, {kLongestArc, kLongestArc}}};
+
 /// Carries U and X along arcs solved by collocation, and remembers from arc to arc how long the next may be.
 template <class T>
 class ArcStepper {
  public:
-  ArcStepper(const ScaledDrive<T>& drive, double tolerance);
+  /// `keep`: the arcs shall be short enough to tell what happens inside them.
+  ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool keep);
 
   /// Friction has just been switched: what follows begins with a transient.
   void begin_segment(bool reduced) {
     reduced_ = reduced;
     first_ = true;
   }
-  /// One arc from the phase s towards `target`: true, and s, u, x at its end. False, and nothing changed,
-  /// where no arc resolves the motion to the tolerance or the speed falls below `slowest`.
-  bool advance(double& s, double target, const T& kappa, double slowest, Pair<T>& u, Pair<T>& x);
+  /// One arc from the phase s towards `target`: true, s and u at its end, and by how much it moved. False,
+  /// and nothing changed, where no arc resolves the motion to the tolerance or the speed falls below
+  /// `slowest`.
+  bool advance(double& s, double target, const T& kappa, double slowest, Pair<T>& u, Pair<T>& moved);
+  /// U/|U| at node i of the last arc.
+  Pair<T> direction(int i) const;
+  const GaussTable& table() const { return table_; }
+  const ArcSpans& spans() const { return spans_; }
+  void set_spans(const ArcSpans& spans) { spans_ = spans; }
+  /// What follows must not depend on what was before.
+  void forget() { spans_ = kLongestSpans; }
 
  private:
   static constexpr int N = derivative_count<T>;
-  void solve(double middle, const T& kappa, const Pair<T>& u);
-  void take(Pair<T>& u, Pair<T>& x) const;
+  void solve(double s, const T& kappa, const Pair<T>& u);
+  void take(Pair<T>& u, Pair<T>& moved) const;
 
   const ScaledDrive<T>& drive_;
   double tolerance_;
@@ -36,27 +54,27 @@ class ArcStepper {
   ArcInput in_;
   ArcOutput out_;
   ArcColumns columns_;
-  double span_[2][2];  ///< the next arc's at most: at mu1, mu2; later arcs, the first after a switch
+  ArcSpans spans_ = kLongestSpans;
   bool reduced_ = false, first_ = true;
 };
 
-/// The kernel's cos and sin are good up to half of this.
-inline constexpr double kLongestArc = 2.4;
 inline constexpr double kShortestArc = 1e-3;
 /// kappa h/|U| up to which Picard sweeps pay.
 inline constexpr double kSweepable = 5;
 inline constexpr double kLonger = 1.25;
+/// Share of the last Legendre coefficient that the velocity between the nodes is off by.
+inline constexpr double kWithin = 0.02;
 /// Looser tolerances are served by 6 nodes, tighter ones by 14.
 inline constexpr double kFewNodesTolerance = 1e-6;
 
 template <class T>
-ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance)
+ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool keep)
     : drive_(drive),
       tolerance_(tolerance),
-      table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance ? 3 : 7)),
-      solver_(tolerance >= kFewNodesTolerance ? arc_solvers().few : arc_solvers().many),
-      growth_(std::pow(kLonger, 4 * table_.pairs + 1)),
-      span_{{kLongestArc, kLongestArc}, {kLongestArc, kLongestArc}} {
+      table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
+      solver_(table_.pairs == 3 ? arc_solvers().few : arc_solvers().many),
+      growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)) {
+  in_.keep = keep;
   columns_.count = N <= 4 ? 4 : N <= 8 ? 8 : 16;
   if constexpr (N > 0)
     for (const T* part :
@@ -66,23 +84,26 @@ ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance)
 
 template <class T>
 bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slowest, Pair<T>& u,
-                            Pair<T>& x) {
+                            Pair<T>& moved) {
   const double left = target - s, speed = std::sqrt(value(u.x) * value(u.x) + value(u.y) * value(u.y));
   const double sweepable = std::fmin(kLongestArc, kSweepable * speed / value(kappa));
-  double& longest = span_[reduced_][first_];
+  double& longest = spans_.at[reduced_][first_];
   for (int attempt = 0; attempt < 5; ++attempt) {
     if (std::fmin(longest, sweepable) < kShortestArc) break;
     const double arcs = std::ceil(left / std::fmin(longest, sweepable) - 1e-9);
-    in_.span = left / arcs;
+    const double end = arcs > 1 ? s + left / arcs : target;
+    in_.span = end - s;
     in_.tolerance = tolerance_ * speed;
-    solve(s + 0.5 * in_.span, kappa, u);
+    solve(s, kappa, u);
     if (out_.converged && out_.slowest < slowest) return false;
-    const double error = value(kappa) * in_.span * out_.tail * out_.tail / (tolerance_ * speed);
+    // At the end the truncation error is the square of that in between.
+    const double tail = in_.keep ? kWithin * out_.tail : out_.tail * out_.tail;
+    const double error = value(kappa) * in_.span * tail / (tolerance_ * out_.slowest);
     if (out_.converged && error <= 1) {
       if (error * growth_ < 0.3) longest = std::fmax(longest, kLonger * in_.span);
       first_ = false;
-      s = arcs > 1 ? s + in_.span : target;
-      take(u, x);
+      s = end;
+      take(u, moved);
       return true;
     }
     longest = in_.span / kLonger;
@@ -92,8 +113,10 @@ bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slo
 }
 
 template <class T>
-void ArcStepper<T>::solve(double middle, const T& kappa, const Pair<T>& u) {
-  const double c = std::cos(middle), k = std::sin(middle);
+void ArcStepper<T>::solve(double s, const T& kappa, const Pair<T>& u) {
+  const double half = 0.5 * in_.span, middle = s + half, rounded = (s - middle) + half;
+  const double cosine = std::cos(middle), sine = std::sin(middle);
+  const double c = cosine - rounded * sine, k = sine + rounded * cosine;
   const auto turned = [&](auto part, Pair<double>& p, Pair<double>& q) {
     const double px = part(drive_.p.x), py = part(drive_.p.y), qx = part(drive_.q.x), qy = part(drive_.q.y);
     p = {px * c + qx * k, py * c + qy * k};
@@ -125,21 +148,31 @@ void ArcStepper<T>::solve(double middle, const T& kappa, const Pair<T>& u) {
 }
 
 template <class T>
-void ArcStepper<T>::take(Pair<T>& u, Pair<T>& x) const {
+void ArcStepper<T>::take(Pair<T>& u, Pair<T>& moved) const {
   if constexpr (N == 0) {
     u = out_.velocity;
-    x = x + out_.displacement;
+    moved = out_.displacement;
   } else {
     u = {T(out_.velocity.x), T(out_.velocity.y)};
-    Pair<T> moved{T(out_.displacement.x), T(out_.displacement.y)};
+    moved = {T(out_.displacement.x), T(out_.displacement.y)};
     for (int j = 0; j < N; ++j) {
       u.x.d[j] = columns_.velocity.x[j];
       u.y.d[j] = columns_.velocity.y[j];
       moved.x.d[j] = columns_.displacement.x[j];
       moved.y.d[j] = columns_.displacement.y[j];
     }
-    x = x + moved;
   }
+}
+
+template <class T>
+Pair<T> ArcStepper<T>::direction(int i) const {
+  Pair<T> n{T(out_.direction_x[i]), T(out_.direction_y[i])};
+  if constexpr (N > 0)
+    for (int j = 0; j < N; ++j) {
+      n.x.d[j] = -columns_.turn[i][j] * out_.direction_y[i];
+      n.y.d[j] = columns_.turn[i][j] * out_.direction_x[i];
+    }
+  return n;
 }
 
 }  // namespace tribotrack::model::internal
