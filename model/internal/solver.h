@@ -366,7 +366,8 @@ void to_polar(const Pair<T>& u, T& log_speed, T& angle) {
 template <class T>
 void Solver<T>::creep_past_zero(double target) {
   if (length(u_) < kZeroSpeed) return reach_zero(T{}, force(drive_, kappa(), s_, u_));
-  int steps_until_slow = 0;
+  // Where the implicit step fails it is tried again after ever more steps.
+  int steps_until_slow = 0, patience = 3;
   PolarState<T> state;
   state.s = T(s_);
   state.x = x_.x;
@@ -376,7 +377,8 @@ void Solver<T>::creep_past_zero(double target) {
   while (s_ < target) {
     const double r = std::exp(value(state.log_speed));
     if (r < kStiffSpeed * value(kappa()) && steps_until_slow-- <= 0) {
-      steps_until_slow = 3;
+      steps_until_slow = patience;
+      patience = std::min(2 * patience, 48);
       const Motion<T> motion = at_fixed_phase(state, drive_, kappa());
       u_ = motion.velocity;
       x_ = motion.position;
