@@ -86,7 +86,8 @@ std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d 
 
 }  // namespace
 
-std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance) {
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
+                                double jacobian_error) {
   if (!attracts(scenario, with_pulses)) return std::nullopt;
   Scenario free = scenario;
   free.start = Start::rest;
@@ -98,20 +99,20 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
   // Cheap cycles first: what they leave is squared by the next Newton step.
   Eigen::Vector2d u = first_guess(in.problem, with_pulses);
-  for (const double loose : {1e-4, 1e-10})
+  for (const double loose : {1e-4, 1e-8})
     if (loose > tolerance) {
       in.tolerance = loose;
       if (const auto orbit = solve_cycle(in, u, 1)) u = orbit->velocity;
     }
   in.tolerance = tolerance;
-  return solve_cycle(in, u, 1e-9);
+  return solve_cycle(in, u, jacobian_error);
 }
 
 }  // namespace internal
 
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
   scenario.validate();
-  const auto found = internal::find_orbit(scenario, with_pulses);
+  const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-7);
   if (!found) return std::nullopt;
   const double unit = internal::velocity_unit(scenario);
   SteadyOrbit orbit;

@@ -82,7 +82,7 @@ SolverInput<T> Run<T>::prepare() const {
 /// U0 = P(U0, p) differentiated: dU0 = (I - dP/dU)^-1 dP/dp.
 template <class T>
 void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
-  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance);
+  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
   if (!orbit)
     throw InvalidParameter(
         std::string("start = ") + to_string(scenario.start) +
