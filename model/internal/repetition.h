@@ -34,6 +34,34 @@ inline double copying_error(double gap, double q, double copies) {
   return 2 * M_PI * gap * sum_of_gaps(q, copies);
 }
 
+/// How gaps between successive cycles' starts shrink, and when what is left of them is rounding: they then
+/// flicker at its level for ever, without two cycles that agree to the last digit.
+class Shrinking {
+ public:
+  /// Per cycle, where it is known.
+  explicit Shrinking(double contraction) : contraction_(contraction) {}
+
+  /// Whether a gap that followed `before` after a cycle of so many steps is rounding: within what the steps'
+  /// own rounding adds up to, no longer shrinking, and after a contraction that leaves no doubt about where
+  /// it led. Gaps come in their order.
+  bool settled(double gap, double before, double steps) {
+    rounding_ = 2.3e-16 * (4 + 0.25 * steps);
+    if (gap > rounding_) {
+      if (gaps_++ == 0) first_ = gap;
+      if (gaps_ > 1) contraction_ = std::pow(gap / first_, 1 / (gaps_ - 1));
+      return false;
+    }
+    return gap > 0.5 * before && contraction_ < 0.75;
+  }
+  /// Of the displacement of `copies` further cycles: all of them begin within (gap + rounding)/(1 - q).
+  double error(double gap, double copies) const {
+    return 2 * M_PI * (gap + rounding_) / (1 - contraction_) * copies;
+  }
+
+ private:
+  double contraction_, first_ = 0, gaps_ = 0, rounding_ = 0;
+};
+
 /// `copies` more cycles after the one `map` describes, which began at `start`, `before` away from where the
 /// one before it began: d_{k+1} = J d_k, D_{k+1} = D_k + G d_k for the differences d_k of successive starts.
 /// Leaves out terms of second order in d; how large they are shows in d_0 - J d_{-1}, and they fall with d^2.

@@ -25,7 +25,8 @@ struct SolverInput {
   T start_shift{};        ///< derivatives of the start phase (value 0)
   bool on_orbit =
       false;  ///< `velocity` lies on one motion whatever the start phase: it does not shift with it
-  double cycles = 0, rest = 0;  ///< the run ends `rest` after so many whole cycles
+  double contraction = HUGE_VAL;  ///< per cycle of that motion
+  double cycles = 0, rest = 0;    ///< the run ends `rest` after so many whole cycles
   double tolerance = 1e-16;
   bool dense = false;  ///< keep the pieces
   bool reuse = true;   ///< of repeating cycles
@@ -70,7 +71,8 @@ class Solver {
       : in_(input),
         drive_(input.problem.drive),
         order_(taylor_order(input.tolerance)),
-        arcs_(drive_, in_.tolerance, in_.dense) {}
+        arcs_(drive_, in_.tolerance, in_.dense),
+        shrinking_(in_.contraction) {}
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
@@ -102,6 +104,7 @@ class Solver {
     double gap = 0;  ///< of its velocity to the one before
     Pair<T> u, x;
     Pair<double> rounded;
+    long steps = 0;
     double stops = 0, releases = 0, stick_phase = 0;
   };
 
@@ -179,6 +182,7 @@ class Solver {
   double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
   Pair<T> repeat_drift_;
   CycleStart last_start_;
+  Shrinking shrinking_;
 };
 
 /// To 1e-13, or the tolerance, of the largest.
@@ -488,13 +492,15 @@ template <class T>
 void Solver<T>::skip_repeating_cycles() {
   const double scale = std::fmax(length(u_), 1e-3), copies = in_.cycles - cycle_;
   const CycleStart before = last_start_;
-  last_start_ = {length(Pair<T>(u_ - before.u)), u_, x_, rounded_, stops, releases, stick_phase};
+  last_start_ = {length(Pair<T>(u_ - before.u)), u_, x_, rounded_, steps, stops, releases, stick_phase};
   if (cycle_ < 2) return;
   const double gap = last_start_.gap, q = cycle_ > 2 && before.gap > 0 ? gap / before.gap : 1;
   const double allowed = in_.tolerance * scale * kTwoPi * in_.cycles;
-  const double error = copying_error(gap, q, copies);
   const bool exact = same(u_.x, before.u.x) && same(u_.y, before.u.y);
-  const bool close = gap <= 4e-16 * scale || error <= allowed;
+  const bool settled =
+      shrinking_.settled(gap, before.gap, static_cast<double>(last_start_.steps - before.steps));
+  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
+  const bool close = settled || gap <= 4e-16 * scale || error <= allowed;
   if (exact || (close && same_derivatives(u_, before.u, in_.tolerance))) {
     error_bound = error;
     repeat_from_ = cycle_;
