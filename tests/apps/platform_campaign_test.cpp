@@ -84,7 +84,7 @@ TEST(PlatformRendered, ExposureFillsTheInterval) {
   EXPECT_LT(squares, 2);
 }
 
-TEST(PlatformCampaign, HundredRecordingsExposureFillsTheInterval) {
+TEST(PlatformCampaign, DISABLED_HundredRecordingsExposureFillsTheInterval) {
   const unsigned seed = 20262;
   SCOPED_TRACE(seed);
   auto errors = errors_over(100, 2e-3, seed);
@@ -97,7 +97,7 @@ TEST(PlatformCampaign, HundredRecordingsExposureFillsTheInterval) {
   }
 }
 
-TEST(PlatformCampaign, HundredRecordingsShortExposure) {
+TEST(PlatformCampaign, DISABLED_HundredRecordingsShortExposure) {
   const unsigned seed = 20263;
   SCOPED_TRACE(seed);
   auto errors = errors_over(100, 0.1e-3, seed);
