@@ -35,18 +35,23 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
   SharedScale shared;
   const double common = campaign.diameter_mm ? campaign.diameter_sd_mm / *campaign.diameter_mm : 0;
   shared.pooled = vision::pooled_scale(scales, common);
-  shared.used = shared.pooled.agree;
+  shared.used = shared.pooled.one_scale;
   if (!shared.used) {
     shared.finding = fmt::format(
-        "the part's diameter is not the same in all {} recordings (chi2 {:.3g}): did the camera move? each "
-        "keeps the "
-        "scale of its own",
-        shared.pooled.count, shared.pooled.chi2);
+        "the part's diameter is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): "
+        "did "
+        "the camera move? each keeps the scale of its own",
+        shared.pooled.count, 100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;
   }
-  shared.finding =
-      fmt::format("{} recordings share one scale, {:.6g} +- {:.2g} mm/px (chi2 {:.3g})", shared.pooled.count,
-                  shared.pooled.scale.mm_per_px, shared.pooled.scale.sd, shared.pooled.chi2);
+  shared.finding = fmt::format(
+      "{} recordings share one scale, {:.6g} +- {:.2g} mm/px (chi2 {:.3g}{})", shared.pooled.count,
+      shared.pooled.scale.mm_per_px, shared.pooled.scale.sd, shared.pooled.chi2,
+      shared.pooled.scatter > 0
+          ? fmt::format("; beyond their own sds they scatter by {:.2g} %, as rims on differing "
+                        "ground do: the mean's sd holds it",
+                        100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
+          : "");
   for (AnalysedRun& run : runs) {
     if (!scaled_by_diameter(run)) continue;
     TrackFile track = std::move(*run.track);
@@ -62,6 +67,7 @@ void add_to(Json& fit, const std::optional<SharedScale>& shared) {
                          {"runs", shared->pooled.count},
                          {"mm_per_px", shared->pooled.scale.mm_per_px},
                          {"mm_per_px_sd", shared->pooled.scale.sd},
+                         {"scatter_mm_per_px", shared->pooled.scatter},
                          {"chi2", shared->pooled.chi2},
                          {"finding", shared->finding}};
   if (!shared->used) fit["warnings"].push_back(shared->finding);

@@ -17,9 +17,9 @@ struct SharedScale {
   std::string finding;  ///< one sentence
 };
 
-/// Where two or more runs are scaled by the part's diameter and agree, all get the mean scale
+/// Where two or more runs are scaled by the part's diameter and one scale explains them, all get the mean
 /// (vision/scale.h) and are analysed again with it: each run's noise in the radius is then no longer one of
-/// its own. Where they do not agree (the camera moved, another part) each keeps its own. Nothing for fewer
+/// its own. Where none does (the camera moved, another part) each keeps its own. Nothing for fewer
 /// than two such runs.
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs);
 

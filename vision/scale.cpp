@@ -45,19 +45,36 @@ PooledScale pooled_scale(std::span<const Scale> scales, double common_relative_s
       std::any_of(scales.begin(), scales.end(), [&](const Scale& s) { return own_variance(s) <= 0; });
   if (exact) {
     for (const Scale& s : scales)
-      pooled.agree = pooled.agree && s.mm_per_px == scales.front().mm_per_px && s.sd == scales.front().sd;
+      pooled.one_scale =
+          pooled.one_scale && s.mm_per_px == scales.front().mm_per_px && s.sd == scales.front().sd;
     return pooled;
   }
-  double weights = 0, sum = 0;
-  for (const Scale& s : scales) {
-    weights += 1 / own_variance(s);
-    sum += s.mm_per_px / own_variance(s);
+  struct Sums {
+    double weight = 0, square = 0, value = 0, chi2 = 0;
+    double mean() const { return value / weight; }
+  };
+  const auto sums_with = [&](double scatter) {
+    Sums sums;
+    for (const Scale& s : scales) {
+      const double weight = 1 / (own_variance(s) + scatter * scatter);
+      sums.weight += weight;
+      sums.square += weight * weight;
+      sums.value += weight * s.mm_per_px;
+    }
+    for (const Scale& s : scales)
+      sums.chi2 += std::pow(s.mm_per_px - sums.mean(), 2) / (own_variance(s) + scatter * scatter);
+    return sums;
+  };
+  Sums sums = sums_with(0);
+  pooled.chi2 = sums.chi2;
+  const int dof = pooled.count - 1;
+  if (dof > 0 && pooled.chi2 > chi2_of_one_in_thousand(dof)) {
+    pooled.scatter = std::sqrt((sums.chi2 - dof) / (sums.weight - sums.square / sums.weight));
+    sums = sums_with(pooled.scatter);
   }
-  const double mean = sum / weights;
-  for (const Scale& s : scales) pooled.chi2 += std::pow(s.mm_per_px - mean, 2) / own_variance(s);
-  pooled.scale.mm_per_px = mean;
-  pooled.scale.sd = std::hypot(1 / std::sqrt(weights), common_relative_sd * mean);
-  pooled.agree = pooled.count == 1 || pooled.chi2 <= chi2_of_one_in_thousand(pooled.count - 1);
+  pooled.scale.mm_per_px = sums.mean();
+  pooled.scale.sd = std::hypot(1 / std::sqrt(sums.weight), common_relative_sd * sums.mean());
+  pooled.one_scale = pooled.scatter <= kRimScatter * sums.mean();
   return pooled;
 }
 

@@ -20,15 +20,22 @@ Scale given_scale(double mm_per_px, double sd = 0);
 
 /// Several recordings of one part by one camera that did not move.
 struct PooledScale {
-  Scale scale;        ///< sd: what the mean does not know of itself, and what all recordings share
-  double chi2 = 0;    ///< of the recordings' own scales about their mean, count - 1 degrees of freedom
-  int count = 0;      ///< recordings
-  bool agree = true;  ///< chi2 is one that chance gives in more than 1 of 1000 campaigns
+  Scale scale;            ///< sd: what the mean does not know of itself, and what all recordings share
+  double chi2 = 0;        ///< of the recordings' own scales about their mean, count - 1 degrees of freedom
+  int count = 0;          ///< recordings
+  double scatter = 0;     ///< between recordings, beyond their own sds; 0 where these explain chi2
+  bool one_scale = true;  ///< no scatter, or one that rims on differing ground explain (kRimScatter)
 };
 
-/// The mean weighted by 1/sd^2, sd without what they share: relative sd `common_relative_sd` (the part's true
-/// diameter), which each of `scales` holds in its sd and which no averaging takes out. Scales without an sd
-/// must be equal to agree. Throws std::invalid_argument for an empty list.
+/// Scatter between recordings, of the scale, up to which it is that of measuring: the ground that a rim lies
+/// on pulls its radius by some hundredths of a pixel. A camera that is moved changes its scale by more.
+inline constexpr double kRimScatter = 5e-4;
+
+/// The mean weighted by 1 / (sd^2 + scatter^2), sd without what they share: relative sd `common_relative_sd`
+/// (the part's true diameter), which each of `scales` holds in its sd and which no averaging takes out. Where
+/// chance gives such a chi2 in fewer than 1 of 1000 campaigns the scatter is estimated by moments
+/// (DerSimonian, Laird 1986). Scales without an sd must be equal. Throws std::invalid_argument for an empty
+/// list.
 PooledScale pooled_scale(std::span<const Scale> scales, double common_relative_sd = 0);
 
 }  // namespace tribotrack::vision

@@ -38,7 +38,7 @@ TEST(PooledScale, IsTheWeightedMean) {
   EXPECT_DOUBLE_EQ(pooled.scale.mm_per_px, (4 * 0.10 + 0.103) / 5);
   EXPECT_DOUBLE_EQ(pooled.scale.sd, 0.002 / std::sqrt(5.0));
   EXPECT_NEAR(pooled.chi2, 0.003 * 0.003 / (0.001 * 0.001 + 0.002 * 0.002), 1e-12);
-  EXPECT_TRUE(pooled.agree);
+  EXPECT_TRUE(pooled.one_scale);
 }
 
 TEST(PooledScale, WhatAllShareIsNotAveragedAway) {
@@ -48,10 +48,28 @@ TEST(PooledScale, WhatAllShareIsNotAveragedAway) {
 }
 
 TEST(PooledScale, ACameraThatMovedIsSeen) {
-  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 1e-4, "a"}, {0.101, 1e-4, "a"}}).agree);
-  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.101, 0, "a"}}).agree);
-  EXPECT_TRUE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.10, 0, "a"}}).agree);
+  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 1e-4, "a"}, {0.101, 1e-4, "a"}}).one_scale);
+  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.101, 0, "a"}}).one_scale);
+  EXPECT_TRUE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.10, 0, "a"}}).one_scale);
   EXPECT_THROW(pooled_scale({}), std::invalid_argument);
+}
+
+// Ten radii of 30 px that scatter by 0.006 px where each believes 0.002.
+TEST(PooledScale, RimsThatScatterMoreThanTheyKnowStillShareOneScale) {
+  std::vector<Scale> scales;
+  double squares = 0;
+  for (int k = 0; k < 10; ++k) {
+    const double off = (k - 4.5) / 2.8723 * 2e-4;  // sd 2e-4
+    squares += off * off;
+    scales.push_back({0.1 * (1 + off), 0.1 * 0.7e-4, "a"});
+  }
+  const PooledScale pooled = pooled_scale(scales);
+  EXPECT_TRUE(pooled.one_scale);
+  // Equal weights: the moments' scatter and own variance together are the sample variance.
+  const double sample = 0.1 * std::sqrt(squares / 9);
+  EXPECT_NEAR(std::hypot(pooled.scatter, 0.1 * 0.7e-4), sample, 1e-9);
+  EXPECT_NEAR(pooled.scale.sd, sample / std::sqrt(10.0), 1e-9);
+  EXPECT_NEAR(pooled.scale.mm_per_px, 0.1, 1e-12);
 }
 
 TEST(PooledScale, ChanceIsBlamedAsOftenAsStated) {
@@ -64,7 +82,7 @@ TEST(PooledScale, ChanceIsBlamedAsOftenAsStated) {
     for (int trial = 0; trial < 20000; ++trial) {
       std::vector<Scale> scales(static_cast<std::size_t>(count), {0, 1e-4, "a"});
       for (Scale& s : scales) s.mm_per_px = 0.1 + noise(random);
-      blamed += !pooled_scale(scales).agree;
+      blamed += pooled_scale(scales).scatter > 0;
     }
     EXPECT_NEAR(blamed, 20, 20) << count;  // 4.5 sd
   }
