@@ -62,8 +62,9 @@ std::string FitResult::brief_report() const {
 
 std::string FitResult::full_report() const {
   std::string text = "[[Fit]]\n";
-  text += format("    %s, %d of %d starts ended in this minimum\n", converged ? "converged" : "NOT CONVERGED",
+  text += format("    %s, %d of %d descents ended in this minimum", converged ? "converged" : "NOT CONVERGED",
                  starts_at_best, starts);
+  text += starts_screened > 0 ? format(" (%d starts screened)\n", starts_screened) : "\n";
   text += format("    chi2 %.5g at %d degrees of freedom", chi2, dof);
   if (scatter > 0)
     text += format(" (before the scatter was estimated: %.5g, p = %.2g)", chi2_before_scatter, p_value);
@@ -94,6 +95,7 @@ std::string FitResult::full_report() const {
   for (const auto& sentence : identifiability.weak_directions) text += "    " + sentence + "\n";
   for (const auto& sentence : systematics) text += "    If wrong: " + sentence + "\n";
   if (next_experiment) text += "    " + next_experiment->sentence + "\n";
+  for (const auto& other : other_next_experiments) text += "    " + other.sentence + "\n";
 
   text += "[[Runs]]\n";
   for (const auto& run : runs) {

@@ -50,6 +50,25 @@ double Residuals::excess(double chi2) const {
   return dof > 0 ? std::max(1.0, chi2 / dof) : 1;
 }
 
+double Residuals::tolerance_for(double share, double coarsest) const {
+  // A path that differs by less than its sigma tells nothing apart.
+  std::vector<double> relative;
+  for (const auto& run : problem_->summary_runs) {
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.between_runs;
+    relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
+  }
+  for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
+    const auto& track = problem_->trajectory_runs[i].track;
+    const double sigma =
+        std::sqrt(0.5 * track.covariance.front().trace()) + scatter_.trajectories[i].between_points;
+    const double path = (track.position.back() - track.position.front()).norm();
+    relative.push_back(sigma / std::max(path, sigma) / std::sqrt(static_cast<double>(track.time.size())));
+  }
+  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+  std::nth_element(relative.begin(), middle, relative.end());
+  return std::clamp(share * *middle, 1e-9, coarsest);
+}
+
 bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,
                          Eigen::MatrixXd* jacobian) const {
   residuals.setZero(rows_);

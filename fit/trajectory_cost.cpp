@@ -94,7 +94,7 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
 
   // Whitened residuals, their Jacobian, and the columns of the start point (W: residual = .. - W x0).
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
-  const double weight = 1 / std::sqrt(scatter.correlation_time);
+  const double uncorrelated = 1 / std::sqrt(scatter.correlation_time);
   Eigen::MatrixX2d start(2 * static_cast<Eigen::Index>(n), 2);
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
@@ -102,6 +102,7 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
         Eigen::Matrix2d(run.track.covariance[first + i] + added * Eigen::Matrix2d::Identity()));
     const Eigen::Vector2d difference =
         run.track.position[first + i] - positions.col(static_cast<Eigen::Index>(i));
+    const double weight = uncorrelated * std::sqrt(point_weight(index, i));
     residuals.segment<2>(k) = weight * factor.matrixL().solve(difference);
     start.middleRows<2>(k) = weight * factor.matrixL().solve(Eigen::Matrix2d::Identity()).eval();
     if (jacobian)
@@ -128,6 +129,7 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
     result.row.push_back(first + i);
     result.residual.push_back(run.track.position[first + i] - positions.col(static_cast<Eigen::Index>(i)));
     const Eigen::Matrix2d weight =
+        point_weight(index, i) *
         (run.track.covariance[first + i] + added * Eigen::Matrix2d::Identity()).inverse();
     weights += weight;
     sum += weight * result.residual.back();
