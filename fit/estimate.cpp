@@ -185,9 +185,12 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
-  const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian, t, options.threads);
-  result.next_experiment = next.best;
-  result.other_next_experiments = next.others;
+  if (options.next_experiment) {
+    const NextExperiments next =
+        next_experiments(residuals, judged.values, best.jacobian, t, options.threads);
+    result.next_experiment = next.best;
+    result.other_next_experiments = next.others;
+  }
   return result;
 }
 

@@ -94,6 +94,7 @@ struct FitOptions {
   int threads = 1;       ///< over runs and starts; Ceres itself runs on one
   int multi_starts = 8;  ///< the user's start is number 0
   bool profiles = true;
+  bool next_experiment = true;  ///< look for the run to film next
   /// Scatter between points or runs beyond their own sigma is estimated from the residuals when chi-square
   /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
   bool estimate_scatter = true;
