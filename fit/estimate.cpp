@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/internal/bootstrap.h"
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
 #include "fit/internal/multi_start.h"
@@ -151,6 +152,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.chi2_before_scatter = minimum.chi2;
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
   const double excess = residuals.excess(minimum.chi2);
+  result.outliers = find_outliers(residuals, minimum);
   const bool surprised = result.p_value < kSurprise;
   if (surprised || options.loss != Loss::squares)
     settle(residuals, minimum, options.estimate_scatter && surprised, options.loss);
@@ -175,10 +177,15 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.dof = static_cast<int>(std::lround(dof));
   tell_parameters(unknowns, judged.values, judged.spread, t, result);
   for (std::size_t i = 0; i < intervals.size(); ++i) result.parameters[i].profile_ci95 = intervals[i];
+  if (options.bootstrap > 0) {
+    const Bootstrap refits = bootstrap(residuals, best, any(residuals.scatter()), options);
+    result.bootstrap = refits.converged;
+    result.bootstrap_seed = options.bootstrap_seed;
+    for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
+  }
   result.identifiability = identifiability(unknowns, judged.values, judged.spread);
   tell_scatter(residuals, options.estimate_scatter, result);
   tell_runs(residuals, best, result);
-  result.outliers = find_outliers(residuals, best, judged.spread.full_covariance);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   tell_systematics(residuals, best, judged.spread, result);
   warn_of_other_minima(residuals, search, excess, result);

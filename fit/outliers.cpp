@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fit/internal/covariance.h"
 #include "fit/internal/display.h"
 
 namespace tribotrack::fit::internal {
@@ -19,57 +20,86 @@ double chance(double drop, double rest, double dof) {
 }
 
 /// The angle by which the run's pulse would have to be turned, where that explains its displacement.
+/// nullopt, too, where it is no more than the run's own error in angle.
 std::optional<double> looks_like(const SummaryRun& run, const Eigen::Vector2d& modelled, double sigma) {
   const Eigen::Vector2d& measured = run.measured.vector;
   if (std::abs(measured.norm() - modelled.norm()) > 4 * sigma + 0.1 * modelled.norm()) return std::nullopt;
   double turned = std::atan2(measured.y(), measured.x()) - std::atan2(modelled.y(), modelled.x());
   if (std::sin(run.scenario.drive.phase_shift) >= 0) turned = -turned;  // clockwise
+  turned = std::remainder(turned, 2 * std::numbers::pi);
+  if (std::abs(turned) < std::max(0.05, 3 * sigma / std::max(modelled.norm(), sigma))) return std::nullopt;
   return std::remainder(run.scenario.friction.phase + turned, 2 * std::numbers::pi);
+}
+
+/// The run whose leaving out lowers chi^2 most, to first order, and by how much.
+std::pair<std::size_t, double> worst(const Residuals& residuals, const Minimum& best,
+                                     const std::vector<bool>& out) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const Eigen::MatrixXd covariance =
+      uncertainty(unknowns, unknowns.values(best.z), best.jacobian).full_covariance;
+  std::pair<std::size_t, double> found{0, 0};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i]) continue;
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d r = best.residuals.segment<2>(row);
+    const Eigen::MatrixXd j = best.jacobian.middleRows(row, 2);
+    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - j * covariance * j.transpose();
+    if (!(left.determinant() > 1e-6)) continue;  // the run alone pins something: nothing checks it
+    const double drop = r.dot(left.inverse() * r);
+    if (drop > found.second) found = {i, drop};
+  }
+  return found;
+}
+
+Outlier tell(const SummaryRun& run, double deviation, double probability, std::optional<double> phi) {
+  Outlier outlier;
+  outlier.run = run.name;
+  outlier.deviation = deviation;
+  outlier.chance = probability;
+  outlier.sentence = "Run '" + run.name + "' lies " + number(deviation, 2) +
+                     " sigma from what all other runs say (chance " + number(probability, 1) +
+                     "); check its phi, dtau and label";
+  if (phi) {
+    outlier.looks_like_phi = *phi < 0 ? *phi + 2 * std::numbers::pi : *phi;
+    outlier.sentence += ": it moved as if phi were " + number(*outlier.looks_like_phi / std::numbers::pi, 2) +
+                        " pi instead of " + number(run.scenario.friction.phase / std::numbers::pi, 2) + " pi";
+  }
+  outlier.sentence += ".";
+  return outlier;
 }
 
 }  // namespace
 
-std::vector<Outlier> find_outliers(const Residuals& residuals, const Minimum& best,
-                                   const Eigen::MatrixXd& full_covariance) {
+std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
+  constexpr double kLeftOut = 1e-12;  ///< weight of a run that does not count but is still compared
   const Problem& problem = residuals.unknowns().problem();
   const std::size_t runs = problem.summary_runs.size();
-  const double chi2 = best.residuals.squaredNorm(), dof = residuals.degrees_of_freedom();
+  std::vector<bool> out(runs, false);
   std::vector<Outlier> found;
-  for (std::size_t i = 0; i < runs; ++i) {
-    const auto row = 2 * static_cast<Eigen::Index>(i);
-    const double root = std::sqrt(residuals.run_weight(i));
-    const Eigen::Vector2d r = best.residuals.segment<2>(row) / root;
-    const Eigen::MatrixXd j = best.jacobian.middleRows(row, 2) / root;
-    const Eigen::Matrix2d left =
-        Eigen::Matrix2d::Identity() - root * root * j * full_covariance * j.transpose();
-    if (!(left.determinant() > 1e-9)) continue;  // the run alone pins something: nothing checks it
-    const double drop = r.dot(left.inverse() * r);
-    Outlier outlier;
-    outlier.run = problem.summary_runs[i].name;
-    const double rest = std::max(0.0, chi2 - root * root * drop);
-    outlier.chance = std::min(1.0, static_cast<double>(runs) * chance(drop, rest, dof - 2));
-    if (!(outlier.chance < kChance)) continue;
-    const double spread = rest > dof - 2 && dof > 2 ? std::sqrt(rest / (dof - 2)) : 1;
-    outlier.deviation = std::sqrt(drop) / spread;
+  double dof = residuals.degrees_of_freedom();
+  if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
+  while (found.size() < runs / 4 && dof > 3 && best.jacobian.rows() > 0) {
+    const auto [i, first_order] = worst(residuals, best, out);
+    const double count = static_cast<double>(runs);
+    if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kChance)) break;
+    out[i] = true;
+    Weights weights;
+    for (std::size_t k = 0; k < runs; ++k) weights.runs.push_back(out[k] ? kLeftOut : 1);
+    residuals.set_weights(weights);
+    Minimum without = minimise(residuals, best.z, {.held = {}, .decrement = 1e-6});
+    if (without.jacobian.rows() == 0) without = with_curvature(residuals, without).minimum;
+    const double drop = best.chi2 - without.chi2;
+    const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
+    if (!(probability < kChance) || without.jacobian.rows() == 0) break;
+    const double spread = std::sqrt(std::max(1.0, without.chi2 / (dof - 2)));
     const Eigen::Vector2d modelled =
-        problem.summary_runs[i].measured.vector - residuals.difference(best.residuals, i);
-    const auto phi =
-        looks_like(problem.summary_runs[i], modelled, std::sqrt(0.5 * residuals.covariance(i).trace()));
-    outlier.sentence = "Run '" + outlier.run + "' lies " + number(outlier.deviation, 2) +
-                       " sigma from what all other runs say (chance " + number(outlier.chance, 1) +
-                       "); check its phi, dtau and label";
-    if (phi) {
-      outlier.looks_like_phi = *phi < 0 ? *phi + 2 * std::numbers::pi : *phi;
-      outlier.sentence += ": it moved as if phi were " +
-                          number(*outlier.looks_like_phi / std::numbers::pi, 2) + " pi instead of " +
-                          number(problem.summary_runs[i].scenario.friction.phase / std::numbers::pi, 2) +
-                          " pi";
-    }
-    outlier.sentence += ".";
-    found.push_back(outlier);
+        problem.summary_runs[i].measured.vector - residuals.difference(without.residuals, i);
+    const double sigma = spread * std::sqrt(0.5 * residuals.covariance(i).trace());
+    found.push_back(tell(problem.summary_runs[i], std::sqrt(drop) / spread, probability,
+                         looks_like(problem.summary_runs[i], modelled, sigma)));
+    best = without;
+    dof -= 2;
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Outlier& a, const Outlier& b) { return a.deviation > b.deviation; });
   return found;
 }
 

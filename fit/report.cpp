@@ -73,6 +73,7 @@ std::string FitResult::full_report() const {
 
   text += "[[Parameters]]\n";
   text += format("    %-24s %12s %10s  %-24s %s\n", "", "estimate", "sd", "95 % covariance", "95 % profile");
+  if (bootstrap > 0) text.insert(text.size() - 1, format("%14s 95 %% bootstrap", ""));
   for (const auto& p : parameters) {
     const double factor = display_factor(p.parameter);
     const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
@@ -81,7 +82,10 @@ std::string FitResult::full_report() const {
     text += format("    %-24s %12.6g %10.2g  %-24s %s%s\n", to_string(p.parameter), p.estimate * factor,
                    p.sd * factor, interval(p.ci95, factor).c_str(), interval(p.profile_ci95, factor).c_str(),
                    percent.c_str());
+    if (bootstrap > 0) text.insert(text.size() - 1, "  " + interval(p.bootstrap_ci95, factor));
   }
+  if (bootstrap > 0)
+    text += format("    bootstrap: %d refits to simulated data, seed %u\n", bootstrap, bootstrap_seed);
   std::string correlations;
   for (Eigen::Index i = 0; i < correlation.rows(); ++i)
     for (Eigen::Index j = i + 1; j < correlation.cols(); ++j)

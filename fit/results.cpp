@@ -154,7 +154,7 @@ void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
         flat[static_cast<std::size_t>(i)] ? kInfinity : std::sqrt(std::max(0.0, result.covariance(i, i)));
     estimate.ci95 =
         covariance_interval(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
-    estimate.profile_ci95 = {std::nan(""), std::nan("")};
+    estimate.profile_ci95 = estimate.bootstrap_ci95 = {std::nan(""), std::nan("")};
     result.parameters.push_back(estimate);
     for (Eigen::Index j = 0; j < n; ++j) {
       const double product = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
