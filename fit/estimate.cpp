@@ -7,6 +7,7 @@
 #include "fit/internal/bootstrap.h"
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
+#include "fit/internal/model_check.h"
 #include "fit/internal/multi_start.h"
 #include "fit/internal/next_experiment.h"
 #include "fit/internal/outliers.h"
@@ -153,6 +154,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
   const double excess = residuals.excess(minimum.chi2);
   result.outliers = find_outliers(residuals, minimum);
+  check_model(residuals, minimum, options, result);
   const bool surprised = result.p_value < kSurprise;
   if (surprised || options.loss != Loss::squares)
     settle(residuals, minimum, options.estimate_scatter && surprised, options.loss);

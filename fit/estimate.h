@@ -87,6 +87,16 @@ struct Outlier {
   std::string sentence;
 };
 
+/// One model among those compared.
+struct ModelComparison {
+  std::string name;
+  int parameters = 0;  ///< unknowns
+  double chi2 = 0;     ///< with the data's own sigma
+  /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
+  double aic = 0, bic = 0;
+  std::string sentence;  ///< what it found
+};
+
 /// How strongly a far run may pull: squares fully, Huber as much as one at 2 sigma, Cauchy hardly.
 enum class Loss { squares, huber, cauchy };
 
@@ -99,6 +109,7 @@ struct FitOptions {
   /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
   bool estimate_scatter = true;
   Loss loss = Loss::squares;
+  bool rivals = false;  ///< compare tilt and rival friction laws even where the residuals do not ask
   int bootstrap = 0;            ///< refits to simulated data; 0: none, 400 give the ends to about 10 %
   unsigned bootstrap_seed = 1;  ///< of its noise; told in the result
   std::function<void(int done, int total)> progress;
@@ -121,13 +132,15 @@ struct FitResult {
   int bootstrap = 0;  ///< refits that converged
   unsigned bootstrap_seed = 0;
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
-  std::string covariance_meaning;     ///< which covariance is printed, in words
-  double chi2_before_scatter = 0;     ///< with the data's own sigma alone
-  double p_value = 1;                 ///< of chi2_before_scatter
-  int starts_screened = 0;            ///< points of the box looked at
-  int starts = 0;                     ///< descents made
-  int starts_at_best = 0;             ///< of them, those that ended in the minimum told
-  std::vector<std::string> left_out;  ///< what the data did not ask for, and why
+  std::string covariance_meaning;       ///< which covariance is printed, in words
+  double chi2_before_scatter = 0;       ///< with the data's own sigma alone
+  double p_value = 1;                   ///< of chi2_before_scatter
+  int starts_screened = 0;              ///< points of the box looked at
+  int starts = 0;                       ///< descents made
+  int starts_at_best = 0;               ///< of them, those that ended in the minimum told
+  double runs_test_p_value = 1;         ///< small: neighbouring runs err alike, a wrong model
+  std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
+  std::vector<std::string> left_out;    ///< what the data did not ask for, and why
   /// How far an error in what was taken as known moves the parameters, in words: "A up 1 %: mu1 up 1.02 %".
   std::vector<std::string> systematics;
   std::vector<std::string> warnings;

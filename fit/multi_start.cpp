@@ -1,17 +1,18 @@
 #include "fit/internal/multi_start.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "fit/internal/parallel.h"
 #include "fit/internal/screen.h"
+#include "fit/internal/statistics.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr int kScreenedPerStart = 3;
+constexpr double kSurprise = 1e-3;
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 
 /// Within half a standard deviation; standard deviations as wide as the residuals ask for (`spread` =
@@ -37,13 +38,14 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   Search search;
 
   // Start 0 is the user's, or the scene's own scale where nothing better is known.
-  const int wanted = std::max(1, options.multi_starts);
-  std::vector<Eigen::VectorXd> starts;
-  if (wanted == 1 || !unknowns.problem().start.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
+  const std::size_t wanted = static_cast<std::size_t>(std::max(1, options.multi_starts));
+  const bool guessed = !unknowns.problem().start.empty();
+  std::vector<Eigen::VectorXd> starts, reserve;
+  if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
   if (wanted > 1) {
-    search.screened = kScreenedPerStart * wanted;
+    search.screened = kScreenedPerStart * static_cast<int>(wanted);
     for (const auto& point : worth_a_descent(unknowns, screen(residuals, search.screened, options.threads)))
-      if (static_cast<int>(starts.size()) < wanted) starts.push_back(point.z);
+      (point.worth_a_descent && starts.size() < wanted ? starts : reserve).push_back(point.z);
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
 
@@ -62,22 +64,30 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     hits.push_back(1);
   };
   // The most promising start finds the minimum that most others then join early.
-  const std::size_t first = starts.size() > 1 && !unknowns.problem().start.empty() ? 1 : 0;
+  const std::size_t first = starts.size() > 1 && guessed ? 1 : 0;
   MinimiseOptions descent;
   descent.decrement = kRoughDecrement;
   keep(minimise(rough, starts[first], descent));
-  std::vector<Eigen::VectorXd> others;
-  for (std::size_t i = 0; i < starts.size(); ++i)
-    if (i != first) others.push_back(starts[i]);
-  std::vector<Minimum> found(others.size());
-  const std::vector<KnownMinimum> known = search.minima;
-  if (!known.empty()) descent.known = &known;
-  std::atomic<int> done{1};
-  parallel_for(others.size(), options.threads, [&](std::size_t i) {
-    found[i] = minimise(rough, others[i], descent);
-    if (options.progress && options.threads <= 1) options.progress(++done, static_cast<int>(starts.size()));
-  });
-  for (const Minimum& minimum : found) keep(minimum);
+  starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
+  const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places) {
+    std::vector<Minimum> found(places.size());
+    const std::vector<KnownMinimum> known = search.minima;
+    descent.known = known.empty() ? nullptr : &known;
+    parallel_for(places.size(), options.threads,
+                 [&](std::size_t i) { found[i] = minimise(rough, places[i], descent); });
+    for (const Minimum& minimum : found) keep(minimum);
+  };
+  descend_from(starts);
+  // While chi^2 says that the best minimum cannot be the truth, the next points are tried as well.
+  const auto surprising = [&] {
+    double lowest = HUGE_VAL;
+    for (const KnownMinimum& known : search.minima) lowest = std::min(lowest, known.minimum.chi2);
+    return !(chi2_survival(lowest, residuals.degrees_of_freedom()) >= kSurprise);
+  };
+  for (std::size_t k = 0; k < reserve.size() && search.starts < static_cast<int>(wanted) && surprising();
+       k += 2)
+    descend_from({reserve.begin() + static_cast<std::ptrdiff_t>(k),
+                  reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size()))});
 
   std::vector<std::size_t> order(search.minima.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

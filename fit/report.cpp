@@ -101,6 +101,12 @@ std::string FitResult::full_report() const {
   if (next_experiment) text += "    " + next_experiment->sentence + "\n";
   for (const auto& other : other_next_experiments) text += "    " + other.sentence + "\n";
 
+  if (!models.empty()) text += "[[Models compared]]\n";
+  for (const auto& model : models)
+    text += format("    %-20s %2d unknowns, chi2 %-8.5g AIC %-8.5g BIC %-8.5g %s\n", model.name.c_str(),
+                   model.parameters, model.chi2, model.aic, model.bic, model.sentence.c_str());
+  for (const auto& sentence : left_out) text += "    " + sentence + "\n";
+
   text += "[[Runs]]\n";
   for (const auto& run : runs) {
     text += "    " + run.name + ":";

@@ -172,29 +172,36 @@ std::vector<ScreenedPoint> worth_a_descent(const Unknowns& unknowns, std::vector
   std::erase_if(points, [](const ScreenedPoint& point) { return !std::isfinite(point.chi2); });
   std::stable_sort(points.begin(), points.end(),
                    [](const ScreenedPoint& a, const ScreenedPoint& b) { return a.chi2 < b.chi2; });
-  if (points.empty()) return points;
   // The lag was computed from the others: it is no dimension of the sample.
   std::vector<Eigen::Index> axes;
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
     if (unknowns.parameter(i) != FitParameter::lag && unknowns.parameter(i) != FitParameter::delay)
       axes.push_back(i);
-  const double d = static_cast<double>(axes.size()), n = static_cast<double>(points.size());
   if (axes.empty() || points.size() < 3) return points;
+  const double d = static_cast<double>(axes.size()), n = static_cast<double>(points.size());
   const double critical =
       std::pow(std::tgamma(1 + d / 2) * 4 * std::log(n) / n, 1 / d) / std::sqrt(std::numbers::pi);
   Eigen::VectorXd low = points.front().z, high = low;
   for (const auto& point : points) low = low.cwiseMin(point.z), high = high.cwiseMax(point.z);
-  std::vector<ScreenedPoint> worth;
+  const auto sticks = [&](const ScreenedPoint& point) {
+    return unknowns.value_of(FitParameter::mu1, unknowns.values(point.z)) >
+           unknowns.sliding_threshold().value_or(HUGE_VAL);
+  };
+  const auto linked = [&](const ScreenedPoint& a, const ScreenedPoint& b) {
+    double square = 0;
+    for (const Eigen::Index i : axes)
+      square += std::pow((a.z(i) - b.z(i)) / std::max(high(i) - low(i), 1e-12), 2);
+    return sticks(a) == sticks(b) && square < critical * critical;
+  };
+  std::vector<ScreenedPoint> worth, rest;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    bool linked = false;
-    for (std::size_t j = 0; j < k && !linked; ++j) {
-      double square = 0;
-      for (const Eigen::Index i : axes)
-        square += std::pow((points[k].z(i) - points[j].z(i)) / std::max(high(i) - low(i), 1e-12), 2);
-      linked = square < critical * critical;
-    }
-    if (!linked) worth.push_back(points[k]);
+    const bool near_a_better_one =
+        std::any_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k),
+                    [&](const ScreenedPoint& better) { return linked(points[k], better); });
+    points[k].worth_a_descent = !near_a_better_one;
+    (near_a_better_one ? rest : worth).push_back(points[k]);
   }
+  worth.insert(worth.end(), rest.begin(), rest.end());
   return worth;
 }
 
