@@ -45,7 +45,10 @@ class Draw {
   }
 
   void trajectory(std::size_t i, const Eigen::VectorXd& values) {
-    auto& track = problem_.trajectory_runs[i].track;
+    TrajectoryRun& run = problem_.trajectory_runs[i];
+    auto& track = run.track;
+    if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
+      run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
     const PointResiduals points = residuals_.points(values, i);
     const auto& scatter = residuals_.scatter().trajectories[i];
     // A first-order process with the residuals' correlation time.

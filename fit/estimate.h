@@ -109,7 +109,7 @@ struct FitOptions {
   /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
   bool estimate_scatter = true;
   Loss loss = Loss::squares;
-  bool rivals = false;  ///< compare tilt and rival friction laws even where the residuals do not ask
+  bool rivals = false;          ///< compare tilt and rival friction laws even where the residuals do not ask
   int bootstrap = 0;            ///< refits to simulated data; 0: none, 400 give the ends to about 10 %
   unsigned bootstrap_seed = 1;  ///< of its noise; told in the result
   std::function<void(int done, int total)> progress;

@@ -44,6 +44,8 @@ void check_run(const SummaryRun& run) {
 
 void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
+  if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
+    throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
   const auto& track = run.track;
   const std::size_t n = track.time.size();
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)

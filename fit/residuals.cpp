@@ -23,6 +23,9 @@ Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threa
     else if (parameter == FitParameter::scale && problem.scale_sd > 0)
       priors_.emplace_back(i, Prior{1, problem.scale_sd});
   }
+  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
+    if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
+      priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
   rows_ += static_cast<Eigen::Index>(priors_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
 }

@@ -67,9 +67,8 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   RunResult result;
   result.name = run.name;
   result.points = points.row.size();
-  result.fitted = run.free_slide
-                      ? unknowns.apply_free_slide(values, index, false).scenario
-                      : unknowns.apply(values, run.scenario, run.amplitude_from_track, false).scenario;
+  result.fitted = run.free_slide ? unknowns.apply_free_slide(values, index, false).scenario
+                                 : unknowns.apply_trajectory(values, index, false).scenario;
   std::vector<double> lengths;
   for (const auto& residual : points.residual) {
     result.rms_m += residual.squaredNorm() / n;
@@ -92,6 +91,8 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   auto& nuisance = result.nuisance;
   nuisance["start_x_mm"] = 1e3 * points.start_point.x();
   nuisance["start_y_mm"] = 1e3 * points.start_point.y();
+  if (const Eigen::Index phase = unknowns.phase_index(index); phase >= 0)
+    nuisance["start_phase_rad"] = run.scenario.start_phase + values(phase);
   nuisance["scatter_mm"] = 1e3 * scatter.between_points;
   nuisance["correlation_time_points"] = scatter.correlation_time;
   const std::size_t first = points.row.front();

@@ -33,6 +33,10 @@ void add_platform(const model::Scenario& scenario, double time, Eigen::Vector2d&
         column.x() -= drive.amplitude * std::sin(phase) * time;
         column.y() -= drive.amplitude_y * std::sin(phase + drive.phase_shift) * time;
         break;
+      case model::Parameter::start_phase:
+        column.x() -= drive.amplitude * std::sin(phase);
+        column.y() -= drive.amplitude_y * std::sin(phase + drive.phase_shift);
+        break;
       default:
         break;
     }
@@ -45,9 +49,8 @@ void Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index
                                 Eigen::MatrixXd* jacobian) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const std::size_t first = first_point_[index], n = point_count(index);
-  AppliedScenario applied =
-      run.free_slide ? unknowns_->apply_free_slide(values, index, jacobian != nullptr)
-                     : unknowns_->apply(values, run.scenario, run.amplitude_from_track, jacobian != nullptr);
+  AppliedScenario applied = run.free_slide ? unknowns_->apply_free_slide(values, index, jacobian != nullptr)
+                                           : unknowns_->apply_trajectory(values, index, jacobian != nullptr);
   const double origin = run.track.time[first];
   applied.scenario.duration = run.track.time.back() - origin;
   model::IntegrationOptions options;
