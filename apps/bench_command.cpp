@@ -1,4 +1,5 @@
-// tribotrack bench: error against run time, ours and others', and the stiff and extreme cases.
+// tribotrack bench: error against run time, ours and others', the stiff and extreme cases, what omissions
+// save, and the claims of the source paper.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "apps/meta_file.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
+#include "model/peers/peer.h"
 
 namespace tribotrack::apps {
 
@@ -61,9 +63,9 @@ Json circumstances() {
                         "the 1/12 of rounding included"},
                        {"fit", "truth of simulated campaigns; 1 degree on alpha and 2 % on v per run"}};
   json["peers"] =
-      "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, compiled with the "
-      "same "
-      "flags; OpenCV as installed, on one thread";
+      "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, and Boost.odeint, "
+      "compiled with the same flags (odeint a second time for AVX2 and FMA); SUNDIALS and OpenCV as "
+      "installed, on one thread";
   return json;
 }
 
@@ -78,6 +80,7 @@ class Bench {
   void model() {
     model::ModelBenchOptions options;
     options.quick = options_.quick;
+    options.peers = model::peers::all_peers();
     std::vector<model::ModelBenchRow> rows;
     std::vector<model::ModelExtremeRow> extremes;
     {
@@ -90,11 +93,31 @@ class Bench {
       options.progress = [&](int done, int total) { progress.update(done, total); };
       extremes = model::bench_model_extremes(options);
     }
+    std::vector<model::PlanBenchRow> omissions;
+    {
+      Progress progress("bench model, plan", context_.quiet);
+      options.progress = [&](int done, int total) { progress.update(done, total); };
+      omissions = model::bench_plan(options);
+    }
+    std::vector<model::PaperClaim> claims;
+    {
+      Progress progress("bench model, claims", context_.quiet);
+      model::ClaimOptions claim_options;
+      claim_options.quick = options_.quick;
+      claim_options.progress = [&](int done, int total) { progress.update(done, total); };
+      claims = model::paper_claims(claim_options);
+    }
     keep("bench_model", table_of(rows));
     keep("bench_model_extremes", table_of(extremes));
+    keep("bench_model_plan", table_of(omissions));
+    keep("bench_model_claims", table_of(claims));
     long broken = 0;
     for (const auto& row : extremes) broken += !row.held;
-    results_["model"] = {{"rows", rows.size()}, {"extremes", extremes.size()}, {"laws_broken", broken}};
+    results_["model"] = {{"rows", rows.size()},
+                         {"extremes", extremes.size()},
+                         {"laws_broken", broken},
+                         {"omissions", omissions.size()}};
+    for (const auto& claim : claims) results_["model"]["claims"][claim.name] = to_string(claim.verdict);
     if (broken > 0)
       say(context_.quiet, fmt::format("bench model: {} of the extreme cases break their law", broken));
   }
@@ -171,20 +194,22 @@ void run_bench(const BenchOptions& options, const Context& context) {
 
 void add_bench(CLI::App& app, Context& context) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App& command = *app.add_subcommand(
-      "bench", "Measure error against run time, ours and others', and the stiff and extreme cases");
+  CLI::App& command =
+      *app.add_subcommand("bench",
+                          "Measure error against run time, ours and others', the stiff and extreme cases, "
+                          "what omissions save, and the source paper's claims");
   command
-      .add_option(
-          "WHAT", options->what,
-          "model: integrators and the table of extremes (15 s); vision: sub-pixel methods on rendered "
-          "scenes (a minute); fit: exact derivatives against differences (a minute); all")
+      .add_option("WHAT", options->what,
+                  "model: integrators, the table of extremes, what the plan saves, the paper's claims (half "
+                  "a minute); vision: sub-pixel methods on rendered "
+                  "scenes (a minute); fit: exact derivatives against differences (a minute); all")
       ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
       ->required();
   command
-      .add_option(
-          "-o,--output", options->output,
-          "Folder for bench_model.csv, bench_model_extremes.csv, bench_vision.csv, bench_fit.csv, their "
-          "plots (.svg) and bench.json (CPU, compiler flags, how the references were made)")
+      .add_option("-o,--output", options->output,
+                  "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
+                  "bench_model_claims.csv, bench_vision.csv, bench_fit.csv, their "
+                  "plots (.svg) and bench.json (CPU, compiler flags, how the references were made)")
       ->type_name("DIR")
       ->required();
   command.add_flag("--quick", options->quick,

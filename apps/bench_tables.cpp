@@ -62,25 +62,28 @@ PlotSeries& series_in(std::vector<PlotPanel>& panels, const std::string& title, 
 BenchTable table_of(const std::vector<model::ModelBenchRow>& rows) {
   BenchTable table;
   table.csv =
-      "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,time_s,repetitions,"
+      "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
+      "repetitions,"
       "time_over_ours,reference\n";
   std::vector<PlotPanel> panels;
   std::string scene;
   for (const auto& row : rows) {
     if (row.scene != scene) {
       scene = row.scene;
-      table.text += fmt::format("\n{}\n  {:<24} {:>9} {:>10} {:>9} {:>11} {:>11}  at the same error\n", scene,
-                                "method", "tolerance", "max step", "steps", "error, m", "time");
+      table.text +=
+          fmt::format("\n{}\n  {:<45} {:>9} {:>10} {:>9} {:>11} {:>11} {:>11}  at the same error\n", scene,
+                      "method", "tolerance", "max step", "steps", "error, m", "of path, m", "time");
     }
-    table.csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene), quoted(row.method),
-        row.tolerance > 0 ? exact(row.tolerance) : "", row.max_step > 0 ? exact(row.max_step) : "",
-        yes(row.finished), row.steps, exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), exact(row.error),
-        compact(row.time), row.repetitions, compact(row.time_over_ours), quoted(row.reference));
-    table.text += fmt::format("  {:<24} {:>9} {:>10} {:>9} {:>11.2g} {:>11}  {}\n", row.method,
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.scene),
+                             quoted(row.method), row.tolerance > 0 ? exact(row.tolerance) : "",
+                             row.max_step > 0 ? exact(row.max_step) : "", yes(row.finished), row.steps,
+                             exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), exact(row.error),
+                             exact(row.path_error), compact(row.time), row.repetitions,
+                             compact(row.time_over_ours), quoted(row.reference));
+    table.text += fmt::format("  {:<45} {:>9} {:>10} {:>9} {:>11.2g} {:>11.2g} {:>11}  {}\n", row.method,
                               row.tolerance > 0 ? fmt::format("{:g}", row.tolerance) : "-",
                               row.max_step > 0 ? fmt::format("{:g} s", row.max_step) : "-", row.steps,
-                              row.error, duration(row.time), verdict(row));
+                              row.error, row.path_error, duration(row.time), verdict(row));
     if (row.finished)
       series_in(panels, row.scene, row.method, row.ours).points.push_back({row.time, row.error});
   }
@@ -92,22 +95,56 @@ BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows) {
   BenchTable table;
   table.csv =
       "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
-      "allowed,"
-      "held,failure\n";
-  table.text =
-      fmt::format("\n{:<34} {:>11} {:>9} {:>9} {:>6} {:>7} {:>9} {:>8}  {}\n", "stiff and extreme cases",
-                  "end, mm", "steps", "time", "x/cyc", "finite", "violated", "allowed", "law");
+      "allowed,held,derivatives_finite,one_sided,failure\n";
+  table.text = fmt::format("\n{:<42} {:>11} {:>9} {:>9} {:>6} {:>7} {:>9} {:>9} {:>8}  {}\n",
+                           "stiff and extreme cases", "end, mm", "steps", "time", "x/cyc", "finite",
+                           "d finite", "violated", "allowed", "law");
   for (const auto& row : rows) {
-    table.csv +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.name), yes(row.finite),
-                    exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), row.steps, row.stops,
-                    compact(row.time), compact(row.ratio_per_cycle), quoted(row.invariant),
-                    compact(row.violation), compact(row.allowed), yes(row.held), quoted(row.failure));
+    table.csv += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.name), yes(row.finite),
+        exact(row.end.x() * 1e3), exact(row.end.y() * 1e3), row.steps, row.stops, compact(row.time),
+        compact(row.ratio_per_cycle), quoted(row.invariant), compact(row.violation), compact(row.allowed),
+        yes(row.held), yes(row.derivatives_finite), yes(row.one_sided), quoted(row.failure));
     table.text +=
-        fmt::format("{:<34} {:>11.4g} {:>9} {:>9} {:>6.2f} {:>7} {:>9.1e} {:>8.1e}  {} {}\n", row.name,
+        fmt::format("{:<42} {:>11.4g} {:>9} {:>9} {:>6.2f} {:>7} {:>9} {:>9.1e} {:>8.1e}  {} {}\n", row.name,
                     row.end.norm() * 1e3, row.steps, duration(row.time), row.ratio_per_cycle, yes(row.finite),
-                    row.violation, row.allowed,
+                    row.one_sided ? "one side" : yes(row.derivatives_finite), row.violation, row.allowed,
                     row.held ? "held:" : "BROKEN:", row.failure.empty() ? row.invariant : row.failure);
+  }
+  return table;
+}
+
+BenchTable table_of(const std::vector<model::PlanBenchRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "omission,scene,time_with_s,time_without_s,saving,predicted_saving,error_m,error_bound_m,repetitions\n";
+  table.text = fmt::format("\n{:<18} {:>10} {:>10} {:>7} {:>9} {:>9} {:>9}  {}\n", "what omissions save",
+                           "with", "without", "saved", "predicted", "error, m", "bound, m", "scene");
+  for (const auto& row : rows) {
+    const bool comparable = row.error == row.error;
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", quoted(row.omission), quoted(row.scene),
+                             compact(row.time_with), compact(row.time_without), compact(row.saving),
+                             compact(row.predicted), comparable ? compact(row.error) : "",
+                             compact(row.error_bound), row.repetitions);
+    table.text += fmt::format("{:<18} {:>10} {:>10} {:>5.0f} % {:>7.0f} % {:>9} {:>9.1e}  {}\n", row.omission,
+                              duration(row.time_with), duration(row.time_without), 100 * row.saving,
+                              100 * row.predicted, comparable ? fmt::format("{:.1e}", row.error) : "-",
+                              row.error_bound, row.scene);
+  }
+  return table;
+}
+
+BenchTable table_of(const std::vector<model::PaperClaim>& claims) {
+  BenchTable table;
+  table.csv = "claim,verdict,conditions,quantity,value,unit\n";
+  table.text = "\nclaims of the paper (every figure is in the CSV)\n";
+  for (const auto& claim : claims) {
+    table.text += fmt::format("  {:<14} {} ({})\n{:17}{}\n", to_string(claim.verdict), claim.statement,
+                              claim.place, "", claim.finding);
+    for (const auto& figure : claim.figures)
+      table.csv +=
+          fmt::format("{},{},{},{},{},{}\n", quoted(claim.name), to_string(claim.verdict),
+                      quoted(figure.conditions), quoted(figure.quantity), compact(figure.value), figure.unit);
   }
   return table;
 }

@@ -6,6 +6,8 @@
 
 #include "fit/bench.h"
 #include "model/bench.h"
+#include "model/bench_plan.h"
+#include "model/claims.h"
 #include "vision/bench.h"
 
 namespace tribotrack::apps {
@@ -16,6 +18,8 @@ struct BenchTable {
 
 BenchTable table_of(const std::vector<model::ModelBenchRow>& rows);
 BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows);
+BenchTable table_of(const std::vector<model::PlanBenchRow>& rows);
+BenchTable table_of(const std::vector<model::PaperClaim>& claims);
 BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
 

@@ -128,7 +128,10 @@ void simulate(const SimulateOptions& options, const Context& context) {
   if (!options.output.empty()) require_writable(options.output);
   if (options.explain)
     for (const auto& stage : model::plan(file.scenario))
-      fmt::print(stderr, "{:<20} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
+      fmt::print(stderr, "{:<20} {:<4} {}{}\n", stage.name, stage.on ? "on" : "off", stage.reason,
+                 stage.on ? ""
+                          : fmt::format("; saves {:.0f} %, error at most {:.2g} mm",
+                                        100 * stage.predicted_saving, 1e3 * stage.error_bound));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
   const Json results = results_of(trajectory);

@@ -1,5 +1,6 @@
 #include "model/bench.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,8 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// An explicit method that needs more than this has failed; about a second.
-constexpr long kPatience = 1'000'000;
+/// An explicit method that needs more than this has failed.
+constexpr long kPatience = 300'000;
 
 struct Outcome {
   Eigen::Vector2d end = Eigen::Vector2d::Zero();
@@ -24,15 +25,15 @@ struct Outcome {
 
 struct Method {
   ModelBenchRow row;
-  std::function<Outcome()> run;
+  std::function<Outcome(const Scenario&)> run;
 };
 
-Method ours(const BenchScene& scene, double tolerance) {
+Method ours(double tolerance) {
   Method method;
   method.row.method = "tribotrack";
   method.row.ours = true;
   method.row.tolerance = tolerance;
-  method.run = [s = scene.scenario, tolerance] {
+  method.run = [tolerance](const Scenario& s) {
     IntegrationOptions options;
     options.tolerance = tolerance;
     const Trajectory trajectory = integrate(s, options);
@@ -45,65 +46,118 @@ Outcome outcome_of(const PeerResult& result) {
   return {result.position, result.steps, result.finished};
 }
 
-Method peer(const BenchScene& scene, const std::string& name, DormandPrinceOptions options) {
+Method peer(const std::string& name, DormandPrinceOptions options) {
   options.max_steps = kPatience;
   Method method;
   method.row.method = name;
   method.row.tolerance = options.relative_tolerance;
   method.row.max_step = options.max_step;
-  method.run = [s = scene.scenario, options] { return outcome_of(dormand_prince(s, options)); };
+  method.run = [options](const Scenario& s) { return outcome_of(dormand_prince(s, options)); };
   return method;
 }
 
-Method time_stepping(const BenchScene& scene, double step) {
+Method peer(const BenchPeer& other, double tolerance) {
+  Method method;
+  method.row.method = other.name;
+  method.row.tolerance = tolerance;
+  method.run = [run = other.run, tolerance](const Scenario& s) {
+    return outcome_of(run(s, tolerance, kPatience));
+  };
+  return method;
+}
+
+Method time_stepping(double step) {
   Method method;
   method.row.method = "Moreau-Jean";
   method.row.max_step = step;
-  method.run = [s = scene.scenario, step] { return outcome_of(moreau_jean(s, step)); };
+  method.run = [step](const Scenario& s) { return outcome_of(moreau_jean(s, step)); };
   return method;
 }
 
-std::vector<Method> methods_for(const BenchScene& scene, bool quick) {
+std::vector<Method> methods_for(const BenchScene& scene, const ModelBenchOptions& options) {
+  const bool quick = options.quick;
   using List = std::vector<double>;
   std::vector<Method> methods;
   for (const double tolerance :
        quick ? List{1e-6, 1e-16}
              : List{1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16})
-    methods.push_back(ours(scene, tolerance));
-  methods.push_back(peer(scene, "paper's recipe", paper_recipe()));
+    methods.push_back(ours(tolerance));
+  methods.push_back(peer("paper's recipe", paper_recipe()));
   DormandPrinceOptions wider = paper_recipe();
   wider.max_step = 3e-4;
-  methods.push_back(peer(scene, "paper's recipe", wider));
+  methods.push_back(peer("paper's recipe", wider));
   DormandPrinceOptions tighter = paper_recipe();
   tighter.relative_tolerance = tighter.position_tolerance = tighter.velocity_tolerance = 1e-9;
-  if (!quick) methods.push_back(peer(scene, "paper's recipe", tighter));
+  if (!quick) methods.push_back(peer("paper's recipe", tighter));
   // In the marginal scene an explicit method needs a million steps at most tolerances: one is enough to see
   // it.
   const bool stiff = !scene.independent_reference;
-  for (const double tolerance : quick   ? List{1e-6}
-                                : stiff ? List{1e-4, 1e-6, 1e-8}
-                                        : List{1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14})
-    methods.push_back(
-        peer(scene, "Dormand-Prince segmented", segmented_dormand_prince(scene.scenario, tolerance)));
+  const List tolerances =
+      quick   ? List{1e-6}
+      : stiff ? List{1e-4, 1e-6, 1e-8}
+              : List{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15};
+  for (const BenchPeer& other : options.peers)
+    for (const double tolerance : tolerances) methods.push_back(peer(other, tolerance));
+  for (const double tolerance : tolerances)
+    methods.push_back(peer("Dormand-Prince segmented", segmented_dormand_prince(scene.scenario, tolerance)));
   for (const double step : quick ? List{1e-4} : List{1e-4, 1e-5, 1e-6})
-    methods.push_back(time_stepping(scene, step));
+    methods.push_back(time_stepping(step));
   return methods;
 }
 
-Eigen::Vector2d reference_of(const BenchScene& scene, bool quick, std::string& how) {
+/// Where the part is after some of its cycles, all of them last.
+struct Reference {
+  std::vector<int> cycles;
+  std::vector<Eigen::Vector2d> ends;
+  std::string how;
+};
+
+std::vector<int> looked_at(int cycles) {
+  std::vector<int> list;
+  for (const int k : {1, 2, 5, 10})
+    if (k < cycles) list.push_back(k);
+  list.push_back(cycles);
+  return list;
+}
+
+Scenario first_cycles(Scenario scenario, int count) {
+  scenario.cycles = count;
+  return scenario;
+}
+
+Reference reference_of(const BenchScene& scene, bool quick) {
+  Reference reference;
+  reference.cycles = looked_at(static_cast<int>(scene.scenario.cycles));
   if (scene.independent_reference) {
     const double tolerance = quick ? 1e-15 : 1e-17;
-    const PeerResult result = extended_precision_reference(scene.scenario, tolerance);
-    if (result.finished) {
-      how = quick ? "Dormand-Prince in extended precision at 1e-15"
-                  : "Dormand-Prince in extended precision at 1e-17";
-      return result.position;
+    reference.how = quick ? "Dormand-Prince in extended precision at 1e-15"
+                          : "Dormand-Prince in extended precision at 1e-17";
+    for (const int k : reference.cycles) {
+      const PeerResult result = extended_precision_reference(first_cycles(scene.scenario, k), tolerance);
+      if (!result.finished) break;
+      reference.ends.push_back(result.position);
     }
+    if (reference.ends.size() == reference.cycles.size()) return reference;
+    reference.ends.clear();
   }
-  how = "tribotrack at its tightest tolerance (1e-17): explicit methods hang here";
+  reference.how = "tribotrack at its tightest tolerance (1e-17): explicit methods hang here";
   IntegrationOptions options;
   options.tolerance = 1e-17;
-  return integrate(scene.scenario, options).end().position;
+  for (const int k : reference.cycles)
+    reference.ends.push_back(integrate(first_cycles(scene.scenario, k), options).end().position);
+  return reference;
+}
+
+/// The largest error after the cycles looked at. `end` is the run's own.
+double path_error(const Method& method, const BenchScene& scene, const Reference& reference,
+                  const Outcome& end) {
+  double largest = (end.end - reference.ends.back()).norm();
+  if (!end.finished) return largest;
+  for (std::size_t k = 0; k + 1 < reference.ends.size(); ++k) {
+    const Outcome early = method.run(first_cycles(scene.scenario, reference.cycles[k]));
+    largest = std::max(largest, (early.end - reference.ends[k]).norm());
+  }
+  return largest;
 }
 
 /// Who is faster where both reach the same error?
@@ -119,23 +173,26 @@ void compare(std::vector<ModelBenchRow>& rows) {
   }
 }
 
-std::vector<ModelBenchRow> bench_scene(const BenchScene& scene, bool quick) {
-  std::string how;
-  const Eigen::Vector2d reference = reference_of(scene, quick, how);
-  std::vector<Method> methods = methods_for(scene, quick);
+std::vector<ModelBenchRow> bench_scene(const BenchScene& scene, const ModelBenchOptions& options) {
+  const bool quick = options.quick;
+  const Reference reference = reference_of(scene, quick);
+  const std::vector<Method> methods = methods_for(scene, options);
   std::vector<std::function<void()>> competitors;
   std::vector<ModelBenchRow> rows;
   for (const Method& method : methods) {
-    const Outcome outcome = method.run();
+    // Who gave up at one tolerance is not asked for a tighter one.
+    if (!rows.empty() && rows.back().method == method.row.method && !rows.back().finished) continue;
+    const Outcome outcome = method.run(scene.scenario);
     ModelBenchRow row = method.row;
     row.scene = scene.name;
-    row.reference = how;
+    row.reference = reference.how;
     row.steps = outcome.steps;
     row.finished = outcome.finished;
     row.end = outcome.end;
-    row.error = (outcome.end - reference).norm();
+    row.error = (outcome.end - reference.ends.back()).norm();
+    row.path_error = path_error(method, scene, reference, outcome);
     rows.push_back(row);
-    competitors.push_back([&method] { method.run(); });
+    competitors.push_back([&method, &scene] { method.run(scene.scenario); });
   }
   internal::PairedTiming timing;
   timing.rounds = quick ? 3 : 41;
@@ -179,7 +236,7 @@ std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options) {
   const auto scenes = model_bench_scenes(options.quick);
   int done = 0;
   for (const BenchScene& scene : scenes) {
-    const auto more = bench_scene(scene, options.quick);
+    const auto more = bench_scene(scene, options);
     rows.insert(rows.end(), more.begin(), more.end());
     if (options.progress) options.progress(++done, static_cast<int>(scenes.size()));
   }

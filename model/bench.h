@@ -7,12 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "model/scenario.h"
+#include "model/peers.h"
 
 namespace tribotrack::model {
 
+/// A method of others that takes any tolerance, relative to the scene's own scales A and A w.
+struct BenchPeer {
+  std::string name;
+  /// Gives up after max_steps (finished = false).
+  std::function<PeerResult(const Scenario& scenario, double tolerance, long max_steps)> run;
+};
+
 struct ModelBenchOptions {
   bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: for tests
+  /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean: what was built beside the library
+  /// (model/peers).
+  std::vector<BenchPeer> peers;
   std::function<void(int done, int total)> progress;
 };
 
@@ -40,7 +50,8 @@ struct ModelBenchRow {
   bool finished = true;
   Eigen::Vector2d end = Eigen::Vector2d::Zero();  ///< m
   double error = 0;                               ///< m, |end - reference|
-  double time = 0;  ///< s, CPU time, median of repetitions taken in turn with the others
+  double path_error = 0;  ///< m, the largest |x - reference| after 1, 2, 5, 10 and all cycles
+  double time = 0;        ///< s, CPU time, median of repetitions taken in turn with the others
   int repetitions = 0;
   std::string reference;
   /// Of a peer: its time over that of our fastest setting with no larger error. Below 1 the peer wins.
@@ -50,7 +61,7 @@ struct ModelBenchRow {
 
 std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options = {});
 
-/// One stiff or extreme scenario.
+/// One stiff or extreme scenario of model/extremes.h.
 struct ModelExtremeRow {
   std::string name;
   bool finite = false;
@@ -63,7 +74,9 @@ struct ModelExtremeRow {
   double violation = 0;  ///< how far it is from holding, relative to the path unless the law says otherwise
   double allowed = 0;
   bool held = false;
-  std::string failure;  ///< message of an exception
+  bool derivatives_finite = false;  ///< of the end point with respect to every parameter
+  bool one_sided = false;           ///< and whether they are flagged as those of one side of a kink
+  std::string failure;              ///< message of an exception
 };
 
 std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& options = {});

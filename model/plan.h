@@ -13,12 +13,25 @@ struct PlanStage {
   std::string name;
   bool on = false;
   std::string reason;           ///< with its figure
-  double predicted_saving = 0;  ///< share of the run time leaving it out saves, 0 .. 1
+  double predicted_saving = 0;  ///< share of the time of the run with it that leaving it out saves, 0 .. 1
   double error_bound = 0;       ///< m, what leaving it out can add to the end point
 };
 
-/// Stick (can the drive fall below friction at all?), pulses (is mu ever switched?), platform drive (A = 0:
-/// free slide), tilt, transient. Leaving out what a scene cannot show adds no error: each bound is exactly 0.
-std::vector<PlanStage> plan(const Scenario& scenario);
+/// What the result is for.
+struct PlanPurpose {
+  int derivatives = 0;  ///< parameters the run is differentiated by: 0 for simulate, 3 for an ordinary fit
+};
+
+/// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?), platform
+/// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
+/// every cycle (do they repeat, so that the rest follows by addition?), derivatives (for whom?). Costs one
+/// steady_orbit() where cycles could repeat. Savings come from a measured cost model
+/// (model/internal/plan_cost.h); `tribotrack bench model` prints them beside measured ones.
+std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});
+
+/// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a
+/// trigonometric polynomial of degree 2; its minima are found by safeguarded Newton steps between samples of
+/// its slope.
+double least_drive(const Drive& drive);
 
 }  // namespace tribotrack::model

@@ -36,6 +36,12 @@ class QuinticSpline {
   double value(double x, double y) const;
   SplineSample sample(double x, double y) const;
 
+  /// The coefficient c_xy, for filters of their own; rows are `stride()` apart. Up to kPad px beyond the
+  /// picture.
+  const float* coefficient(int x, int y) const { return coefficient_row(y) + x; }
+  std::ptrdiff_t stride() const { return stride_; }
+  static constexpr int kPad = 16;
+
   /// A whole window at one fraction: out[j * width + i] = s(x0 + i, y0 + j). Every pixel has the same
   /// fraction, so this is a separable filter of six taps. slope_x and slope_y may be null. The window must
   /// lie within the picture grown by 5 px.
@@ -46,7 +52,6 @@ class QuinticSpline {
   const float* coefficient_row(int y) const {
     return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
   }
-  static constexpr int kPad = 8;
   int width_ = 0, height_ = 0, stride_ = 0;
   std::vector<float> coefficients_;  ///< padded by kPad on every side
   mutable std::vector<float> rows_;  ///< scratch of sample_window

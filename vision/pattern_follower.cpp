@@ -28,6 +28,7 @@ Rect clipped(const Rect& r, const Rect& bounds) {
 RegistrationOptions registration_options(const FollowOptions& options) {
   RegistrationOptions out;
   out.noise_variance = options.noise_variance;
+  out.template_noise_share = options.template_noise_share;
   out.rotation = options.rotation;
   return out;
 }

@@ -23,6 +23,7 @@ namespace tribotrack::vision {
 struct FollowOptions {
   double min_ncc = 0.6;
   double noise_variance = 1.0 / 12;
+  double template_noise_share = 1;  ///< 1/M for a template averaged over M frames
   bool rotation = false;
   int search_margin_px = 0;  ///< 0: from the motion
   bool search_whole_frame = true;

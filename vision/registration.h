@@ -7,20 +7,24 @@
 // derivatives and their normal matrix are those of the template, formed once per picture and kept for all
 // iterations. T is a quintic B-spline whose coefficients are computed once.
 //
+// Only pixels that tell something take part (informative_pixels.h): of a plain disc a ring about its rim.
+//
 // The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
 // pixels by an amount proportional to its variance; that known force is taken out of the normal equations.
 //
 // Covariance of d (Cramer-Rao): sigma^2 (sum w J^T J)^-1, corrected for the noise that the derivatives of a
 // noisy template carry; where the residual exceeds the noise the excess is added by a sandwich estimate over
-// 8 x 8 px blocks, which allows for its correlation.
+// 8 x 8 px tiles, which allows for its correlation.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "vision/bspline.h"
+#include "vision/informative_pixels.h"
 #include "vision/pattern.h"
 #include "vision/picture.h"
+#include "vision/tile_kernels.h"
 
 namespace tribotrack::vision {
 
@@ -44,7 +48,8 @@ struct Registration {
 };
 
 struct RegistrationOptions {
-  double noise_variance = 1.0 / 12;  ///< of the picture and of the template, grey levels^2
+  double noise_variance = 1.0 / 12;  ///< of the picture, grey levels^2
+  double template_noise_share = 1;   ///< of it in the template: 1/M for one averaged over M frames
   bool rotation = false;
   int max_iterations = 20;
   double max_step_px = 4;  ///< further from the start than this is no convergence
@@ -73,19 +78,29 @@ class TemplateRegistration {
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   const RegistrationOptions& options() const { return options_; }
-  void set_rotation(bool on) { options_.rotation = on; }
+  /// What the template's own noise adds to the variance of the position, relative to the bound.
+  double template_noise_cost() const { return template_noise_cost_; }
+  /// Share of the template's pixels that take part.
+  double pixel_share() const { return pixel_share_; }
 
  private:
-  using Columns = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 5, 5>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 5, 1>;
+  void choose_pixels();
+  void measure_rotation_limit(const Picture& slope_x, const Picture& slope_y);
   void sample_template(const Pose& fraction, bool slopes);
+  void sample_turned(const Pose& fraction, bool slopes);
   float turned_weight(int x, int y, double c, double s) const;
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
-  Eigen::MatrixXd normal_matrix() const;
-  Eigen::MatrixXd debiased(const Eigen::MatrixXd& normal, const Pose& fraction) const;
-  double residual_noise(const Pose& at, double gain) const;
-  Eigen::Vector2d noise_force(const Pose& formed, const Pose& at, double gain) const;
-  double correlation(const std::vector<float>& weights) const;
-  std::size_t trim(double gain, double noise_sd);
+  Matrix normal_matrix() const;
+  Matrix debiased(const Matrix& normal, const Pose& fraction) const;
+  double residual_noise(const ForceSums& sums, const Pose& at, double gain) const;
+  Eigen::Vector2d noise_force(const ForceSums& sums, const Pose& formed, const Pose& at, double gain) const;
+  double correlation() const;
+  std::size_t trim(const ForceSums& sums, double gain, double offset, double noise_sd);
+  Eigen::Matrix3d sandwich(const Matrix& inverse, double gain, double offset) const;
+  double template_noise() const { return options_.template_noise_share * options_.noise_variance; }
+  int columns() const { return options_.rotation ? 5 : 4; }
 
   RegistrationOptions options_;
   Pattern pattern_;
@@ -95,14 +110,18 @@ class TemplateRegistration {
   float pivot_ = 0;                  ///< mean level of the template
   double contrast_ = 0;              ///< its standard deviation
   bool gaps_ = false;                ///< the mask has holes that turn with the template
-  double pixels_ = 0;                ///< number of pixels that count
+  double pixels_ = 0;                ///< number of pixels that take part
+  double pixel_share_ = 1, template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
   double limit_theta_ = 0;
   std::vector<InterpolationNoise> noise_gain_;  ///< at fractions k / 16
 
-  // Work space, one entry per pixel of the window.
-  std::vector<float> level_, base_weight_, weight_, value_, slope_x_, slope_y_, slope_theta_, residual_;
-  Columns jacobian_;
+  std::vector<TilePlace> places_;  ///< in the window
+  std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0
+  // Work space.
+  TileArrays arrays_;
+  std::vector<float> base_weight_;  ///< before trimming
+  std::vector<const float*> corners_;
 };
 
 }  // namespace tribotrack::vision

@@ -10,6 +10,7 @@
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
+#include "vision/template_average.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -18,6 +19,7 @@ constexpr int kNoiseFrames = 6;
 constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
 constexpr double kClickSd = 0.5;         ///< sd of a radius that no rim confirms, px
 constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
+constexpr double kQuietTemplate = 0.002;  ///< added variance that is not worth averaging frames for
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
 
 template <typename... Args>
@@ -143,6 +145,7 @@ struct Setup {
   Pattern pattern;
   FollowOptions follow;
   double ground_texture = 0;
+  double template_noise_cost = 0;
 };
 
 Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
@@ -187,6 +190,7 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   probe.noise_variance = noise_variance;
   const TemplateRegistration trial(first, setup.pattern, probe);
   setup.follow.rotation = trial.limit_theta() < kRotationLimit;
+  setup.template_noise_cost = trial.template_noise_cost();
   summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
   summary.plan.push_back(
       {"rotation", setup.follow.rotation,
@@ -197,9 +201,31 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   return setup;
 }
 
-std::optional<PatternFollower> plan_marker(const Picture& first, std::int64_t index,
-                                           const FrameSource& source, const TrackOptions& options,
-                                           double noise_variance, TrackSummary& summary) {
+/// The template the part is followed with: averaged over the first frames where its noise matters.
+AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const FrameRange& range,
+                                Setup& setup, TrackSummary& summary) {
+  const double cost = 100 * setup.template_noise_cost;
+  AveragedTemplate average{first, 1};
+  std::string reason;
+  if (setup.follow.rotation) {
+    reason = "the part may turn: frames are not laid on each other";
+  } else if (setup.template_noise_cost < kQuietTemplate) {
+    reason = format("the noise of a single template adds %.2g %% to the variance", cost);
+  } else {
+    average = average_template(source, first, range.first, range.last, setup.pattern, setup.follow);
+    setup.follow.template_noise_share = 1.0 / average.frames;
+    reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
+                    average.frames);
+  }
+  summary.plan.push_back(
+      {"template averaged over the first frames", average.frames > 1, reason, 0,
+       average.frames > 1 ? 0 : summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1)});
+  return average;
+}
+
+std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRange& range, FrameSource& source,
+                                           const TrackOptions& options, double noise_variance,
+                                           TrackSummary& summary) {
   if (options.marker.kind == MarkerChoice::Kind::none) {
     summary.plan.push_back({"marker", false, "none asked for: positions are the camera's", 0, 0});
     return std::nullopt;
@@ -227,11 +253,19 @@ std::optional<PatternFollower> plan_marker(const Picture& first, std::int64_t in
   follow.min_ncc = options.min_ncc;
   follow.noise_variance = noise_variance;
   follow.search_whole_frame = false;
+  const Pattern pattern = disc_pattern(first, summary.marker);
+  RegistrationOptions probe;
+  probe.noise_variance = noise_variance;
+  AveragedTemplate average{first, 1};
+  if (TemplateRegistration(first, pattern, probe).template_noise_cost() > kQuietTemplate) {
+    average = average_template(source, first, range.first, range.last, pattern, follow);
+    follow.template_noise_share = 1.0 / average.frames;
+  }
   summary.plan.push_back({"marker", true,
                           format("at (%.1f, %.1f) px, radius %.1f px: its motion is subtracted",
                                  summary.marker.x, summary.marker.y, summary.marker.radius),
                           0, 0});
-  return PatternFollower(first, index, disc_pattern(first, summary.marker), follow);
+  return PatternFollower(average.picture, range.first, pattern, follow);
 }
 
 void fill(TrackPoint& point, const Sighting& s) {
@@ -322,9 +356,10 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   const Picture first = std::move(leading.front());
   leading.clear();
 
-  const Setup setup = plan_part(first, source, options, noise, summary);
-  PatternFollower part(first, range.first, setup.pattern, setup.follow);
-  std::optional<PatternFollower> marker = plan_marker(first, range.first, source, options, noise, summary);
+  Setup setup = plan_part(first, source, options, noise, summary);
+  const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
+  PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
+  std::optional<PatternFollower> marker = plan_marker(first, range, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
 
   FirstPass pass;

@@ -56,7 +56,11 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(
       first_line(out / "bench_model_extremes.csv"),
       "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
-      "allowed,held,failure");
+      "allowed,held,derivatives_finite,one_sided,failure");
+  EXPECT_EQ(
+      first_line(out / "bench_model_plan.csv"),
+      "omission,scene,time_with_s,time_without_s,saving,predicted_saving,error_m,error_bound_m,repetitions");
+  EXPECT_EQ(first_line(out / "bench_model_claims.csv"), "claim,verdict,conditions,quantity,value,unit");
   EXPECT_EQ(first_line(out / "bench_vision.csv"),
             "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
             "peak_locking_px,time_s,rms_over_ours,time_over_ours");
@@ -66,7 +70,8 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
   for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
     EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
-  for (const char* name : {"bench_model", "bench_model_extremes", "bench_vision", "bench_fit"})
+  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_claims",
+                           "bench_vision", "bench_fit"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})

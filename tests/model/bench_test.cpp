@@ -13,6 +13,9 @@ namespace {
 TEST(ModelBench, QuickRunComparesEveryMethodOnEveryScene) {
   ModelBenchOptions options;
   options.quick = true;
+  options.peers = {{"another", [](const Scenario& s, double tolerance, long) {
+                      return dormand_prince(s, segmented_dormand_prince(s, tolerance));
+                    }}};
   int last = 0, total = 0;
   options.progress = [&](int done, int of) {
     EXPECT_EQ(done, last + 1);
@@ -32,9 +35,12 @@ TEST(ModelBench, QuickRunComparesEveryMethodOnEveryScene) {
     EXPECT_EQ(row.ours, std::isnan(row.time_over_ours));
     const double allowed = !row.ours ? 5e-5 : row.tolerance > 1e-10 ? 1e-8 : 1e-16;
     EXPECT_LT(row.error, allowed) << row.scene << " " << row.method;
+    EXPECT_GE(row.path_error, row.error);
+    EXPECT_LT(row.path_error, allowed) << row.scene << " " << row.method;
   }
   ASSERT_EQ(methods.size(), 4u);
-  const std::set<std::string> all{"tribotrack", "paper's recipe", "Dormand-Prince segmented", "Moreau-Jean"};
+  const std::set<std::string> all{"tribotrack", "paper's recipe", "Dormand-Prince segmented", "Moreau-Jean",
+                                  "another"};
   for (const auto& [scene, seen] : methods) EXPECT_EQ(seen, all) << scene;
 }
 
@@ -56,12 +62,13 @@ TEST(ModelBench, EveryExtremeCaseIsFiniteAndKeepsItsLaw) {
   ModelBenchOptions options;
   options.quick = true;
   const auto rows = bench_model_extremes(options);
-  EXPECT_GE(rows.size(), 45u);
+  EXPECT_GE(rows.size(), 140u);
   std::set<std::string> names;
   for (const ModelExtremeRow& row : rows) {
     EXPECT_TRUE(names.insert(row.name).second) << row.name << " twice";
     EXPECT_EQ(row.failure, "") << row.name;
     EXPECT_TRUE(row.finite) << row.name;
+    EXPECT_TRUE(row.derivatives_finite) << row.name;
     EXPECT_TRUE(row.held) << row.name << ": " << row.invariant << " violated by " << row.violation;
     EXPECT_LE(row.violation, row.allowed) << row.name;
   }

@@ -12,67 +12,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "model/quad_creep.h"
+#include "model/quad_drive.h"
+#include "model/quad_math.h"
+#include "model/quad_scenario.h"
+#include "model/quad_take_off.h"
 #include "model/scenario.h"
 
 namespace tribotrack::model::reference {
-
-__extension__ typedef __float128 quad;
-
-inline quad absolute(quad x) {
-  return x < 0 ? -x : x;
-}
-inline quad square_root(quad x) {
-  if (!(x > 0)) return 0;
-  quad r = std::sqrt(static_cast<double>(x));
-  if (r == 0) r = static_cast<quad>(1e-160);
-  for (int i = 0; i < 4; ++i) r = (r + x / r) / 2;
-  return r;
-}
-/// Machin's formula.
-inline quad pi() {
-  const auto arctan_inverse = [](int n) {
-    quad sum = 0, power = quad(1) / n;
-    for (int k = 0; k < 60; ++k, power /= n * n) sum += (k % 2 == 0 ? power : -power) / (2 * k + 1);
-    return sum;
-  };
-  static const quad value = 4 * (4 * arctan_inverse(5) - arctan_inverse(239));
-  return value;
-}
-inline quad floor_of(quad x) {
-  quad n = std::floor(static_cast<double>(x));
-  while (n > x) n -= 1;
-  while (n + 1 <= x) n += 1;
-  return n;
-}
-inline void sine_cosine(quad x, quad& s, quad& c) {
-  x -= 2 * pi() * floor_of(x / (2 * pi()) + quad(0.5));
-  x /= 64;
-  quad sine = 0, versine = 0, term = x;  // sin and 1 - cos of the small angle
-  for (int k = 1; k < 16; ++k) {
-    sine += term;
-    term *= x / (2 * k);
-    versine += term;
-    term *= -x / (2 * k + 1);
-  }
-  for (int i = 0; i < 6; ++i) {  // doubling: 1 - cos 2x = 2 sin^2 x
-    const quad doubled = 2 * sine * (1 - versine);
-    versine = 2 * sine * sine;
-    sine = doubled;
-  }
-  s = sine;
-  c = 1 - versine;
-}
-
-/// All parameters of a Scenario, in quadruple precision.
-struct QuadScenario {
-  std::array<quad, 15> value;  ///< by Parameter
-  quad duration, cycles;
-  explicit QuadScenario(const Scenario& s) : duration(s.duration), cycles(s.cycles) {
-    for (int p = 0; p < 15; ++p) value[p] = s.get(static_cast<Parameter>(p));
-  }
-  quad& operator[](Parameter p) { return value[static_cast<int>(p)]; }
-  quad operator[](Parameter p) const { return value[static_cast<int>(p)]; }
-};
 
 struct QuadState {
   quad ux = 0, uy = 0, x = 0, y = 0;  ///< m/s, m
@@ -87,22 +34,25 @@ class QuadIntegrator {
                b = q[Parameter::amplitude_y] * w_;
     quad st, ct;
     sine_cosine(q[Parameter::tilt_x], st, ct);
-    gx_ = g * st / w_;
+    drive_.constant_x = g * st / w_;
     sine_cosine(q[Parameter::tilt_y], st, ct);
-    gy_ = g * st / w_;
+    drive_.constant_y = g * st / w_;
     quad c, s, ce, se;
     sine_cosine(q[Parameter::start_phase], s, c);
     sine_cosine(q[Parameter::phase_shift], se, ce);
-    px_ = a * c;
-    qx_ = -a * s;
-    py_ = b * (ce * c - se * s);
-    qy_ = -b * (ce * s + se * c);
+    drive_.px = a * c;
+    drive_.qx = -a * s;
+    drive_.py = b * (ce * c - se * s);
+    drive_.qy = -b * (ce * s + se * c);
     nominal_ = q[Parameter::mu1] * g / w_;
     reduced_ = q[Parameter::mu2] * g / w_;
-    unit_ = absolute(a) + absolute(b) + nominal_ + reduced_ + absolute(gx_) + absolute(gy_);
+    unit_ = absolute(a) + absolute(b) + nominal_ + reduced_ + absolute(drive_.constant_x) +
+            absolute(drive_.constant_y);
     if (!(unit_ > 0)) unit_ = absolute(q[Parameter::velocity_x]) + absolute(q[Parameter::velocity_y]);
     if (!(unit_ > 0)) unit_ = 1;
-    for (quad* c_ : {&gx_, &gy_, &px_, &py_, &qx_, &qy_, &nominal_, &reduced_}) *c_ /= unit_;
+    for (quad* c_ : {&drive_.constant_x, &drive_.constant_y, &drive_.px, &drive_.py, &drive_.qx, &drive_.qy,
+                     &nominal_, &reduced_})
+      *c_ /= unit_;
     const quad turn = 2 * pi();
     const quad opening = q[Parameter::phi] + q[Parameter::lag] - q[Parameter::start_phase];
     opening_ = opening - turn * floor_of(opening / turn);
@@ -143,8 +93,8 @@ class QuadIntegrator {
 
   State derivative(const State& y) const {
     const quad r = square_root(y[0] * y[0] + y[1] * y[1]);
-    return {r * (gx_ + px_ * y[5] + qx_ * y[6]) - kappa_ * y[0],
-            r * (gy_ + py_ * y[5] + qy_ * y[6]) - kappa_ * y[1],
+    return {r * (drive_.constant_x + drive_.px * y[5] + drive_.qx * y[6]) - kappa_ * y[0],
+            r * (drive_.constant_y + drive_.py * y[5] + drive_.qy * y[6]) - kappa_ * y[1],
             r,
             r * y[0],
             r * y[1],
@@ -183,7 +133,10 @@ class QuadIntegrator {
       if (j > 0) {
         error = 0;
         for (int i = 0; i < 7; ++i)
-          error = std::fmax(error, std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])));
+          if (const double e = std::fabs(static_cast<double>(row[j][i] - row[j - 1][i])); !(e <= error)) {
+            if (!(e < HUGE_VAL)) return HUGE_VAL;
+            error = e;
+          }
       }
       result = row[j];
       easy = j < kColumns - 2;
@@ -193,127 +146,76 @@ class QuadIntegrator {
     return error;
   }
 
-  quad excess(quad s) const {
-    quad k, c;
-    sine_cosine(s, k, c);
-    const quad dx = gx_ + px_ * c + qx_ * k, dy = gy_ + py_ * c + qy_ * k;
-    return dx * dx + dy * dy - kappa_ * kappa_;
-  }
+  quad excess(quad s) const { return drive_.excess(s, kappa_); }
 
   void go(quad target, quad kappa) {
     kappa_ = kappa;
     while (s_ < target) {
-      const quad speed = square_root(ux_ * ux_ + uy_ * uy_);
-      if (speed == 0)
+      if (absolute(ux_) + absolute(uy_) < quad(1e-26)) ux_ = uy_ = 0;
+      if (ux_ == 0 && uy_ == 0)
         rest(target);
+      else if (creep(target))
+        continue;
       else
         slide(target);
     }
+  }
+
+  void follow(const QuadStretch& stretch) {
+    ux_ = stretch.end.ux;
+    uy_ = stretch.end.uy;
+    x_ += stretch.end.dx;
+    y_ += stretch.end.dy;
+    s_ += stretch.span;
+  }
+
+  /// Slow, along the drive, and neither speeding up nor slowing down fast? Then over one long interval.
+  bool creep(quad target) {
+    const quad r = square_root(ux_ * ux_ + uy_ * uy_);
+    if (!(kappa_ > 0) || r > quad(0.02) * kappa_) return false;
+    if (steps_ < creep_again_) return false;
+    quad dx, dy;
+    drive_.at(s_, dx, dy);
+    if (r > 0 && absolute(ux_ * dy - uy_ * dx) > 5 * r * r) return false;
+    const quad rate = (r > 0 ? (ux_ * dx + uy_ * dy) / r : square_root(dx * dx + dy * dy)) - kappa_;
+    if (absolute(rate) > quad(0.05) * kappa_) return false;
+    static const ChebyshevCreep chebyshev;
+    quad h = target - s_ < quad(0.4) ? target - s_ : quad(0.4);
+    // Where the drive falls below friction again the part may stop soon after: in small steps there.
+    const quad falls = drive_.crossing(kappa_, s_, s_ + h, 0, -1) - s_;
+    if (rate > 0 && falls < h) h = falls / 2 > quad(1e-12) ? falls / 2 : h;
+    if (rate < 0 && h * -rate > quad(0.9) * r) h = quad(0.9) * r / -rate;
+    for (int i = 0; i < 9; ++i, h /= 3) {
+      const auto end = chebyshev.over(drive_, kappa_, s_, h, ux_, uy_);
+      if (!end) continue;
+      follow({*end, h});
+      if (target - s_ < quad(1e-30)) s_ = target;
+      if (rate < 0 && square_root(ux_ * ux_ + uy_ * uy_) < quad(1e-26)) {
+        ux_ = uy_ = 0;
+        if (excess(s_) <= 0) ++stops_;
+      }
+      return true;
+    }
+    creep_again_ = steps_ + 200;
+    return false;
   }
 
   /// Held until |d| grows through kappa, then off along the drive.
   void rest(quad target) {
     const quad rounding = quad(1e-15) * kappa_ * kappa_;
     if (excess(s_) <= rounding) {
-      const quad grid = pi() / 2000;
-      quad low = s_, high = low;
-      for (;;) {
-        if (low >= target) {
-          s_ = target;
-          return;
-        }
-        high = low + grid < target ? low + grid : target;
-        if (excess(high) > rounding) break;
-        low = high;
-      }
-      for (int i = 0; i < 120; ++i) {
-        const quad middle = (low + high) / 2;
-        (excess(middle) > 0 ? high : low) = middle;
-      }
-      s_ = high;
-      take_off(target);
+      s_ = drive_.crossing(kappa_, s_, target, rounding, 1);
+      if (s_ >= target) return;
+      follow(take_off(drive_, kappa_, s_, target));
       return;
     }
-    quad k, c;
-    sine_cosine(s_, k, c);
-    const quad dx = gx_ + px_ * c + qx_ * k, dy = gy_ + py_ * c + qy_ * k;
+    quad dx, dy;
+    drive_.at(s_, dx, dy);
     const quad norm = square_root(dx * dx + dy * dy), surplus = norm - kappa_;
-    const quad t = quad(1e-23);
+    if (creep(target)) return;
+    const quad t = quad(1e-24) / surplus;
     ux_ = surplus * t * dx / norm;
     uy_ = surplus * t * dy / norm;
-    s_ += t;
-  }
-
-  /// |d| grows smoothly through kappa at s: u = r n with the formal series of r n' = d - (d.n) n, r' = d.n -
-  /// kappa.
-  void take_off(quad target) {
-    constexpr int kTerms = 40;
-    quad k, c;
-    sine_cosine(s_, k, c);
-    std::array<quad, kTerms + 1> dx{}, dy{}, nx{}, ny{}, r{}, along{};
-    dx[0] = gx_;
-    dy[0] = gy_;
-    quad a = c, b = k;
-    for (int j = 0; j <= kTerms; ++j) {
-      dx[j] += px_ * a + qx_ * b;
-      dy[j] += py_ * a + qy_ * b;
-      const quad next = -b / (j + 1);
-      b = a / (j + 1);
-      a = next;
-    }
-    nx[0] = dx[0] / kappa_;
-    ny[0] = dy[0] / kappa_;
-    along[0] = kappa_;
-    for (int j = 1; j < kTerms; ++j) {
-      r[j] = j == 1 ? quad(0) : along[j - 1] / j;
-      // d_j - lower terms of (d.n) n - (r n')_j, across n0; then |n| = 1 gives the part along n0.
-      quad ax = dx[j], ay = dy[j];
-      for (int i = 1; i < j; ++i) {
-        ax -= along[i] * nx[j - i];
-        ay -= along[i] * ny[j - i];
-      }
-      for (int i = 2; i <= j; ++i) {
-        ax -= r[i] * (j - i + 1) * nx[j - i + 1];
-        ay -= r[i] * (j - i + 1) * ny[j - i + 1];
-      }
-      const quad across = (ay * nx[0] - ax * ny[0]) / kappa_;
-      quad inward = 0;
-      for (int i = 1; i < j; ++i) inward -= (nx[i] * nx[j - i] + ny[i] * ny[j - i]) / 2;
-      nx[j] = -across * ny[0] + inward * nx[0];
-      ny[j] = across * nx[0] + inward * ny[0];
-      along[j] = 0;
-      for (int i = 0; i <= j; ++i) along[j] += dx[i] * nx[j - i] + dy[i] * ny[j - i];
-    }
-    const auto sum = [](const auto& f, quad t, int terms) {
-      quad total = 0;
-      for (int j = terms; j >= 0; --j) total = total * t + f[j];
-      return total;
-    };
-    // The series is asymptotic: go as far as its terms have fallen to rounding.
-    quad t = 1;
-    constexpr int kLast = kTerms - 2;
-    const auto negligible = [&](quad at) {
-      quad power = 1;
-      for (int j = 0; j < kLast; ++j) power *= at;
-      return absolute(nx[kLast] * power) + absolute(ny[kLast] * power) < quad(1e-27);
-    };
-    while (!negligible(t)) t /= quad(1.25);
-    if (s_ + t > target) t = target - s_;
-    // position by Simpson-free exact integration of the product series
-    std::array<quad, kTerms + 1> vx{}, vy{};
-    for (int j = 0; j <= kLast; ++j)
-      for (int i = 0; i <= j; ++i) {
-        vx[j] += r[i] * nx[j - i];
-        vy[j] += r[i] * ny[j - i];
-      }
-    ux_ = sum(vx, t, kLast);
-    uy_ = sum(vy, t, kLast);
-    for (int j = 0; j <= kLast; ++j) {
-      vx[j] /= j + 1;
-      vy[j] /= j + 1;
-    }
-    x_ += t * sum(vx, t, kLast);
-    y_ += t * sum(vy, t, kLast);
     s_ += t;
   }
 
@@ -322,10 +224,14 @@ class QuadIntegrator {
     sine_cosine(s_, k, c);
     State y{ux_, uy_, 0, x_, y_, c, k}, next;
     const quad base = s_, floor = quad(1e-26);
-    quad h = quad(0.25);
+    // Directions and speeds change over sigma ~ 1/(|d| + kappa), whatever the units.
+    quad dx, dy;
+    drive_.at(s_, dx, dy);
+    const quad longest = quad(1.5) / (square_root(dx * dx + dy * dy) + kappa_);
+    quad h = step_ < longest ? step_ : longest;
     bool stopped = false, easy = false;
     for (long count = 0;; ++count) {
-      if (count > 400000) throw std::runtime_error("reference: too many steps");
+      if (++steps_ > patience_) throw std::runtime_error("reference: too many steps");
       const double error = step(y, h, next, easy);
       if (error > tolerance_) {
         h /= 2;
@@ -349,7 +255,12 @@ class QuadIntegrator {
         s_ = base + y[2];
         break;
       }
-      if (easy && h < 1) h *= quad(1.5);
+      if (easy && h < longest) h *= quad(1.5);
+      step_ = h;
+      if (count % 40 == 39) {  // back to the caller, which may find that it creeps
+        s_ = base + y[2];
+        break;
+      }
     }
     x_ = y[3];
     y_ = y[4];
@@ -359,7 +270,10 @@ class QuadIntegrator {
   }
 
   double tolerance_;
-  quad w_, unit_, gx_, gy_, px_, py_, qx_, qy_, nominal_, reduced_, kappa_ = 0;
+  long steps_ = 0, patience_ = 60000, creep_again_ = 0;
+  quad step_ = 0.25;
+  QuadDrive drive_;
+  quad w_, unit_, nominal_, reduced_, kappa_ = 0;
   quad opening_, width_, end_;
   bool always_ = false;
   quad ux_ = 0, uy_ = 0, x_ = 0, y_ = 0, s_ = 0;

@@ -40,6 +40,23 @@ TEST(SteadyOrbit, ContractionVanishesWithStick) {
   EXPECT_EQ(orbit->contraction, 0);
 }
 
+/// Friction reduced to next to nothing for nearly the whole cycle: what is left of it still attracts.
+TEST(SteadyOrbit, FoundForWidePulsesOfHardlyAnyFriction) {
+  for (const double mu : {0.02, 0.1, 0.122})
+    for (const double ratio : {50.0, 1e3, 1e6})
+      for (const double width : {5.0, 5.9, 6.2, 6.28}) {
+        Scenario s = reference_run();
+        s.friction = {mu, mu / ratio, 0, width, 0};
+        const auto orbit = steady_orbit(s);
+        ASSERT_TRUE(orbit) << "mu1 " << mu << " mu1/mu2 " << ratio << " dtau " << width;
+        s.initial_velocity = orbit->velocity;
+        s.cycles = 1;
+        const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
+        EXPECT_LT((integrate(s).end().velocity - orbit->velocity).norm(), 1e-12 * speed);
+        EXPECT_LT(orbit->newton_iterations, 40);
+      }
+}
+
 TEST(SteadyOrbit, NoneWithoutFriction) {
   Scenario s = reference_run();
   s.friction.nominal = s.friction.reduced = 0;

@@ -1,0 +1,127 @@
+// Every exact law, applied at ordinary, tiny and random parameters.
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <random>
+
+#include "model/laws.h"
+#include "model/laws_cycles.h"
+#include "model/random_scenario.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+using laws::kPi;
+
+Scenario reference_run() {
+  Scenario s;
+  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
+  return s;
+}
+
+Scenario tiny_run() {
+  Scenario s = reference_run();
+  s.drive.amplitude = s.drive.amplitude_y = 3e-9;
+  s.drive.angular_frequency = 2e4;
+  const double a = laws::drive_amplitude(s);
+  s.friction.nominal = 0.4 * a / s.drive.gravity;
+  s.friction.reduced = 0.1 * a / s.drive.gravity;
+  return s;
+}
+
+double friction_over_drive(const Scenario& s) {
+  return s.friction.nominal * s.drive.gravity / laws::drive_amplitude(s);
+}
+
+/// The ordinary and the tiny run and so many random ones with a circular drive, from a printed seed.
+std::vector<Scenario> scenarios(unsigned seed, int count) {
+  RandomScenario random(seed);
+  std::vector<Scenario> list = {reference_run(), tiny_run()};
+  for (int i = 0; i < count; ++i) list.push_back(random.circular());
+  return list;
+}
+
+class Laws : public testing::Test {
+ protected:
+  const unsigned seed = std::random_device{}();
+  testing::ScopedTrace trace{__FILE__, __LINE__, "seed " + std::to_string(seed)};
+  void SetUp() override { std::cout << "seed " << seed << '\n'; }
+};
+
+TEST_F(Laws, SteadySlidingAndTheReturnToIt) {
+  for (const Scenario& s : scenarios(seed, 40)) {
+    SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
+    if (friction_over_drive(s) > 0.98) continue;
+    laws::steady_sliding(s, 1e-11);
+    laws::return_to_steady_sliding(s, 1e-11);
+  }
+}
+
+TEST_F(Laws, RotationAndScaling) {
+  RandomScenario random(seed + 1);
+  for (const Scenario& s : scenarios(seed, 20)) {
+    SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
+    laws::rotation(s, 1.234, 1e-11);
+    laws::rotation(s, random.uniform(-4, 4), 1e-11);
+  }
+  for (int i = 0; i < 20; ++i)
+    for (const Scenario& s : {random.circular(), random.general()}) {
+      if (s.drive.tilt_x != 0) continue;  // its pull does not scale with the drive
+      laws::scaling(s, 2, 1e-11);
+      laws::scaling(s, 3, 1e-11);
+      laws::scaling(s, 0.1, 1e-11);
+    }
+}
+
+TEST_F(Laws, WithoutFriction) {
+  RandomScenario random(seed);
+  for (const Scenario& s : scenarios(seed, 20)) laws::frictionless_drift(s, 1e-13);
+  for (int i = 0; i < 20; ++i) laws::frictionless_motion(random.general(), 1e-12);
+}
+
+TEST_F(Laws, EnergyAlongTheWay) {
+  RandomScenario random(seed);
+  int points = 0;
+  for (const Scenario& s : scenarios(seed, 20)) points += laws::energy(s, 1e-11);
+  for (int i = 0; i < 20; ++i) points += laws::energy(random.general(), 1e-11);
+  EXPECT_GT(points, 400);
+}
+
+TEST_F(Laws, TwoStartsNeverSeparate) {
+  RandomScenario random(seed);
+  for (const Scenario& s : scenarios(seed, 20))
+    laws::contraction(s, laws::drive_amplitude(s) / s.drive.angular_frequency * Eigen::Vector2d(0.3, -0.8));
+  for (int i = 0; i < 20; ++i) {
+    const Scenario s = random.general();
+    laws::contraction(s, laws::drive_amplitude(s) / s.drive.angular_frequency *
+                             Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1)));
+  }
+}
+
+TEST_F(Laws, StickWipesTheMemory) {
+  for (const double mu : {0.12, 0.2, 0.4, 3.0}) {
+    Scenario s = reference_run();
+    s.friction.nominal = mu;
+    s.friction.pulse_width = kPi / 6;
+    s.cycles = 9;
+    laws::stick_repeats(s);
+    laws::stick_wipes_every_bit(s);
+  }
+}
+
+TEST_F(Laws, WeakPulsesInTheLimit) {
+  laws::weak_pulse(reference_run());
+  laws::weak_pulse(tiny_run());
+  RandomScenario random(seed);
+  for (int i = 0; i < 10; ++i) {
+    Scenario s = random.circular();
+    s.friction.nominal = random.uniform(0.3, 0.9) * laws::drive_amplitude(s) / s.drive.gravity;
+    s.friction.pulse_width = random.uniform(0.3, 5);
+    SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
+    laws::weak_pulse(s);
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::model

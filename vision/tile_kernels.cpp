@@ -1,0 +1,183 @@
+#include "vision/tile_kernels.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace tribotrack::vision {
+namespace {
+
+// Eight floats. The compiler makes two SSE registers or one AVX register of it, as the function's target has.
+using Lanes [[gnu::vector_size(32)]] = float;
+
+#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
+
+// References, not values: vectors are never passed between functions of different targets.
+TRIBOTRACK_KERNEL void load(const float* from, Lanes& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+TRIBOTRACK_KERNEL void store(const Lanes& from, float* to) {
+  std::memcpy(to, &from, sizeof from);
+}
+TRIBOTRACK_KERNEL double sum(const Lanes& v) {
+  double s = 0;
+  for (int i = 0; i < kTile; ++i) s += static_cast<double>(v[i]);
+  return s;
+}
+
+TRIBOTRACK_KERNEL void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride,
+                                    const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays) {
+  constexpr int kRows = kTile + 5;
+  for (std::size_t t = 0; t < corners.size(); ++t) {
+    Lanes smooth[kRows], slanted[kRows];
+    for (int j = 0; j < kRows; ++j) {
+      const float* c = corners[t] + (j - 2) * stride - 2;
+      Lanes a{}, b{};
+      for (std::size_t k = 0; k < 6; ++k) {
+        Lanes v;
+        load(c + k, v);
+        a += taps.weight_x[k] * v;
+        if (slopes) b += taps.slope_x[k] * v;
+      }
+      smooth[j] = a;
+      slanted[j] = b;
+    }
+    for (int j = 0; j < kTile; ++j) {
+      const std::size_t at = t * kTilePixels + static_cast<std::size_t>(j * kTile);
+      Lanes value{}, x{}, y{};
+      for (int k = 0; k < 6; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        value += taps.weight_y[i] * smooth[j + k];
+        if (!slopes) continue;
+        x += taps.weight_y[i] * slanted[j + k];
+        y += taps.slope_y[i] * smooth[j + k];
+      }
+      store(value - pivot, arrays.value.data() + at);
+      if (!slopes) continue;
+      store(x, arrays.slope_x.data() + at);
+      store(y, arrays.slope_y.data() + at);
+    }
+  }
+}
+
+TRIBOTRACK_KERNEL ForceSums force_of(const TileArrays& arrays, float a, float b) {
+  const bool turns = !arrays.slope_theta.empty();
+  Lanes fx{}, fy{}, fv{}, f1{}, ft{}, squares{}, weight{}, largest{};
+  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+    Lanes v, l, w, x, y;
+    load(arrays.value.data() + i, v);
+    load(arrays.level.data() + i, l);
+    load(arrays.weight.data() + i, w);
+    load(arrays.slope_x.data() + i, x);
+    load(arrays.slope_y.data() + i, y);
+    const Lanes r = l - a * v - b, wr = w * r;
+    fx -= wr * x;
+    fy -= wr * y;
+    fv += wr * v;
+    f1 += wr;
+    if (turns) {
+      Lanes s;
+      load(arrays.slope_theta.data() + i, s);
+      ft += wr * s;
+    }
+    squares += wr * r;
+    weight += w;
+    const Lanes size = r < 0 ? -r : r, counted = w > 0 ? size : Lanes{};
+    largest = counted > largest ? counted : largest;
+  }
+  ForceSums out;
+  out.force = {sum(fx), sum(fy), sum(fv), sum(f1), sum(ft)};
+  out.squares = sum(squares);
+  out.weight = sum(weight);
+  for (int i = 0; i < kTile; ++i) out.largest = std::fmax(out.largest, static_cast<double>(largest[i]));
+  return out;
+}
+
+template <int columns>
+TRIBOTRACK_KERNEL NormalSums normal_with(const TileArrays& arrays) {
+  constexpr int kSums = columns * (columns + 1) / 2;
+  Lanes total[kSums] = {};
+  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+    Lanes w, column[columns], one = Lanes{} + 1.0F;
+    load(arrays.weight.data() + i, w);
+    load(arrays.slope_x.data() + i, column[0]);
+    load(arrays.slope_y.data() + i, column[1]);
+    load(arrays.value.data() + i, column[2]);
+    column[0] = -column[0];
+    column[1] = -column[1];
+    column[3] = one;
+    if constexpr (columns == 5) load(arrays.slope_theta.data() + i, column[4]);
+    for (int c = 0, k = 0; c < columns; ++c) {
+      const Lanes weighted = w * column[c];
+      for (int d = c; d < columns; ++d, ++k) total[k] += weighted * column[d];
+    }
+  }
+  NormalSums out{};
+  for (int k = 0; k < kSums; ++k) out[static_cast<std::size_t>(k)] = sum(total[k]);
+  return out;
+}
+
+TRIBOTRACK_KERNEL NormalSums normal_of(const TileArrays& arrays) {
+  return arrays.slope_theta.empty() ? normal_with<4>(arrays) : normal_with<5>(arrays);
+}
+
+TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const std::vector<float>& weight) {
+  Lanes sw{}, sv{}, sl{}, svv{}, sll{}, svl{};
+  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+    Lanes v, l, w;
+    load(arrays.value.data() + i, v);
+    load(arrays.level.data() + i, l);
+    load(weight.data() + i, w);
+    const Lanes wv = w * v, wl = w * l;
+    sw += w;
+    sv += wv;
+    sl += wl;
+    svv += wv * v;
+    sll += wl * l;
+    svl += wv * l;
+  }
+  return {sum(sw), sum(sv), sum(sl), sum(svv), sum(sll), sum(svl)};
+}
+
+#undef TRIBOTRACK_KERNEL
+
+// The same functions for each instruction set.
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                     \
+  __VA_ARGS__ void sample_##suffix(const std::vector<const float*>& corners, std::ptrdiff_t stride,         \
+                                   const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays) {  \
+    slopes ? sample_tiles(corners, stride, taps, pivot, true, arrays)                                       \
+           : sample_tiles(corners, stride, taps, pivot, false, arrays);                                     \
+  }                                                                                                         \
+  __VA_ARGS__ ForceSums force_##suffix(const TileArrays& arrays, float a, float b) {                        \
+    return force_of(arrays, a, b);                                                                          \
+  }                                                                                                         \
+  __VA_ARGS__ NormalSums normal_##suffix(const TileArrays& arrays) {                                        \
+    return normal_of(arrays);                                                                               \
+  }                                                                                                         \
+  __VA_ARGS__ CorrelationSums correlation_##suffix(const TileArrays& arrays, const std::vector<float>& w) { \
+    return correlation_of(arrays, w);                                                                       \
+  }                                                                                                         \
+  constexpr TileKernels k_##suffix{#suffix, sample_##suffix, force_##suffix, normal_##suffix,               \
+                                   correlation_##suffix};
+
+TRIBOTRACK_VARIANT(baseline)
+#if defined(__x86_64__)
+TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
+#endif
+#undef TRIBOTRACK_VARIANT
+
+}  // namespace
+
+std::vector<TileKernels> all_tile_kernels() {
+  std::vector<TileKernels> list{k_baseline};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list.push_back(k_avx2);
+#endif
+  return list;
+}
+
+const TileKernels& tile_kernels() {
+  static const TileKernels fastest = all_tile_kernels().back();
+  return fastest;
+}
+
+}  // namespace tribotrack::vision

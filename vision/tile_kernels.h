@@ -1,0 +1,58 @@
+// The arithmetic of registration over tiles of 8 x 8 pixels, compiled for several instruction sets and chosen
+// at run time. Arrays hold 64 numbers per tile, row after row; one row of a tile is one vector.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace tribotrack::vision {
+
+inline constexpr int kTile = 8;
+inline constexpr std::size_t kTilePixels = 64;
+
+/// Weights and slopes of the six B-spline coefficients around a place, per axis; the same for every pixel
+/// when the template only moves.
+struct SplineTaps {
+  std::array<float, 6> weight_x{}, slope_x{}, weight_y{}, slope_y{};
+};
+
+/// The template, its derivatives and the picture over all tiles; weights are 0 where a pixel does not count.
+struct TileArrays {
+  std::vector<float> value, slope_x, slope_y, slope_theta;  ///< slope_theta empty without rotation
+  std::vector<float> level, weight;
+  std::size_t tiles = 0;
+};
+
+/// Sums over all pixels with r = level - a value - b: of w J r for J = (-slope_x, -slope_y, value, 1,
+/// slope_theta), of w r^2 and of w, and the largest |r| with w > 0.
+struct ForceSums {
+  std::array<double, 5> force{};
+  double squares = 0, weight = 0, largest = 0;
+};
+
+/// Sums of w, w v, w l, w v^2, w l^2, w v l.
+struct CorrelationSums {
+  double w = 0, v = 0, l = 0, vv = 0, ll = 0, vl = 0;
+};
+
+/// Sums of w J_i J_j, i <= j, row after row of the upper triangle: 10 numbers for 4 columns, 15 for 5.
+using NormalSums = std::array<double, 15>;
+
+struct TileKernels {
+  const char* name;
+  /// Value (less `pivot`) and, where slopes is set, slopes of a spline in every tile. `corners[t]` is the
+  /// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
+  void (*sample)(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
+                 float pivot, bool slopes, TileArrays& arrays);
+  ForceSums (*force)(const TileArrays& arrays, float a, float b);
+  NormalSums (*normal)(const TileArrays& arrays);
+  CorrelationSums (*correlation)(const TileArrays& arrays, const std::vector<float>& weight);
+};
+
+/// The fastest this processor can run.
+const TileKernels& tile_kernels();
+/// All it can run, slowest first: what tests compare.
+std::vector<TileKernels> all_tile_kernels();
+
+}  // namespace tribotrack::vision
