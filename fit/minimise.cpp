@@ -19,24 +19,28 @@ class WholeProblem final : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(static_cast<int>(start.size()) - (held ? 1 : 0));
   }
 
+  /// Residuals and Jacobian (by physical values) at a point.
+  struct Point {
+    Eigen::VectorXd z, residuals;
+    Eigen::MatrixXd jacobian;
+    bool good = false;
+    bool is_at(const Eigen::VectorXd& place) const { return good && z.size() == place.size() && z == place; }
+  };
+
   void remember(const Minimum& evaluated) {
-    last_z_ = evaluated.z;
-    last_residuals_ = evaluated.residuals;
-    last_jacobian_ = evaluated.jacobian;
-    last_good_ = true;
+    last_ = best_ = {evaluated.z, evaluated.residuals, evaluated.jacobian, true};
   }
   const Residuals& residuals() const { return residuals_; }
-  bool knows(const Eigen::VectorXd& z) const {
-    return last_good_ && last_z_.size() == z.size() && last_z_ == z;
+  /// The last point or the lowest, which a step that was refused may lie behind; null for any other.
+  const Point* known(const Eigen::VectorXd& z) const {
+    return last_.is_at(z) ? &last_ : best_.is_at(z) ? &best_ : nullptr;
   }
-  const Eigen::VectorXd& last_residuals() const { return last_residuals_; }
-  const Eigen::MatrixXd& last_jacobian() const { return last_jacobian_; }
   /// By the free z.
-  Eigen::MatrixXd free_jacobian() const {
-    const Eigen::VectorXd slopes = residuals_.unknowns().slopes(last_z_);
-    Eigen::MatrixXd jacobian(last_jacobian_.rows(), parameter_block_sizes()[0]);
-    for (Eigen::Index i = 0, j = 0; i < last_z_.size(); ++i)
-      if (i != held_) jacobian.col(j++) = last_jacobian_.col(i) * slopes(i);
+  Eigen::MatrixXd free_jacobian(const Point& point) const {
+    const Eigen::VectorXd slopes = residuals_.unknowns().slopes(point.z);
+    Eigen::MatrixXd jacobian(point.jacobian.rows(), parameter_block_sizes()[0]);
+    for (Eigen::Index i = 0, j = 0; i < point.z.size(); ++i)
+      if (i != held_) jacobian.col(j++) = point.jacobian.col(i) * slopes(i);
     return jacobian;
   }
   Eigen::VectorXd full(const double* free) const {
@@ -54,19 +58,21 @@ class WholeProblem final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::VectorXd z = full(parameters[0]);
-    const auto& unknowns = residuals_.unknowns();
-    const bool wanted = jacobians && jacobians[0];
     // A point is asked for its cost first and, nearly always, for its Jacobian next: one simulation does
     // both.
-    if (last_z_.size() != z.size() || last_z_ != z) {
-      last_z_ = z;
-      last_good_ = z.allFinite() && residuals_.evaluate(unknowns.values(z), last_residuals_, &last_jacobian_);
+    const Point* point = known(z);
+    if (!point) {
+      last_.z = z;
+      last_.good = z.allFinite() &&
+                   residuals_.evaluate(residuals_.unknowns().values(z), last_.residuals, &last_.jacobian);
+      if (!last_.good) return false;
+      if (!best_.good || last_.residuals.squaredNorm() < best_.residuals.squaredNorm()) best_ = last_;
+      point = &last_;
     }
-    if (!last_good_) return false;
-    Eigen::Map<Eigen::VectorXd>(residuals, last_residuals_.size()) = last_residuals_;
-    if (wanted)
-      Eigen::Map<RowMajor>(jacobians[0], last_residuals_.size(), parameter_block_sizes()[0]) =
-          free_jacobian();
+    Eigen::Map<Eigen::VectorXd>(residuals, point->residuals.size()) = point->residuals;
+    if (jacobians && jacobians[0])
+      Eigen::Map<RowMajor>(jacobians[0], point->residuals.size(), parameter_block_sizes()[0]) =
+          free_jacobian(*point);
     return true;
   }
 
@@ -74,9 +80,7 @@ class WholeProblem final : public ceres::CostFunction {
   const Residuals& residuals_;
   Eigen::VectorXd z_;
   std::optional<Eigen::Index> held_;
-  mutable Eigen::VectorXd last_z_, last_residuals_;  ///< one solver, one thread
-  mutable Eigen::MatrixXd last_jacobian_;
-  mutable bool last_good_ = false;
+  mutable Point last_, best_;  ///< one solver, one thread
 };
 
 /// r'J (J'J)^-1 J'r, directions the data do not see left out.
@@ -119,8 +123,8 @@ class Watch final : public ceres::IterationCallback {
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }
     }
-    if (cost_.knows(z) &&
-        newton_decrement(cost_.last_residuals(), cost_.free_jacobian()) < options_.decrement)
+    const WholeProblem::Point* point = cost_.known(z);
+    if (point && newton_decrement(point->residuals, cost_.free_jacobian(*point)) < options_.decrement)
       return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     return ceres::SOLVER_CONTINUE;
   }
@@ -182,9 +186,11 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
       summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
   minimum.joined = watch.joined;
   minimum.abandoned = watch.abandoned;
-  if (cost.knows(minimum.z)) {
-    minimum.residuals = cost.last_residuals();
-    minimum.jacobian = cost.last_jacobian();
+  if (const WholeProblem::Point* point = cost.known(minimum.z)) {
+    minimum.residuals = point->residuals;
+    minimum.jacobian = point->jacobian;
+  } else if (std::isfinite(minimum.chi2)) {
+    residuals.evaluate(residuals.unknowns().values(minimum.z), minimum.residuals, &minimum.jacobian);
   }
   return minimum;
 }

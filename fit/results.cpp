@@ -187,6 +187,7 @@ void tell_systematics(const Residuals& residuals, const Minimum& best, const Unc
       if (parameter ==
           FitParameter::angular_frequency)  // whole cycles end earlier, at the same mean velocity
         for (auto& run : moved.summary_runs) {
+          if (run.measured.told_as_velocity) continue;  // followed by the model itself
           run.measured.duration /= 1 + change;
           run.measured.vector /= 1 + change;
         }

@@ -45,11 +45,9 @@ class RivalProblem {
     try {
       for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
         const SummaryRun& run = problem.summary_runs[i];
-        model::Scenario base = run.scenario;
-        if (run.measured.duration > 0) base.duration = run.measured.duration;
-        const auto applied = unknowns_.apply(values, base, run.amplitude_from_track, false);
-        const Eigen::Vector2d end =
-            model::rival_displacement(applied.scenario, {kind_, strength(step)}) / applied.scale;
+        const auto applied = unknowns_.apply_summary(values, run, false);
+        const Eigen::Vector2d end = model::rival_displacement(applied.scenario, {kind_, strength(step)}) *
+                                    (applied.stretch / applied.scale);
         const Eigen::LLT<Eigen::Matrix2d> factor(residuals_.covariance(i));
         r.segment<2>(2 * static_cast<Eigen::Index>(i)) = factor.matrixL().solve(run.measured.vector - end);
       }

@@ -14,16 +14,6 @@ Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
 }
 
 namespace internal {
-namespace {
-
-/// The run lasted as long as it was measured, whatever w is tried.
-model::Scenario as_measured(const SummaryRun& run) {
-  model::Scenario scenario = run.scenario;
-  if (run.measured.duration > 0) scenario.duration = run.measured.duration;
-  return scenario;
-}
-
-}  // namespace
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
   return problem_->summary_runs[index].measured.covariance +
@@ -40,8 +30,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
                         Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
                         Eigen::Index row) const {
   const SummaryRun& run = problem_->summary_runs[index];
-  const auto applied =
-      unknowns_->apply(values, as_measured(run), run.amplitude_from_track, jacobian != nullptr);
+  const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
   const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
 
   model::IntegrationOptions options;
@@ -50,14 +39,17 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
   const EndPoint end = settled_end(applied.scenario, options);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
-  const Eigen::Vector2d position = end.position / applied.scale;
+  const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
   const double root = std::sqrt(run_weight(index));
   residuals = root * factor.matrixL().solve(run.measured.vector - position);
   if (!jacobian) return;
   Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
-  if (!applied.wanted.empty()) by_unknowns = -(end.jacobian * applied.chain) / applied.scale;
+  if (!applied.wanted.empty())
+    by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
   if (const auto scale = unknowns_->find(FitParameter::scale))
     by_unknowns.col(*scale) += position / applied.scale;
+  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.told_as_velocity)
+    by_unknowns.col(*w) -= position / values(*w);
   jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
 }
 

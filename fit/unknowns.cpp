@@ -238,6 +238,19 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   return result;
 }
 
+AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
+                                        bool derivatives) const {
+  const bool follows =
+      run.measured.told_as_velocity &&
+      (find(FitParameter::angular_frequency) || problem_->fixed.count(FitParameter::angular_frequency));
+  model::Scenario base = run.scenario;
+  if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;
+  AppliedScenario result = apply(values, base, run.amplitude_from_track, derivatives);
+  if (follows)
+    result.stretch = result.scenario.drive.angular_frequency / run.scenario.drive.angular_frequency;
+  return result;
+}
+
 AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t run,
                                            bool derivatives) const {
   const TrajectoryRun& data = problem_->trajectory_runs[run];

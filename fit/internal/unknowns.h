@@ -14,6 +14,7 @@ namespace tribotrack::fit::internal {
 struct AppliedScenario {
   model::Scenario scenario;
   double scale = 1;
+  double stretch = 1;  ///< of the modelled displacement: w over the one with which v was made a displacement
   std::vector<model::Parameter> wanted;  ///< to differentiate by
   Eigen::MatrixXd chain;                 ///< d wanted / d unknowns
 };
@@ -55,6 +56,9 @@ class Unknowns {
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
                         bool derivatives) const;
+  /// The run lasted as long as it was measured, whatever w is tried; told as alpha and v, it lasted its
+  /// cycles.
+  AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run, bool derivatives) const;
   AppliedScenario apply_trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
 
