@@ -143,10 +143,12 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     }
     if (run.run->free_slide)
       problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
-    else if (campaign.fit.trajectory && run.track)
+    else if (campaign.fit.trajectory && run.track) {
       problem.trajectory_runs.push_back(
           {name, run.scenario, run.track->table, false, run.amplitude_from_track});
-    else
+      if (run.measurement && run.measurement->platform && run.measurement->phase_source == "marker")
+        problem.trajectory_runs.back().start_phase_sd = run.measurement->platform->phase_at_zero.sd;
+    } else
       problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
   }
   // The runs' scales share their systematic part (how the rim is defined, the part's true diameter): taken as

@@ -18,6 +18,7 @@
 #include "fit/internal/scatter.h"
 #include "fit/internal/settle.h"
 #include "fit/internal/statistics.h"
+#include "fit/internal/sticking.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -167,7 +168,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   const double t =
       two_sided_quantile(0.95, from_residuals ? std::max(1.0, dof) : std::numeric_limits<double>::infinity());
   std::vector<Interval> intervals;
-  if (options.profiles && options.loss == Loss::squares) {
+  if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
     const double found = judged.best.minimum.chi2;
     intervals = profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options);
     if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
@@ -176,7 +177,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   const Minimum& best = judged.best.minimum;
   result.converged = best.converged;
   result.chi2 = best.chi2;
-  result.dof = static_cast<int>(std::lround(dof));
+  result.dof = std::max(0, static_cast<int>(std::lround(dof)));
   tell_parameters(unknowns, judged.values, judged.spread, t, result);
   for (std::size_t i = 0; i < intervals.size(); ++i) result.parameters[i].profile_ci95 = intervals[i];
   if (options.bootstrap > 0) {

@@ -10,13 +10,16 @@
 #include "fit/internal/forecast.h"
 #include "fit/internal/identifiability.h"
 #include "fit/internal/parallel.h"
+#include "fit/internal/results.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kPhases = 8, kWidths = 7;  ///< grid: phi by pi/4, dtau by pi/4
+constexpr int kPhases = 8, kWidths = 7;
+constexpr double kStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
+constexpr double kWorthAnotherDrive = 0.1;      ///< shorter standard deviations than with the own drive
 constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
-constexpr std::size_t kForecastAgain = 3;
+constexpr std::size_t kForecastAgain = 3;      ///< best places of the grid, at every phi
 constexpr double kRough = 1e-3, kGood = 1e-4;  ///< tolerances of the forecasts
 
 /// Covariance of the reported parameters from the information on all.
@@ -53,54 +56,75 @@ class Search {
     now_ = reported_covariance(information_, unknowns_.reported());
   }
 
-  /// Forecasts over the whole grid.
+  /// Forecasts over the whole grid, at phi = 0.
   void sample(int threads) {
+    threads_ = threads;
     const Candidate own = forecaster_.drive_so_far();
-    std::vector<Candidate> seeds;
     for (const auto& [a, w] : kDrives)
       for (int j = 1; j <= kWidths; ++j)
-        seeds.push_back({0, j * std::numbers::pi / 4, a * own.amplitude, w * own.angular_frequency});
-    std::vector<std::optional<Forecast>> forecasts(seeds.size());
-    parallel_for(seeds.size(), threads,
-                 [&](std::size_t k) { forecasts[k] = forecaster_.forecast(seeds[k], kRough); });
-    for (const auto& forecast : forecasts)
-      for (int i = 0; forecast && i < kPhases; ++i)
-        sampled_.push_back(forecaster_.turned(*forecast, i * std::numbers::pi / 4));
+        places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
+    parallel_for(places_.size(), threads,
+                 [&](std::size_t k) { places_[k].rough = forecaster_.forecast(places_[k].seed, kRough); });
   }
 
-  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) const {
-    const Candidate own = forecaster_.drive_so_far();
-    std::vector<std::pair<double, const Forecast*>> order;
-    for (const Forecast& forecast : sampled_) {
-      const Candidate& c = forecast.candidate;
-      const bool same = c.amplitude == own.amplitude && c.angular_frequency == own.angular_frequency;
-      if (same == own_drive) order.emplace_back(size(after(forecast), aim), &forecast);
-    }
+  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
+    std::vector<std::pair<double, Place*>> order;
+    for (Place& place : places_)
+      if (place.rough && place.own_drive == own_drive)
+        order.emplace_back(smallest_when_turned(*place.rough, aim), &place);
     std::stable_sort(order.begin(), order.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::optional<Forecast> chosen;
+    const Forecast* chosen = nullptr;
     double smallest = size(now_, aim);
-    for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k) {
-      const auto forecast = forecaster_.forecast(order[k].second->candidate, kGood);
-      if (!forecast || !(size(after(*forecast), aim) < smallest)) continue;
-      smallest = size(after(*forecast), aim);
-      chosen = forecast;
-    }
+    for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k)
+      for (const auto& forecast : at_every_phase(*order[k].second)) {
+        if (!forecast || !(size(after(*forecast), aim) < smallest)) continue;
+        smallest = size(after(*forecast), aim);
+        chosen = &*forecast;
+      }
     if (!chosen) return std::nullopt;
     return tell(*chosen, aim, own_drive);
   }
 
-  /// How much smaller the logarithm of the aim becomes.
-  double gain(const NextExperiment& next) const {
-    const auto forecast =
-        forecaster_.forecast({next.phi, next.dtau, next.amplitude, next.angular_frequency}, kGood);
-    return forecast ? log_determinant(now_) - log_determinant(after(*forecast)) : 0;
+  /// How much the standard deviation aimed at (their geometric mean without an aim) shrinks, as a logarithm.
+  double gain(const std::optional<NextExperiment>& next, std::optional<Eigen::Index> aim) const {
+    if (!next) return 0;
+    double sum = 0;
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      if (!aim || i == *aim)
+        sum += std::log(std::sqrt(now_(i, i)) * units_(i) / next->predicted_sd.at(unknowns_.parameter(i)));
+    return aim ? sum : sum / static_cast<double>(unknowns_.reported());
   }
 
  private:
+  /// A place of the grid over dtau, A and w, and what it promises.
+  struct Place {
+    Candidate seed;
+    bool own_drive = false;
+    std::optional<Forecast> rough = {};
+    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once it was asked for
+  };
+
+  double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kPhases; ++i)
+      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kStep)), aim));
+    return smallest;
+  }
+
+  const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
+    if (!place.good.empty()) return place.good;
+    place.good.resize(kPhases);
+    parallel_for(place.good.size(), threads_, [&](std::size_t i) {
+      Candidate candidate = place.seed;
+      candidate.phi = static_cast<double>(i) * kStep;
+      place.good[i] = forecaster_.forecast(candidate, kGood);
+    });
+    return place.good;
+  }
+
   Eigen::MatrixXd after(const Forecast& forecast) const {
-    return reported_covariance(information_ + forecast.rows.transpose() * forecast.rows,
-                               unknowns_.reported());
+    return reported_covariance(information_ + forecast.information, unknowns_.reported());
   }
 
   NextExperiment tell(const Forecast& forecast, std::optional<Eigen::Index> aim, bool own_drive) const {
@@ -111,9 +135,9 @@ class Search {
     next.amplitude = forecast.candidate.amplitude;
     next.angular_frequency = forecast.candidate.angular_frequency;
     if (aim) next.aim = unknowns_.parameter(*aim);
-    next.sentence = aim         ? std::string("For ") + to_string(*next.aim) + " alone film"
-                    : own_drive ? std::string("Film next")
-                                : std::string("More would tell, if the platform can be driven so,");
+    next.sentence = aim ? std::string("For ") + to_string(*next.aim) + " alone film"
+                        : std::string(own_drive ? "Film next" : "More would tell");
+    if (!own_drive) next.sentence += ", if the platform can be driven so,";
     next.sentence += " phi = " + number(next.phi / std::numbers::pi) +
                      " pi, dtau = " + number(next.dtau / std::numbers::pi) + " pi";
     if (!own_drive)
@@ -124,7 +148,7 @@ class Search {
       const FitParameter parameter = unknowns_.parameter(i);
       const double before = std::sqrt(now_(i, i)) * units_(i), sd = std::sqrt(covariance(i, i)) * units_(i);
       next.predicted_sd[parameter] = sd;
-      next.predicted_ci95[parameter] = {values_(i) - t_ * sd, values_(i) + t_ * sd};
+      next.predicted_ci95[parameter] = interval95(unknowns_.transform(i), parameter, values_(i), sd, t_);
       next.sentence += std::string(i > 0 ? ", " : " ") + "sd(" + to_string(parameter) + ") " +
                        number(before * display_factor(parameter), 2) + " -> " +
                        number(sd * display_factor(parameter), 2);
@@ -138,7 +162,8 @@ class Search {
   double t_;
   Forecaster forecaster_;
   Eigen::MatrixXd information_, now_;
-  std::vector<Forecast> sampled_;
+  std::vector<Place> places_;
+  int threads_ = 1;
 };
 
 }  // namespace
@@ -147,19 +172,26 @@ NextExperiments next_experiments(const Residuals& residuals, const Eigen::Vector
                                  const Eigen::MatrixXd& jacobian, double t, int threads) {
   NextExperiments result;
   const Unknowns& unknowns = residuals.unknowns();
-  if (unknowns.problem().summary_runs.empty() || !(unknowns.reference_amplitude() > 0)) return result;
+  if (!(unknowns.reference_amplitude() > 0)) return result;
   Search search(residuals, values, jacobian, t);
   search.sample(threads);
   result.best = search.best(std::nullopt, true);
+  const auto same = [](const NextExperiment& a, const std::optional<NextExperiment>& b) {
+    return b && a.phi == b->phi && a.dtau == b->dtau && a.amplitude == b->amplitude &&
+           a.angular_frequency == b->angular_frequency;
+  };
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
+    if (const auto aimed = search.best(i, true); aimed && !same(*aimed, result.best))
+      result.others.push_back(*aimed);
+  const auto driven = search.best(std::nullopt, false);
+  if (driven &&
+      search.gain(driven, std::nullopt) > search.gain(result.best, std::nullopt) + kWorthAnotherDrive)
+    result.others.push_back(*driven);
   for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
-    const auto aimed = search.best(i, true);
-    if (aimed && result.best && (aimed->phi != result.best->phi || aimed->dtau != result.best->dtau))
+    const auto own = search.best(i, true), aimed = search.best(i, false);
+    if (aimed && !same(*aimed, driven) && search.gain(aimed, i) > search.gain(own, i) + kWorthAnotherDrive)
       result.others.push_back(*aimed);
   }
-  const auto driven = search.best(std::nullopt, false);
-  const double worth_it = 0.2 * static_cast<double>(unknowns.reported());
-  if (driven && search.gain(*driven) > (result.best ? search.gain(*result.best) : 0) + worth_it)
-    result.others.push_back(*driven);
   return result;
 }
 

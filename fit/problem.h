@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fit/measurement.h"
@@ -57,9 +58,11 @@ struct Problem {
   double scale_sd = 0;  ///< relative sd of the scale common to all runs, carried as a nuisance with a prior
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
-  /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, more parameters than
-  /// data.
+  /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not
+  /// numbers. Fewer data than unknowns are no error: the fit then says what can be told.
   void validate() const;
+  /// Numbers measured or known beforehand, and unknowns to be found from them.
+  std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };
 
 }  // namespace tribotrack::fit

@@ -7,22 +7,13 @@
 
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
+#include "fit/internal/sticking.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-Interval covariance_interval(const Transform& transform, FitParameter parameter, double value, double sd,
-                             double t) {
-  if (!std::isfinite(sd)) return {transform.positive() ? 0 : -kInfinity, kInfinity};
-  const bool on_logarithm = transform.positive() && value > 0 && sd < 0.3 * value;
-  if (on_logarithm) return {value * std::exp(-t * sd / value), value * std::exp(t * sd / value)};
-  const double low = value - t * sd;
-  const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
-  return {cut ? std::max(0.0, low) : low, value + t * sd};
-}
 
 RunResult tell_summary(const Residuals& residuals, const Minimum& best, std::size_t index) {
   const SummaryRun& run = residuals.unknowns().problem().summary_runs[index];
@@ -140,10 +131,20 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
 
 }  // namespace
 
+Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t) {
+  if (!std::isfinite(sd)) return {transform.positive() ? 0 : -kInfinity, kInfinity};
+  const bool on_logarithm = transform.positive() && value > 0 && sd < 0.3 * value;
+  if (on_logarithm) return {value * std::exp(-t * sd / value), value * std::exp(t * sd / value)};
+  const double low = value - t * sd;
+  const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
+  return {cut ? std::max(0.0, low) : low, value + t * sd};
+}
+
 void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
                      double t, FitResult& result) {
   const Eigen::Index n = unknowns.reported();
-  const auto flat = moved_by_flat_direction(uncertainty);
+  auto flat = moved_by_flat_direction(uncertainty);
+  if (stuck_throughout(unknowns.problem())) flat.assign(flat.size(), true);  // noise told as motion
   result.covariance = uncertainty.covariance;
   result.correlation = Eigen::MatrixXd::Identity(n, n);
   result.parameters.clear();
@@ -153,8 +154,7 @@ void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
     estimate.estimate = values(i);
     estimate.sd =
         flat[static_cast<std::size_t>(i)] ? kInfinity : std::sqrt(std::max(0.0, result.covariance(i, i)));
-    estimate.ci95 =
-        covariance_interval(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
+    estimate.ci95 = interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
     estimate.profile_ci95 = estimate.bootstrap_ci95 = {std::nan(""), std::nan("")};
     result.parameters.push_back(estimate);
     for (Eigen::Index j = 0; j < n; ++j) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "fit/internal/point_model.h"
 #include "fit/internal/unknowns.h"
 
 namespace tribotrack::fit::internal {
@@ -77,9 +78,7 @@ class Residuals {
                Eigen::MatrixXd* jacobian, Eigen::Index row) const;
   void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
                   Eigen::MatrixXd* jacobian, Eigen::Index row) const;
-  /// Modelled positions in the picture, with derivatives by the unknowns where asked.
-  void modelled_points(const Eigen::VectorXd& values, std::size_t run, Eigen::Matrix2Xd& positions,
-                       Eigen::MatrixXd* jacobian) const;
+  PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   Eigen::Index trajectory_row(std::size_t run) const;
 
   const Problem* problem_;

@@ -7,6 +7,8 @@
 
 namespace tribotrack::fit::internal {
 
+/// From sd and the two-sided quantile t: on the logarithm's axis or linear, as ParameterEstimate::ci95 says.
+Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
 /// Estimates with sd and ci95 (`t`: the two-sided 95 % quantile), covariance, correlation.
 void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
                      double t, FitResult& result);

@@ -8,6 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "model/rival_laws.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -60,17 +61,117 @@ TEST(Hopeless, ASweepOfPhiAloneWithRealScatter) {
 TEST(Hopeless, OneRunOnly) {
   std::mt19937 random(1);
   Problem problem = campaign({test::scenario({}, 0.3, pi / 3)}, random);
-  try {
-    estimate(problem, quick());
-    FAIL();
-  } catch (const DataError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("add runs, or fix a parameter"));
-  }
+  const FitResult alone = estimate(problem, quick());
+  EXPECT_EQ(alone.identifiability.verdict, Verdict::not_identifiable);
+  EXPECT_EQ(alone.dof, 0);
+  EXPECT_THAT(said(alone),
+              HasSubstr("2 numbers for 3 unknowns: add runs, fix a parameter, or give it a prior"));
+  EXPECT_THAT(said(alone), HasSubstr("is hidden by"));
+  for (const auto& p : alone.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
+  ASSERT_TRUE(alone.next_experiment);
+  EXPECT_GT(std::abs(alone.next_experiment->dtau - pi / 3), 0.1);
   // With a loose prior there is a number for everything, and it is said where it comes from.
   problem.prior[FitParameter::lag] = {0, 0.5};
   const FitResult result = estimate(problem, quick());
   EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
   EXPECT_THAT(said(result), HasSubstr("phase_lag_rad is told by its prior, not by the data"));
+}
+
+// With mu1 = mu2 the noise alone would place the pulse: a lag with an interval that excludes the truth.
+TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
+  const unsigned seed = 31;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int trial = 0; trial < 5; ++trial) {
+    Problem problem;
+    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+    for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
+      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3, nullptr, 400));
+      auto& measured = problem.summary_runs.back().measured;
+      std::normal_distribution<double> noise(0, 3e-5);
+      measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
+      measured.vector += Eigen::Vector2d(noise(random), noise(random));
+    }
+    const FitResult result = estimate(problem, quick());
+    EXPECT_FALSE(result.usable()) << result.full_report();
+    EXPECT_THAT(said(result), HasSubstr("the pulses may have no effect"));
+    EXPECT_THAT(said(result), HasSubstr("check that the actuator works"));
+  }
+}
+
+TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0, 1e-6);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (int k = 0; k < 4; ++k) {
+    problem.summary_runs.push_back(test::summary_run(test::scenario({}, k, 1), 0.02, 0.02e-3));
+    problem.summary_runs.back().measured.vector = {noise(random), noise(random)};
+    problem.summary_runs.back().measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
+  }
+  const FitResult result = estimate(problem, quick());
+  EXPECT_EQ(result.identifiability.verdict, Verdict::not_identifiable);
+  // A w^2/g = 0.28e-3 62.8^2/9.81
+  EXPECT_THAT(said(result), HasSubstr("mu1 and mu2 above A w^2/g = 0.113"));
+  EXPECT_THAT(said(result), HasSubstr("Drive harder"));
+  for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
+}
+
+// Nobody asked for rivals: the residuals do, in the order tilt, laws; or they are called scatter.
+TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
+  using Kind = model::RivalLaw::Kind;
+  for (const model::RivalLaw law : {model::RivalLaw{Kind::stribeck, 0.15}, {Kind::viscous, 2.0}}) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+      SCOPED_TRACE(seed);
+      std::mt19937 random(seed);
+      std::normal_distribution<double> normal(0, 2e-6);
+      Problem problem;
+      problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+      for (const auto& s : test::fourteen({})) {
+        SummaryRun run;
+        run.name = "run" + std::to_string(problem.summary_runs.size());
+        run.scenario = s;
+        run.measured.vector =
+            model::rival_displacement(s, law) + Eigen::Vector2d(normal(random), normal(random));
+        run.measured.covariance = 4e-12 * Eigen::Matrix2d::Identity();
+        run.measured.duration = s.end_time();
+        derive_alpha_and_v(run.measured);
+        problem.summary_runs.push_back(run);
+      }
+      const FitResult result = estimate(problem, quick());
+      EXPECT_LT(result.p_value, 1e-3);
+      ASSERT_FALSE(result.models.empty());
+      // Named, or told as scatter that the intervals count.
+      const bool named = result.models.size() > 2;
+      if (named) {
+        EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with"))) << said(result);
+      }
+      EXPECT_GT(result.scatter, 2e-6);
+      EXPECT_THAT(result.warnings, Contains(HasSubstr("or something in A, w, tilt or the model is wrong")));
+    }
+  }
+}
+
+TEST(Hopeless, OneRunMislabelledIsNamedAndRobustLossForgetsIt) {
+  const unsigned seed = 12;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem = campaign(test::fourteen({}), random);
+  problem.summary_runs[3].scenario.friction.phase += pi / 2;
+  problem.summary_runs[3].name = "the wrong one";
+  FitOptions options = quick();
+  const FitResult plain = estimate(problem, options);
+  ASSERT_EQ(plain.outliers.size(), 1U);
+  EXPECT_THAT(plain.warnings, Contains(HasSubstr("'the wrong one' lies")));
+  EXPECT_THAT(plain.warnings, Contains(HasSubstr("check its phi, dtau and label")));
+  EXPECT_GT(plain.scatter, 0);  // what is printed counts the contradiction
+  options.loss = Loss::cauchy;
+  const FitResult robust = estimate(problem, options);
+  const double truth[] = {0.1, 0.0125, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(robust.parameters[i].estimate, truth[i], 4 * robust.parameters[i].sd);
+    EXPECT_LT(robust.parameters[i].sd, 0.5 * plain.parameters[i].sd);
+  }
 }
 
 TEST(Hopeless, DuplicatedRunsAddNothing) {
