@@ -225,10 +225,13 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     }
     if (run.run->free_slide)
       problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
-    else if (campaign.fit.trajectory && run.track)
+    else if (campaign.fit.trajectory && run.track) {
       problem.trajectory_runs.push_back(
           {name, run.scenario, run.track->table, false, run.amplitude_from_track});
-    else
+      if (run.measurement && run.measurement->platform &&
+          (run.measurement->phase_source == "marker" || run.measurement->phase_source == "texture"))
+        problem.trajectory_runs.back().start_phase_sd = run.measurement->platform->phase_at_zero.sd;
+    } else
       problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
   }
   // Runs that share one scale share its sd; where they do not, most of it is common (the part's true

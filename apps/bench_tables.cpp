@@ -182,33 +182,54 @@ BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows) {
 
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows) {
   BenchTable table;
-  table.csv = "method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd";
+  table.csv = "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd";
   for (const char* name : {"mu1", "mu2", "lag"})
     table.csv += fmt::format(",{0}_rms_error{1},{0}_mean_sd{1},{0}_covered", name,
                              std::string(name) == "lag" ? "_rad" : "_relative");
   table.csv += "\n";
-  table.text = fmt::format("\n{:<64} {:>10} {:>7} {:>7} {:>22} {:>15} {:>9}\n", "14-run summary campaigns",
-                           "time", "x ours", "conv.", "rms mu1 %, mu2 %, lag", "95 % cover", "off, sd");
   std::vector<PlotPanel> panels;
+  std::string data;
   for (const auto& row : rows) {
-    table.csv += fmt::format("{},{},{},{},{},{},{}", quoted(row.method), row.campaigns, row.converged,
-                             compact(row.time), row.solves > 0 ? compact(row.solves) : "",
+    if (row.data != data) {
+      data = row.data;
+      table.text += fmt::format("\n{:<64} {:>10} {:>7} {:>7} {:>25} {:>15} {:>9}\n", "fits to " + data,
+                                "time", "x ours", "conv.", "rms mu1 %, mu2 %, lag", "95 % cover", "off, sd");
+    }
+    table.csv += fmt::format("{},{},{},{},{},{},{},{}", quoted(row.data), quoted(row.method), row.campaigns,
+                             row.converged, compact(row.time), row.solves > 0 ? compact(row.solves) : "",
                              compact(row.time_over_ours), compact(row.off_minimum));
     for (Eigen::Index i = 0; i < 3; ++i)
       table.csv += fmt::format(",{},{},{}", compact(row.rms_error(i)), compact(row.mean_sd(i)),
                                compact(row.covered(i)));
     table.csv += "\n";
     table.text += fmt::format(
-        "{:<64} {:>10} {:>7.2f} {:>3}/{:<3} {:>8.3f} {:>6.2f} {:>6.4f} {:>5.2f}{:>5.2f}{:>5.2f} {:>9.1e}\n",
+        "{:<64} {:>10} {:>7.2f} {:>3}/{:<3} {:>8.4f} {:>7.3f} {:>8.5f} {:>5.2f}{:>5.2f}{:>5.2f} {:>9.1e}\n",
         row.method, duration(row.time), row.time_over_ours, row.converged, row.campaigns,
         100 * row.rms_error(0), 100 * row.rms_error(1), row.rms_error(2), row.covered(0), row.covered(1),
         row.covered(2), row.off_minimum);
-    series_in(panels, "rms error of mu1", row.method, row.ours)
-        .points.push_back({row.time, row.rms_error(0)});
-    series_in(panels, "distance from the minimum, sd", row.method, row.ours)
-        .points.push_back({row.time, row.off_minimum});
+    const auto draw = [&](const std::string& what, double value) {
+      series_in(panels, row.data + ": " + what, row.method, row.ours).points.push_back({row.time, value});
+    };
+    draw("rms error of mu1", row.rms_error(0));
+    draw("half the 95 % interval of mu1", 1.96 * row.mean_sd(0));
+    draw("distance from the minimum, sd", row.off_minimum);
   }
   table.svg = log_log_svg(panels, "CPU time per campaign, s", "relative error; standard deviations");
+  return table;
+}
+
+BenchTable table_of(const std::vector<fit::CoverageRow>& rows) {
+  BenchTable table;
+  table.csv = "campaigns,parameter,counted,weak,unusable,covered,covered_by_profile\n";
+  table.text = fmt::format("\n{:<24} {:<14} {:>8} {:>6} {:>9} {:>12} {:>12}\n", "95 % intervals hold in",
+                           "parameter", "counted", "weak", "unusable", "covariance", "profile");
+  for (const auto& row : rows) {
+    table.csv += fmt::format("{},{},{},{},{},{},{}\n", quoted(row.kind), row.parameter, row.campaigns,
+                             row.weak, row.unusable, compact(row.share()), compact(row.profile_share()));
+    table.text +=
+        fmt::format("{:<24} {:<14} {:>8} {:>6} {:>9} {:>10.1f} % {:>10.1f} %\n", row.kind, row.parameter,
+                    row.campaigns, row.weak, row.unusable, 100 * row.share(), 100 * row.profile_share());
+  }
   return table;
 }
 

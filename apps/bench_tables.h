@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/bench.h"
+#include "fit/coverage.h"
 #include "model/bench.h"
 #include "model/bench_plan.h"
 #include "model/claims.h"
@@ -22,5 +23,6 @@ BenchTable table_of(const std::vector<model::PlanBenchRow>& rows);
 BenchTable table_of(const std::vector<model::PaperClaim>& claims);
 BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
+BenchTable table_of(const std::vector<fit::CoverageRow>& rows);
 
 }  // namespace tribotrack::apps

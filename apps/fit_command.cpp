@@ -21,6 +21,7 @@ struct FitCommandOptions {
   std::string campaign, output, tracks;
   bool require_all = false, json = false, explain = false;
   int allow_missing = 0;
+  fit::FitOptions fit;
 };
 
 /// The track of a run: from the folder the user names, else made here.
@@ -98,7 +99,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
     }
 
   const std::optional<SharedScale> shared = share_scale(campaign, runs);
-  const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
+  const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context), options.fit);
   Json json = fit_json(campaign, runs, result);
   add_to(json, shared);
   MetaFile meta;
@@ -122,6 +123,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
             ? "the data do not tell these parameters apart; see identifiability and next_experiment in " +
                   options.output
             : "it did not converge; give first guesses in [fit.start]");
+    for (const std::string& sentence : remedies(result)) fmt::print(stderr, "  {}\n", sentence);
     context.exit_code = kFitUnusable;
   }
 }
@@ -144,6 +146,22 @@ void add_fit(CLI::App& app, Context& context) {
   command.add_option("--allow-missing", options->allow_missing, "Go on when up to N runs are not usable")
       ->type_name("N")
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--bootstrap", options->fit.bootstrap,
+                  "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
+      ->type_name("N")
+      ->check(CLI::Range(20, 1'000'000));
+  command.add_option("--seed", options->fit.bootstrap_seed, "Of the bootstrap's noise; told in the result")
+      ->type_name("N");
+  command
+      .add_option("--loss", options->fit.loss,
+                  "squares (default); huber or cauchy: far runs and points pull less; what that means for "
+                  "the intervals is told with them")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, fit::Loss>{
+          {"squares", fit::Loss::squares}, {"huber", fit::Loss::huber}, {"cauchy", fit::Loss::cauchy}}))
+      ->type_name("LOSS");
+  command.add_flag("--compare-models", options->fit.rivals,
+                   "Compare tilt and rival friction laws even where the residuals do not ask for it");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
                    "Print the whole report: residuals, correlations, what was left out");

@@ -39,6 +39,8 @@ Json parameters_json(const fit::FitResult& result, double mm_per_px) {
                                          {"sd", finite(p.sd * unit)},
                                          {"ci95", interval_json(p.ci95, unit)},
                                          {"profile_ci95", interval_json(p.profile_ci95, unit)}};
+    if (result.bootstrap > 0)
+      json[fit::to_string(p.parameter)]["bootstrap_ci95"] = interval_json(p.bootstrap_ci95, unit);
   }
   return json;
 }
@@ -99,6 +101,62 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
   return json;
 }
 
+const char* word_for(fit::Loss loss) {
+  switch (loss) {
+    case fit::Loss::squares:
+      return "squares";
+    case fit::Loss::huber:
+      return "huber";
+    case fit::Loss::cauchy:
+      return "cauchy";
+  }
+  return "";
+}
+
+Json next_json(const fit::NextExperiment& next, double mm_per_px) {
+  Json json = {{"phi_rad", next.phi},
+               {"dtau_rad", next.dtau},
+               {"amplitude_mm", next.amplitude * 1e3},
+               {"angular_frequency_rad_s", next.angular_frequency},
+               {"aim", next.aim ? Json(fit::to_string(*next.aim)) : Json()},
+               {"sentence", next.sentence}};
+  for (const auto& [parameter, sd] : next.predicted_sd) {
+    const double unit =
+        parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
+    json["predicted_sd"][fit::to_string(parameter)] = finite(sd * unit);
+    json["predicted_ci95"][fit::to_string(parameter)] =
+        interval_json(next.predicted_ci95.at(parameter), unit);
+  }
+  return json;
+}
+
+/// What was looked at besides the parameters: outliers, models, systematics.
+void add_checks(const fit::FitResult& result, Json& json) {
+  json["p_value"] = finite(result.p_value);
+  json["runs_test_p_value"] = finite(result.runs_test_p_value);
+  json["outliers"] = Json::array();
+  for (const fit::Outlier& outlier : result.outliers)
+    json["outliers"].push_back(
+        {{"run", outlier.run},
+         {"deviation", finite(outlier.deviation)},
+         {"chance", finite(outlier.chance)},
+         {"looks_like_phi_rad", outlier.looks_like_phi ? Json(*outlier.looks_like_phi) : Json()},
+         {"sentence", outlier.sentence}});
+  json["models"] = Json::array();
+  for (const fit::ModelComparison& model : result.models)
+    json["models"].push_back({{"name", model.name},
+                              {"unknowns", model.parameters},
+                              {"chi2", finite(model.chi2)},
+                              {"aic", finite(model.aic)},
+                              {"bic", finite(model.bic)},
+                              {"sentence", model.sentence}});
+  json["left_out"] = result.left_out;
+  json["systematics"] = result.systematics;
+  json["loss"] = word_for(result.loss);
+  if (result.bootstrap > 0)
+    json["bootstrap"] = {{"refits", result.bootstrap}, {"seed", result.bootstrap_seed}};
+}
+
 /// Whose zero phi counts from, and with it what a turned camera does to the lag. Empty without pulses.
 std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
   std::size_t by_camera = 0, by_sensor = 0;
@@ -137,15 +195,12 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
                              {"singular_values", result.identifiability.singular_values}};
   json["runs"] = Json::array();
   for (const AnalysedRun& run : runs) json["runs"].push_back(run_json(run, result));
-  if (const auto& next = result.next_experiment) {
-    json["next_experiment"] = {
-        {"phi_rad", next->phi}, {"dtau_rad", next->dtau}, {"sentence", next->sentence}};
-    for (const auto& [parameter, sd] : next->predicted_sd)
-      json["next_experiment"]["predicted_sd"][fit::to_string(parameter)] =
-          finite(sd / si_per_campaign_unit(parameter));
-  } else {
-    json["next_experiment"] = Json();
-  }
+  const double mm_per_px = reference_mm_per_px(runs);
+  json["next_experiment"] = result.next_experiment ? next_json(*result.next_experiment, mm_per_px) : Json();
+  json["other_next_experiments"] = Json::array();
+  for (const fit::NextExperiment& next : result.other_next_experiments)
+    json["other_next_experiments"].push_back(next_json(next, mm_per_px));
+  add_checks(result, json);
   json["phase_reference"] = phase_reference(campaign, runs);
   json["warnings"] = result.warnings;
   for (const std::string& warning : campaign.warnings) json["warnings"].push_back(warning);
@@ -167,10 +222,19 @@ std::string parameter_table(const Json& fit) {
   return table;
 }
 
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads) {
-  fit::FitOptions options;
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads,
+                            fit::FitOptions options) {
   options.threads = threads;
   return fit::estimate(problem_of(campaign, runs), options);
+}
+
+std::vector<std::string> remedies(const fit::FitResult& result) {
+  if (result.usable()) return {};
+  std::vector<std::string> sentences = result.identifiability.weak_directions;
+  if (result.next_experiment) sentences.push_back(result.next_experiment->sentence);
+  for (const fit::NextExperiment& next : result.other_next_experiments)
+    if (!result.next_experiment) sentences.push_back(next.sentence);
+  return sentences;
 }
 
 }  // namespace tribotrack::apps

@@ -18,7 +18,12 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 /// blank-separated.
 std::string parameter_table(const Json& fit);
 
-/// Threads and progress are the command's business.
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads);
+/// Threads and progress are the command's business; so is what was asked for beyond the campaign file.
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads,
+                            fit::FitOptions options = {});
+
+/// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
+/// to film next. Empty for a usable one.
+std::vector<std::string> remedies(const fit::FitResult& result);
 
 }  // namespace tribotrack::apps

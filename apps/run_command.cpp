@@ -225,6 +225,7 @@ void run_command(const RunOptions& options, Context& context) {
     fmt::print(stderr, "tribotrack: {}: the fit is not usable: {}\n", options.campaign,
                result.converged ? "the data do not tell these parameters apart; see the report"
                                 : "it did not converge; give first guesses in [fit.start]");
+    for (const std::string& sentence : remedies(result)) fmt::print(stderr, "  {}\n", sentence);
     context.exit_code = kFitUnusable;
   }
 }

@@ -1,6 +1,5 @@
 #include "fit/bench.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -8,14 +7,14 @@
 #include <random>
 
 #include "fit/estimate.h"
-#include "fit/internal/plain_descent.h"
+#include "fit/internal/bench_methods.h"
 #include "model/displacement_angle.h"
-#include "model/peers.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit {
 namespace {
 
+using namespace internal;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
@@ -26,174 +25,52 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-const FitTruth kFirstGuess{0.09, 0.015, 0.1};
-
-/// What a method says of one campaign, on the axes mu1, mu2, lag.
-struct Answer {
-  Vector3d estimate, sd, low, high;
-  bool converged = false;
-  double time = 0;
-  long solves = 0;
-};
-
-using Method = std::function<Answer(const Problem&)>;
-
-Answer ours(const Problem& problem, bool with_profiles, int starts) {
-  FitOptions options;
-  options.multi_starts = starts;
-  options.profiles = with_profiles;
-  const FitResult result = estimate(problem, options);
-  Answer answer;
-  answer.converged = result.usable();
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const ParameterEstimate& p = result.parameters[static_cast<std::size_t>(i)];
-    const Interval& interval = with_profiles ? p.profile_ci95 : p.ci95;
-    answer.estimate(i) = p.estimate;
-    answer.sd(i) = p.sd;
-    answer.low(i) = interval.low;
-    answer.high(i) = interval.high;
-  }
-  return answer;
-}
-
-model::Scenario scenario_at(const SummaryRun& run, const Vector3d& z) {
-  model::Scenario s = run.scenario;
-  s.friction.nominal = std::exp(z(0));
-  s.friction.reduced = std::exp(z(1));
-  s.friction.lag = z(2);
-  return s;
-}
-
-using Solver = std::function<Vector2d(const model::Scenario&)>;
-
-Eigen::VectorXd whitened(const Problem& problem,
-                         const std::function<Vector2d(const SummaryRun&)>& displacement) {
-  Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()));
-  Eigen::Index row = 0;
-  for (const SummaryRun& run : problem.summary_runs) {
-    const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-    r.segment<2>(row) = factor.matrixL().solve(displacement(run));
-    row += 2;
-  }
-  return r;
-}
-
-/// Residuals by any solver, derivatives by central differences.
-internal::PlainResiduals by_differences(const Problem& problem, const Solver& solve, long& solves) {
-  return [&problem, solve, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
-    const auto at = [&](const Vector3d& place) {
-      return whitened(problem, [&](const SummaryRun& run) -> Vector2d {
-        ++solves;
-        return run.measured.vector - solve(scenario_at(run, place));
-      });
-    };
-    const Eigen::VectorXd r = at(z);
-    if (jacobian) {
-      jacobian->resize(r.size(), 3);
-      for (Eigen::Index i = 0; i < 3; ++i) {
-        const double step = 1e-6;  // relative for mu1 and mu2, whose logarithms these are
-        jacobian->col(i) = (at(z + step * Vector3d::Unit(i)) - at(z - step * Vector3d::Unit(i))) / (2 * step);
-      }
-    }
-    return r;
-  };
-}
-
-internal::PlainResiduals exact(const Problem& problem, long& solves) {
-  return [&problem, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
-    const auto count = static_cast<Eigen::Index>(problem.summary_runs.size());
-    if (jacobian) jacobian->resize(2 * count, 3);
-    model::IntegrationOptions options;
-    if (jacobian) options.derivatives = {model::Parameter::mu1, model::Parameter::mu2, model::Parameter::lag};
-    Eigen::Index row = 0;
-    return whitened(problem, [&](const SummaryRun& run) -> Vector2d {
-      ++solves;
-      const model::Scenario scenario = scenario_at(run, z);
-      const model::Trajectory trajectory = model::integrate(scenario, options);
-      if (jacobian) {
-        const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-        const Vector3d chain(scenario.friction.nominal, scenario.friction.reduced, 1);
-        jacobian->middleRows<2>(row) =
-            factor.matrixL().solve(-trajectory.sensitive_end().position_jacobian * chain.asDiagonal());
-        row += 2;
-      }
-      return run.measured.vector - trajectory.end().position;
-    });
-  };
-}
-
-Answer plain(const internal::PlainResiduals& residuals, int max_iterations) {
-  const Vector3d start(std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag);
-  const internal::PlainDescent end = internal::descend(residuals, start, max_iterations);
-  const auto back = [](const Vector3d& z) { return Vector3d(std::exp(z(0)), std::exp(z(1)), z(2)); };
-  const Vector3d sd = end.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  Answer answer;
-  // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
-  answer.converged = end.converged && sd.allFinite();
-  answer.estimate = back(end.z);
-  answer.low = back(end.z - 1.959964 * sd);
-  answer.high = back(end.z + 1.959964 * sd);
-  answer.sd = sd.cwiseProduct(Vector3d(answer.estimate(0), answer.estimate(1), 1));
-  return answer;
-}
-
-Method plain_by_differences(const Solver& solve, int max_iterations = 50) {
-  return [solve, max_iterations](const Problem& problem) {
-    long solves = 0;
-    Answer answer = plain(by_differences(problem, solve, solves), max_iterations);
-    answer.solves = solves;
-    return answer;
-  };
-}
-
 struct Entry {
-  std::string name;
+  std::string method;
   bool ours = false;
-  int campaigns = 0;
-  Method method;
-  std::vector<Answer> answers = {};
+  int campaigns = 0;  ///< slow methods see fewer: the first ones
+  BenchMethod run;
+  std::vector<BenchAnswer> answers = {};
 };
 
-/// Slow methods see fewer campaigns: the first ones.
-std::vector<Entry> entries(int campaigns, bool quick) {
-  const int slow_campaigns = quick ? 1 : 2, starts = quick ? 2 : 8;
-  const Solver product = [](const model::Scenario& s) { return model::integrate(s).end().position; };
-  const Solver segmented = [](const model::Scenario& s) {
-    return model::dormand_prince(s, model::segmented_dormand_prince(s, 1e-8)).position;
+std::vector<Entry> for_displacements(int campaigns, bool quick) {
+  const int slow = quick ? 1 : 2, starts = quick ? 2 : 8;
+  const int some = std::min(campaigns, 8 * slow), few = quick ? 1 : std::min(campaigns, 4 * slow);
+  return {
+      {"tribotrack", true, some, our_fit(false, starts)},
+      {"tribotrack with profiles", true, few, our_fit(true, starts)},
+      {"tribotrack, one start", true, some, our_fit(false, 1)},
+      {"one descent, exact derivatives", true, campaigns, descent_with_exact_derivatives()},
+      {"one descent, differences through our solver", false, campaigns,
+       descent_by_differences(BenchSolver::ours, 50)},
+      {"one descent, differences through segmented Dormand-Prince 1e-8", false, few,
+       descent_by_differences(BenchSolver::segmented_dormand_prince, 50)},
+      {"one descent, differences through the paper's recipe", false, slow,
+       descent_by_differences(BenchSolver::paper_recipe, quick ? 4 : 15)},
   };
-  const Solver recipe = [](const model::Scenario& s) {
-    return model::dormand_prince(s, model::paper_recipe()).position;
+}
+
+std::vector<Entry> for_tracks(int campaigns, bool quick) {
+  const int starts = quick ? 2 : 8;
+  return {
+      {"tribotrack", true, campaigns, our_fit(false, starts)},
+      {"tribotrack, one start", true, campaigns, our_fit(false, 1)},
+      {"one descent, exact derivatives", true, campaigns, descent_with_exact_derivatives()},
+      {"one descent, differences through our solver", false, campaigns,
+       descent_by_differences(BenchSolver::ours, 50)},
+      {"one descent, differences through the paper's recipe", false, 1,
+       descent_by_differences(BenchSolver::paper_recipe, quick ? 1 : 15)},
   };
-  std::vector<Entry> list;
-  const int some = std::min(campaigns, 8 * slow_campaigns),
-            few = quick ? 1 : std::min(campaigns, 4 * slow_campaigns);
-  list.push_back({"tribotrack", true, some, [starts](const Problem& p) { return ours(p, false, starts); }});
-  list.push_back(
-      {"tribotrack with profiles", true, few, [starts](const Problem& p) { return ours(p, true, starts); }});
-  list.push_back({"tribotrack, one start", true, some, [](const Problem& p) { return ours(p, false, 1); }});
-  list.push_back({"one descent, exact derivatives", true, campaigns, [](const Problem& p) {
-                    long solves = 0;
-                    Answer answer = plain(exact(p, solves), 50);
-                    answer.solves = solves;
-                    return answer;
-                  }});
-  list.push_back(
-      {"one descent, differences through our solver", false, campaigns, plain_by_differences(product)});
-  list.push_back({"one descent, differences through segmented Dormand-Prince 1e-8", false, few,
-                  plain_by_differences(segmented)});
-  list.push_back({"one descent, differences through the paper's recipe", false, slow_campaigns,
-                  plain_by_differences(recipe, quick ? 4 : 15)});
-  return list;
 }
 
 FitBenchRow judge(const Entry& entry, const Entry& first, const std::vector<FitTruth>& truths) {
   FitBenchRow row;
-  row.method = entry.name;
+  row.method = entry.method;
   row.ours = entry.ours;
   row.campaigns = static_cast<int>(entry.answers.size());
   std::vector<double> times;
   for (std::size_t k = 0; k < entry.answers.size(); ++k) {
-    const Answer& answer = entry.answers[k];
+    const BenchAnswer& answer = entry.answers[k];
     const Vector3d truth(truths[k].mu1, truths[k].mu2, truths[k].lag);
     const Vector3d unit(truths[k].mu1, truths[k].mu2, 1);
     const double share = 1.0 / static_cast<double>(entry.answers.size());
@@ -205,7 +82,7 @@ FitBenchRow judge(const Entry& entry, const Entry& first, const std::vector<FitT
     for (Eigen::Index i = 0; i < 3; ++i)
       row.covered(i) += share * (answer.converged && answer.low(i) <= truth(i) && truth(i) <= answer.high(i));
     if (k >= first.answers.size()) continue;
-    const Answer& own = first.answers[k];
+    const BenchAnswer& own = first.answers[k];
     const double off = (answer.estimate - own.estimate).cwiseQuotient(own.sd).cwiseAbs().maxCoeff();
     row.off_minimum = std::max(row.off_minimum, off);
   }
@@ -216,21 +93,55 @@ FitBenchRow judge(const Entry& entry, const Entry& first, const std::vector<FitT
   return row;
 }
 
+std::vector<FitTruth> draw_truths(int count) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<FitTruth> truths;
+  for (int k = 0; k < count; ++k) {
+    FitTruth truth;
+    truth.mu1 = 0.08 + 0.03 * unit(random);
+    truth.mu2 = truth.mu1 / 8 * (0.7 + 0.6 * unit(random));
+    truth.lag = 0.05 + 0.25 * unit(random);
+    truths.push_back(truth);
+  }
+  return truths;
+}
+
+/// Problem with the starts all methods share.
+Problem from_the_first_guess() {
+  Problem problem;
+  const FitTruth guess = bench_first_guess();
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  problem.start = {
+      {FitParameter::mu1, guess.mu1}, {FitParameter::mu2, guess.mu2}, {FitParameter::lag, guess.lag}};
+  return problem;
+}
+
+/// phi and dtau of the 14 runs.
+std::vector<std::pair<double, double>> fourteen_runs() {
+  std::vector<std::pair<double, double>> runs;
+  for (int k = 0; k < 8; ++k) runs.emplace_back(k * pi / 4, pi / 3);
+  for (int k = 1; k <= 6; ++k) runs.emplace_back(0, k * pi / 6);
+  return runs;
+}
+
+model::Scenario scenario_of(const FitTruth& truth, const std::pair<double, double>& pulse, double cycles) {
+  model::Scenario scenario;
+  scenario.friction = {truth.mu1, truth.mu2, pulse.first, pulse.second, truth.lag};
+  scenario.cycles = cycles;
+  return scenario;
+}
+
 }  // namespace
 
 Problem simulated_campaign(const FitTruth& truth, unsigned seed, double cycles) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  problem.start = {{FitParameter::mu1, kFirstGuess.mu1},
-                   {FitParameter::mu2, kFirstGuess.mu2},
-                   {FitParameter::lag, kFirstGuess.lag}};
-  const auto add = [&](double phi, double dtau) {
+  Problem problem = from_the_first_guess();
+  for (const auto& pulse : fourteen_runs()) {
     SummaryRun run;
     run.name = "run" + std::to_string(problem.summary_runs.size() + 1);
-    run.scenario.friction = {truth.mu1, truth.mu2, phi, dtau, truth.lag};
-    run.scenario.cycles = cycles;
+    run.scenario = scenario_of(truth, pulse, cycles);
     const Vector2d exact_end = modelled_displacement(run.scenario);
     const double v = model::mean_velocity(exact_end, run.scenario.end_time());
     const double alpha_sd = pi / 180, v_sd = 0.02 * v;
@@ -239,39 +150,68 @@ Problem simulated_campaign(const FitTruth& truth, unsigned seed, double cycles) 
     run.measured = displacement_from_alpha_v(alpha, velocity, run.scenario.drive.angular_frequency,
                                              static_cast<int>(cycles));
     problem.summary_runs.push_back(run);
-  };
-  for (int k = 0; k < 8; ++k) add(k * pi / 4, pi / 3);
-  for (int k = 1; k <= 6; ++k) add(0, k * pi / 6);
+  }
+  return problem;
+}
+
+Problem simulated_tracks(const FitTruth& truth, unsigned seed, std::size_t points, double cycles) {
+  constexpr double kSigma = 1e-6;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0, kSigma);
+  Problem problem = from_the_first_guess();
+  for (const auto& pulse : fourteen_runs()) {
+    TrajectoryRun run;
+    run.name = "run" + std::to_string(problem.trajectory_runs.size() + 1);
+    run.scenario = scenario_of(truth, pulse, cycles);
+    run.track.platform_frame = true;
+    const model::Trajectory trajectory = model::integrate(run.scenario);
+    for (std::size_t k = 0; k < points; ++k) {
+      const double time = trajectory.end_time() * static_cast<double>(k) / static_cast<double>(points - 1);
+      run.track.time.push_back(time);
+      run.track.position.push_back(trajectory.at(time).position + Vector2d(noise(random), noise(random)));
+      run.track.covariance.push_back(kSigma * kSigma * Eigen::Matrix2d::Identity());
+    }
+    problem.trajectory_runs.push_back(run);
+  }
   return problem;
 }
 
 std::vector<FitBenchRow> bench_fit(const FitBenchOptions& options) {
-  const int campaigns = options.quick ? 2 : 40;
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<FitTruth> truths;
-  std::vector<Problem> problems;
-  for (int k = 0; k < campaigns; ++k) {
-    FitTruth truth;
-    truth.mu1 = 0.08 + 0.03 * unit(random);
-    truth.mu2 = truth.mu1 / 8 * (0.7 + 0.6 * unit(random));
-    truth.lag = 0.05 + 0.25 * unit(random);
-    truths.push_back(truth);
-    problems.push_back(simulated_campaign(truth, 1000 + static_cast<unsigned>(k), options.quick ? 3 : 20));
-  }
-  std::vector<Entry> list = entries(campaigns, options.quick);
-  for (int k = 0; k < campaigns; ++k) {
-    for (Entry& entry : list) {
-      if (k >= entry.campaigns) continue;
-      const double begin = cpu_seconds();
-      entry.answers.push_back(entry.method(problems[static_cast<std::size_t>(k)]));
-      entry.answers.back().time = cpu_seconds() - begin;
-    }
-    if (options.progress) options.progress(k + 1, campaigns);
-  }
+  struct Kind {
+    std::string name;
+    std::vector<Problem> problems;
+    std::vector<Entry> entries;
+  };
+  const int campaigns = options.quick ? 2 : 40, tracked = options.quick ? 1 : 3;
+  const std::vector<FitTruth> truths = draw_truths(campaigns);
+  std::vector<Kind> kinds{{"14 displacements", {}, for_displacements(campaigns, options.quick)},
+                          {"14 tracks", {}, for_tracks(tracked, options.quick)}};
+  for (int k = 0; k < campaigns; ++k)
+    kinds[0].problems.push_back(simulated_campaign(truths[static_cast<std::size_t>(k)],
+                                                   1000 + static_cast<unsigned>(k), options.quick ? 3 : 20));
+  for (int k = 0; k < tracked; ++k)
+    kinds[1].problems.push_back(simulated_tracks(truths[static_cast<std::size_t>(k)],
+                                                 2000 + static_cast<unsigned>(k), options.quick ? 60 : 2000,
+                                                 options.quick ? 2 : 20));
   std::vector<FitBenchRow> rows;
-  for (const Entry& entry : list) rows.push_back(judge(entry, list.front(), truths));
-  for (FitBenchRow& row : rows) row.time_over_ours = row.time / rows.front().time;
+  int done = 0;
+  for (Kind& kind : kinds) {
+    for (std::size_t k = 0; k < kind.problems.size(); ++k) {
+      for (Entry& entry : kind.entries) {
+        if (static_cast<int>(k) >= entry.campaigns) continue;
+        const double begin = cpu_seconds();
+        entry.answers.push_back(entry.run(kind.problems[k]));
+        entry.answers.back().time = cpu_seconds() - begin;
+      }
+      if (options.progress) options.progress(++done, campaigns + tracked);
+    }
+    const std::size_t first = rows.size();
+    for (const Entry& entry : kind.entries) {
+      rows.push_back(judge(entry, kind.entries.front(), truths));
+      rows.back().data = kind.name;
+      rows.back().time_over_ours = rows.back().time / rows[first].time;
+    }
+  }
   return rows;
 }
 

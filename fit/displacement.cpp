@@ -146,6 +146,7 @@ Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& ve
     throw DataError(
         "A run measured elsewhere needs a finite alpha_rad, v_mm_s >= 0, and alpha_sd_rad, v_sd_mm_s > 0.");
   Displacement result;
+  result.told_as_velocity = true;
   result.cycles = cycles;
   result.duration = cycles * 2 * std::numbers::pi / angular_frequency;
   const double length = velocity.value * result.duration;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace tribotrack::fit::internal {
 
@@ -16,7 +17,10 @@ std::string change_in_words(FitParameter parameter, double change, double value)
   const double size = std::abs(change);
   if (is_relative(parameter) && value != 0)
     return to_string(parameter) + direction + number(100 * size / std::abs(value), 2) + " %";
-  return to_string(parameter) + direction + number(size * display_factor(parameter), 2);
+  const std::string text = to_string(parameter) + direction + number(size * display_factor(parameter), 2);
+  const bool angle = parameter == FitParameter::lag || parameter == FitParameter::tilt_x ||
+                     parameter == FitParameter::tilt_y;
+  return angle ? text + " (" + number(size * 180 / std::numbers::pi, 2) + " deg)" : text;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -4,15 +4,21 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/internal/bootstrap.h"
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
+#include "fit/internal/model_check.h"
 #include "fit/internal/multi_start.h"
 #include "fit/internal/next_experiment.h"
+#include "fit/internal/outliers.h"
 #include "fit/internal/parallel.h"
 #include "fit/internal/profile.h"
 #include "fit/internal/results.h"
+#include "fit/internal/robust.h"
 #include "fit/internal/scatter.h"
+#include "fit/internal/settle.h"
 #include "fit/internal/statistics.h"
+#include "fit/internal/sticking.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -21,39 +27,21 @@ using namespace internal;
 
 constexpr double kSurprise = 1e-3;
 
-/// To the last digit that exact data deserve.
-Minimum polish(Residuals residuals, const Eigen::VectorXd& z) {
-  residuals.set_tolerance(1e-12);
-  return minimise(residuals, z);
-}
-
-bool any(const Scatter& scatter) {
-  return scatter.between_runs > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
-                                                 [](const auto& run) { return run.between_points > 0; });
-}
-
-/// Scatter and minimum depend on each other: a few rounds settle both.
-void settle_scatter(Residuals& residuals, Minimum& best) {
-  const Unknowns& unknowns = residuals.unknowns();
-  for (int round = 0; round < 6; ++round) {
-    const double before = residuals.scatter().between_runs;
-    residuals.set_scatter(estimate_scatter(residuals, unknowns.values(best.z)));
-    if (!any(residuals.scatter())) return;
-    best = polish(residuals, best.z);
-    if (round > 2 && std::abs(residuals.scatter().between_runs - before) <= 1e-3 * before) return;
-  }
-}
+/// Of the integrator, relative to the path: an error of 1e-12 m and less.
+constexpr double kFine = 1e-9;
 
 /// Profiles of all parameters; a point below the minimum restarts them from there.
 std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
                                double rise, const FitOptions& options) {
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
+  Residuals rough = residuals;
+  rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (int restart = 0;; ++restart) {
     std::vector<Profile> sides(n);
     parallel_for(n, options.threads, [&](std::size_t i) {
       sides[i].interval = {-kInfinity, kInfinity};
-      if (!open[i]) sides[i] = profile(residuals, best, static_cast<Eigen::Index>(i), rise);
+      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rise);
     });
     const Profile* better = nullptr;
     for (const Profile& side : sides)
@@ -63,7 +51,7 @@ std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, c
       for (const Profile& side : sides) intervals.push_back(side.interval);
       return intervals;
     }
-    best = with_curvature(residuals, polish(residuals, better->better->z));
+    best = with_curvature(residuals, minimise(residuals, better->better->z));
   }
 }
 
@@ -91,7 +79,9 @@ void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
   for (const auto& run : scatter.trajectories) result.scatter = std::max(result.scatter, run.between_points);
   if (!any(scatter)) {
     result.covariance_meaning =
-        "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with 1.96 sd.";
+        result.loss == Loss::squares
+            ? "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with 1.96 sd."
+            : std::string("95 % intervals with Student's t.") + robust_meaning(result.loss);
     if (result.p_value < kSurprise && !allowed)
       result.warnings.push_back("chi2 = " + number(result.chi2, 4) + " at " + std::to_string(result.dof) +
                                 " degrees of freedom (p = " + number(result.p_value, 2) +
@@ -100,7 +90,8 @@ void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
   }
   result.covariance_meaning =
       "sd from the data's own sigma and a scatter estimated from the residuals, added in quadrature; 95 % "
-      "intervals with Student's t.";
+      "intervals with Student's t." +
+      std::string(robust_meaning(result.loss));
   if (scatter.between_runs > 0)
     result.warnings.push_back("The runs scatter by " + number(1e3 * scatter.between_runs) +
                               " mm per axis more than their own sigma (chi2 " +
@@ -114,6 +105,33 @@ void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
                                 number(run.correlation_time, 2) + " points; the sd counts both.");
 }
 
+/// Everything that rests on the minimum and its curvature.
+struct Judged {
+  KnownMinimum best;
+  Eigen::VectorXd values;
+  Uncertainty spread;
+};
+
+Judged judge(const Residuals& residuals, const Minimum& minimum, Loss loss) {
+  Judged judged{with_curvature(residuals, minimum), residuals.unknowns().values(minimum.z), {}};
+  const Minimum& best = judged.best.minimum;
+  if (best.jacobian.rows() == 0)
+    throw DataError("The model cannot be evaluated at the minimum: check the drive.");
+  if (loss == Loss::squares) {
+    judged.spread = uncertainty(residuals.unknowns(), judged.values, best.jacobian);
+    return judged;
+  }
+  // An M-estimate's covariance rests on the unweighted sensitivity.
+  Residuals plain = residuals;
+  plain.set_weights({});
+  Eigen::VectorXd r;
+  Eigen::MatrixXd jacobian;
+  plain.evaluate(judged.values, r, &jacobian);
+  const double factor = robust_covariance_factor(residuals, best.residuals, loss);
+  judged.spread = uncertainty(residuals.unknowns(), judged.values, jacobian / std::sqrt(factor));
+  return judged;
+}
+
 }  // namespace
 
 FitResult estimate(const Problem& problem, const FitOptions& options) {
@@ -121,58 +139,68 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   const Unknowns unknowns(problem);
   const int run_threads = problem.trajectory_runs.empty() ? 1 : options.threads;
   Residuals residuals(problem, unknowns, run_threads);
+  residuals.set_tolerance(kFine);
 
   const Search search = multi_start(residuals, options);
   if (search.minima.empty())
     throw DataError("The model cannot be evaluated at any start: check the drive and [fit.start].");
   FitResult result;
+  result.starts_screened = search.screened;
   result.starts = search.starts;
   result.starts_at_best = search.at_best;
+  result.loss = options.loss;
 
-  Minimum minimum = polish(residuals, search.minima.front().minimum.z);
+  Minimum minimum = minimise(residuals, search.minima.front().minimum.z);
   result.chi2_before_scatter = minimum.chi2;
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
   const double excess = residuals.excess(minimum.chi2);
-  if (options.estimate_scatter && result.p_value < kSurprise) settle_scatter(residuals, minimum);
+  result.outliers = find_outliers(residuals, minimum);
+  check_model(residuals, minimum, options, result);
+  const bool surprised = result.p_value < kSurprise;
+  if (surprised || options.loss != Loss::squares)
+    settle(residuals, minimum, options.estimate_scatter && surprised, options.loss);
   minimum.z = fold_lag(unknowns, minimum.z);
 
   // Uncertainty at the minimum; the profiles may find a better one, then once more.
-  KnownMinimum best = with_curvature(residuals, minimum);
+  Judged judged = judge(residuals, minimum, options.loss);
   const double dof = residuals.degrees_of_freedom();
-  const bool scattered = any(residuals.scatter());
+  const bool from_residuals = any(residuals.scatter()) || options.loss != Loss::squares;
   const double t =
-      two_sided_quantile(0.95, scattered ? std::max(1.0, dof) : std::numeric_limits<double>::infinity());
-  Eigen::VectorXd values, whitened;
-  Eigen::MatrixXd jacobian;
-  Uncertainty spread;
-  const auto evaluate = [&] {
-    values = unknowns.values(best.minimum.z);
-    if (!residuals.evaluate(values, whitened, &jacobian))
-      throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-    spread = uncertainty(unknowns, values, jacobian);
-  };
-  evaluate();
+      two_sided_quantile(0.95, from_residuals ? std::max(1.0, dof) : std::numeric_limits<double>::infinity());
   std::vector<Interval> intervals;
-  if (options.profiles) {
-    const double found = best.minimum.chi2;
-    intervals = profiles(residuals, best, moved_by_flat_direction(spread), t * t, options);
-    if (best.minimum.chi2 < found) evaluate();
+  if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
+    const double found = judged.best.minimum.chi2;
+    intervals = profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options);
+    if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
   }
 
-  result.converged = best.minimum.converged;
-  result.chi2 = best.minimum.chi2;
-  result.dof = static_cast<int>(std::lround(dof));
-  tell_parameters(unknowns, values, spread, t, result);
+  const Minimum& best = judged.best.minimum;
+  result.converged = best.converged;
+  result.chi2 = best.chi2;
+  result.dof = std::max(0, static_cast<int>(std::lround(dof)));
+  tell_parameters(unknowns, judged.values, judged.spread, t, result);
   for (std::size_t i = 0; i < intervals.size(); ++i) result.parameters[i].profile_ci95 = intervals[i];
-  result.identifiability = identifiability(unknowns, values, spread);
+  if (options.bootstrap > 0) {
+    const Bootstrap refits = bootstrap(residuals, best, any(residuals.scatter()), options);
+    result.bootstrap = refits.converged;
+    result.bootstrap_seed = options.bootstrap_seed;
+    for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
+  }
+  result.identifiability = identifiability(unknowns, judged.values, judged.spread);
   tell_scatter(residuals, options.estimate_scatter, result);
-  tell_runs(residuals, values, result);
-  tell_systematics(residuals, values, spread, result);
+  tell_runs(residuals, best, result);
+  for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
+  tell_systematics(residuals, best, judged.spread, result);
   warn_of_other_minima(residuals, search, excess, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
-  result.next_experiment = next_experiment(residuals, values, jacobian, options.threads);
+  if (options.next_experiment) {
+    const NextExperiments next =
+        next_experiments(residuals, judged.values, best.jacobian, t, options.threads);
+    result.next_experiment = next.best;
+    result.other_next_experiments = next.others;
+  }
   return result;
 }
 

@@ -28,6 +28,9 @@ struct ParameterEstimate {
   /// From the profile likelihood, re-optimised at every point; infinite where open, 0 where mu is compatible
   /// with 0. NaN when profiles were not asked for.
   Interval profile_ci95;
+  /// From the parametric bootstrap: the 2.5 and 97.5 % points of refits to simulated data. NaN when it was
+  /// not asked for.
+  Interval bootstrap_ci95;
 };
 
 /// One observable of one run.
@@ -64,20 +67,51 @@ struct Identifiability {
   std::vector<double> singular_values;  ///< of the whitened sensitivity, parameters scaled by their own size
 };
 
-/// The run that would shrink the intervals most.
+/// A run that would shrink the intervals most.
 struct NextExperiment {
-  double phi = 0, dtau = 0;  ///< rad
+  double phi = 0, dtau = 0;                     ///< rad
+  double amplitude = 0, angular_frequency = 0;  ///< m, rad/s
+  /// The parameter whose interval it shrinks most (c-optimal); empty: the volume of all (D-optimal).
+  std::optional<FitParameter> aim;
   std::map<FitParameter, double> predicted_sd;
+  std::map<FitParameter, Interval> predicted_ci95;
   std::string sentence;
 };
+
+/// A run that contradicts the others.
+struct Outlier {
+  std::string run;
+  double deviation = 0;                  ///< standard deviations from the fit to the others (studentised)
+  double chance = 1;                     ///< that the largest of so many runs lies as far
+  std::optional<double> looks_like_phi;  ///< rad; where a wrong phi alone explains it
+  std::string sentence;
+};
+
+/// One model among those compared.
+struct ModelComparison {
+  std::string name;
+  int parameters = 0;  ///< unknowns
+  double chi2 = 0;     ///< with the data's own sigma
+  /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
+  double aic = 0, bic = 0;
+  std::string sentence;  ///< what it found
+};
+
+/// How strongly a far run may pull: squares fully, Huber as much as one at 2 sigma, Cauchy hardly.
+enum class Loss { squares, huber, cauchy };
 
 struct FitOptions {
   int threads = 1;       ///< over runs and starts; Ceres itself runs on one
   int multi_starts = 8;  ///< the user's start is number 0
   bool profiles = true;
+  bool next_experiment = true;  ///< look for the run to film next
   /// Scatter between points or runs beyond their own sigma is estimated from the residuals when chi-square
   /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
   bool estimate_scatter = true;
+  Loss loss = Loss::squares;
+  bool rivals = false;          ///< compare tilt and rival friction laws even where the residuals do not ask
+  int bootstrap = 0;            ///< refits to simulated data; 0: none, 400 give the ends to about 10 %
+  unsigned bootstrap_seed = 1;  ///< of its noise; told in the result
   std::function<void(int done, int total)> progress;
 };
 
@@ -91,12 +125,22 @@ struct FitResult {
   Identifiability identifiability;
   std::vector<RunResult> runs;
   std::optional<NextExperiment> next_experiment;
+  /// The best run for each parameter alone, and, where it helps much more, the best with another A or w.
+  std::vector<NextExperiment> other_next_experiments;
+  std::vector<Outlier> outliers;  ///< farthest first
+  Loss loss = Loss::squares;
+  int bootstrap = 0;  ///< refits that converged
+  unsigned bootstrap_seed = 0;
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
-  std::string covariance_meaning;  ///< which covariance is printed, in words
-  double chi2_before_scatter = 0;  ///< with the data's own sigma alone
-  double p_value = 1;              ///< of chi2_before_scatter
-  int starts = 0;                  ///< descents made
-  int starts_at_best = 0;          ///< of them, those that ended in the minimum told
+  std::string covariance_meaning;       ///< which covariance is printed, in words
+  double chi2_before_scatter = 0;       ///< with the data's own sigma alone
+  double p_value = 1;                   ///< of chi2_before_scatter
+  int starts_screened = 0;              ///< points of the box looked at
+  int starts = 0;                       ///< descents made
+  int starts_at_best = 0;               ///< of them, those that ended in the minimum told
+  double runs_test_p_value = 1;         ///< small: neighbouring runs err alike, a wrong model
+  std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
+  std::vector<std::string> left_out;    ///< what the data did not ask for, and why
   /// How far an error in what was taken as known moves the parameters, in words: "A up 1 %: mu1 up 1.02 %".
   std::vector<std::string> systematics;
   std::vector<std::string> warnings;

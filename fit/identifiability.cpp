@@ -3,6 +3,7 @@
 
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
+#include "fit/internal/sticking.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -99,6 +100,16 @@ Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd&
   const Eigen::Index n = unknowns.reported();
   result.singular_values.assign(uncertainty.singular_values.begin(), uncertainty.singular_values.end());
   const double strongest = uncertainty.column_norms.maxCoeff();
+  if (const auto stuck = stuck_throughout(problem)) {
+    result.weak_directions.push_back(*stuck);
+    worsen(result, Verdict::not_identifiable);
+    return result;
+  }
+  if (const auto [numbers, wanted] = problem.data_and_unknowns(); numbers < wanted) {
+    result.weak_directions.push_back(std::to_string(numbers) + " numbers for " + std::to_string(wanted) +
+                                     " unknowns: add runs, fix a parameter, or give it a prior.");
+    worsen(result, Verdict::not_identifiable);
+  }
 
   std::set<Eigen::Index> dead;
   for (Eigen::Index i = 0; i < n; ++i)

@@ -31,6 +31,10 @@ struct Displacement {
   int cycles = 0;                                        ///< N
   double start_time = 0;                                 ///< s, the first analysed frame
   double duration = 0;                                   ///< s, N 2 pi / w
+  /// alpha and v of N whole cycles as told elsewhere: if w is found to be another, the vector belongs to
+  /// another duration, at the same v. False: two points of a recording, which lie `duration` apart whatever w
+  /// is.
+  bool told_as_velocity = false;
   std::optional<Estimate> alpha;  ///< rad in [0, 2 pi); empty below 3 sd of displacement
   Estimate mean_velocity;         ///< v, m/s
 };

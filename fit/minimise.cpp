@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,30 @@ class WholeProblem final : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(static_cast<int>(start.size()) - (held ? 1 : 0));
   }
 
+  /// Residuals and Jacobian (by physical values) at a point.
+  struct Point {
+    Eigen::VectorXd z, residuals;
+    Eigen::MatrixXd jacobian;
+    bool good = false;
+    bool is_at(const Eigen::VectorXd& place) const { return good && z.size() == place.size() && z == place; }
+  };
+
+  void remember(const Minimum& evaluated) {
+    last_ = best_ = {evaluated.z, evaluated.residuals, evaluated.jacobian, true};
+  }
   const Residuals& residuals() const { return residuals_; }
+  /// The last point or the lowest, which a step that was refused may lie behind; null for any other.
+  const Point* known(const Eigen::VectorXd& z) const {
+    return last_.is_at(z) ? &last_ : best_.is_at(z) ? &best_ : nullptr;
+  }
+  /// By the free z.
+  Eigen::MatrixXd free_jacobian(const Point& point) const {
+    const Eigen::VectorXd slopes = residuals_.unknowns().slopes(point.z);
+    Eigen::MatrixXd jacobian(point.jacobian.rows(), parameter_block_sizes()[0]);
+    for (Eigen::Index i = 0, j = 0; i < point.z.size(); ++i)
+      if (i != held_) jacobian.col(j++) = point.jacobian.col(i) * slopes(i);
+    return jacobian;
+  }
   Eigen::VectorXd full(const double* free) const {
     Eigen::VectorXd z = z_;
     for (Eigen::Index i = 0, j = 0; i < z.size(); ++i)
@@ -34,23 +58,21 @@ class WholeProblem final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::VectorXd z = full(parameters[0]);
-    const auto& unknowns = residuals_.unknowns();
-    const bool wanted = jacobians && jacobians[0];
     // A point is asked for its cost first and, nearly always, for its Jacobian next: one simulation does
     // both.
-    if (last_z_.size() != z.size() || last_z_ != z) {
-      last_z_ = z;
-      last_good_ = z.allFinite() && residuals_.evaluate(unknowns.values(z), last_residuals_, &last_jacobian_);
+    const Point* point = known(z);
+    if (!point) {
+      last_.z = z;
+      last_.good = z.allFinite() &&
+                   residuals_.evaluate(residuals_.unknowns().values(z), last_.residuals, &last_.jacobian);
+      if (!last_.good) return false;
+      if (!best_.good || last_.residuals.squaredNorm() < best_.residuals.squaredNorm()) best_ = last_;
+      point = &last_;
     }
-    if (!last_good_) return false;
-    const Eigen::VectorXd& r = last_residuals_;
-    const Eigen::MatrixXd& by_value = last_jacobian_;
-    Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
-    if (!wanted) return true;
-    const Eigen::VectorXd slopes = unknowns.slopes(z);
-    Eigen::Map<RowMajor> jacobian(jacobians[0], r.size(), parameter_block_sizes()[0]);
-    for (Eigen::Index i = 0, j = 0; i < z.size(); ++i)
-      if (i != held_) jacobian.col(j++) = by_value.col(i) * slopes(i);
+    Eigen::Map<Eigen::VectorXd>(residuals, point->residuals.size()) = point->residuals;
+    if (jacobians && jacobians[0])
+      Eigen::Map<RowMajor>(jacobians[0], point->residuals.size(), parameter_block_sizes()[0]) =
+          free_jacobian(*point);
     return true;
   }
 
@@ -58,42 +80,77 @@ class WholeProblem final : public ceres::CostFunction {
   const Residuals& residuals_;
   Eigen::VectorXd z_;
   std::optional<Eigen::Index> held_;
-  mutable Eigen::VectorXd last_z_, last_residuals_;  ///< one solver, one thread
-  mutable Eigen::MatrixXd last_jacobian_;
-  mutable bool last_good_ = false;
+  mutable Point last_, best_;  ///< one solver, one thread
 };
 
-/// Ends a descent that has come within a fifth of a standard deviation of a minimum already known.
-class JoinsKnown final : public ceres::IterationCallback {
+/// r'J (J'J)^-1 J'r, directions the data do not see left out.
+double newton_decrement(const Eigen::VectorXd& r, const Eigen::MatrixXd& jacobian) {
+  const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * normal *
+                                                             scale.asDiagonal());
+  const Eigen::VectorXd along =
+      eigen.eigenvectors().transpose() * (scale.asDiagonal() * (jacobian.transpose() * r));
+  double sum = 0;
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    if (eigen.eigenvalues()(i) > 1e-13) sum += along(i) * along(i) / eigen.eigenvalues()(i);
+  return sum;
+}
+
+/// Ends a descent that has arrived, has come within a fifth of a standard deviation of a minimum already
+/// known, or crawls far above one.
+class Watch final : public ceres::IterationCallback {
  public:
-  JoinsKnown(const std::vector<KnownMinimum>& known, const WholeProblem& cost,
-             const std::vector<double>& free)
-      : known_(known), cost_(cost), free_(free) {}
+  Watch(const MinimiseOptions& options, const WholeProblem& cost, const std::vector<double>& free)
+      : options_(options), cost_(cost), free_(free) {}
+
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     const Eigen::VectorXd z = cost_.full(free_.data());
-    for (const auto& [minimum, curvature] : known_) {
-      const Eigen::VectorXd distance = z - minimum.z;
-      const double above = 2 * summary.cost - minimum.chi2;
-      const double spread = cost_.residuals().excess(minimum.chi2);
-      if (distance.dot(curvature * distance) < 0.04 * spread && above < 0.08 * spread) {
-        joined = true;
+    const double chi2 = 2 * summary.cost;
+    if (options_.known) {
+      double lowest = HUGE_VAL, spread = 1;
+      for (const auto& [minimum, curvature] : *options_.known) {
+        const Eigen::VectorXd distance = z - minimum.z;
+        const double excess = cost_.residuals().excess(minimum.chi2);
+        if (minimum.chi2 < lowest) lowest = minimum.chi2, spread = excess;
+        if (distance.dot(curvature * distance) < 0.04 * excess && chi2 - minimum.chi2 < 0.08 * excess) {
+          joined = true;
+          return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+        }
+      }
+      if (crawls(summary, chi2, lowest, spread)) {
+        abandoned = true;
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }
     }
+    const WholeProblem::Point* point = cost_.known(z);
+    if (point && newton_decrement(point->residuals, cost_.free_jacobian(*point)) < options_.decrement)
+      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     return ceres::SOLVER_CONTINUE;
   }
-  bool joined = false;
+
+  bool joined = false, abandoned = false;
 
  private:
-  const std::vector<KnownMinimum>& known_;
+  /// Three steps in a row that gain less than a tenth of the way down to what would be worth telling.
+  bool crawls(const ceres::IterationSummary& summary, double chi2, double lowest, double spread) {
+    const double above = chi2 - lowest - 9 * spread;
+    const bool slow = summary.iteration > 0 && above > 0 && 2 * std::abs(summary.cost_change) < 0.1 * above;
+    slow_steps_ = slow ? slow_steps_ + 1 : 0;
+    return slow_steps_ >= 3 && summary.step_is_successful;
+  }
+
+  const MinimiseOptions& options_;
   const WholeProblem& cost_;
   const std::vector<double>& free_;
+  int slow_steps_ = 0;
 };
 
 }  // namespace
 
 Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const MinimiseOptions& options) {
   WholeProblem cost(residuals, start, options.held);
+  if (options.evaluated && options.evaluated->jacobian.rows() > 0) cost.remember(*options.evaluated);
   std::vector<double> free = cost.free_part();
   Minimum minimum;
   if (free.empty()) {
@@ -112,16 +169,13 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
+  solver.function_tolerance = 1e-15;  // the watch stops earlier
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-11;
   solver.initial_trust_region_radius = 100;
-  const std::vector<KnownMinimum> none;
-  JoinsKnown callback(options.known ? *options.known : none, cost, free);
-  if (options.known && !options.known->empty()) {
-    solver.callbacks.push_back(&callback);
-    solver.update_state_every_iteration = true;
-  }
+  Watch watch(options, cost, free);
+  solver.callbacks.push_back(&watch);
+  solver.update_state_every_iteration = true;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
 
@@ -130,18 +184,26 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
       summary.IsSolutionUsable() ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   minimum.converged =  // IsSolutionUsable() is true for NO_CONVERGENCE, too
       summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
-  minimum.joined = callback.joined;
+  minimum.joined = watch.joined;
+  minimum.abandoned = watch.abandoned;
+  if (const WholeProblem::Point* point = cost.known(minimum.z)) {
+    minimum.residuals = point->residuals;
+    minimum.jacobian = point->jacobian;
+  } else if (std::isfinite(minimum.chi2)) {
+    residuals.evaluate(residuals.unknowns().values(minimum.z), minimum.residuals, &minimum.jacobian);
+  }
   return minimum;
 }
 
 KnownMinimum with_curvature(const Residuals& residuals, const Minimum& minimum) {
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
+  KnownMinimum known{minimum, Eigen::MatrixXd::Zero(minimum.z.size(), minimum.z.size())};
+  Minimum& at = known.minimum;
   const auto& unknowns = residuals.unknowns();
-  if (!residuals.evaluate(unknowns.values(minimum.z), r, &jacobian))
-    return {minimum, Eigen::MatrixXd::Zero(minimum.z.size(), minimum.z.size())};
-  jacobian = jacobian * unknowns.slopes(minimum.z).asDiagonal();
-  return {minimum, jacobian.transpose() * jacobian};
+  if (at.jacobian.rows() == 0 && !residuals.evaluate(unknowns.values(minimum.z), at.residuals, &at.jacobian))
+    return known;
+  const Eigen::MatrixXd by_z = at.jacobian * unknowns.slopes(minimum.z).asDiagonal();
+  known.curvature = by_z.transpose() * by_z;
+  return known;
 }
 
 }  // namespace tribotrack::fit::internal

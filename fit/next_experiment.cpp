@@ -7,25 +7,20 @@
 #include <numbers>
 
 #include "fit/internal/display.h"
+#include "fit/internal/forecast.h"
 #include "fit/internal/identifiability.h"
 #include "fit/internal/parallel.h"
-#include "model/trajectory.h"
+#include "fit/internal/results.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kPhases = 8, kWidths = 7;  ///< grid: phi by pi/4, dtau by pi/4
-
-/// The run whose error is the middle one.
-const SummaryRun& typical_run(const Problem& problem) {
-  std::vector<const SummaryRun*> runs;
-  for (const auto& run : problem.summary_runs) runs.push_back(&run);
-  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
-  std::nth_element(runs.begin(), middle, runs.end(), [](const auto* a, const auto* b) {
-    return a->measured.covariance.trace() < b->measured.covariance.trace();
-  });
-  return **middle;
-}
+constexpr int kPhases = 8, kWidths = 7;
+constexpr double kStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
+constexpr double kWorthAnotherDrive = 0.1;      ///< shorter standard deviations than with the own drive
+constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
+constexpr std::size_t kForecastAgain = 3;      ///< best places of the grid, at every phi
+constexpr double kRough = 1e-3, kGood = 1e-4;  ///< tolerances of the forecasts
 
 /// Covariance of the reported parameters from the information on all.
 Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
@@ -40,79 +35,164 @@ double log_determinant(const Eigen::MatrixXd& covariance) {
   return 2 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum();
 }
 
+/// What is to become small: the log-determinant, or the log-variance of one parameter.
+double size(const Eigen::MatrixXd& covariance, std::optional<Eigen::Index> aim) {
+  return aim ? std::log(covariance(*aim, *aim)) : log_determinant(covariance);
+}
+
+class Search {
+ public:
+  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian, double t)
+      : unknowns_(residuals.unknowns()),
+        values_(values),
+        units_(unknowns_.natural_units(values)),
+        t_(t),
+        forecaster_(residuals, values) {
+    information_ = units_.asDiagonal() * (jacobian.transpose() * jacobian) * units_.asDiagonal();
+    for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
+      const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
+      information_(i, i) += 1 / (widest * widest);
+    }
+    now_ = reported_covariance(information_, unknowns_.reported());
+  }
+
+  /// Forecasts over the whole grid, at phi = 0.
+  void sample(int threads) {
+    threads_ = threads;
+    const Candidate own = forecaster_.drive_so_far();
+    for (const auto& [a, w] : kDrives)
+      for (int j = 1; j <= kWidths; ++j)
+        places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
+    parallel_for(places_.size(), threads,
+                 [&](std::size_t k) { places_[k].rough = forecaster_.forecast(places_[k].seed, kRough); });
+  }
+
+  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
+    std::vector<std::pair<double, Place*>> order;
+    for (Place& place : places_)
+      if (place.rough && place.own_drive == own_drive)
+        order.emplace_back(smallest_when_turned(*place.rough, aim), &place);
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    const Forecast* chosen = nullptr;
+    double smallest = size(now_, aim);
+    for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k)
+      for (const auto& forecast : at_every_phase(*order[k].second)) {
+        if (!forecast || !(size(after(*forecast), aim) < smallest)) continue;
+        smallest = size(after(*forecast), aim);
+        chosen = &*forecast;
+      }
+    if (!chosen) return std::nullopt;
+    return tell(*chosen, aim, own_drive);
+  }
+
+  /// How much the standard deviation aimed at (their geometric mean without an aim) shrinks, as a logarithm.
+  double gain(const std::optional<NextExperiment>& next, std::optional<Eigen::Index> aim) const {
+    if (!next) return 0;
+    double sum = 0;
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      if (!aim || i == *aim)
+        sum += std::log(std::sqrt(now_(i, i)) * units_(i) / next->predicted_sd.at(unknowns_.parameter(i)));
+    return aim ? sum : sum / static_cast<double>(unknowns_.reported());
+  }
+
+ private:
+  /// A place of the grid over dtau, A and w, and what it promises.
+  struct Place {
+    Candidate seed;
+    bool own_drive = false;
+    std::optional<Forecast> rough = {};
+    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once it was asked for
+  };
+
+  double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kPhases; ++i)
+      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kStep)), aim));
+    return smallest;
+  }
+
+  const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
+    if (!place.good.empty()) return place.good;
+    place.good.resize(kPhases);
+    parallel_for(place.good.size(), threads_, [&](std::size_t i) {
+      Candidate candidate = place.seed;
+      candidate.phi = static_cast<double>(i) * kStep;
+      place.good[i] = forecaster_.forecast(candidate, kGood);
+    });
+    return place.good;
+  }
+
+  Eigen::MatrixXd after(const Forecast& forecast) const {
+    return reported_covariance(information_ + forecast.information, unknowns_.reported());
+  }
+
+  NextExperiment tell(const Forecast& forecast, std::optional<Eigen::Index> aim, bool own_drive) const {
+    const Eigen::MatrixXd covariance = after(forecast);
+    NextExperiment next;
+    next.phi = forecast.candidate.phi;
+    next.dtau = forecast.candidate.dtau;
+    next.amplitude = forecast.candidate.amplitude;
+    next.angular_frequency = forecast.candidate.angular_frequency;
+    if (aim) next.aim = unknowns_.parameter(*aim);
+    next.sentence = aim ? std::string("For ") + to_string(*next.aim) + " alone film"
+                        : std::string(own_drive ? "Film next" : "More would tell");
+    if (!own_drive) next.sentence += ", if the platform can be driven so,";
+    next.sentence += " phi = " + number(next.phi / std::numbers::pi) +
+                     " pi, dtau = " + number(next.dtau / std::numbers::pi) + " pi";
+    if (!own_drive)
+      next.sentence +=
+          ", A = " + number(1e3 * next.amplitude) + " mm, w = " + number(next.angular_frequency) + " rad/s";
+    next.sentence += ", measured as well as the runs so far:";
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
+      const FitParameter parameter = unknowns_.parameter(i);
+      const double before = std::sqrt(now_(i, i)) * units_(i), sd = std::sqrt(covariance(i, i)) * units_(i);
+      next.predicted_sd[parameter] = sd;
+      next.predicted_ci95[parameter] = interval95(unknowns_.transform(i), parameter, values_(i), sd, t_);
+      next.sentence += std::string(i > 0 ? ", " : " ") + "sd(" + to_string(parameter) + ") " +
+                       number(before * display_factor(parameter), 2) + " -> " +
+                       number(sd * display_factor(parameter), 2);
+    }
+    next.sentence += ".";
+    return next;
+  }
+
+  const Unknowns& unknowns_;
+  Eigen::VectorXd values_, units_;
+  double t_;
+  Forecaster forecaster_;
+  Eigen::MatrixXd information_, now_;
+  std::vector<Place> places_;
+  int threads_ = 1;
+};
+
 }  // namespace
 
-std::optional<NextExperiment> next_experiment(const Residuals& residuals, const Eigen::VectorXd& values,
-                                              const Eigen::MatrixXd& jacobian, int threads) {
-  const auto& unknowns = residuals.unknowns();
-  const Problem& problem = unknowns.problem();
-  if (problem.summary_runs.empty()) return std::nullopt;
-  const Eigen::Index n = unknowns.reported();
-  const Eigen::VectorXd units = unknowns.natural_units(values);
-
-  Eigen::MatrixXd information = units.asDiagonal() * (jacobian.transpose() * jacobian) * units.asDiagonal();
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
-    const double widest = range(unknowns, unknowns.parameter(i), values) / units(i);
-    information(i, i) += 1 / (widest * widest);
-  }
-  const Eigen::MatrixXd now = reported_covariance(information, n);
-
-  SummaryRun base = typical_run(problem);
-  const double added = residuals.scatter().between_runs * residuals.scatter().between_runs;
-  const double variance = 0.5 * base.measured.covariance.trace() + added;
-  struct Candidate {
-    double phi, dtau, gain = -1;
-    Eigen::MatrixXd covariance;
+NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
+                                 const Eigen::MatrixXd& jacobian, double t, int threads) {
+  NextExperiments result;
+  const Unknowns& unknowns = residuals.unknowns();
+  if (!(unknowns.reference_amplitude() > 0)) return result;
+  Search search(residuals, values, jacobian, t);
+  search.sample(threads);
+  result.best = search.best(std::nullopt, true);
+  const auto same = [](const NextExperiment& a, const std::optional<NextExperiment>& b) {
+    return b && a.phi == b->phi && a.dtau == b->dtau && a.amplitude == b->amplitude &&
+           a.angular_frequency == b->angular_frequency;
   };
-  std::vector<Candidate> candidates;
-  for (int i = 0; i < kPhases; ++i)
-    for (int j = 1; j <= kWidths; ++j)
-      candidates.push_back({i * std::numbers::pi / 4, j * std::numbers::pi / 4, -1, {}});
-  parallel_for(candidates.size(), threads, [&](std::size_t k) {
-    Candidate& candidate = candidates[k];
-    SummaryRun run = base;
-    run.scenario.friction.phase = candidate.phi;
-    run.scenario.friction.pulse_width = candidate.dtau;
-    if (run.measured.duration > 0) run.scenario.duration = run.measured.duration;
-    const auto applied = unknowns.apply(values, run.scenario, run.amplitude_from_track, true);
-    if (applied.wanted.empty()) return;
-    model::IntegrationOptions options;
-    options.derivatives = applied.wanted;
-    options.tolerance = 1e-6;  // a forecast
-    try {
-      const auto end = model::integrate(applied.scenario, options).sensitive_end();
-      Eigen::MatrixXd rows = end.position_jacobian * applied.chain / applied.scale;
-      if (const auto scale = unknowns.find(FitParameter::scale))
-        rows.col(*scale) -= end.sample.position / (applied.scale * applied.scale);
-      rows = (rows * units.asDiagonal()).eval() / std::sqrt(variance);
-      if (!rows.allFinite()) return;
-      candidate.covariance = reported_covariance(information + rows.transpose() * rows, n);
-      candidate.gain = log_determinant(now) - log_determinant(candidate.covariance);
-    } catch (const std::exception&) {
-      candidate.gain = -1;  // the model cannot be evaluated there: no candidate
-    }
-  });
-
-  const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                     [](const auto& a, const auto& b) { return a.gain < b.gain; });
-  if (!(best->gain > 0)) return std::nullopt;
-  NextExperiment next;
-  next.phi = best->phi;
-  next.dtau = best->dtau;
-  next.sentence = "Film next phi = " + number(next.phi / std::numbers::pi) +
-                  " pi, dtau = " + number(next.dtau / std::numbers::pi) +
-                  " pi, measured as well as the runs so far:";
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const FitParameter parameter = unknowns.parameter(i);
-    const double before = std::sqrt(now(i, i)) * units(i);
-    const double after = std::sqrt(best->covariance(i, i)) * units(i);
-    next.predicted_sd[parameter] = after;
-    next.sentence += std::string(i > 0 ? ", " : " ") + "sd(" + to_string(parameter) + ") " +
-                     number(before * display_factor(parameter), 2) + " -> " +
-                     number(after * display_factor(parameter), 2);
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
+    if (const auto aimed = search.best(i, true); aimed && !same(*aimed, result.best))
+      result.others.push_back(*aimed);
+  const auto driven = search.best(std::nullopt, false);
+  if (driven &&
+      search.gain(driven, std::nullopt) > search.gain(result.best, std::nullopt) + kWorthAnotherDrive)
+    result.others.push_back(*driven);
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    const auto own = search.best(i, true), aimed = search.best(i, false);
+    if (aimed && !same(*aimed, driven) && search.gain(aimed, i) > search.gain(own, i) + kWorthAnotherDrive)
+      result.others.push_back(*aimed);
   }
-  next.sentence += ".";
-  return next;
+  return result;
 }
 
 }  // namespace tribotrack::fit::internal

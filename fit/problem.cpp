@@ -44,6 +44,8 @@ void check_run(const SummaryRun& run) {
 
 void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
+  if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
+    throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
   const auto& track = run.track;
   const std::size_t n = track.time.size();
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)
@@ -99,26 +101,28 @@ void Problem::validate() const {
   }
   if (!(scale_sd >= 0) || !std::isfinite(scale_sd)) throw DataError("The scale's sd must not be negative.");
 
-  std::size_t data = 0, needed = free.size();
   bool pulses = false;
   for (const auto& run : summary_runs) {
     check_run(run);
-    data += 2;
     pulses = pulses || run.scenario.friction.pulse_width > 0;
   }
   for (const auto& run : trajectory_runs) {
     check_run(run);
-    data += 2 * run.track.time.size();
-    needed += run.free_slide ? 4 : 2;
     pulses = pulses || (!run.free_slide && run.scenario.friction.pulse_width > 0);
   }
   need(*this, FitParameter::mu1);
   if (pulses) need(*this, FitParameter::mu2);
+}
+
+std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
+  std::size_t data = 2 * summary_runs.size(), unknowns = free.size();
+  for (const auto& run : trajectory_runs) {
+    data += 2 * run.track.time.size();
+    unknowns += run.free_slide ? 4 : 2;
+  }
   for (const auto& [parameter, known] : prior)
     if (is_free(*this, parameter)) ++data;
-  if (data < needed)
-    throw DataError("More unknowns (" + std::to_string(needed) + ") than data (" + std::to_string(data) +
-                    "): add runs, or fix a parameter.");
+  return {data, unknowns};
 }
 
 }  // namespace tribotrack::fit

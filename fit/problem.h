@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fit/measurement.h"
@@ -34,14 +35,18 @@ struct SummaryRun {
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
 };
 
-/// A run fitted point by point: the model's dense trajectory + nuisance parameters (start point; initial
-/// velocity for a free slide).
+/// A run fitted point by point: the model's dense trajectory + nuisance parameters (start point; the
+/// platform's phase; initial velocity for a free slide). A track in the camera's frame is compared with the
+/// motion in the platform's frame plus the platform's own.
 struct TrajectoryRun {
   std::string name;
   model::Scenario scenario;  ///< time 0 of the scenario is track.time.front()
   TrackTable track;
   bool free_slide = false;  ///< platform at rest, initial velocity unknown, mu1 alone
   bool amplitude_from_track = false;
+  /// sd of the platform's phase at the start, rad: where above 0, a nuisance with scenario.start_phase as its
+  /// prior mean. It moves drive and pulses alike.
+  double start_phase_sd = 0;
 };
 
 struct Problem {
@@ -53,9 +58,11 @@ struct Problem {
   double scale_sd = 0;  ///< relative sd of the scale common to all runs, carried as a nuisance with a prior
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
-  /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, more parameters than
-  /// data.
+  /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not
+  /// numbers. Fewer data than unknowns are no error: the fit then says what can be told.
   void validate() const;
+  /// Numbers measured or known beforehand, and unknowns to be found from them.
+  std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };
 
 }  // namespace tribotrack::fit

@@ -101,7 +101,7 @@ class OneSide {
     const Eigen::VectorXd start = neighbour.z + along_ * (z - neighbour.z(index_));
     MinimiseOptions options;
     options.held = index_;
-    options.function_tolerance = 1e-5;
+    options.decrement = 1e-3;
     options.max_iterations = 30;
     const Minimum held = minimise(residuals_, start, options);
     if (!std::isfinite(held.chi2)) return std::nullopt;

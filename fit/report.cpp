@@ -62,8 +62,9 @@ std::string FitResult::brief_report() const {
 
 std::string FitResult::full_report() const {
   std::string text = "[[Fit]]\n";
-  text += format("    %s, %d of %d starts ended in this minimum\n", converged ? "converged" : "NOT CONVERGED",
+  text += format("    %s, %d of %d descents ended in this minimum", converged ? "converged" : "NOT CONVERGED",
                  starts_at_best, starts);
+  text += starts_screened > 0 ? format(" (%d starts screened)\n", starts_screened) : "\n";
   text += format("    chi2 %.5g at %d degrees of freedom", chi2, dof);
   if (scatter > 0)
     text += format(" (before the scatter was estimated: %.5g, p = %.2g)", chi2_before_scatter, p_value);
@@ -72,6 +73,7 @@ std::string FitResult::full_report() const {
 
   text += "[[Parameters]]\n";
   text += format("    %-24s %12s %10s  %-24s %s\n", "", "estimate", "sd", "95 % covariance", "95 % profile");
+  if (bootstrap > 0) text.insert(text.size() - 1, format("%14s 95 %% bootstrap", ""));
   for (const auto& p : parameters) {
     const double factor = display_factor(p.parameter);
     const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
@@ -80,7 +82,10 @@ std::string FitResult::full_report() const {
     text += format("    %-24s %12.6g %10.2g  %-24s %s%s\n", to_string(p.parameter), p.estimate * factor,
                    p.sd * factor, interval(p.ci95, factor).c_str(), interval(p.profile_ci95, factor).c_str(),
                    percent.c_str());
+    if (bootstrap > 0) text.insert(text.size() - 1, "  " + interval(p.bootstrap_ci95, factor));
   }
+  if (bootstrap > 0)
+    text += format("    bootstrap: %d refits to simulated data, seed %u\n", bootstrap, bootstrap_seed);
   std::string correlations;
   for (Eigen::Index i = 0; i < correlation.rows(); ++i)
     for (Eigen::Index j = i + 1; j < correlation.cols(); ++j)
@@ -94,6 +99,13 @@ std::string FitResult::full_report() const {
   for (const auto& sentence : identifiability.weak_directions) text += "    " + sentence + "\n";
   for (const auto& sentence : systematics) text += "    If wrong: " + sentence + "\n";
   if (next_experiment) text += "    " + next_experiment->sentence + "\n";
+  for (const auto& other : other_next_experiments) text += "    " + other.sentence + "\n";
+
+  if (!models.empty()) text += "[[Models compared]]\n";
+  for (const auto& model : models)
+    text += format("    %-20s %2d unknowns, chi2 %-8.5g AIC %-8.5g BIC %-8.5g %s\n", model.name.c_str(),
+                   model.parameters, model.chi2, model.aic, model.bic, model.sentence.c_str());
+  for (const auto& sentence : left_out) text += "    " + sentence + "\n";
 
   text += "[[Runs]]\n";
   for (const auto& run : runs) {

@@ -23,6 +23,9 @@ Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threa
     else if (parameter == FitParameter::scale && problem.scale_sd > 0)
       priors_.emplace_back(i, Prior{1, problem.scale_sd});
   }
+  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
+    if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
+      priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
   rows_ += static_cast<Eigen::Index>(priors_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
 }
@@ -48,6 +51,25 @@ double Residuals::degrees_of_freedom() const {
 double Residuals::excess(double chi2) const {
   const double dof = degrees_of_freedom();
   return dof > 0 ? std::max(1.0, chi2 / dof) : 1;
+}
+
+double Residuals::tolerance_for(double share, double coarsest) const {
+  // A path that differs by less than its sigma tells nothing apart.
+  std::vector<double> relative;
+  for (const auto& run : problem_->summary_runs) {
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.between_runs;
+    relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
+  }
+  for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
+    const auto& track = problem_->trajectory_runs[i].track;
+    const double sigma =
+        std::sqrt(0.5 * track.covariance.front().trace()) + scatter_.trajectories[i].between_points;
+    const double path = (track.position.back() - track.position.front()).norm();
+    relative.push_back(sigma / std::max(path, sigma) / std::sqrt(static_cast<double>(track.time.size())));
+  }
+  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+  std::nth_element(relative.begin(), middle, relative.end());
+  return std::clamp(share * *middle, 1e-9, coarsest);
 }
 
 bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,

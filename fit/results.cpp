@@ -7,39 +7,30 @@
 
 #include "fit/internal/display.h"
 #include "fit/internal/identifiability.h"
+#include "fit/internal/sticking.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kOutlier = 4;
 
-Interval covariance_interval(const Transform& transform, FitParameter parameter, double value, double sd,
-                             double t) {
-  if (!std::isfinite(sd)) return {transform.positive() ? 0 : -kInfinity, kInfinity};
-  const bool on_logarithm = transform.positive() && value > 0 && sd < 0.3 * value;
-  if (on_logarithm) return {value * std::exp(-t * sd / value), value * std::exp(t * sd / value)};
-  const double low = value - t * sd;
-  const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
-  return {cut ? std::max(0.0, low) : low, value + t * sd};
-}
-
-RunResult tell_summary(const Residuals& residuals, const Eigen::VectorXd& values, std::size_t index) {
+RunResult tell_summary(const Residuals& residuals, const Minimum& best, std::size_t index) {
   const SummaryRun& run = residuals.unknowns().problem().summary_runs[index];
-  const double added = residuals.scatter().between_runs * residuals.scatter().between_runs;
+  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
+  const Eigen::Vector2d difference = residuals.difference(best.residuals, index);
   Displacement measured = run.measured;
-  measured.covariance += added * Eigen::Matrix2d::Identity();
+  measured.covariance = residuals.covariance(index);
   if (!(measured.duration > 0)) measured.duration = run.scenario.end_time();
   derive_alpha_and_v(measured);
   Displacement modelled = measured;
-  modelled.vector = residuals.modelled(values, index);
+  modelled.vector = measured.vector - difference;
 
   RunResult result;
   result.name = run.name;
   result.fitted = residuals.unknowns().apply(values, run.scenario, run.amplitude_from_track, false).scenario;
   const Eigen::LLT<Eigen::Matrix2d> factor(measured.covariance);
-  const Eigen::Vector2d whitened = factor.matrixL().solve(measured.vector - modelled.vector);
+  const Eigen::Vector2d whitened = factor.matrixL().solve(difference);
   const char* names[] = {"dx_mm", "dy_mm"};
   for (int axis = 0; axis < 2; ++axis)
     result.residuals.push_back({names[axis], 1e3 * measured.vector(axis), 1e3 * modelled.vector(axis),
@@ -67,9 +58,8 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   RunResult result;
   result.name = run.name;
   result.points = points.row.size();
-  result.fitted = run.free_slide
-                      ? unknowns.apply_free_slide(values, index, false).scenario
-                      : unknowns.apply(values, run.scenario, run.amplitude_from_track, false).scenario;
+  result.fitted = run.free_slide ? unknowns.apply_free_slide(values, index, false).scenario
+                                 : unknowns.apply_trajectory(values, index, false).scenario;
   std::vector<double> lengths;
   for (const auto& residual : points.residual) {
     result.rms_m += residual.squaredNorm() / n;
@@ -92,6 +82,8 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   auto& nuisance = result.nuisance;
   nuisance["start_x_mm"] = 1e3 * points.start_point.x();
   nuisance["start_y_mm"] = 1e3 * points.start_point.y();
+  if (const Eigen::Index phase = unknowns.phase_index(index); phase >= 0)
+    nuisance["start_phase_rad"] = run.scenario.start_phase + values(phase);
   nuisance["scatter_mm"] = 1e3 * scatter.between_points;
   nuisance["correlation_time_points"] = scatter.correlation_time;
   const std::size_t first = points.row.front();
@@ -139,10 +131,20 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
 
 }  // namespace
 
+Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t) {
+  if (!std::isfinite(sd)) return {transform.positive() ? 0 : -kInfinity, kInfinity};
+  const bool on_logarithm = transform.positive() && value > 0 && sd < 0.3 * value;
+  if (on_logarithm) return {value * std::exp(-t * sd / value), value * std::exp(t * sd / value)};
+  const double low = value - t * sd;
+  const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
+  return {cut ? std::max(0.0, low) : low, value + t * sd};
+}
+
 void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
                      double t, FitResult& result) {
   const Eigen::Index n = unknowns.reported();
-  const auto flat = moved_by_flat_direction(uncertainty);
+  auto flat = moved_by_flat_direction(uncertainty);
+  if (stuck_throughout(unknowns.problem())) flat.assign(flat.size(), true);  // noise told as motion
   result.covariance = uncertainty.covariance;
   result.correlation = Eigen::MatrixXd::Identity(n, n);
   result.parameters.clear();
@@ -152,9 +154,8 @@ void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
     estimate.estimate = values(i);
     estimate.sd =
         flat[static_cast<std::size_t>(i)] ? kInfinity : std::sqrt(std::max(0.0, result.covariance(i, i)));
-    estimate.ci95 =
-        covariance_interval(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
-    estimate.profile_ci95 = {std::nan(""), std::nan("")};
+    estimate.ci95 = interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
+    estimate.profile_ci95 = estimate.bootstrap_ci95 = {std::nan(""), std::nan("")};
     result.parameters.push_back(estimate);
     for (Eigen::Index j = 0; j < n; ++j) {
       const double product = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
@@ -163,49 +164,54 @@ void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
   }
 }
 
-void tell_runs(const Residuals& residuals, const Eigen::VectorXd& values, FitResult& result) {
+void tell_runs(const Residuals& residuals, const Minimum& best, FitResult& result) {
   const Problem& problem = residuals.unknowns().problem();
-  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    result.runs.push_back(tell_summary(residuals, values, i));
-    const auto& rows = result.runs.back().residuals;
-    const double distance = std::hypot(rows[0].standardised, rows[1].standardised);
-    if (distance > kOutlier)
-      result.warnings.push_back("Run '" + result.runs.back().name + "' lies " + number(distance, 2) +
-                                " sigma from the model; check its phi, dtau and label.");
-  }
+  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i)
+    result.runs.push_back(tell_summary(residuals, best, i));
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     result.runs.push_back(tell_trajectory(residuals, values, i, result));
 }
 
-void tell_systematics(const Residuals& residuals, const Eigen::VectorXd& values,
-                      const Uncertainty& uncertainty, FitResult& result) {
+void tell_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
+                      FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
   if (unknowns.reference_amplitude() <= 0 || uncertainty.rank < unknowns.reported()) return;
+  const Eigen::VectorXd values = unknowns.values(best.z);
   // Refit to first order after a change of 1 % in A or w: -(J'J)^-1 J' dr.
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
-  if (!residuals.evaluate(values, r, &jacobian)) return;
+  constexpr double kChange = 2e-3, kTolerance = 1e-7;
+  const auto shift_by = [&](FitParameter parameter) -> std::optional<Eigen::VectorXd> {
+    const auto moved_residuals = [&](double change) -> std::optional<Eigen::VectorXd> {
+      Problem moved = unknowns.problem();
+      moved.fixed[parameter] = unknowns.value_of(parameter, values) * (1 + change);
+      if (parameter ==
+          FitParameter::angular_frequency)  // whole cycles end earlier, at the same mean velocity
+        for (auto& run : moved.summary_runs) {
+          if (run.measured.told_as_velocity) continue;  // followed by the model itself
+          run.measured.duration /= 1 + change;
+          run.measured.vector /= 1 + change;
+        }
+      const Unknowns moved_unknowns(moved);
+      Residuals whitened(moved, moved_unknowns);
+      whitened.set_scatter(residuals.scatter());
+      whitened.set_weights(residuals.weights());
+      whitened.set_tolerance(kTolerance);
+      Eigen::VectorXd r;
+      if (!whitened.evaluate(values, r, nullptr)) return std::nullopt;
+      return r;
+    };
+    const auto r = moved_residuals(kChange);
+    if (!r) return std::nullopt;
+    return Eigen::VectorXd(-uncertainty.full_covariance *
+                           (best.jacobian.transpose() * (*r - best.residuals)) * (0.01 / kChange));
+  };
   const auto tell = [&](FitParameter parameter, const char* name) {
     if (unknowns.find(parameter)) return;
-    Problem moved = unknowns.problem();
-    constexpr double kChange = 1e-3;
-    const double value = unknowns.value_of(parameter, values);
-    moved.fixed[parameter] = value * (1 + kChange);
-    if (parameter == FitParameter::angular_frequency)  // whole cycles end earlier, at the same mean velocity
-      for (auto& run : moved.summary_runs) {
-        run.measured.duration /= 1 + kChange;
-        run.measured.vector /= 1 + kChange;
-      }
-    const Unknowns moved_unknowns(moved);
-    Residuals moved_residuals(moved, moved_unknowns);
-    moved_residuals.set_scatter(residuals.scatter());
-    Eigen::VectorXd r_moved;
-    if (!moved_residuals.evaluate(values, r_moved, nullptr)) return;
-    const Eigen::VectorXd shift =
-        -uncertainty.full_covariance * (jacobian.transpose() * (r_moved - r)) * (0.01 / kChange);
+    const auto shift = shift_by(parameter);
+    if (!shift) return;
     std::string text = std::string(name) + " up 1 %: ";
     for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
-      text += (i > 0 ? ", " : "") + change_in_words(unknowns.parameter(i), shift(i), values(i));
+      text += (i > 0 ? ", " : "") + change_in_words(unknowns.parameter(i), (*shift)(i), values(i));
     result.systematics.push_back(text + ".");
   };
   tell(FitParameter::amplitude, "A");

@@ -40,7 +40,8 @@ double scatter_for(const std::vector<Eigen::Vector2d>& residuals,
 
 }  // namespace
 
-Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values) {
+Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
+                         const Eigen::VectorXd& whitened) {
   const auto& problem = residuals.unknowns().problem();
   Scatter result = residuals.scatter();
   const double data = 2.0 * static_cast<double>(problem.summary_runs.size());
@@ -51,7 +52,7 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
   std::vector<Eigen::Vector2d> differences;
   std::vector<Eigen::Matrix2d> covariances;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    differences.push_back(problem.summary_runs[i].measured.vector - residuals.modelled(values, i));
+    differences.push_back(residuals.difference(whitened, i));
     covariances.push_back(problem.summary_runs[i].measured.covariance);
   }
   // The unknowns take their share of the freedom from runs and points alike.

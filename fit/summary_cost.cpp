@@ -1,8 +1,10 @@
 // Displacement vectors: two whitened residuals a run.
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "fit/estimate.h"
 #include "fit/internal/residuals.h"
+#include "fit/internal/settled_end.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit {
@@ -12,50 +14,43 @@ Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
 }
 
 namespace internal {
-namespace {
 
-/// The run lasted as long as it was measured, whatever w is tried.
-model::Scenario as_measured(const SummaryRun& run) {
-  model::Scenario scenario = run.scenario;
-  if (run.measured.duration > 0) scenario.duration = run.measured.duration;
-  return scenario;
+Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
+  return problem_->summary_runs[index].measured.covariance +
+         scatter_.between_runs * scatter_.between_runs * Eigen::Matrix2d::Identity();
 }
 
-}  // namespace
-
-Eigen::Vector2d Residuals::modelled(const Eigen::VectorXd& values, std::size_t index) const {
-  const SummaryRun& run = problem_->summary_runs[index];
-  const auto applied = unknowns_->apply(values, as_measured(run), run.amplitude_from_track, false);
-  model::IntegrationOptions options;
-  options.tolerance = tolerance_;
-  return model::integrate(applied.scenario, options).end().position / applied.scale;
+Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
+  return factor.matrixL() * whitened.segment<2>(2 * static_cast<Eigen::Index>(index)) /
+         std::sqrt(run_weight(index));
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
                         Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
                         Eigen::Index row) const {
   const SummaryRun& run = problem_->summary_runs[index];
-  const auto applied =
-      unknowns_->apply(values, as_measured(run), run.amplitude_from_track, jacobian != nullptr);
-  const double added = scatter_.between_runs * scatter_.between_runs;
-  const Eigen::LLT<Eigen::Matrix2d> factor(
-      Eigen::Matrix2d(run.measured.covariance + added * Eigen::Matrix2d::Identity()));
+  const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
 
   model::IntegrationOptions options;
   options.derivatives = applied.wanted;
   options.tolerance = tolerance_;
-  const model::Trajectory trajectory = model::integrate(applied.scenario, options);
+  const EndPoint end = settled_end(applied.scenario, options);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
-  const Eigen::Vector2d position = trajectory.end().position / applied.scale;
-  residuals = factor.matrixL().solve(run.measured.vector - position);
+  const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
+  const double root = std::sqrt(run_weight(index));
+  residuals = root * factor.matrixL().solve(run.measured.vector - position);
   if (!jacobian) return;
   Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
   if (!applied.wanted.empty())
-    by_unknowns = -(trajectory.sensitive_end().position_jacobian * applied.chain) / applied.scale;
+    by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
   if (const auto scale = unknowns_->find(FitParameter::scale))
     by_unknowns.col(*scale) += position / applied.scale;
-  jacobian->middleRows(row, 2) = factor.matrixL().solve(by_unknowns);
+  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.told_as_velocity)
+    by_unknowns.col(*w) -= position / values(*w);
+  jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
 }
 
 }  // namespace internal

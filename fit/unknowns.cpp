@@ -75,6 +75,11 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     const double speed = std::max(guess.velocity.norm(), 1e-6);
     transforms_.insert(transforms_.end(), 2, Transform(Transform::Kind::linear, speed));
   }
+  for (const auto& run : problem.trajectory_runs) {
+    const bool unknown = !run.free_slide && run.start_phase_sd > 0;
+    phase_.push_back(unknown ? size() : -1);
+    if (unknown) transforms_.emplace_back(Transform::Kind::linear, run.start_phase_sd);
+  }
 }
 
 std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {
@@ -125,12 +130,14 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   }
   for (const Eigen::Index v : velocity_)
     if (v >= 0) units.segment<2>(v).setConstant(std::max(values.segment<2>(v).norm(), 1e-9));
+  for (const Eigen::Index phase : phase_)
+    if (phase >= 0) units(phase) = 1;
   return units;
 }
 
 Eigen::VectorXd Unknowns::first_guess() const {
   const double threshold = sliding_threshold().value_or(slide_mu_.value_or(0.2));
-  Eigen::VectorXd guess(size());
+  Eigen::VectorXd guess = Eigen::VectorXd::Zero(size());
   // mu1 first: mu2 is guessed from it.
   const auto own = [&](FitParameter parameter) -> std::optional<double> {
     if (const auto it = problem_->start.find(parameter); it != problem_->start.end()) return it->second;
@@ -228,6 +235,30 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   chain.add(model::Parameter::angular_frequency, find(FitParameter::angular_frequency), frequency_ratio);
   chain.add(model::Parameter::tilt_x, find(FitParameter::tilt_x), 1);
   chain.add(model::Parameter::tilt_y, find(FitParameter::tilt_y), 1);
+  return result;
+}
+
+AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
+                                        bool derivatives) const {
+  const bool follows =
+      run.measured.told_as_velocity &&
+      (find(FitParameter::angular_frequency) || problem_->fixed.count(FitParameter::angular_frequency));
+  model::Scenario base = run.scenario;
+  if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;
+  AppliedScenario result = apply(values, base, run.amplitude_from_track, derivatives);
+  if (follows)
+    result.stretch = result.scenario.drive.angular_frequency / run.scenario.drive.angular_frequency;
+  return result;
+}
+
+AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t run,
+                                           bool derivatives) const {
+  const TrajectoryRun& data = problem_->trajectory_runs[run];
+  AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
+  const Eigen::Index shift = phase_[run];
+  if (shift < 0) return result;
+  result.scenario.start_phase += values(shift);
+  if (derivatives) Chain(result, size()).add(model::Parameter::start_phase, shift, 1);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "fit/internal/point_model.h"
 #include "fit/internal/unknowns.h"
 
 namespace tribotrack::fit::internal {
@@ -18,6 +19,13 @@ struct Scatter {
   std::vector<Trajectory> trajectories;
 };
 
+/// What a robust loss makes of each run and point: its rows are multiplied by the root. Empty: all count
+/// fully.
+struct Weights {
+  std::vector<double> runs;                 ///< summary runs
+  std::vector<std::vector<double>> points;  ///< trajectory runs
+};
+
 /// Rows of one run after a fit, unwhitened.
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
@@ -26,7 +34,8 @@ struct PointResiduals {
 };
 
 /// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-/// point, the run's unknown start point projected out; one a prior, (value - mean)/sd.
+/// point, the run's unknown start point projected out; one a prior, (value - mean)/sd. Rows of data are
+/// multiplied by the root of their robust weight.
 class Residuals {
  public:
   /// Both must outlive the residuals.
@@ -40,15 +49,26 @@ class Residuals {
   double excess(double chi2) const;
   const Scatter& scatter() const { return scatter_; }
   void set_scatter(const Scatter& scatter) { scatter_ = scatter; }
-  /// Of the integrator. Its error is far below any sigma at 1e-8 already; exact data deserve more.
+  const Weights& weights() const { return weights_; }
+  void set_weights(const Weights& weights) { weights_ = weights; }
+  double run_weight(std::size_t run) const { return weights_.runs.empty() ? 1 : weights_.runs[run]; }
+  double point_weight(std::size_t run, std::size_t point) const {
+    return weights_.points.empty() ? 1 : weights_.points[run][point];
+  }
+  /// Of the integrator, relative to the path.
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: what the
+  /// integrator may err by where only chi-square of that sharpness is asked for.
+  double tolerance_for(double share, double coarsest) const;
 
   /// False where the model cannot be evaluated. The Jacobian is by physical values.
   bool evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
   double chi2(const Eigen::VectorXd& values) const;  ///< infinity where the model cannot be evaluated
 
-  /// Displacement of a summary run as the picture shows it (divided by the scale).
-  Eigen::Vector2d modelled(const Eigen::VectorXd& values, std::size_t run) const;
+  /// Measured less modelled displacement of a summary run, out of the whitened residuals.
+  Eigen::Vector2d difference(const Eigen::VectorXd& whitened, std::size_t run) const;
+  /// The run's covariance with the scatter between runs added.
+  Eigen::Matrix2d covariance(std::size_t summary_run) const;
   PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
   std::size_t first_point(std::size_t trajectory_run) const { return first_point_[trajectory_run]; }
   std::size_t point_count(std::size_t trajectory_run) const;
@@ -58,9 +78,7 @@ class Residuals {
                Eigen::MatrixXd* jacobian, Eigen::Index row) const;
   void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
                   Eigen::MatrixXd* jacobian, Eigen::Index row) const;
-  /// Modelled positions in the picture, with derivatives by the unknowns where asked.
-  void modelled_points(const Eigen::VectorXd& values, std::size_t run, Eigen::Matrix2Xd& positions,
-                       Eigen::MatrixXd* jacobian) const;
+  PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   Eigen::Index trajectory_row(std::size_t run) const;
 
   const Problem* problem_;
@@ -69,6 +87,7 @@ class Residuals {
   double tolerance_ = 1e-10;
   std::vector<std::pair<Eigen::Index, Prior>> priors_;
   std::vector<std::size_t> first_point_;
+  Weights weights_;
   Eigen::Index rows_ = 0;
   Scatter scatter_;
 };

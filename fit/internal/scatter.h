@@ -9,6 +9,7 @@ namespace tribotrack::fit::internal {
 /// expectation at the present minimum: one between summary runs, one between the points of each trajectory
 /// run, the latter with the correlation time of its residuals (neighbouring points share their error: their
 /// number overstates what they tell). Zero where chi^2 does not ask (p >= 0.001).
-Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values);
+Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
+                         const Eigen::VectorXd& whitened);
 
 }  // namespace tribotrack::fit::internal

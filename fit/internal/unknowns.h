@@ -14,12 +14,14 @@ namespace tribotrack::fit::internal {
 struct AppliedScenario {
   model::Scenario scenario;
   double scale = 1;
+  double stretch = 1;  ///< of the modelled displacement: w over the one with which v was made a displacement
   std::vector<model::Parameter> wanted;  ///< to differentiate by
   Eigen::MatrixXd chain;                 ///< d wanted / d unknowns
 };
 
 /// Order: the parameters of Problem::free, then the scale where it is a nuisance, then the initial velocity
-/// (x, y) of each free slide. "Values" are physical (SI), "z" the optimiser's.
+/// (x, y) of each free slide and the shift of the platform's phase of each trajectory run whose phase has an
+/// sd. "Values" are physical (SI), "z" the optimiser's.
 class Unknowns {
  public:
   explicit Unknowns(const Problem& problem);
@@ -27,12 +29,15 @@ class Unknowns {
   Eigen::Index size() const { return static_cast<Eigen::Index>(transforms_.size()); }
   /// Those reported: Problem::free.
   Eigen::Index reported() const { return static_cast<Eigen::Index>(problem_->free.size()); }
-  /// Reported and scale; the rest are initial velocities.
+  /// Reported and scale; the rest are initial velocities and phase shifts.
   Eigen::Index common() const { return static_cast<Eigen::Index>(common_.size()); }
   FitParameter parameter(Eigen::Index i) const { return common_[static_cast<std::size_t>(i)]; }
   std::optional<Eigen::Index> find(FitParameter parameter) const;
   /// Of the velocity of trajectory run `run`, -1 where it is no free slide.
   Eigen::Index velocity_index(std::size_t run) const { return velocity_[run]; }
+
+  /// Of the phase shift of trajectory run `run`, -1 where its phase is taken as exact.
+  Eigen::Index phase_index(std::size_t run) const { return phase_[run]; }
 
   Eigen::VectorXd values(const Eigen::VectorXd& z) const;
   Eigen::VectorXd z(const Eigen::VectorXd& values) const;
@@ -51,6 +56,10 @@ class Unknowns {
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
                         bool derivatives) const;
+  /// The run lasted as long as it was measured, whatever w is tried; told as alpha and v, it lasted its
+  /// cycles.
+  AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run, bool derivatives) const;
+  AppliedScenario apply_trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
 
   /// A w^2 / g of the first driven run: the mu up to which the part slides. nullopt when all rest.
@@ -63,7 +72,7 @@ class Unknowns {
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;
-  std::vector<Eigen::Index> velocity_;
+  std::vector<Eigen::Index> velocity_, phase_;
   std::vector<Eigen::Vector2d> slide_velocity_;  ///< first guesses
   std::optional<double> slide_mu_;
   double amplitude_ = 0;  ///< A of the first driven run: fitted amplitudes are told as this run's

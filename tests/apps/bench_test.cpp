@@ -65,14 +65,17 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_vision.csv"),
             "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
             "peak_locking_px,time_s,rms_over_ours,time_over_ours");
-  EXPECT_EQ(first_line(out / "bench_fit.csv"),
-            "method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
-            "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
-            "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
+  EXPECT_EQ(
+      first_line(out / "bench_fit.csv"),
+      "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
+      "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
+      "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
+  EXPECT_EQ(first_line(out / "bench_fit_coverage.csv"),
+            "campaigns,parameter,counted,weak,unusable,covered,covered_by_profile");
   for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
     EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
   for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_claims",
-                           "bench_vision", "bench_fit"})
+                           "bench_vision", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})

@@ -237,6 +237,41 @@ TEST_F(Commands, AnUnusableFitIsExit5AndSaysWhatCanBeTold) {
   const Json fit = Json::parse(content_of(in_folder("fit.json")));
   EXPECT_EQ(fit["identifiability"]["verdict"], "not identifiable");
   EXPECT_FALSE(fit["identifiability"]["weak_directions"].empty());
+  // The words and the remedy come without asking.
+  EXPECT_THAT(outcome.err, HasSubstr("is hidden by"));
+  EXPECT_THAT(outcome.err, HasSubstr("Film next phi = "));
+  EXPECT_TRUE(fit["next_experiment"]["predicted_ci95"]["mu1"].is_array());
+  EXPECT_TRUE(fit["next_experiment"]["amplitude_mm"].is_number());
+}
+
+TEST_F(Commands, OneRunOnlyIsAnAnswer) {
+  put(in_folder("one.toml"),
+      "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[[run]]\nphi_rad = 0\ndtau_rad = "
+      "1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = 4.2\nv_sd_mm_s = 0.05\n");
+  const Outcome outcome = run("fit one.toml -o fit.json");
+  EXPECT_EQ(outcome.exit_code, 5) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("2 numbers for 3 unknowns: add runs, fix a parameter"));
+  EXPECT_TRUE(Json::parse(content_of(in_folder("fit.json")))["parameters"]["mu1"]["sd"].is_null());
+}
+
+TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
+  std::string text = "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
+  const double alpha[] = {5.7, 5.2, 4.9, 4.6}, v[] = {2.2, 4.2, 5.6, 6.6};
+  for (int k = 0; k < 4; ++k)
+    text += "[[run]]\nphi_rad = 0\ndtau_rad = " + std::to_string(0.5 + 0.5 * k) +
+            "\nalpha_rad = " + std::to_string(alpha[k]) +
+            "\nalpha_sd_rad = 0.3\nv_mm_s = " + std::to_string(v[k]) + "\nv_sd_mm_s = 0.5\n";
+  put(in_folder("c.toml"), text);
+  EXPECT_NE(run("fit c.toml -o fit.json --bootstrap 30 --seed 7 --compare-models -q").exit_code, 2);
+  Json fit = Json::parse(content_of(in_folder("fit.json")));
+  EXPECT_EQ(fit["bootstrap"]["seed"], 7);
+  EXPECT_TRUE(fit["parameters"]["mu1"]["bootstrap_ci95"].is_array());
+  EXPECT_GE(fit["models"].size(), 4U);
+  EXPECT_NE(run("fit c.toml -o fit.json --loss cauchy -q").exit_code, 2);
+  fit = Json::parse(content_of(in_folder("fit.json")));
+  EXPECT_EQ(fit["loss"], "cauchy");
+  EXPECT_THAT(fit["covariance_meaning"].get<std::string>(), HasSubstr("Robust loss (Cauchy)"));
+  expect_refused(run("fit c.toml -o fit.json --loss mean"), 2, {"--loss"});
 }
 
 TEST_F(Commands, BadRecordingsAreExit3AndLeaveNothing) {

@@ -1,4 +1,4 @@
-// Transforms, profiles at the edge, and whether the forecast of the next run comes true.
+// Transforms and profiles at the edge.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -68,31 +68,6 @@ TEST(Profile, ItsEndsAreWhereChiSquareHasRisenBy384) {
       held.fixed[result.parameters[i].parameter] = end;
       EXPECT_NEAR(estimate(held, options).chi2 - result.chi2, 3.8415, 0.06);
     }
-}
-
-TEST(NextExperiment, ItsForecastComesTrue) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  const test::Truth truth;
-  for (int k = 0; k < 6; ++k) {
-    problem.summary_runs.push_back(
-        test::summary_run(test::scenario(truth, k * pi / 3, pi / 3), 0.01, 0.05e-3));
-    problem.summary_runs.back().measured.covariance = 1e-8 * Eigen::Matrix2d::Identity();
-  }
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
-  const FitResult before = estimate(problem, options);
-  ASSERT_TRUE(before.next_experiment);
-  problem.summary_runs.push_back(test::summary_run(
-      test::scenario(truth, before.next_experiment->phi, before.next_experiment->dtau), 0.01, 0.05e-3));
-  problem.summary_runs.back().measured.covariance = 1e-8 * Eigen::Matrix2d::Identity();
-  const FitResult after = estimate(problem, options);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double forecast = before.next_experiment->predicted_sd.at(after.parameters[i].parameter);
-    EXPECT_NEAR(after.parameters[i].sd, forecast, 0.02 * forecast);
-    EXPECT_LT(forecast, before.parameters[i].sd);
-  }
 }
 
 TEST(Threads, DoNotChangeTheAnswer) {

@@ -128,42 +128,6 @@ TEST(Estimate, WithoutPulsesMu2AndLagAreDead) {
               HasSubstr("mu2 moves no observable: no run has a pulse"));
 }
 
-// With mu1 = mu2 the noise alone would place the pulse: a lag with an interval that excludes the truth.
-TEST(Estimate, PulsesWithoutEffectGiveNoLag) {
-  const unsigned seed = 31;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  for (int trial = 0; trial < 5; ++trial) {
-    Problem problem;
-    problem.free = kThree;
-    for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
-      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3, nullptr, 400));
-      auto& measured = problem.summary_runs.back().measured;
-      std::normal_distribution<double> noise(0, 3e-5);
-      measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
-      measured.vector += Eigen::Vector2d(noise(random), noise(random));
-    }
-    FitOptions options;
-    options.profiles = false;
-    const FitResult result = estimate(problem, options);
-    EXPECT_FALSE(result.usable()) << result.full_report();
-    EXPECT_THAT(all(result.identifiability.weak_directions), HasSubstr("the pulses may have no effect"));
-  }
-}
-
-TEST(Estimate, APartThatSticksThroughoutTellsNothing) {
-  Problem problem;
-  problem.free = kThree;
-  for (int k = 0; k < 4; ++k) {
-    problem.summary_runs.push_back(test::summary_run(test::scenario({}, k, 1), 0.02, 0.02e-3));
-    problem.summary_runs.back().measured.vector.setZero();
-    problem.summary_runs.back().measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
-  }
-  FitOptions options;
-  options.profiles = false;
-  EXPECT_FALSE(estimate(problem, options).usable());
-}
-
 TEST(Estimate, FixedValuesAndPriorsAreUsed) {
   Problem problem = exact_problem(test::fourteen({}));
   problem.summary_runs.resize(8);
@@ -262,16 +226,6 @@ TEST(Estimate, AWrongFrequencyMovesTheParametersAsTold) {
   EXPECT_NEAR(told_mu2, mu2, 0.1 * mu2);
 }
 
-TEST(Estimate, AMislabelledRunIsNamed) {
-  Problem problem = exact_problem(test::fourteen({}));
-  problem.summary_runs[3].scenario.friction.phase += pi / 2;
-  problem.summary_runs[3].name = "the wrong one";
-  FitOptions options;
-  options.profiles = false;
-  options.estimate_scatter = false;
-  EXPECT_THAT(all(estimate(problem, options).warnings), HasSubstr("'the wrong one' lies"));
-}
-
 // Truth inside its 95 % interval at the stated rate. Binomial: 80 campaigns, sd 2.4 %.
 TEST(Estimate, IntervalsCoverTheTruthAtTheirRate) {
   const unsigned seed = 4711;
@@ -335,9 +289,6 @@ TEST(Estimate, RefusesWhatCannotBeFitted) {
   bad = good;
   bad.free = {FitParameter::mu1};
   refuses(bad, "No value for mu2");
-  bad = good;
-  bad.summary_runs.resize(1);
-  refuses(bad, "More unknowns (3) than data (2)");
   bad = good;
   bad.fixed[FitParameter::mu1] = 0.1;
   refuses(bad, "both fitted and fixed");

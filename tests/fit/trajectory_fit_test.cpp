@@ -106,6 +106,32 @@ TEST(TrajectoryFit, ExactPointsGiveTheExactParameters) {
   EXPECT_NEAR(result.value(FitParameter::lag), 0.1, 1e-6);
 }
 
+// A platform phase wrong by 0.02 rad: taken as exact it spoils the fit, with its sd it is found.
+TEST(TrajectoryFit, ThePlatformsPhaseIsANuisanceWithItsSd) {
+  const unsigned seed = 19;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const Truth truth{0.1, 0.0125, 0.1};
+  for (const bool platform_frame : {true, false}) {
+    Problem problem;
+    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+    problem.trajectory_runs = {
+        driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
+        driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
+    problem.trajectory_runs[0].scenario.start_phase += 0.02;
+    const FitResult blind = estimate(problem, quick());
+    EXPECT_GT(blind.scatter, 0);
+    for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
+    const FitResult seeing = estimate(problem, quick());
+    EXPECT_EQ(seeing.scatter, 0) << seeing.full_report();
+    EXPECT_NEAR(seeing.runs[0].nuisance.at("start_phase_rad"), 0, 2e-3);
+    EXPECT_NEAR(seeing.runs[1].nuisance.at("start_phase_rad"), 0, 2e-3);
+    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(seeing.parameters[i].estimate, truths[i], 4 * seeing.parameters[i].sd);
+  }
+}
+
 TEST(FreeSlide, GivesMu1AndTheInitialSpeed) {
   const unsigned seed = 17;
   SCOPED_TRACE(seed);

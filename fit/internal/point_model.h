@@ -1,0 +1,21 @@
+// The model's positions at the times a track was seen, with derivatives by the unknowns.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fit/internal/unknowns.h"
+
+namespace tribotrack::fit::internal {
+
+struct PointModel {
+  Eigen::Matrix2Xd positions;  ///< m, in the picture (divided by the scale)
+  Eigen::MatrixXd jacobian;    ///< 2n x columns of the chain, x and y of a point below each other
+};
+
+/// At `times` (s from the start). In the camera's frame the platform's own motion is added.
+PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
+                        const std::vector<double>& times, bool camera_frame, double tolerance,
+                        bool derivatives);
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,262 @@
+// Cases that no fit can save end in an answer: verdict, words, remedy.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+#include "model/rival_laws.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using test::Truth;
+using testing::AnyOf;
+using testing::Contains;
+using testing::HasSubstr;
+constexpr double pi = std::numbers::pi;
+
+FitOptions quick() {
+  FitOptions options;
+  options.profiles = false;
+  return options;
+}
+
+Problem campaign(const std::vector<model::Scenario>& scenarios, std::mt19937& random) {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : scenarios)
+    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random, 1000));
+  return problem;
+}
+
+std::string said(const FitResult& result) {
+  return result.full_report();
+}
+
+// The rotation law: the runs repeat one another, and real scatter drowns what little they differ by.
+TEST(Hopeless, ASweepOfPhiAloneWithRealScatter) {
+  const unsigned seed = 41;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> scatter(0, 3e-4);
+  auto scenarios = test::fourteen({});
+  scenarios.resize(8);
+  Problem problem = campaign(scenarios, random);
+  for (auto& run : problem.summary_runs)
+    run.measured.vector += Eigen::Vector2d(scatter(random), scatter(random));
+  const FitResult result = estimate(problem, quick());
+  EXPECT_GT(result.scatter, 1e-4);
+  EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
+  EXPECT_THAT(said(result), HasSubstr("mu1 up 1 % is hidden by phase_lag_rad down"));
+  EXPECT_THAT(said(result), HasSubstr(" deg)"));
+  EXPECT_THAT(said(result), HasSubstr("add runs at other dtau"));
+  ASSERT_TRUE(result.next_experiment);
+  EXPECT_GT(std::abs(result.next_experiment->dtau - pi / 3), 0.1);
+}
+
+TEST(Hopeless, OneRunOnly) {
+  std::mt19937 random(1);
+  Problem problem = campaign({test::scenario({}, 0.3, pi / 3)}, random);
+  const FitResult alone = estimate(problem, quick());
+  EXPECT_EQ(alone.identifiability.verdict, Verdict::not_identifiable);
+  EXPECT_EQ(alone.dof, 0);
+  EXPECT_THAT(said(alone),
+              HasSubstr("2 numbers for 3 unknowns: add runs, fix a parameter, or give it a prior"));
+  EXPECT_THAT(said(alone), HasSubstr("is hidden by"));
+  for (const auto& p : alone.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
+  ASSERT_TRUE(alone.next_experiment);
+  EXPECT_GT(std::abs(alone.next_experiment->dtau - pi / 3), 0.1);
+  // With a loose prior there is a number for everything, and it is said where it comes from.
+  problem.prior[FitParameter::lag] = {0, 0.5};
+  const FitResult result = estimate(problem, quick());
+  EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
+  EXPECT_THAT(said(result), HasSubstr("phase_lag_rad is told by its prior, not by the data"));
+}
+
+// With mu1 = mu2 the noise alone would place the pulse: a lag with an interval that excludes the truth.
+TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
+  const unsigned seed = 31;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int trial = 0; trial < 5; ++trial) {
+    Problem problem;
+    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+    for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
+      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3, nullptr, 400));
+      auto& measured = problem.summary_runs.back().measured;
+      std::normal_distribution<double> noise(0, 3e-5);
+      measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
+      measured.vector += Eigen::Vector2d(noise(random), noise(random));
+    }
+    const FitResult result = estimate(problem, quick());
+    EXPECT_FALSE(result.usable()) << result.full_report();
+    EXPECT_THAT(said(result), HasSubstr("the pulses may have no effect"));
+    EXPECT_THAT(said(result), HasSubstr("check that the actuator works"));
+  }
+}
+
+TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0, 1e-6);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (int k = 0; k < 4; ++k) {
+    problem.summary_runs.push_back(test::summary_run(test::scenario({}, k, 1), 0.02, 0.02e-3));
+    problem.summary_runs.back().measured.vector = {noise(random), noise(random)};
+    problem.summary_runs.back().measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
+  }
+  const FitResult result = estimate(problem, quick());
+  EXPECT_EQ(result.identifiability.verdict, Verdict::not_identifiable);
+  // A w^2/g = 0.28e-3 62.8^2/9.81
+  EXPECT_THAT(said(result), HasSubstr("mu1 and mu2 above A w^2/g = 0.113"));
+  EXPECT_THAT(said(result), HasSubstr("Drive harder"));
+  for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
+}
+
+// Nobody asked for rivals: the residuals do, in the order tilt, laws; or they are called scatter.
+TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
+  using Kind = model::RivalLaw::Kind;
+  for (const model::RivalLaw law : {model::RivalLaw{Kind::stribeck, 0.15}, {Kind::viscous, 2.0}}) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+      SCOPED_TRACE(seed);
+      std::mt19937 random(seed);
+      std::normal_distribution<double> normal(0, 2e-6);
+      Problem problem;
+      problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+      for (const auto& s : test::fourteen({})) {
+        SummaryRun run;
+        run.name = "run" + std::to_string(problem.summary_runs.size());
+        run.scenario = s;
+        run.measured.vector =
+            model::rival_displacement(s, law) + Eigen::Vector2d(normal(random), normal(random));
+        run.measured.covariance = 4e-12 * Eigen::Matrix2d::Identity();
+        run.measured.duration = s.end_time();
+        derive_alpha_and_v(run.measured);
+        problem.summary_runs.push_back(run);
+      }
+      const FitResult result = estimate(problem, quick());
+      EXPECT_LT(result.p_value, 1e-3);
+      ASSERT_FALSE(result.models.empty());
+      // Named, or told as scatter that the intervals count.
+      const bool named = result.models.size() > 2;
+      if (named) {
+        EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with"))) << said(result);
+      }
+      EXPECT_GT(result.scatter, 2e-6);
+      EXPECT_THAT(result.warnings, Contains(HasSubstr("or something in A, w, tilt or the model is wrong")));
+    }
+  }
+}
+
+TEST(Hopeless, OneRunMislabelledIsNamedAndRobustLossForgetsIt) {
+  const unsigned seed = 12;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem = campaign(test::fourteen({}), random);
+  problem.summary_runs[3].scenario.friction.phase += pi / 2;
+  problem.summary_runs[3].name = "the wrong one";
+  FitOptions options = quick();
+  const FitResult plain = estimate(problem, options);
+  ASSERT_EQ(plain.outliers.size(), 1U);
+  EXPECT_THAT(plain.warnings, Contains(HasSubstr("'the wrong one' lies")));
+  EXPECT_THAT(plain.warnings, Contains(HasSubstr("check its phi, dtau and label")));
+  EXPECT_GT(plain.scatter, 0);  // what is printed counts the contradiction
+  options.loss = Loss::cauchy;
+  const FitResult robust = estimate(problem, options);
+  const double truth[] = {0.1, 0.0125, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(robust.parameters[i].estimate, truth[i], 4 * robust.parameters[i].sd);
+    EXPECT_LT(robust.parameters[i].sd, 0.5 * plain.parameters[i].sd);
+  }
+}
+
+TEST(Hopeless, DuplicatedRunsAddNothing) {
+  std::mt19937 random(2);
+  Problem problem = campaign({test::scenario({}, 0.3, pi / 3)}, random);
+  for (int k = 0; k < 7; ++k) problem.summary_runs.push_back(problem.summary_runs.front());
+  const FitResult result = estimate(problem, quick());
+  EXPECT_FALSE(result.usable());
+  EXPECT_THAT(said(result), HasSubstr("is hidden by"));
+  EXPECT_THAT(
+      result.identifiability.weak_directions,
+      Contains(AnyOf(HasSubstr("fix one of them, or give it a prior"), HasSubstr("add runs at other dtau"))));
+  for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd));
+}
+
+// alpha is an angle: the displacement vector knows no edge at 0 = 2 pi.
+TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
+  std::vector<model::Scenario> scenarios;
+  const Truth truth;
+  for (int k = 0; k < 10; ++k) {  // phi such that alpha is 0 to within its error
+    model::Scenario s = test::scenario(truth, 0.2, pi / 6 * (1 + k % 5), 10);
+    const Eigen::Vector2d d = test::SlowFriction(s).displacement(400);
+    s.friction.phase += std::atan2(d.y(), d.x()) + 0.01 * (k - 5);
+    scenarios.push_back(s);
+  }
+  int inside = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    FitOptions options = quick();
+    options.next_experiment = false;
+    const FitResult result = estimate(campaign(scenarios, random), options);
+    EXPECT_TRUE(result.usable());
+    EXPECT_EQ(result.scatter, 0);
+    for (const auto& run : result.runs)
+      for (const auto& r : run.residuals)
+        if (r.observable == "alpha_rad") {
+          EXPECT_LT(std::abs(r.standardised), 5) << run.name;
+        }
+    inside += std::abs(result.value(FitParameter::mu1) - truth.mu1) < 3.3 * result.parameters[0].sd;
+  }
+  EXPECT_GE(inside, 9);
+}
+
+// The fit cannot see it: d ln mu1 = 2 d ln w. What it says must cover it.
+TEST(Hopeless, AFrequencyWrongByFivePercentIsToldAsASystematic) {
+  std::mt19937 random(3);
+  Problem problem = campaign(test::fourteen({}), random);
+  for (auto& run : problem.summary_runs) {
+    run.scenario.drive.angular_frequency *= 1.05;
+    run.measured.duration /= 1.05;  // 20 cycles, it was thought
+    run.measured.vector /= 1.05;
+  }
+  const FitResult result = estimate(problem, quick());
+  double told = 0;
+  ASSERT_EQ(result.systematics.size(), 2U);
+  ASSERT_EQ(std::sscanf(result.systematics[1].c_str(), "w up 1 %%: mu1 up %lf %%", &told), 1);
+  EXPECT_GT(told, 1.8);
+  EXPECT_NEAR(result.value(FitParameter::mu1), 0.1 * (1 + 0.05 * told), 0.02 * 0.1);
+  // As a parameter with a prior of 5 % it is carried, and the interval holds the truth.
+  problem.free.push_back(FitParameter::angular_frequency);
+  const double believed = problem.summary_runs.front().scenario.drive.angular_frequency;
+  problem.prior[FitParameter::angular_frequency] = {believed, 0.05 * believed};
+  const FitResult honest = estimate(problem, quick());
+  EXPECT_LT(honest.parameters[0].ci95.low, 0.1);
+  EXPECT_GT(honest.parameters[0].ci95.high, 0.1);
+  EXPECT_GT(honest.parameters[0].sd, 3 * result.parameters[0].sd);
+}
+
+// A, w, scale and delay with priors beside the three: nothing gets sharper than what is known of A and w.
+TEST(Hopeless, EveryParameterAtOnceWithPriors) {
+  std::mt19937 random(7);
+  Problem problem = campaign(test::fourteen({}), random);
+  using enum FitParameter;
+  problem.free = {mu1, mu2, lag, delay, tilt_x, tilt_y, amplitude, angular_frequency, scale};
+  problem.prior = {{delay, {0, 1e-3}},
+                   {amplitude, {0.28e-3, 0.01 * 0.28e-3}},
+                   {angular_frequency, {62.8, 0.005 * 62.8}},
+                   {scale, {1, 0.01}}};
+  const FitResult result = estimate(problem, quick());
+  EXPECT_TRUE(result.usable()) << result.full_report();
+  EXPECT_NEAR(result.value(mu1), 0.1, 4 * result.parameters[0].sd);
+  // d ln mu1 = d ln A + 2 d ln w
+  EXPECT_GT(result.parameters[0].sd / 0.1, 0.9 * std::hypot(0.01, 0.01));
+  EXPECT_THAT(said(result), HasSubstr("told by its prior"));
+}
+
+}  // namespace
+}  // namespace tribotrack::fit

@@ -1,0 +1,77 @@
+// Rival friction laws: their limits, and closed forms where there are any.
+#include "model/rival_laws.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+using Kind = RivalLaw::Kind;
+
+TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
+  for (const double mu1 : {0.06, 0.1, 0.122, 0.15}) {
+    Scenario scenario;
+    scenario.friction = {mu1, mu1 / 6, 0.4, 1.3, 0.2};
+    scenario.cycles = 6;
+    const Eigen::Vector2d exact = integrate(scenario).end().position;
+    for (const Kind kind : {Kind::coulomb, Kind::stribeck, Kind::viscous, Kind::rise_time})
+      EXPECT_LT((rival_displacement(scenario, {kind, 0}, 1e-10) - exact).norm(), 1e-9 * exact.norm() + 1e-12)
+          << mu1 << " " << to_string(kind);
+  }
+}
+
+// u' = -m - c u on a resting platform: u = (u0 + m/c) e^{-ct} - m/c until it stops at ln(1 + c u0/m)/c.
+TEST(RivalLaws, ViscousSlideInClosedForm) {
+  Scenario scenario;
+  scenario.drive.amplitude = 1e-12;
+  scenario.drive.amplitude_y = 1e-12;
+  scenario.friction = {0.1, 0.1, 0, 0, 0};
+  scenario.initial_velocity = {0.3, 0.4};
+  scenario.duration = 1;
+  // Tolerances are relative to A and A w, which are nothing here: ask for the real ones.
+  const double m = 0.1 * 9.81, c = 2, u0 = 0.5, stop = std::log(1 + c * u0 / m) / c;
+  const double way = (u0 + m / c) / c * (1 - std::exp(-c * stop)) - m / c * stop;
+  const Eigen::Vector2d end = rival_displacement(scenario, {Kind::viscous, c}, 10);
+  EXPECT_NEAR(end.norm(), way, 1e-8);
+  EXPECT_NEAR(end.y() / end.x(), 4.0 / 3, 1e-8);
+}
+
+// A short rise acts, to first order, like switching its half later.
+TEST(RivalLaws, AShortRiseIsADelayOfItsHalf) {
+  Scenario scenario;
+  scenario.friction = {0.1, 0.0125, 0.4, 1.3, 0.2};
+  scenario.cycles = 5;
+  double error[2];
+  for (int k = 0; k < 2; ++k) {
+    const double rise = 4e-4 / (1 + k);
+    Scenario delayed = scenario;
+    delayed.friction.lag += 0.5 * rise * scenario.drive.angular_frequency;
+    error[k] = (rival_displacement(scenario, {Kind::rise_time, rise}, 1e-11) -
+                rival_displacement(delayed, {Kind::coulomb, 0}, 1e-11))
+                   .norm();
+  }
+  EXPECT_NEAR(error[0] / error[1], 4, 0.2);  // second order
+}
+
+// Where speeds lie far above A w/4 nothing of the Stribeck term is left; far below it is a higher mu.
+TEST(RivalLaws, StribeckFadesWithSpeed) {
+  Scenario slow;
+  slow.friction = {0.1, 0.1, 0, 0, 0};
+  slow.drive.amplitude = slow.drive.amplitude_y = 0.28e-3;
+  slow.initial_velocity = {20, 0};
+  slow.duration = 0.05;
+  const Eigen::Vector2d plain = rival_displacement(slow, {Kind::coulomb, 0});
+  EXPECT_LT((rival_displacement(slow, {Kind::stribeck, 0.5}) - plain).norm(), 1e-9);
+  EXPECT_THROW(rival_displacement(slow, {Kind::stribeck, -1}), InvalidParameter);
+  slow.friction.pulse_width = 1;
+  EXPECT_THROW(rival_displacement(slow, {Kind::rise_time, 1}), InvalidParameter);
+  slow.start = Start::steady;
+  EXPECT_THROW(rival_displacement(slow, {Kind::coulomb, 0}), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace tribotrack::model
