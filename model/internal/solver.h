@@ -57,6 +57,9 @@ SolverInput<U> lifted(const SolverInput<T>& in) {
   return out;
 }
 
+/// Of implicit steps, grows where they succeed.
+inline constexpr double kFirstSlowSpan = 0.5;
+
 /// The friction at one time.
 struct Contact {
   bool reduced = false;  ///< mu2 holds
@@ -121,6 +124,7 @@ class Solver {
   bool slow(double target, bool from_rest);
   void reach_zero(const T& moved, const Pair<T>& force_before);
   void apply(const Edge<T>& edge);
+  void note_cycle_start();
   void skip_repeating_cycles();
   void extrapolate_cycles(const Pair<T>& previous_start, double allowed);
 
@@ -176,7 +180,7 @@ class Solver {
   bool stuck_ = false;  ///< stopped and held since it last moved
   Pair<T> u_, x_;
   Pair<double> rounded_;  ///< what x_ has lost by rounding (Kahan's sum)
-  double slow_span_ = 0.5;
+  double slow_span_ = kFirstSlowSpan;
   double drive_bound_ = 0;
   // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
   double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
@@ -289,6 +293,7 @@ void Solver<T>::hold(double target) {
     piece.span = until - s_;
     contact_.sticks = true;
     arcs_.forget();
+    slow_span_ = kFirstSlowSpan;
     if (in_.dense) chain_.add_stick(piece);
     u_ = {};
     stick_phase += until - s_;
@@ -468,7 +473,7 @@ bool Solver<T>::slow(double target, bool from_rest) {
     if (span < shortest || (!from_rest && i == 4)) break;
   }
   if (!step) {
-    slow_span_ = 0.5;
+    slow_span_ = kFirstSlowSpan;
     return false;
   }
   Piece<T> piece = begin_piece();
@@ -487,20 +492,26 @@ bool Solver<T>::slow(double target, bool from_rest) {
   return true;
 }
 
+template <class T>
+void Solver<T>::note_cycle_start() {
+  last_start_ = {length(Pair<T>(u_ - last_start_.u)), u_, x_, rounded_, steps, stops, releases, stick_phase};
+}
+
 /// Once a cycle begins as the last one did, all later ones are copies and only add their drift.
 template <class T>
 void Solver<T>::skip_repeating_cycles() {
   const double scale = std::fmax(length(u_), 1e-3), copies = in_.cycles - cycle_;
   const CycleStart before = last_start_;
-  last_start_ = {length(Pair<T>(u_ - before.u)), u_, x_, rounded_, steps, stops, releases, stick_phase};
+  note_cycle_start();
   if (cycle_ < 2) return;
   const double gap = last_start_.gap, q = cycle_ > 2 && before.gap > 0 ? gap / before.gap : 1;
-  const double allowed = in_.tolerance * scale * kTwoPi * in_.cycles;
+  // However many copies: how far a cycle's velocity may be from the one it stands for.
+  const double allowed = in_.tolerance * scale;
   const bool exact = same(u_.x, before.u.x) && same(u_.y, before.u.y);
   const bool settled =
-      shrinking_.settled(gap, before.gap, static_cast<double>(last_start_.steps - before.steps));
+      shrinking_.settled(gap, before.gap, static_cast<double>(steps - before.steps), stops > before.stops);
   const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
-  const bool close = settled || gap <= 4e-16 * scale || error <= allowed;
+  const bool close = settled || gap <= 4e-16 * scale || (q < 1 && gap <= (1 - q) * allowed);
   if (exact || (close && same_derivatives(u_, before.u, in_.tolerance))) {
     error_bound = error;
     repeat_from_ = cycle_;
@@ -517,7 +528,7 @@ void Solver<T>::skip_repeating_cycles() {
     // Worth a try? Terms of second order in the next gap are left out.
     const double next = gap * (cycle_ > 2 ? q : 0.1);
     if (!in_.dense && stops == before.stops && next < 0.3 * gap && copies > 2 &&
-        next * next * copies <= allowed)
+        next * next <= kTwoPi * allowed)
       extrapolate_cycles(before.u, allowed);
   }
 }
@@ -536,7 +547,7 @@ void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed
   cycle_ += 1;
   const double copies = in_.cycles - cycle_;
   const Remainder rest = extrapolate(map, start, before, copies);
-  if (solver.stops > 0 || !(rest.error <= allowed)) return;
+  if (solver.stops > 0 || !(rest.apart <= allowed)) return note_cycle_start();
   u_ = u_ + Pair<T>{rest.velocity_change.x(), rest.velocity_change.y()};
   move({rest.displacement.x(), rest.displacement.y()});
   error_bound = rest.error;
