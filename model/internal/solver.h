@@ -81,9 +81,8 @@ class Solver {
 
   void run();
   /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
-  /// phase of the next, with its derivatives by u. `spans` is what is known of the length of arcs, before and
-  /// after.
-  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans);
+  /// phase of the next, with its derivatives by u. `memory` is what is known of its arcs, before and after.
+  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory);
   Motion<T> end() const { return {u_, x_}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
   Motion<T> at(double cycle, double s) const;
@@ -537,8 +536,7 @@ void Solver<T>::skip_repeating_cycles() {
 template <class T>
 void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
   Solver<Jet<2>> solver(lifted<Jet<2>>(in_));
-  ArcSpans spans = arcs_.spans();
-  const CycleMap map = solver.map_cycle(s_, reduced_, u_, spans);
+  const CycleMap map = solver.map_cycle(s_, reduced_, u_, arcs_.memory());
   const Eigen::Vector2d start(u_.x, u_.y), before(u_.x - previous_start.x, u_.y - previous_start.y);
   steps += solver.steps;
   u_ = {map.end.x(), map.end.y()};
@@ -555,17 +553,16 @@ void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed
 }
 
 template <class T>
-CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans) {
+CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory) {
   static_assert(derivative_count<T> == 2);
   begin(s, reduced);
-  arcs_.set_spans(spans);
+  arcs_.share(memory);
   u_ = {T(u.x), T(u.y)};
   u_.x.d[0] = u_.y.d[1] = 1;
   if (s < 0)
     run_cycle();
   else
     run_until(kTwoPi);
-  spans = arcs_.spans();
   CycleMap map;
   map.end = {u_.x.v, u_.y.v};
   map.drift = {x_.x.v, x_.y.v};
