@@ -13,9 +13,9 @@ namespace internal {
 namespace {
 
 /// One period from the local phase 0 and velocity u, with its dependence on u.
-CycleMap one_cycle(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcSpans& spans) {
+CycleMap one_cycle(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcMemory& memory) {
   Solver<Jet<2>> solver(in);
-  return solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, spans);
+  return solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
 }
 
 /// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
@@ -108,13 +108,13 @@ bool always_held(const SolverInput<Jet<2>>& in) {
 /// lead away.
 std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
   constexpr int kMost = 200;
-  ArcSpans spans = kLongestSpans;
+  ArcMemory memory;
   Eigen::Vector2d newton = Eigen::Vector2d::Zero(), cycle_end = newton;
   Orbit best{u, newton, Eigen::Matrix2d::Identity(), 0};
   double best_error = HUGE_VAL, share = 1;
   bool accept = true;
   for (int i = 1; i <= kMost; ++i) {
-    const CycleMap map = one_cycle(in, u, spans);
+    const CycleMap map = one_cycle(in, u, memory);
     const Eigen::Vector2d gap = map.end - u;
     const double error = gap.norm(), scale = std::max(0.25, u.norm());
     if (!std::isfinite(error)) break;
