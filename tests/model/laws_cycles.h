@@ -18,8 +18,8 @@ inline void contraction(Scenario s, const Eigen::Vector2d& other_velocity,
   const Trajectory a = integrate(s, how), b = integrate(other, how);
   double last = (s.initial_velocity - other_velocity).norm();
   for (int i = how.dense ? 0 : 100; i <= 100; ++i) {
-    const Eigen::Vector2d u = a.at(a.end_time() * i / 100).velocity,
-                          v = b.at(b.end_time() * i / 100).velocity;
+    const double time = i == 100 ? a.end_time() : a.end_time() * i / 100;
+    const Eigen::Vector2d u = a.at(time).velocity, v = b.at(time).velocity;
     const double gap = (u - v).norm(), speed = u.norm() + drive_amplitude(s) / s.drive.angular_frequency;
     EXPECT_LE(gap, last * (1 + 1e-12) + 1e-14 * speed) << "sample " << i;
     last = gap;

@@ -227,8 +227,9 @@ TEST(Trajectory, RepeatingCyclesEndWhereEveryCycleDoes) {
       const Trajectory reused = integrate(s, options);
       options.reuse_repeating_cycles = false;
       const Trajectory bare = integrate(s, options);
-      EXPECT_LE((reused.end().position - bare.end().position).norm(),
-                reused.summary().error_bound + 1e-13 * s.cycles * s.drive.amplitude)
+      // Rounding differs; what a cycle's adds to the velocity stays for 1/(1 - contraction) cycles.
+      const double rounding = 2e-14 * 2 * kPi * s.cycles * s.drive.amplitude / (1 - orbit->contraction);
+      EXPECT_LE((reused.end().position - bare.end().position).norm(), reused.summary().error_bound + rounding)
           << "scenario " << i << " dense " << dense;
     }
   }
