@@ -30,31 +30,6 @@ constexpr double kSurprise = 1e-3;
 /// Of the integrator, relative to the path: an error of 1e-12 m and less.
 constexpr double kFine = 1e-9;
 
-/// Profiles of all parameters; a point below the minimum restarts them from there.
-std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               double rise, const FitOptions& options) {
-  const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
-  Residuals rough = residuals;
-  rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (int restart = 0;; ++restart) {
-    std::vector<Profile> sides(n);
-    parallel_for(n, options.threads, [&](std::size_t i) {
-      sides[i].interval = {-kInfinity, kInfinity};
-      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rise);
-    });
-    const Profile* better = nullptr;
-    for (const Profile& side : sides)
-      if (side.better && (!better || side.better->chi2 < better->better->chi2)) better = &side;
-    if (!better || restart == 3) {
-      std::vector<Interval> intervals;
-      for (const Profile& side : sides) intervals.push_back(side.interval);
-      return intervals;
-    }
-    best = with_curvature(residuals, minimise(residuals, better->better->z));
-  }
-}
-
 void warn_of_other_minima(const Residuals& residuals, const Search& search, double excess,
                           FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
@@ -198,7 +173,8 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   std::vector<Interval> intervals;
   if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
     const double found = judged.best.minimum.chi2;
-    intervals = profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options);
+    intervals =
+        profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options.threads);
     if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
   }
 
