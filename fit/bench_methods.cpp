@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fit/estimate.h"
+#include "fit/internal/end_point.h"
 #include "fit/internal/plain_descent.h"
 #include "model/peers.h"
 #include "model/trajectory.h"
@@ -52,7 +53,7 @@ model::DormandPrinceOptions options_of(BenchSolver solver, const model::Scenario
 }
 
 Vector2d end_by(BenchSolver solver, const model::Scenario& scenario) {
-  if (solver == BenchSolver::ours) return model::integrate(scenario).end().position;
+  if (solver == BenchSolver::ours) return end_point(scenario, {}, 1e-16).position;
   return model::dormand_prince(scenario, options_of(solver, scenario)).position;
 }
 
@@ -136,9 +137,9 @@ PlainResiduals exact(const Problem& problem, long& solves) {
     for (const SummaryRun& run : problem.summary_runs) {
       ++solves;
       const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-      const auto end = model::integrate(scenario_at(run.scenario, z), options).sensitive_end();
-      r.segment<2>(row) = factor.matrixL().solve(run.measured.vector - end.sample.position);
-      jacobian->middleRows<2>(row) = factor.matrixL().solve(-end.position_jacobian * chain.asDiagonal());
+      const EndPoint end = end_point(scenario_at(run.scenario, z), options.derivatives, options.tolerance);
+      r.segment<2>(row) = factor.matrixL().solve(run.measured.vector - end.position);
+      jacobian->middleRows<2>(row) = factor.matrixL().solve(-end.jacobian * chain.asDiagonal());
       row += 2;
     }
     for (const TrajectoryRun& run : problem.trajectory_runs) {

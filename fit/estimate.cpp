@@ -30,31 +30,6 @@ constexpr double kSurprise = 1e-3;
 /// Of the integrator, relative to the path: an error of 1e-12 m and less.
 constexpr double kFine = 1e-9;
 
-/// Profiles of all parameters; a point below the minimum restarts them from there.
-std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               double rise, const FitOptions& options) {
-  const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
-  Residuals rough = residuals;
-  rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (int restart = 0;; ++restart) {
-    std::vector<Profile> sides(n);
-    parallel_for(n, options.threads, [&](std::size_t i) {
-      sides[i].interval = {-kInfinity, kInfinity};
-      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rise);
-    });
-    const Profile* better = nullptr;
-    for (const Profile& side : sides)
-      if (side.better && (!better || side.better->chi2 < better->better->chi2)) better = &side;
-    if (!better || restart == 3) {
-      std::vector<Interval> intervals;
-      for (const Profile& side : sides) intervals.push_back(side.interval);
-      return intervals;
-    }
-    best = with_curvature(residuals, minimise(residuals, better->better->z));
-  }
-}
-
 void warn_of_other_minima(const Residuals& residuals, const Search& search, double excess,
                           FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
@@ -75,7 +50,9 @@ void warn_of_other_minima(const Residuals& residuals, const Search& search, doub
 void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
   const Problem& problem = residuals.unknowns().problem();
   const Scatter& scatter = residuals.scatter();
-  result.scatter = scatter.between_runs;
+  result.scatter = scatter.runs();
+  result.scatter_along = scatter.along;
+  result.scatter_across = scatter.across;
   for (const auto& run : scatter.trajectories) result.scatter = std::max(result.scatter, run.between_points);
   if (!any(scatter)) {
     result.covariance_meaning =
@@ -88,21 +65,44 @@ void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
                                 "): the model or the sigmas are wrong, and the sds too small.");
     return;
   }
-  result.covariance_meaning =
-      "sd from the data's own sigma and a scatter estimated from the residuals, added in quadrature; 95 % "
-      "intervals with Student's t." +
-      std::string(robust_meaning(result.loss));
-  if (scatter.between_runs > 0)
-    result.warnings.push_back("The runs scatter by " + number(1e3 * scatter.between_runs) +
-                              " mm per axis more than their own sigma (chi2 " +
-                              number(result.chi2_before_scatter, 4) + ", p = " + number(result.p_value, 2) +
-                              "): real scatter, or something in A, w, tilt or the model is wrong.");
+  const bool repeated = result.scatter_from_replicates;
+  result.covariance_meaning = std::string("sd from the data's own sigma and a scatter estimated from ") +
+                              (repeated ? "repeated runs" : "the residuals") +
+                              ", added in quadrature; 95 % intervals with Student's t." +
+                              robust_meaning(result.loss);
+  const std::string size = scatter.along == scatter.across
+                               ? number(1e3 * scatter.runs()) + " mm per axis"
+                               : number(1e3 * scatter.along) + " mm along (v) and " +
+                                     number(1e3 * scatter.across) + " mm across their displacement (alpha)";
+  if (repeated)
+    result.warnings.push_back("Repeated runs scatter by " + size +
+                              " more than their own sigma; with that the "
+                              "fit agrees with all runs (p = " +
+                              number(result.p_value, 2) + ").");
+  else if (scatter.runs() > 0)
+    result.warnings.push_back(
+        "The runs scatter by " + size + " more than their own sigma (chi2 " +
+        number(result.chi2_before_scatter, 4) + ", p = " + number(result.p_value, 2) + ")" +
+        (result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or ") +
+        "something in A, w, tilt or the model is wrong.");
   for (std::size_t i = 0; i < scatter.trajectories.size(); ++i)
     if (const auto& run = scatter.trajectories[i]; run.between_points > 0)
       result.warnings.push_back("Run '" + problem.trajectory_runs[i].name + "': its points scatter by " +
                                 number(1e3 * run.between_points) +
                                 " mm per axis more than their own sigma and are correlated over " +
                                 number(run.correlation_time, 2) + " points; the sd counts both.");
+}
+
+void add_scatter_of_replicates(Residuals& residuals, const FitOptions& options, Minimum& minimum,
+                               FitResult& result) {
+  const Replicates repeated = replicates(residuals.unknowns().problem());
+  result.replicate_dof = repeated.dof;
+  result.scatter_from_replicates = options.estimate_scatter && repeated.scatter > 0;
+  if (!result.scatter_from_replicates) return;
+  Scatter scatter = residuals.scatter();
+  scatter.along = scatter.across = repeated.scatter;
+  residuals.set_scatter(scatter);
+  minimum = minimise(residuals, minimum.z);
 }
 
 /// Everything that rests on the minimum and its curvature.
@@ -152,6 +152,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
 
   Minimum minimum = minimise(residuals, search.minima.front().minimum.z);
   result.chi2_before_scatter = minimum.chi2;
+  add_scatter_of_replicates(residuals, options, minimum, result);
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
   const double excess = residuals.excess(minimum.chi2);
   result.outliers = find_outliers(residuals, minimum);
@@ -159,18 +160,21 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   const bool surprised = result.p_value < kSurprise;
   if (surprised || options.loss != Loss::squares)
     settle(residuals, minimum, options.estimate_scatter && surprised, options.loss);
+  if (surprised) result.scatter_from_replicates = false;  // the residuals say more than the repetitions
   minimum.z = fold_lag(unknowns, minimum.z);
 
   // Uncertainty at the minimum; the profiles may find a better one, then once more.
   Judged judged = judge(residuals, minimum, options.loss);
   const double dof = residuals.degrees_of_freedom();
   const bool from_residuals = any(residuals.scatter()) || options.loss != Loss::squares;
+  const double told_by = result.scatter_from_replicates ? result.replicate_dof : std::max(1.0, dof);
   const double t =
-      two_sided_quantile(0.95, from_residuals ? std::max(1.0, dof) : std::numeric_limits<double>::infinity());
+      two_sided_quantile(0.95, from_residuals ? told_by : std::numeric_limits<double>::infinity());
   std::vector<Interval> intervals;
   if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
     const double found = judged.best.minimum.chi2;
-    intervals = profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options);
+    intervals =
+        profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options.threads);
     if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
   }
 

@@ -132,9 +132,15 @@ struct FitResult {
   int bootstrap = 0;  ///< refits that converged
   unsigned bootstrap_seed = 0;
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
+  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
+  /// say that they differ.
+  double scatter_along = 0, scatter_across = 0;
+  /// Repeated runs tell the scatter by themselves: then chi2 counts it, and p_value still judges the model.
+  bool scatter_from_replicates = false;
+  int replicate_dof = 0;                ///< two for each repetition
   std::string covariance_meaning;       ///< which covariance is printed, in words
   double chi2_before_scatter = 0;       ///< with the data's own sigma alone
-  double p_value = 1;                   ///< of chi2_before_scatter
+  double p_value = 1;                   ///< of chi^2 with the data's own sigma and the replicates' scatter
   int starts_screened = 0;              ///< points of the box looked at
   int starts = 0;                       ///< descents made
   int starts_at_best = 0;               ///< of them, those that ended in the minimum told

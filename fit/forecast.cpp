@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit/internal/settled_end.h"
+#include "fit/internal/end_point.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -76,10 +76,7 @@ Eigen::MatrixXd Forecaster::of_displacement(const model::Scenario& scenario, dou
   const Unknowns& unknowns = residuals_.unknowns();
   const auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
   if (applied.wanted.empty()) return {};
-  model::IntegrationOptions options;
-  options.derivatives = applied.wanted;
-  options.tolerance = tolerance;
-  const EndPoint end = settled_end(applied.scenario, options);
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance);
   const Eigen::Vector2d displacement = end.position / applied.scale;
   Eigen::MatrixXd rows = end.jacobian * applied.chain / applied.scale;
   if (const auto scale = unknowns.find(FitParameter::scale)) rows.col(*scale) -= displacement / applied.scale;

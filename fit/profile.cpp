@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "fit/internal/parallel.h"
 #include "fit/internal/profile.h"
 
 namespace tribotrack::fit::internal {
@@ -133,6 +134,29 @@ Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Ind
   result.interval.high = high ? transform.value(*high) : kInfinity;
   result.better = side.better;
   return result;
+}
+
+std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
+                               double rise, int threads) {
+  const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
+  Residuals rough = residuals;
+  rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
+  for (int restart = 0;; ++restart) {
+    std::vector<Profile> sides(n);
+    parallel_for(n, threads, [&](std::size_t i) {
+      sides[i].interval = {-kInfinity, kInfinity};
+      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rise);
+    });
+    const Profile* better = nullptr;
+    for (const Profile& side : sides)
+      if (side.better && (!better || side.better->chi2 < better->better->chi2)) better = &side;
+    if (!better || restart == 3) {
+      std::vector<Interval> intervals;
+      for (const Profile& side : sides) intervals.push_back(side.interval);
+      return intervals;
+    }
+    best = with_curvature(residuals, minimise(residuals, better->better->z));
+  }
 }
 
 }  // namespace tribotrack::fit::internal

@@ -66,7 +66,9 @@ std::string FitResult::full_report() const {
                  starts_at_best, starts);
   text += starts_screened > 0 ? format(" (%d starts screened)\n", starts_screened) : "\n";
   text += format("    chi2 %.5g at %d degrees of freedom", chi2, dof);
-  if (scatter > 0)
+  if (scatter_from_replicates)
+    text += format(", p = %.3g (with the sigmas alone: %.5g)", p_value, chi2_before_scatter);
+  else if (scatter > 0)
     text += format(" (before the scatter was estimated: %.5g, p = %.2g)", chi2_before_scatter, p_value);
   if (!(scatter > 0)) text += format(", p = %.3g", p_value);
   text += "\n    " + covariance_meaning + "\n";

@@ -57,7 +57,7 @@ double Residuals::tolerance_for(double share, double coarsest) const {
   // A path that differs by less than its sigma tells nothing apart.
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
-    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.between_runs;
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.runs();
     relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
   }
   for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {

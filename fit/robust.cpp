@@ -111,7 +111,7 @@ Scatter robust_scatter(const Residuals& residuals, const Eigen::VectorXd& values
       }
       return squares;
     };
-    result.between_runs = scatter_by_median(squares_at, longest, kMedianSquare * share);
+    result.along = result.across = scatter_by_median(squares_at, longest, kMedianSquare * share);
   }
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
     const PointResiduals points = residuals.points(values, i);

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "fit/internal/end_point.h"
 #include "fit/internal/parallel.h"
-#include "fit/internal/settled_end.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -126,8 +126,7 @@ double judge(const Unknowns& unknowns, const std::vector<Look>& looks, Eigen::Ve
   const auto lag = unknowns.find(FitParameter::lag);
   const auto index = lag ? lag : unknowns.find(FitParameter::delay);
   if (index) values(*index) = 0;
-  model::IntegrationOptions options;
-  options.tolerance = 1e-3;
+  constexpr double kTolerance = 1e-3;
   std::vector<Complex> measured, modelled;
   Complex sum = 0;
   for (const Look& look : looks) {
@@ -137,7 +136,7 @@ double judge(const Unknowns& unknowns, const std::vector<Look>& looks, Eigen::Ve
     const auto applied = unknowns.apply(values, look.scenario, look.amplitude_from_track, false);
     Complex x = 0;
     try {
-      x = complex(settled_end(applied.scenario, options).position / applied.scale);
+      x = complex(end_point(applied.scenario, {}, kTolerance).position / applied.scale);
     } catch (const std::exception&) {
       return std::numeric_limits<double>::infinity();
     }

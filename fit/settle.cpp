@@ -39,8 +39,8 @@ double largest_change(const Weights& a, const Weights& b) {
 }  // namespace
 
 bool any(const Scatter& scatter) {
-  return scatter.between_runs > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
-                                                 [](const auto& run) { return run.between_points > 0; });
+  return scatter.runs() > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
+                                           [](const auto& run) { return run.between_points > 0; });
 }
 
 void settle(Residuals& residuals, Minimum& best, bool with_scatter, Loss loss) {
@@ -55,11 +55,12 @@ void settle(Residuals& residuals, Minimum& best, bool with_scatter, Loss loss) {
     if (loss != Loss::squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, loss));
     if (loss == Loss::squares && !any(residuals.scatter())) return;
     const double change = largest_change(residuals.weights(), before.weights());
-    const double scatter = before.scatter().between_runs;
+    const Scatter &was = before.scatter(), &is = residuals.scatter();
     MinimiseOptions options;
     if (reweigh(best, before, residuals)) options.evaluated = &best;
     best = minimise(residuals, best.z, options);
-    if (round > 1 && change < 1e-3 && std::abs(residuals.scatter().between_runs - scatter) <= 1e-3 * scatter)
+    if (round > 1 && change < 1e-3 && std::abs(is.along - was.along) <= 1e-3 * was.along &&
+        std::abs(is.across - was.across) <= 1e-3 * was.across)
       return;
   }
 }

@@ -3,21 +3,28 @@
 #include <cmath>
 
 #include "fit/estimate.h"
+#include "fit/internal/end_point.h"
 #include "fit/internal/residuals.h"
-#include "fit/internal/settled_end.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit {
 
 Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
-  return model::integrate(scenario).end().position;
+  model::IntegrationOptions options;
+  options.dense = false;
+  return model::integrate(scenario, options).end().position;
 }
 
 namespace internal {
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
-  return problem_->summary_runs[index].measured.covariance +
-         scatter_.between_runs * scatter_.between_runs * Eigen::Matrix2d::Identity();
+  const Displacement& measured = problem_->summary_runs[index].measured;
+  const double along = scatter_.along * scatter_.along, across = scatter_.across * scatter_.across;
+  const double length = measured.vector.norm();
+  if (!(length > 0))  // no direction
+    return measured.covariance + std::max(along, across) * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d u = measured.vector / length;
+  return measured.covariance + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
 }
 
 Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {
@@ -32,11 +39,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
   const SummaryRun& run = problem_->summary_runs[index];
   const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
   const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
-
-  model::IntegrationOptions options;
-  options.derivatives = applied.wanted;
-  options.tolerance = tolerance_;
-  const EndPoint end = settled_end(applied.scenario, options);
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
   const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;

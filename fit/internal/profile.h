@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "fit/estimate.h"
 #include "fit/internal/minimise.h"
@@ -18,5 +19,10 @@ struct Profile {
 /// parameter's range (half a turn for the lag, a factor of ten for scales, mu up to 10) are infinite; 0 for a
 /// mu that may be 0.
 Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Index parameter, double rise);
+
+/// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
+/// minimum restarts them from there (three times at most); `best` is then the better minimum.
+std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
+                               double rise, int threads);
 
 }  // namespace tribotrack::fit::internal

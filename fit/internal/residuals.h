@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "fit/internal/point_model.h"
@@ -11,7 +12,8 @@ namespace tribotrack::fit::internal {
 
 /// What the data scatter beyond their own sigma.
 struct Scatter {
-  double between_runs = 0;  ///< m per axis, summary runs
+  double along = 0, across = 0;  ///< m, between summary runs: along the displacement (v) and across (alpha)
+  double runs() const { return std::max(along, across); }
   struct Trajectory {
     double between_points = 0;    ///< m per axis
     double correlation_time = 1;  ///< points per independent point: weights are divided by it

@@ -7,6 +7,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "fit/internal/profile.h"
 #include "fit/internal/transform.h"
 
 namespace tribotrack::fit {
@@ -68,6 +69,38 @@ TEST(Profile, ItsEndsAreWhereChiSquareHasRisenBy384) {
       held.fixed[result.parameters[i].parameter] = end;
       EXPECT_NEAR(estimate(held, options).chi2 - result.chi2, 3.8415, 0.06);
     }
+}
+
+// Handed a place that is no minimum as if it were one, the profiles find the better one and start anew.
+TEST(Profile, ABetterOptimumRestartsThem) {
+  using namespace internal;
+  std::mt19937 random(9);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({}))
+    if (s.friction.phase < 0.5)
+      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
+  KnownMinimum best = with_curvature(residuals, minimise(residuals, unknowns.z(truth)));
+  const double lowest = best.minimum.chi2;
+  const std::vector<bool> open(3, false);
+  const auto expected = profiles(residuals, best, open, 3.84, 1);
+  EXPECT_EQ(best.minimum.chi2, lowest);
+
+  Minimum mistaken;
+  mistaken.z = unknowns.z(Eigen::Vector3d(1.05 * truth(0), truth(1), truth(2) - 0.1));
+  mistaken.chi2 = residuals.chi2(unknowns.values(mistaken.z));
+  ASSERT_GT(mistaken.chi2, lowest + 1);
+  KnownMinimum restarted = with_curvature(residuals, mistaken);
+  const auto found = profiles(residuals, restarted, open, 3.84, 2);
+  EXPECT_NEAR(restarted.minimum.chi2, lowest, 1e-6);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double width = expected[i].high - expected[i].low;
+    EXPECT_NEAR(found[i].low, expected[i].low, 0.02 * width);
+    EXPECT_NEAR(found[i].high, expected[i].high, 0.02 * width);
+  }
 }
 
 TEST(Threads, DoNotChangeTheAnswer) {

@@ -1,0 +1,93 @@
+// Scatter between runs: from repetitions where there are any, per observable where the residuals say so.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+FitOptions quick() {
+  FitOptions options;
+  options.profiles = options.next_experiment = false;
+  options.multi_starts = 2;
+  return options;
+}
+
+/// The fourteen, `times` each, told with 1e-5 m and scattering by what stands there.
+Problem scattered(int times, double along, double across, std::mt19937& random, double tilt = 0) {
+  std::normal_distribution<double> normal;
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (auto scenario : test::fourteen({})) {
+    scenario.drive.tilt_x = tilt;
+    SummaryRun exact = test::summary_run(scenario, 0.01, 1e-5, nullptr, 600);
+    exact.measured.covariance = 1e-10 * Eigen::Matrix2d::Identity();
+    exact.scenario.drive.tilt_x = 0;
+    const Eigen::Vector2d u = exact.measured.vector.normalized(), v(-u.y(), u.x());
+    for (int k = 0; k < times; ++k) {
+      SummaryRun run = exact;
+      run.name = "run" + std::to_string(problem.summary_runs.size());
+      run.measured.vector += std::hypot(along, 1e-5) * normal(random) * u;
+      run.measured.vector += std::hypot(across, 1e-5) * normal(random) * v;
+      problem.summary_runs.push_back(run);
+    }
+  }
+  return problem;
+}
+
+TEST(Scatter, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
+  const unsigned seed = 14;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const FitResult result = estimate(scattered(3, 6e-5, 6e-5, random), quick());
+  EXPECT_TRUE(result.scatter_from_replicates);
+  EXPECT_EQ(result.replicate_dof, 56);
+  EXPECT_NEAR(result.scatter, 6e-5, 4 * 6e-5 / std::sqrt(2 * 56.0));
+  EXPECT_GT(result.p_value, 1e-3);
+  EXPECT_TRUE(result.models.empty());  // nothing asks for another model
+  EXPECT_THAT(result.covariance_meaning, HasSubstr("a scatter estimated from repeated runs"));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("with that the fit agrees with all runs")));
+}
+
+TEST(Scatter, AWrongModelIsSeenBesideTheScatterOfRepetitions) {
+  std::mt19937 random(15);
+  Problem problem = scattered(2, 3e-5, 3e-5, random, 0.002);
+  auto& runs = problem.summary_runs;
+  for (std::size_t k = 0; k < 14; k += 2)  // every other pair: seven of them
+    runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(k),
+               runs.begin() + static_cast<std::ptrdiff_t>(k + 2));
+  const FitResult result = estimate(problem, quick());
+  EXPECT_FALSE(result.scatter_from_replicates);
+  EXPECT_LT(result.p_value, 1e-3);
+  EXPECT_GT(result.scatter, 3e-5);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("by more than repeated runs do")));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with tilt")));
+}
+
+TEST(Scatter, IsOneUnlessTheObservablesDiffer) {
+  int told_apart = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    std::mt19937 random(seed);
+    const FitResult result = estimate(scattered(1, 8e-5, 8e-5, random), quick());
+    EXPECT_NEAR(result.scatter, 8e-5, 5e-5);
+    EXPECT_THAT(result.covariance_meaning, HasSubstr("a scatter estimated from the residuals"));
+    told_apart += result.scatter_along != result.scatter_across;
+  }
+  EXPECT_LE(told_apart, 2);  // one in a hundred; P(> 2 of 12) = 2e-4
+  std::mt19937 random(16);
+  const FitResult result = estimate(scattered(1, 2e-5, 4e-4, random), quick());
+  EXPECT_LT(result.scatter_along, 1e-4);
+  EXPECT_NEAR(result.scatter_across, 4e-4, 2.5e-4);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("across their displacement (alpha)")));
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
