@@ -9,9 +9,13 @@ namespace tribotrack::model::internal {
 namespace {
 
 constexpr double kLoosest = 1e-4;
-constexpr int kMaxCycles = 16;
+constexpr int kMaxCycles = 40;
 /// Newton steps below this leave less than rounding in the velocity, and 1e-13 in the drift.
 constexpr double kLastStep = 1e-9;
+/// Where no more than this is left the next cycle is to be the last.
+constexpr double kNearlyThere = 1e-7;
+/// Newton steps shorter than this are sure to lead nearer.
+constexpr double kSure = 1e-6;
 
 struct Matrix {
   double xx, xy, yx, yy;
@@ -106,7 +110,11 @@ Need OrbitRun::end_cycle() {
   const Matrix slope{lane.yx[0], lane.yx[1], lane.yy[0], lane.yy[1]};
   const Pair<double> step = newton_step(jacobian, gap);
   const double size = length(step);
-  if (!(size < 10)) {
+  // Far from the orbit Newton's method can go astray; the map itself never separates two motions.
+  if (newton_ && !(size < 0.7 * last_size_)) trusted_ *= 0.3;
+  newton_ = size < trusted_ || size < kSure;
+  last_size_ = size;
+  if (!newton_) {
     velocity_ = end;
     return begin_cycle();
   }
@@ -117,8 +125,8 @@ Need OrbitRun::end_cycle() {
   }
   velocity_ = velocity_ + step;
   // What the step leaves: terms of second order, and what the Jacobian is off by.
-  const double left = size * std::max(size, lane.tolerance > 1e-8 ? 1e-2 : 1e-4);
-  lane.tolerance = std::clamp(1e-2 * left, kLaneTolerance, kLoosest);
+  const double left = size * std::max(size, lane.tolerance > 1e-6 ? 1e-2 : 1e-3);
+  lane.tolerance = left < kNearlyThere ? kLaneTolerance : std::clamp(1e-2 * left, kLaneTolerance, kLoosest);
   return begin_cycle();
 }
 

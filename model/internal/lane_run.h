@@ -108,8 +108,10 @@ class OrbitRun : public LaneRun {
   int segment_ = 0, iterations_ = 0;
   bool from_rest_ = false;
   Pair<double> velocity_, drift_;
+  bool newton_ = false;  ///< whether the last step was one
+  double trusted_ = 1;   ///< the longest step of Newton's that is believed
+  double last_size_ = 0;
   double contraction_ = 0;
-  bool none_ = false;
 };
 
 }  // namespace tribotrack::model::internal
