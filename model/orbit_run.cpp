@@ -11,9 +11,9 @@ namespace {
 constexpr double kLoosest = 1e-4;
 constexpr int kMaxCycles = 40;
 /// Newton steps below this leave less than rounding in the velocity, and 1e-13 in the drift.
-constexpr double kLastStep = 1e-9;
+constexpr double kLastStep = 2e-10;
 /// Where no more than this is left the next cycle is to be the last.
-constexpr double kNearlyThere = 1e-7;
+constexpr double kNearlyThere = 1e-8;
 /// Newton steps shorter than this are sure to lead nearer.
 constexpr double kSure = 1e-6;
 
@@ -98,9 +98,9 @@ Need OrbitRun::pass_edge() {
 /// The motion and its neighbours have come round.
 Need OrbitRun::end_cycle() {
   const Pair<double> end{lane.vx, lane.vy}, gap = end - velocity_;
-  if (gap.x == 0 && gap.y == 0) {
+  if (at_rest() && from_rest_) {
     contraction_ = 0;
-    return Need::done;  // every bit: from stop to stop
+    return Need::done;  // from stop to stop: nothing is remembered
   }
   if (from_rest_ || at_rest()) {
     velocity_ = end;

@@ -26,7 +26,7 @@ struct LaneState {
 };
 
 /// The tolerance of each step that leaves end points good to some 1e-13.
-inline constexpr double kLaneTolerance = 1e-13;
+inline constexpr double kLaneTolerance = 1e-14;
 /// Below the first speed a step in sigma carries farther; above the second no more.
 inline constexpr double kCreepBelow = 0.06, kSlideAbove = 0.09;
 /// Below this speed the rest of the way to a stop is known in closed form.
