@@ -37,7 +37,8 @@ struct BatchSteady {
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< displacement per cycle, m
   double alpha = 0;                                 ///< its direction, rad in [0, 2 pi); NaN without drift
   double v = 0;                                     ///< |drift| w / 2 pi, m/s
-  /// Spectral radius of the one-cycle velocity map, 0 with stick. To about 1e-4 of itself.
+  /// Spectral radius of the one-cycle velocity map, 0 with stick. Told to 1e-3, mostly to 1e-5, where it comes
+  /// from lanes.
   double contraction = 0;
 };
 

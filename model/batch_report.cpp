@@ -44,7 +44,7 @@ std::string BatchSummary::brief_report() const {
   const double used =
       lane_slots > 0 ? 100 * static_cast<double>(lane_steps) / static_cast<double>(lane_slots) : 0;
   std::snprintf(text, sizeof text,
-                "%zu solutions, %.1f %% in lanes (%.0f %% of them at work), %zu not solved", solutions,
+                "%zu solutions, %.1f %% in lanes (which were %.0f %% full), %zu not solved", solutions,
                 all * static_cast<double>(in_lanes), used, not_solved);
   return text;
 }

@@ -14,8 +14,8 @@ template <class Set, int L>
 struct SlideKernel {
   static constexpr int N = 16;
   /// Where a motion has settled its coefficients do not show how fast neighbours settle (rates up to kappa/r
-  /// in t, kappa + 1 in sigma): exp(-x) is within 3e-7 of its Taylor polynomial up to here.
-  static constexpr double kDampedStep = 3;
+  /// in t, kappa + 1 in sigma): exp(-x) is within 4e-10 of its Taylor polynomial up to here.
+  static constexpr double kDampedStep = 2;
   using V = Lanes<L>;
   typedef std::int64_t Bits __attribute__((vector_size(8 * L)));
   using Math = LaneMath<Set, L>;
@@ -214,7 +214,7 @@ struct SlideKernel {
   /// The nodes of Gauss's formula with two.
   static constexpr double kGauss[2] = {0.5 - 0.28867513459481288, 0.5 + 0.28867513459481288};
 
-  /// cos and sin of |t| <= kDampedStep/2 or so, to 1e-9 up to 1.
+  /// cos and sin of |t| <= kDampedStep, to 1e-9 up to 1.
   [[gnu::always_inline]] static void cos_sin(const V& t, V& cosine, V& sine) {
     const V u = t * t;
     constexpr double kCos[] = {1, 1. / 2, 1. / 24, 1. / 720, 1. / 40320, 1. / 3628800};
