@@ -70,8 +70,11 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
   for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
     EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
-  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_claims",
-                           "bench_vision", "bench_fit"})
+  EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
+            "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
+            "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
+  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
+                           "bench_model_claims", "bench_vision", "bench_fit"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
