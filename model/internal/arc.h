@@ -31,15 +31,25 @@ struct GaussTable {
   void integrals_to(double c, double* once, double* twice) const;
 };
 
+/// What an arc was, for the same stretch of the next cycle to begin with: the integrals of U/|U| to the nodes
+/// in units of the span.
+struct ArcTrace {
+  alignas(64) double front_x[GaussTable::kMaxLanes], front_y[GaussTable::kMaxLanes];
+  alignas(64) double mirror_x[GaussTable::kMaxLanes], mirror_y[GaussTable::kMaxLanes];
+};
+
 /// The arc: dU/dt = constant + p cos t + q sin t - kappa U/|U|, t = -span/2 .. span/2 (so p, q belong to its
 /// middle).
 struct ArcInput {
   Pair<double> constant, p, q;
   double kappa = 0;
   double span = 0;
-  Pair<double> velocity;  ///< at its start
-  double tolerance = 0;   ///< of the velocity, absolute
-  bool keep = false;      ///< the directions at the nodes
+  Pair<double> velocity;      ///< at its start
+  double tolerance = 0;       ///< of the velocity, absolute
+  double rounding = 0;        ///< changes of U over |U|^2 below this tell nothing
+  bool keep = false;          ///< the directions at the nodes
+  ArcTrace* trace = nullptr;  ///< out, if converged; in if `traced`
+  bool traced = false;
 };
 
 struct ArcOutput {

@@ -70,16 +70,24 @@ struct ArcKernel {
     const V wy_m = in.velocity.y + in.p.y * int_cos_m + in.q.y * int_sin + (in.constant.y * h) * cm;
 
     const double pull = -in.kappa * h;
-    const double speed = __builtin_sqrt(in.velocity.x * in.velocity.x + in.velocity.y * in.velocity.y);
-    // First guess: the velocity turns with the drive.
-    const double turn = in.p.x * in.q.y - in.p.y * in.q.x > 0 ? 1 : -1;
-    const double nx0 = in.velocity.x / speed, ny0 = in.velocity.y / speed, pace = pull / h;
-    const V sine_f = C * sin_f + S * cos_f, sine_m = S * cos_f - C * sin_f;
-    const V rest_f = 1.0 - (C * cos_f - S * sin_f), rest_m = 1.0 - (C * cos_f + S * sin_f);
-    V ux_f = wx_f + pace * (nx0 * sine_f - (turn * ny0) * rest_f),
+    // First guess: friction acts as in the cycle before, or the velocity turns with the drive.
+    V ux_f, uy_f, ux_m, uy_m;
+    if (in.traced) {
+      ux_f = wx_f + pull * Math::load(in.trace->front_x);
+      uy_f = wy_f + pull * Math::load(in.trace->front_y);
+      ux_m = wx_m + pull * Math::load(in.trace->mirror_x);
+      uy_m = wy_m + pull * Math::load(in.trace->mirror_y);
+    } else {
+      const double speed = __builtin_sqrt(in.velocity.x * in.velocity.x + in.velocity.y * in.velocity.y);
+      const double turn = in.p.x * in.q.y - in.p.y * in.q.x > 0 ? 1 : -1;
+      const double nx0 = in.velocity.x / speed, ny0 = in.velocity.y / speed, pace = pull / h;
+      const V sine_f = C * sin_f + S * cos_f, sine_m = S * cos_f - C * sin_f;
+      const V rest_f = 1.0 - (C * cos_f - S * sin_f), rest_m = 1.0 - (C * cos_f + S * sin_f);
+      ux_f = wx_f + pace * (nx0 * sine_f - (turn * ny0) * rest_f);
       uy_f = wy_f + pace * (ny0 * sine_f + (turn * nx0) * rest_f);
-    V ux_m = wx_m + pace * (nx0 * sine_m - (turn * ny0) * rest_m),
+      ux_m = wx_m + pace * (nx0 * sine_m - (turn * ny0) * rest_m);
       uy_m = wy_m + pace * (ny0 * sine_m + (turn * nx0) * rest_m);
+    }
 
     alignas(64) double even_x[L], even_y[L], odd_x[L], odd_y[L];
     V nx_f, ny_f, nx_m, ny_m, square_f, square_m, inverse_f, inverse_m, ix_f, iy_f, ix_m, iy_m;
@@ -119,7 +127,8 @@ struct ArcKernel {
       const V left_f = inverse_f * inverse_f, left_m = inverse_m * inverse_m;
       const V moved =
           left_f * left_f * (dx_f * dx_f + dy_f * dy_f) + left_m * left_m * (dx_m * dx_m + dy_m * dy_m);
-      const double allowed = 0.5 * in.tolerance * (sweep + 1) * (sweep + 2) / (pull * pull);
+      const double allowed =
+          __builtin_fmax(0.5 * in.tolerance * (sweep + 1) * (sweep + 2) / (pull * pull), in.rounding);
       out.converged = Math::all_below(moved, allowed * allowed);
     }
     out.sweeps = sweep;
@@ -139,6 +148,12 @@ struct ArcKernel {
     double slowest = least[0];
     for (int i = 1; i < L; ++i) slowest = least[i] < slowest ? least[i] : slowest;
     out.slowest = __builtin_sqrt(slowest);
+    if (in.trace && out.converged) {
+      Math::store(ix_f, in.trace->front_x);
+      Math::store(iy_f, in.trace->front_y);
+      Math::store(ix_m, in.trace->mirror_x);
+      Math::store(iy_m, in.trace->mirror_y);
+    }
     if (in.keep) {
       take(out.direction_x, nx_f, nx_m);
       take(out.direction_y, ny_f, ny_m);

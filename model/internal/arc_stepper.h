@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "model/internal/arc.h"
@@ -14,8 +15,56 @@ inline constexpr double kLongestArc = 2.4;
 /// How long the next arc may be at most: at mu1, mu2; later arcs, the first after a switch.
 struct ArcSpans {
   double at[2][2];
+  double failed[2][2];  ///< what was too long
 };
-inline constexpr ArcSpans kLongestSpans{{{kLongestArc, kLongestArc}, {kLongestArc, kLongestArc}}};
+inline constexpr ArcSpans kLongestSpans{{{kLongestArc, kLongestArc}, {kLongestArc, kLongestArc}},
+                                        {{HUGE_VAL, HUGE_VAL}, {HUGE_VAL, HUGE_VAL}}};
+
+/// What a cycle leaves for the next one: how long its arcs could be, and the arcs.
+class ArcMemory {
+ public:
+  ArcSpans spans = kLongestSpans;
+
+  /// Where the arc from s over `span` is to leave its trace (null: nowhere), and whether the last cycle left
+  /// one of the same stretch.
+  ArcTrace* find(double s, double span, bool reduced, int pairs, bool& known) {
+    known = false;
+    if (s <= last_) next_ = 0;
+    while (next_ < count_ && arcs_[next_].s < s) ++next_;
+    last_ = s;
+    if (next_ == kMost) return nullptr;
+    Arc& arc = arcs_[next_];
+    known = next_ < count_ && arc.s == s && arc.span == span && arc.reduced == reduced && arc.pairs == pairs;
+    if (!known) {
+      arc.s = s;
+      arc.span = span;
+      arc.reduced = reduced;
+      arc.pairs = pairs;
+      count_ = std::max(count_, next_ + 1);
+    }
+    return &arc.trace;
+  }
+  /// The arc last asked for was none.
+  void drop() {
+    if (next_ < count_) arcs_[next_].span = 0;
+  }
+  void clear() {
+    spans = kLongestSpans;
+    count_ = 0;
+  }
+
+ private:
+  static constexpr int kMost = 24;
+  struct Arc {
+    double s, span;
+    bool reduced;
+    int pairs;
+    ArcTrace trace;
+  };
+  std::array<Arc, kMost> arcs_;
+  int count_ = 0, next_ = 0;
+  double last_ = HUGE_VAL;
+};
 
 /// Carries U and X along arcs solved by collocation, and remembers from arc to arc how long the next may be.
 template <class T>
@@ -36,10 +85,11 @@ class ArcStepper {
   /// U/|U| at node i of the last arc.
   Pair<T> direction(int i) const;
   const GaussTable& table() const { return table_; }
-  const ArcSpans& spans() const { return spans_; }
-  void set_spans(const ArcSpans& spans) { spans_ = spans; }
+  /// To remember in `memory` and to begin with what it knows.
+  void share(ArcMemory& memory) { memory_ = &memory; }
+  ArcMemory& memory() { return *memory_; }
   /// What follows must not depend on what was before.
-  void forget() { spans_ = kLongestSpans; }
+  void forget() { memory_->clear(); }
 
  private:
   static constexpr int N = derivative_count<T>;
@@ -54,7 +104,8 @@ class ArcStepper {
   ArcInput in_;
   ArcOutput out_;
   ArcColumns columns_;
-  ArcSpans spans_ = kLongestSpans;
+  ArcMemory own_;
+  ArcMemory* memory_ = &own_;
   bool reduced_ = false, first_ = true;
 };
 
@@ -87,25 +138,33 @@ bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slo
                             Pair<T>& moved) {
   const double left = target - s, speed = std::sqrt(value(u.x) * value(u.x) + value(u.y) * value(u.y));
   const double sweepable = std::fmin(kLongestArc, kSweepable * speed / value(kappa));
-  double& longest = spans_.at[reduced_][first_];
+  double &longest = memory_->spans.at[reduced_][first_], &failed = memory_->spans.failed[reduced_][first_];
   for (int attempt = 0; attempt < 5; ++attempt) {
     if (std::fmin(longest, sweepable) < kShortestArc) break;
     const double arcs = std::ceil(left / std::fmin(longest, sweepable) - 1e-9);
     const double end = arcs > 1 ? s + left / arcs : target;
     in_.span = end - s;
     in_.tolerance = tolerance_ * speed;
+    in_.rounding = 2.5e-16 / (speed * speed);
+    in_.trace = memory_->find(s, in_.span, reduced_, table_.pairs, in_.traced);
     solve(s, kappa, u);
-    if (out_.converged && out_.slowest < slowest) return false;
+    if (out_.converged && out_.slowest < slowest) {
+      memory_->drop();
+      return false;
+    }
     // At the end the truncation error is the square of that in between.
     const double tail = in_.keep ? kWithin * out_.tail : out_.tail * out_.tail;
     const double error = value(kappa) * in_.span * tail / (tolerance_ * out_.slowest);
     if (out_.converged && error <= 1) {
-      if (error * growth_ < 0.3) longest = std::fmax(longest, kLonger * in_.span);
+      const double longer = kLonger * in_.span;
+      if (error * growth_ < 0.3 && longer < failed) longest = std::fmax(longest, longer);
       first_ = false;
       s = end;
       take(u, moved);
       return true;
     }
+    memory_->drop();
+    failed = 0.999 * in_.span;
     longest = in_.span / kLonger;
   }
   longest = std::fmax(longest, 0.1);

@@ -16,6 +16,7 @@ struct CycleMap {
 
 struct Remainder {
   Eigen::Vector2d velocity_change, displacement;
+  double apart = 0;  ///< from the cycles left out, in velocity
   double error = 0;  ///< of the displacement
 };
 
@@ -33,6 +34,35 @@ inline double sum_of_gaps(double q, double copies) {
 inline double copying_error(double gap, double q, double copies) {
   return 2 * M_PI * gap * sum_of_gaps(q, copies);
 }
+
+/// How gaps between successive cycles' starts shrink, and when what is left of them is rounding: they then
+/// flicker at its level for ever, without two cycles that agree to the last digit.
+class Shrinking {
+ public:
+  /// Per cycle, where it is known.
+  explicit Shrinking(double contraction) : contraction_(contraction) {}
+
+  /// Whether a gap that followed `before` after a cycle of so many steps is rounding: within what the steps'
+  /// own rounding adds up to, no longer shrinking, and after a contraction that leaves no doubt about where
+  /// it led; a stop on the way leaves none at once. Gaps come in their order, of the first none is `before`.
+  bool settled(double gap, double before, double steps, bool stopped) {
+    rounding_ = 2.3e-16 * (4 + 0.25 * steps);
+    if (stopped) {
+      contraction_ = 0;
+    } else if (gap > rounding_) {
+      const double ratio = gap / before;
+      contraction_ = contraction_ < HUGE_VAL ? std::sqrt(contraction_ * ratio) : ratio;
+    }
+    return gap <= rounding_ && gap > 0.5 * before && contraction_ < 0.75;
+  }
+  /// Of the displacement of `copies` further cycles: all of them begin within (gap + rounding)/(1 - q).
+  double error(double gap, double copies) const {
+    return 2 * M_PI * (gap + rounding_) / (1 - contraction_) * copies;
+  }
+
+ private:
+  double contraction_, rounding_ = 0;
+};
 
 /// `copies` more cycles after the one `map` describes, which began at `start`, `before` away from where the
 /// one before it began: d_{k+1} = J d_k, D_{k+1} = D_k + G d_k for the differences d_k of successive starts.
@@ -52,6 +82,7 @@ inline Remainder extrapolate(const CycleMap& map, const Eigen::Vector2d& start, 
       copies * map.drift + map.drift_slope * (inverse * (copies * d - map.jacobian * geometric));
   const double q = std::fmin(d.norm() / before.norm(), 0.99);
   const double second_order = (d - map.jacobian * before).norm() * q * q;
+  rest.apart = second_order / (1 - q);
   rest.error = copying_error(second_order, q, copies);
   return rest;
 }

@@ -1,6 +1,7 @@
 // A solved run behind Trajectory, for any number of derivatives.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <memory>
 #include <stdexcept>
@@ -82,7 +83,8 @@ SolverInput<T> Run<T>::prepare() const {
 /// U0 = P(U0, p) differentiated: dU0 = (I - dP/dU)^-1 dP/dp.
 template <class T>
 void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
-  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
+  const auto orbit =
+      find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
   if (!orbit)
     throw InvalidParameter(
         std::string("start = ") + to_string(scenario.start) +
@@ -90,6 +92,7 @@ void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
         "tilt beyond the friction angle); use start = rest");
   in.velocity = {T(orbit->velocity.x()), T(orbit->velocity.y())};
   in.on_orbit = true;
+  in.contraction = orbit->jacobian.eigenvalues().cwiseAbs().maxCoeff();
   if constexpr (derivative_count < T >> 0) {
     Scenario free = scenario;
     free.start = Start::rest;

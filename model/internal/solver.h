@@ -25,7 +25,8 @@ struct SolverInput {
   T start_shift{};        ///< derivatives of the start phase (value 0)
   bool on_orbit =
       false;  ///< `velocity` lies on one motion whatever the start phase: it does not shift with it
-  double cycles = 0, rest = 0;  ///< the run ends `rest` after so many whole cycles
+  double contraction = HUGE_VAL;  ///< per cycle of that motion
+  double cycles = 0, rest = 0;    ///< the run ends `rest` after so many whole cycles
   double tolerance = 1e-16;
   bool dense = false;  ///< keep the pieces
   bool reuse = true;   ///< of repeating cycles
@@ -56,6 +57,9 @@ SolverInput<U> lifted(const SolverInput<T>& in) {
   return out;
 }
 
+/// Of implicit steps, grows where they succeed.
+inline constexpr double kFirstSlowSpan = 0.5;
+
 /// The friction at one time.
 struct Contact {
   bool reduced = false;  ///< mu2 holds
@@ -70,15 +74,15 @@ class Solver {
       : in_(input),
         drive_(input.problem.drive),
         order_(taylor_order(input.tolerance)),
-        arcs_(drive_, in_.tolerance, in_.dense) {}
+        arcs_(drive_, in_.tolerance, in_.dense),
+        shrinking_(in_.contraction) {}
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
   void run();
   /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
-  /// phase of the next, with its derivatives by u. `spans` is what is known of the length of arcs, before and
-  /// after.
-  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans);
+  /// phase of the next, with its derivatives by u. `memory` is what is known of its arcs, before and after.
+  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory);
   Motion<T> end() const { return {u_, x_}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
   Motion<T> at(double cycle, double s) const;
@@ -102,6 +106,7 @@ class Solver {
     double gap = 0;  ///< of its velocity to the one before
     Pair<T> u, x;
     Pair<double> rounded;
+    long steps = 0;
     double stops = 0, releases = 0, stick_phase = 0;
   };
 
@@ -118,6 +123,7 @@ class Solver {
   bool slow(double target, bool from_rest);
   void reach_zero(const T& moved, const Pair<T>& force_before);
   void apply(const Edge<T>& edge);
+  void note_cycle_start();
   void skip_repeating_cycles();
   void extrapolate_cycles(const Pair<T>& previous_start, double allowed);
 
@@ -173,12 +179,13 @@ class Solver {
   bool stuck_ = false;  ///< stopped and held since it last moved
   Pair<T> u_, x_;
   Pair<double> rounded_;  ///< what x_ has lost by rounding (Kahan's sum)
-  double slow_span_ = 0.5;
+  double slow_span_ = kFirstSlowSpan;
   double drive_bound_ = 0;
   // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
   double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
   Pair<T> repeat_drift_;
   CycleStart last_start_;
+  Shrinking shrinking_;
 };
 
 /// To 1e-13, or the tolerance, of the largest.
@@ -285,6 +292,7 @@ void Solver<T>::hold(double target) {
     piece.span = until - s_;
     contact_.sticks = true;
     arcs_.forget();
+    slow_span_ = kFirstSlowSpan;
     if (in_.dense) chain_.add_stick(piece);
     u_ = {};
     stick_phase += until - s_;
@@ -464,7 +472,7 @@ bool Solver<T>::slow(double target, bool from_rest) {
     if (span < shortest || (!from_rest && i == 4)) break;
   }
   if (!step) {
-    slow_span_ = 0.5;
+    slow_span_ = kFirstSlowSpan;
     return false;
   }
   Piece<T> piece = begin_piece();
@@ -483,18 +491,26 @@ bool Solver<T>::slow(double target, bool from_rest) {
   return true;
 }
 
+template <class T>
+void Solver<T>::note_cycle_start() {
+  last_start_ = {length(Pair<T>(u_ - last_start_.u)), u_, x_, rounded_, steps, stops, releases, stick_phase};
+}
+
 /// Once a cycle begins as the last one did, all later ones are copies and only add their drift.
 template <class T>
 void Solver<T>::skip_repeating_cycles() {
   const double scale = std::fmax(length(u_), 1e-3), copies = in_.cycles - cycle_;
   const CycleStart before = last_start_;
-  last_start_ = {length(Pair<T>(u_ - before.u)), u_, x_, rounded_, stops, releases, stick_phase};
+  note_cycle_start();
   if (cycle_ < 2) return;
   const double gap = last_start_.gap, q = cycle_ > 2 && before.gap > 0 ? gap / before.gap : 1;
-  const double allowed = in_.tolerance * scale * kTwoPi * in_.cycles;
-  const double error = copying_error(gap, q, copies);
+  // However many copies: how far a cycle's velocity may be from the one it stands for.
+  const double allowed = in_.tolerance * scale;
   const bool exact = same(u_.x, before.u.x) && same(u_.y, before.u.y);
-  const bool close = gap <= 4e-16 * scale || error <= allowed;
+  const bool settled =
+      shrinking_.settled(gap, before.gap, static_cast<double>(steps - before.steps), stops > before.stops);
+  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
+  const bool close = settled || gap <= 4e-16 * scale || (q < 1 && gap <= (1 - q) * allowed);
   if (exact || (close && same_derivatives(u_, before.u, in_.tolerance))) {
     error_bound = error;
     repeat_from_ = cycle_;
@@ -511,7 +527,7 @@ void Solver<T>::skip_repeating_cycles() {
     // Worth a try? Terms of second order in the next gap are left out.
     const double next = gap * (cycle_ > 2 ? q : 0.1);
     if (!in_.dense && stops == before.stops && next < 0.3 * gap && copies > 2 &&
-        next * next * copies <= allowed)
+        next * next <= kTwoPi * allowed)
       extrapolate_cycles(before.u, allowed);
   }
 }
@@ -520,8 +536,7 @@ void Solver<T>::skip_repeating_cycles() {
 template <class T>
 void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
   Solver<Jet<2>> solver(lifted<Jet<2>>(in_));
-  ArcSpans spans = arcs_.spans();
-  const CycleMap map = solver.map_cycle(s_, reduced_, u_, spans);
+  const CycleMap map = solver.map_cycle(s_, reduced_, u_, arcs_.memory());
   const Eigen::Vector2d start(u_.x, u_.y), before(u_.x - previous_start.x, u_.y - previous_start.y);
   steps += solver.steps;
   u_ = {map.end.x(), map.end.y()};
@@ -530,7 +545,7 @@ void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed
   cycle_ += 1;
   const double copies = in_.cycles - cycle_;
   const Remainder rest = extrapolate(map, start, before, copies);
-  if (solver.stops > 0 || !(rest.error <= allowed)) return;
+  if (solver.stops > 0 || !(rest.apart <= allowed)) return note_cycle_start();
   u_ = u_ + Pair<T>{rest.velocity_change.x(), rest.velocity_change.y()};
   move({rest.displacement.x(), rest.displacement.y()});
   error_bound = rest.error;
@@ -538,17 +553,16 @@ void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed
 }
 
 template <class T>
-CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans) {
+CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory) {
   static_assert(derivative_count<T> == 2);
   begin(s, reduced);
-  arcs_.set_spans(spans);
+  arcs_.share(memory);
   u_ = {T(u.x), T(u.y)};
   u_.x.d[0] = u_.y.d[1] = 1;
   if (s < 0)
     run_cycle();
   else
     run_until(kTwoPi);
-  spans = arcs_.spans();
   CycleMap map;
   map.end = {u_.x.v, u_.y.v};
   map.drift = {x_.x.v, x_.y.v};
