@@ -8,7 +8,7 @@ struct Here;  // makes every function of the kernel this file's own
 }
 
 SlideMachines slide_machines_avx2() {
-  return SlideKernel<Here, 4>::machines();
+  return SlideKernel<Here, 8>::machines();
 }
 
 }  // namespace tribotrack::model::internal
