@@ -37,8 +37,8 @@ struct BatchSteady {
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< displacement per cycle, m
   double alpha = 0;                                 ///< its direction, rad in [0, 2 pi); NaN without drift
   double v = 0;                                     ///< |drift| w / 2 pi, m/s
-  /// Spectral radius of the one-cycle velocity map, 0 with stick. Told to 1e-3, mostly to 1e-5, where it comes
-  /// from lanes.
+  /// Spectral radius of the one-cycle velocity map, 0 with stick. Told to 1e-3, mostly to 1e-5, where it
+  /// comes from lanes.
   double contraction = 0;
 };
 
@@ -60,9 +60,10 @@ enum class ScalarReason {
   start,              ///< the start needs a steady motion of its own
   marginal,           ///< starts from rest with mu g within 2 % of the drive, or stops about at an edge
   many_steps,         ///< creeps for long
+  weak_friction,      ///< cycles hardly contract: what rounding leaves of their motion would show
   no_convergence,     ///< Newton's method on the one-cycle map
 };
-inline constexpr std::size_t kScalarReasons = 7;
+inline constexpr std::size_t kScalarReasons = 8;
 const char* to_string(ScalarReason reason);
 
 /// What the batch did. Counts solutions: two per scenario where both ends and steady motions are wanted.

@@ -32,6 +32,8 @@ const char* to_string(ScalarReason reason) {
       return "starts or stops near the threshold of friction";
     case ScalarReason::many_steps:
       return "creeps for long";
+    case ScalarReason::weak_friction:
+      return "friction so weak that cycles hardly contract";
     case ScalarReason::no_convergence:
       break;
   }

@@ -33,20 +33,22 @@ Need LaneRun::look(Need kind) {
   if (!(square < 1e8)) return give_up(ScalarReason::many_steps);
   if (kind == Need::creep) {
     if (square > kSlideAbove * kSlideAbove) return Need::slide;
-    if (square < kStopBelow * kStopBelow && lane.kappa > 1)
-      return stop() ? Need::edge : give_up(ScalarReason::marginal);
+    const double slow = kStopBelow * std::fmin(1, lane.kappa - 1);
+    if (slow > 0 && square < slow * slow) return stop() ? Need::edge : give_up(ScalarReason::marginal);
     return Need::creep;
   }
   return square < kCreepBelow * kCreepBelow && !finishing_ ? Need::creep : Need::slide;
 }
 
-/// r' = n_x - kappa: over a time r/(kappa - n_x) to rest, half as far as at constant speed. What that leaves
-/// out is smaller by another r. Held until the edge. False if the edge may come first.
+/// As r -> 0 the equations in sigma become linear, p = r + v_x, q = r - v_x and v_y fall at rates kappa - 1,
+/// kappa + 1 and kappa, and the way and the time to rest are integrals of r v and r. What that leaves out is
+/// smaller by another r. Held from then on until the edge. False if the edge may come first.
 bool LaneRun::stop() {
-  const double r = std::hypot(lane.vx, lane.vy), rate = lane.kappa - lane.vx / r;
-  if (lane.left < 2 * r / (lane.kappa - 1)) return false;
-  const double time = r / rate;
-  const double x = lane.zx + 0.5 * time * lane.vx, y = lane.zy + 0.5 * time * lane.vy;
+  const double k = lane.kappa, r = std::hypot(lane.vx, lane.vy), p = r + lane.vx, q = r - lane.vx;
+  const double time = 0.5 * (p / (k - 1) + q / (k + 1));
+  if (lane.left < 2 * time) return false;
+  const double x = lane.zx + 0.125 * (p * p / (k - 1) - q * q / (k + 1));
+  const double y = lane.zy + 0.5 * lane.vy * (p / (2 * k - 1) + q / (2 * k + 1));
   const double c = std::cos(lane.left), s = std::sin(lane.left);
   lane.zx = x * c + y * s;
   lane.zy = y * c - x * s;

@@ -14,6 +14,7 @@ constexpr int kMaxCycles = 40;
 constexpr double kLastStep = 2e-10;
 /// Where no more than this is left the next cycle is to be the last.
 constexpr double kNearlyThere = 1e-8;
+constexpr double kHardlyContracts = 0.98;
 /// Newton steps shorter than this are sure to lead nearer.
 constexpr double kSure = 1e-6;
 
@@ -108,6 +109,8 @@ Need OrbitRun::end_cycle() {
   }
   const Matrix jacobian{lane.ux[0], lane.ux[1], lane.uy[0], lane.uy[1]};
   const Matrix slope{lane.yx[0], lane.yx[1], lane.yy[0], lane.yy[1]};
+  if (lane.tolerance < kLoosest && spectral_radius(jacobian) > kHardlyContracts)
+    return give_up(ScalarReason::weak_friction);
   const Pair<double> step = newton_step(jacobian, gap);
   const double size = length(step);
   // Far from the orbit Newton's method can go astray; the map itself never separates two motions.

@@ -29,7 +29,7 @@ struct LaneState {
 inline constexpr double kLaneTolerance = 1e-14;
 /// Below the first speed a step in sigma carries farther; above the second no more.
 inline constexpr double kCreepBelow = 0.06, kSlideAbove = 0.09;
-/// Below this speed the rest of the way to a stop is known in closed form.
+/// Below this speed, or this times kappa - 1, the rest of the way to a stop is known in closed form.
 inline constexpr double kStopBelow = 1e-5;
 /// Starts from rest closer than this to the threshold of friction are stiff.
 inline constexpr double kMarginal = 0.02;

@@ -108,6 +108,59 @@ TEST(Batch, IsTheScalarIntegratorOverAnyCircularDrive) {
   EXPECT_GE(outcome.summary.in_lanes, 540u) << outcome.summary.full_report();
 }
 
+/// No or hardly any friction in the pulse, pulses next to nothing or next to all of the cycle, friction next
+/// to its threshold, friction that hardly brakes, fast and slow starts.
+std::vector<Scenario> corners(int count) {
+  std::cout << "seed " << kSeed << "\n";
+  RandomScenario random(kSeed);
+  std::vector<Scenario> scenarios;
+  for (int i = 0; i < count; ++i) {
+    Scenario s = random.circular();
+    Friction& f = s.friction;
+    const double a = laws::drive_amplitude(s), held = a / s.drive.gravity;
+    const auto nearly = [&] { return held * (1 + random.uniform(-1, 1) * random.log_uniform(1e-9, 0.1)); };
+    switch (i % 8) {
+      case 0:
+        f.reduced = 0;
+        break;
+      case 1:
+        f.reduced = f.nominal * 1e-6;
+        break;
+      case 2:
+        f.pulse_width = random.log_uniform(1e-9, 0.1);
+        break;
+      case 3:
+        f.pulse_width = 2 * kPi - random.log_uniform(1e-9, 0.1);
+        break;
+      case 4:
+        f.nominal = nearly();
+        break;
+      case 5:
+        f.nominal = held * random.uniform(0.5, 2.5);
+        f.reduced = nearly();
+        break;
+      case 6:
+        f.nominal = held * random.log_uniform(1e-4, 1);
+        f.reduced = f.nominal * random.uniform(0, 2);
+        break;
+      default: {
+        const double speed = a / s.drive.angular_frequency * random.log_uniform(1e-6, 10);
+        s.initial_velocity = {speed * random.uniform(-1, 1), speed * random.uniform(-1, 1)};
+      }
+    }
+    s.cycles = i % 3 == 0 ? 20 : i % 3 == 1 ? random.uniform(0, 4) : 200;
+    scenarios.push_back(s);
+  }
+  return scenarios;
+}
+
+TEST(Batch, IsTheScalarIntegratorInTheCorners) {
+  const auto scenarios = corners(240);
+  const auto outcome = solve_batch(scenarios, both());
+  expect_as_by_integrator(scenarios, outcome);
+  EXPECT_GE(outcome.summary.in_lanes, 384u) << outcome.summary.full_report();
+}
+
 TEST(Batch, EndsAgreeWithQuadruplePrecision) {
   auto scenarios = typical_sweep(12, 7);
   for (Scenario& s : scenarios) s.cycles = 3.3;
