@@ -2,7 +2,6 @@
 
 #include "model/displacement_angle.h"
 #include "model/internal/lane_run.h"
-#include "model/internal/repetition.h"
 
 namespace tribotrack::model::internal {
 
@@ -65,21 +64,23 @@ Need EndRun::pass_edge() {
   }
 }
 
-/// Cycles that begin as the last one did only add its displacement.
-bool EndRun::leave_out_copies() {
-  const Pair<double> velocity{lane.vx, lane.vy};
-  const Pair<double> before = seen_velocity_, from = seen_position_;
-  const double gap = internal::length(velocity - before);
-  const double ratio = seen_ > 1 && seen_gap_ > 0 ? gap / seen_gap_ : 1;
-  seen_velocity_ = velocity;
-  seen_position_ = position_;
-  seen_gap_ = gap;
-  if (seen_++ == 0) return false;
+/// Cycles that begin as the last one did, or within rounding, only add its displacement.
+void EndRun::leave_out_copies() {
+  const Seen before = seen_;
+  seen_ = {{lane.vx, lane.vy},
+           position_,
+           length(Pair<double>{lane.vx, lane.vy} - before.velocity),
+           steps,
+           before.count + 1};
+  if (before.count == 0) return;
   const double copies = frame_.cycles - cycle_ - (frame_.edges.edge[0].s < frame_.rest ? 0 : 1);
-  if (copies < 1 || copying_error(gap, ratio, copies) > 2e-15 * kTwoPi * frame_.cycles) return false;
-  position_ = position_ + copies * (position_ - from);
+  const double ratio = before.count > 1 && before.gap > 0 ? seen_.gap / before.gap : 1;
+  const bool settled =
+      before.count > 1 && shrinking_.settled(seen_.gap, before.gap, steps - before.steps, at_rest());
+  const bool close = copying_error(seen_.gap, ratio, copies) <= 2e-15 * kTwoPi * frame_.cycles;
+  if (copies < 1 || !(settled || close)) return;
+  position_ = position_ + copies * (position_ - before.position);
   cycle_ += copies;
-  return true;
 }
 
 BatchEnd EndRun::result() const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/batch.h"
+#include "model/internal/repetition.h"
 #include "model/internal/turning_frame.h"
 
 namespace tribotrack::model::internal {
@@ -75,7 +76,7 @@ class EndRun : public LaneRun {
   struct Turn {
     double cosine = 1, sine = 0;
   };
-  bool leave_out_copies();
+  void leave_out_copies();
 
   TurningFrame frame_;
   double end_time_ = 0;
@@ -84,10 +85,14 @@ class EndRun : public LaneRun {
   double cycle_ = 0;
   bool reduced_ = false;
   Pair<double> position_;
-  // At the first edge of the last cycle.
-  int seen_ = 0;
-  Pair<double> seen_velocity_, seen_position_;
-  double seen_gap_ = 0;
+  /// At the first edge of a cycle.
+  struct Seen {
+    Pair<double> velocity, position;
+    double gap = 0;  ///< of the velocity to that of the cycle before
+    int steps = 0, count = 0;
+  };
+  Seen seen_;
+  Shrinking shrinking_{HUGE_VAL};
 };
 
 /// To the steady motion: Newton on the one-cycle map from the edge to the lower friction.
