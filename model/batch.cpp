@@ -1,11 +1,13 @@
 #include "model/batch.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "model/displacement_angle.h"
 #include "model/internal/lane_pool.h"
@@ -53,7 +55,6 @@ class Counter {
   Counter(std::size_t count, int threads)
       : count_(count),
         portion_(std::clamp<std::size_t>(count / (static_cast<std::size_t>(threads) * 16), 1, 64)) {}
-  std::size_t portion() const { return portion_; }
   std::size_t take() { return std::min(next_.fetch_add(portion_), count_); }
   std::size_t end_of(std::size_t begin) const { return std::min(begin + portion_, count_); }
   void stop() { next_ = count_; }

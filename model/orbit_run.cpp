@@ -8,12 +8,14 @@
 namespace tribotrack::model::internal {
 namespace {
 
+/// Tolerance of the first cycles: what they leave is squared by the next Newton step.
 constexpr double kLoosest = 1e-4;
 constexpr int kMaxCycles = 40;
 /// Newton steps below this leave less than rounding in the velocity, and 1e-13 in the drift.
 constexpr double kLastStep = 2e-10;
 /// Where no more than this is left the next cycle is to be the last.
 constexpr double kNearlyThere = 1e-8;
+/// Errors of a cycle add up to 1/(1 - contraction) times as much: too much for lanes beyond this.
 constexpr double kHardlyContracts = 0.98;
 /// Newton steps shorter than this are sure to lead nearer.
 constexpr double kSure = 1e-6;
