@@ -38,19 +38,18 @@ Work run(const Scenario& s, int derivatives = 0) {
   return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
 }
 
-/// Each cycle by itself, from the velocity in which the last one ended: nothing repeats.
-Work cycle_by_cycle(Scenario s) {
-  return [s]() -> Vector2d {
-    Scenario one = s;
-    one.cycles = 1;
-    Vector2d position = Vector2d::Zero();
-    for (int i = 0; i < static_cast<int>(s.cycles); ++i) {
-      const Sample end = integrate(one).end();
-      position += end.position;
-      one.initial_velocity = end.velocity;
-    }
-    return position;
-  };
+/// Every cycle integrated, whether they repeat or not.
+Work cycle_by_cycle(const Scenario& s) {
+  IntegrationOptions options;
+  options.reuse_repeating_cycles = false;
+  return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
+}
+
+/// The end alone.
+Work end_of(const Scenario& s) {
+  IntegrationOptions options;
+  options.dense = false;
+  return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
 }
 
 const PlanStage& stage(const std::vector<PlanStage>& stages, const std::string& name) {
@@ -63,8 +62,8 @@ class Pairs {
  public:
   /// `planned`: the scene without the machinery, whose plan predicts.
   void add(const std::string& omission, const std::string& scene, const Scenario& planned, Work with,
-           Work without, bool same_motion = true) {
-    const std::vector<PlanStage> stages = plan(planned);
+           Work without, bool same_motion = true, const PlanPurpose& purpose = {}) {
+    const std::vector<PlanStage> stages = plan(planned, purpose);
     const PlanStage& s = stage(stages, omission);
     Pair pair;
     pair.row.omission = omission;
@@ -139,6 +138,15 @@ void add_repetition(Pairs& pairs, double cycles) {
   }
 }
 
+void add_dense_output(Pairs& pairs, double cycles) {
+  for (const double mu1 : {0.08, 0.1, 0.12}) {
+    char text[80];
+    std::snprintf(text, sizeof text, "mu1 = %g, dtau = pi/6: the whole motion or its end", mu1);
+    const Scenario s = base(mu1, pi / 6, cycles);
+    pairs.add("dense output", text, s, run(s), end_of(s), true, {0, false});
+  }
+}
+
 void add_derivatives(Pairs& pairs, double cycles) {
   const Scenario s = base(0.1, pi / 2, cycles);
   for (const int count : {3, 8, 15}) {
@@ -156,6 +164,7 @@ std::vector<PlanBenchRow> bench_plan(const ModelBenchOptions& options) {
   const double cycles = options.quick ? 16 : 20;
   add_machinery(pairs, cycles);
   add_repetition(pairs, cycles);
+  add_dense_output(pairs, cycles);
   add_derivatives(pairs, cycles);
   internal::PairedTiming timing;
   timing.rounds = options.quick ? 3 : 201;

@@ -30,7 +30,7 @@ struct Scene {
         may_stick(least <= friction),
         cycles(s.end_time() * s.drive.angular_frequency / (2 * std::numbers::pi)) {}
 
-  /// Steps of one cycle by the cost model.
+  /// One cycle by the cost model.
   double cycle_cost() const {
     return (pulses ? cost::kSwitchedCycle : cost::kSmoothCycle) + (may_stick ? cost::kStop : 0);
   }
@@ -139,7 +139,17 @@ PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbi
   return {name, false,
           with_figures("cycles repeat after %.0f (contraction %.3g a cycle): the other %.6g are added",
                        integrated, c, copies),
-          cost::saving(integrated, scene.cycles), copies * period * apart};
+          cost::saving(integrated, cost::every_cycle(scene.cycles, integrated, scene.may_stick)),
+          copies * period * apart};
+}
+
+PlanStage dense_output(const Scene& scene, const PlanPurpose& purpose) {
+  if (purpose.path)
+    return {"dense output", true,
+            "the motion between start and end is wanted: shorter arcs, all of them kept", 0, 0};
+  return {"dense output", false,
+          "the end alone is wanted: arcs as long as their ends allow, none of them kept",
+          cost::saving(1, scene.may_stick ? cost::kDenseSticking : cost::kDense), 0};
 }
 
 PlanStage derivatives(const PlanPurpose& purpose) {
@@ -166,6 +176,7 @@ std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose
   else
     stages.push_back(
         {"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles), 0, 0});
+  stages.push_back(dense_output(scene, purpose));
   stages.push_back(derivatives(purpose));
   return stages;
 }

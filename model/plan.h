@@ -20,11 +20,13 @@ struct PlanStage {
 /// What the result is for.
 struct PlanPurpose {
   int derivatives = 0;  ///< parameters the run is differentiated by: 0 for simulate, 3 for an ordinary fit
+  bool path = true;     ///< whether anything but the end is wanted
 };
 
 /// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?), platform
 /// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
-/// every cycle (do they repeat, so that the rest follows by addition?), derivatives (for whom?). Costs one
+/// every cycle (do they repeat, so that the rest follows by addition?), dense output (is anything but the end
+/// wanted?), derivatives (for whom?). Costs one
 /// steady_orbit() where cycles could repeat. Savings come from a measured cost model
 /// (model/internal/plan_cost.h); `tribotrack bench model` prints them beside measured ones.
 std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});

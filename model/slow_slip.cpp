@@ -82,11 +82,11 @@ std::array<double, S> Collocation::integrals(double c) {
 }
 
 std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double kappa, double s, double span,
-                                       double speed0, double angle0) {
+                                       double speed0, double angle0, const SlowStages* guess) {
   const Collocation& c = Collocation::get();
   std::array<Pair<double>, S> d;
   SlowStages stages;
-  // First guess: the velocity points along the drive.
+  // First guess else: the velocity points along the drive.
   for (int i = 0; i < S; ++i) {
     const double at = s + span * c.node[i];
     d[i] = drive.value_at(at);
@@ -96,6 +96,7 @@ std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double 
     stages.rates[i] = norm - kappa;
     stages.rates[S + i] = (d[i].x * slope.y - d[i].y * slope.x) / (norm * norm);
   }
+  if (guess) stages.rates = guess->rates;
   SlowJacobian& jacobian = stages.jacobian;
   Collocation::Square corner;
   SlowStages::Vector residual;

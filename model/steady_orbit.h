@@ -13,7 +13,8 @@ struct SteadyOrbit {
   Eigen::Vector2d velocity;  ///< u at platform phase `phase`, m/s
   double phase = 0;          ///< rad
   Eigen::Vector2d drift;     ///< displacement per cycle, m
-  double contraction = 0;    ///< spectral radius of the one-cycle velocity map at the orbit; 0 with stick
+  double contraction =
+      0;  ///< spectral radius of the one-cycle velocity map at the orbit, to 1e-4; 0 with stick
   int newton_iterations = 0;
   double alpha() const;                                  ///< direction of the drift, rad in [0, 2 pi)
   double mean_velocity(double angular_frequency) const;  ///< v = |drift| w / 2 pi, m/s

@@ -46,6 +46,8 @@ struct ArcInput {
   double span = 0;
   Pair<double> velocity;      ///< at its start
   double tolerance = 0;       ///< of the velocity, absolute
+  double resolution = 0;      ///< of the velocity, relative to the slowest
+  double slowest = 0;         ///< an arc that falls below this speed is none
   double rounding = 0;        ///< changes of U over |U|^2 below this tell nothing
   bool keep = false;          ///< the directions at the nodes
   ArcTrace* trace = nullptr;  ///< out, if converged; in if `traced`
@@ -55,10 +57,11 @@ struct ArcInput {
 struct ArcOutput {
   Pair<double> velocity;      ///< at its end
   Pair<double> displacement;  ///< from start to end
-  double tail = 0;            ///< last Legendre coefficient of U/|U|
+  double error = 0;           ///< truncation error of the velocity over `slowest`
   double slowest = 0;         ///< least |U| at the nodes and both ends
   int sweeps = 0;
   bool converged = false;
+  bool accepted = false;  ///< converged, resolved and not too slow: derivatives are those of such arcs only
   double direction_x[GaussTable::kMaxNodes],
       direction_y[GaussTable::kMaxNodes];  ///< U/|U| in ascending order
 };

@@ -38,7 +38,9 @@ struct ArcKernel {
   using V = Lanes<L>;
   using Math = LaneMath<Set, L>;
   static constexpr int kPairs = L - 1, kNodes = 2 * kPairs;
-  static constexpr int kMaxSweeps = 48;
+  /// Share of the last Legendre coefficient that the velocity between the nodes is off by.
+  static constexpr double kWithin = 0.02;
+  static constexpr int kMaxSweeps = 48, kSweepsToGain = 16;
 
   [[gnu::always_inline]] static void direction(const V& x, const V& y, V& nx, V& ny, V& square, V& inverse) {
     square = x * x + y * y;
@@ -130,6 +132,10 @@ struct ArcKernel {
       const double allowed =
           __builtin_fmax(0.5 * in.tolerance * (sweep + 1) * (sweep + 2) / (pull * pull), in.rounding);
       out.converged = Math::all_below(moved, allowed * allowed);
+      // By now sweeps that will get there gain by the sweep.
+      if (sweep == kSweepsToGain &&
+          !(Math::all_below(moved * square_f, 0.01) && Math::all_below(moved * square_m, 0.01)))
+        break;
     }
     out.sweeps = sweep;
     out.velocity = {wx_f[kPairs] + pull * ix_f[kPairs], wy_f[kPairs] + pull * iy_f[kPairs]};
@@ -143,11 +149,14 @@ struct ArcKernel {
         h * in.velocity.y + in.p.y * along + in.q.y * turned + in.constant.y * half + pull * h * my};
     const V tail_f = Math::load(g.tail_front), tail_m = Math::load(g.tail_mirror);
     const double tx = Math::sum(tail_f * nx_f + tail_m * nx_m), ty = Math::sum(tail_f * ny_f + tail_m * ny_m);
-    out.tail = __builtin_fabs(tx) + __builtin_fabs(ty);
+    const double tail = __builtin_fabs(tx) + __builtin_fabs(ty);
     const V least = square_f < square_m ? square_f : square_m;
     double slowest = least[0];
     for (int i = 1; i < L; ++i) slowest = least[i] < slowest ? least[i] : slowest;
     out.slowest = __builtin_sqrt(slowest);
+    // At the end the truncation error is the square of that in between.
+    out.error = in.kappa * h * (in.keep ? kWithin * tail : tail * tail) / out.slowest;
+    out.accepted = out.converged && out.error <= in.resolution && out.slowest >= in.slowest;
     if (in.trace && out.converged) {
       Math::store(ix_f, in.trace->front_x);
       Math::store(iy_f, in.trace->front_y);
@@ -158,7 +167,7 @@ struct ArcKernel {
       take(out.direction_x, nx_f, nx_m);
       take(out.direction_y, ny_f, ny_m);
     }
-    if (columns && out.converged) {
+    if (columns && out.accepted) {
       Solution solution;
       solution.sine = S;
       solution.cosine = C;

@@ -17,13 +17,14 @@ struct ArcSpans {
   double at[2][2];
   double failed[2][2];  ///< what was too long
 };
-inline constexpr ArcSpans kLongestSpans{{{kLongestArc, kLongestArc}, {kLongestArc, kLongestArc}},
-                                        {{HUGE_VAL, HUGE_VAL}, {HUGE_VAL, HUGE_VAL}}};
+constexpr ArcSpans spans_from(double first) {
+  return {{{first, first}, {first, first}}, {{HUGE_VAL, HUGE_VAL}, {HUGE_VAL, HUGE_VAL}}};
+}
 
 /// What a cycle leaves for the next one: how long its arcs could be, and the arcs.
 class ArcMemory {
  public:
-  ArcSpans spans = kLongestSpans;
+  ArcSpans spans = spans_from(0);  ///< 0: nothing known yet
 
   /// Where the arc from s over `span` is to leave its trace (null: nowhere), and whether the last cycle left
   /// one of the same stretch.
@@ -48,8 +49,8 @@ class ArcMemory {
   void drop() {
     if (next_ < count_) arcs_[next_].span = 0;
   }
-  void clear() {
-    spans = kLongestSpans;
+  void clear(double first_arc) {
+    spans = spans_from(first_arc);
     count_ = 0;
   }
 
@@ -77,6 +78,7 @@ class ArcStepper {
   void begin_segment(bool reduced) {
     reduced_ = reduced;
     first_ = true;
+    too_slow_ = 0;
   }
   /// One arc from the phase s towards `target`: true, s and u at its end, and by how much it moved. False,
   /// and nothing changed, where no arc resolves the motion to the tolerance or the speed falls below
@@ -86,10 +88,13 @@ class ArcStepper {
   Pair<T> direction(int i) const;
   const GaussTable& table() const { return table_; }
   /// To remember in `memory` and to begin with what it knows.
-  void share(ArcMemory& memory) { memory_ = &memory; }
+  void share(ArcMemory& memory) {
+    memory_ = &memory;
+    if (memory.spans.at[0][0] == 0) forget();
+  }
   ArcMemory& memory() { return *memory_; }
   /// What follows must not depend on what was before.
-  void forget() { memory_->clear(); }
+  void forget() { memory_->clear(first_arc_); }
 
  private:
   static constexpr int N = derivative_count<T>;
@@ -100,21 +105,24 @@ class ArcStepper {
   double tolerance_;
   const GaussTable& table_;
   ArcSolver solver_;
-  double growth_;  ///< of the truncation error when an arc is made kLonger times as long
+  double growth_;     ///< of the truncation error when an arc is made kLonger times as long
+  double shrinking_;  ///< of an arc by its error
+  double first_arc_;  ///< as long as arcs usually can be
   ArcInput in_;
   ArcOutput out_;
   ArcColumns columns_;
   ArcMemory own_;
   ArcMemory* memory_ = &own_;
   bool reduced_ = false, first_ = true;
+  double too_slow_ = 0;  ///< speed at which no arc would do, since the last switch
 };
 
+/// Arcs of 6 and of 14 nodes are about a power of the tolerance long.
+inline constexpr double kUsualArc[] = {4.2, 5.8}, kUsualOrder[] = {0.12, 0.048};
 inline constexpr double kShortestArc = 1e-3;
 /// kappa h/|U| up to which Picard sweeps pay.
 inline constexpr double kSweepable = 5;
 inline constexpr double kLonger = 1.25;
-/// Share of the last Legendre coefficient that the velocity between the nodes is off by.
-inline constexpr double kWithin = 0.02;
 /// Looser tolerances are served by 6 nodes, tighter ones by 14.
 inline constexpr double kFewNodesTolerance = 1e-6;
 
@@ -124,7 +132,11 @@ ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool ke
       tolerance_(tolerance),
       table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
       solver_(table_.pairs == 3 ? arc_solvers().few : arc_solvers().many),
-      growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)) {
+      growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
+      shrinking_(1.0 / (keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
+      first_arc_(std::fmin(
+          kLongestArc, kUsualArc[table_.pairs == 7] * std::pow(tolerance, kUsualOrder[table_.pairs == 7]))) {
+  forget();
   in_.keep = keep;
   columns_.count = N <= 4 ? 4 : N <= 8 ? 8 : 16;
   if constexpr (N > 0)
@@ -137,6 +149,7 @@ template <class T>
 bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slowest, Pair<T>& u,
                             Pair<T>& moved) {
   const double left = target - s, speed = std::sqrt(value(u.x) * value(u.x) + value(u.y) * value(u.y));
+  if (speed <= too_slow_) return false;
   const double sweepable = std::fmin(kLongestArc, kSweepable * speed / value(kappa));
   double &longest = memory_->spans.at[reduced_][first_], &failed = memory_->spans.failed[reduced_][first_];
   for (int attempt = 0; attempt < 5; ++attempt) {
@@ -145,17 +158,18 @@ bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slo
     const double end = arcs > 1 ? s + left / arcs : target;
     in_.span = end - s;
     in_.tolerance = tolerance_ * speed;
+    in_.resolution = tolerance_;
+    in_.slowest = slowest;
     in_.rounding = 2.5e-16 / (speed * speed);
     in_.trace = memory_->find(s, in_.span, reduced_, table_.pairs, in_.traced);
     solve(s, kappa, u);
     if (out_.converged && out_.slowest < slowest) {
       memory_->drop();
+      too_slow_ = speed;
       return false;
     }
-    // At the end the truncation error is the square of that in between.
-    const double tail = in_.keep ? kWithin * out_.tail : out_.tail * out_.tail;
-    const double error = value(kappa) * in_.span * tail / (tolerance_ * out_.slowest);
-    if (out_.converged && error <= 1) {
+    const double error = out_.error / tolerance_;
+    if (out_.accepted) {
       const double longer = kLonger * in_.span;
       if (error * growth_ < 0.3 && longer < failed) longest = std::fmax(longest, longer);
       first_ = false;
@@ -165,9 +179,10 @@ bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slo
     }
     memory_->drop();
     failed = 0.999 * in_.span;
-    longest = in_.span / kLonger;
+    longest = in_.span * (out_.converged ? std::clamp(std::pow(0.3 / error, shrinking_), 0.3, 0.8) : 0.6);
   }
   longest = std::fmax(longest, 0.1);
+  too_slow_ = speed;
   return false;
 }
 

@@ -15,7 +15,7 @@ struct CycleMap {
 };
 
 struct Remainder {
-  Eigen::Vector2d velocity_change, displacement;
+  Eigen::Vector2d velocity_change = Eigen::Vector2d::Zero(), displacement = Eigen::Vector2d::Zero();
   double apart = 0;  ///< from the cycles left out, in velocity
   double error = 0;  ///< of the displacement
 };
@@ -72,6 +72,11 @@ inline Remainder extrapolate(const CycleMap& map, const Eigen::Vector2d& start, 
   using Matrix = Eigen::Matrix2d;
   const Eigen::Vector2d d = map.end - start;
   const Matrix inverse = (Matrix::Identity() - map.jacobian).inverse();
+  if (!(inverse.norm() < 10)) {  // no contraction worth the name: gaps that shrank were rounding
+    Remainder none;
+    none.apart = none.error = HUGE_VAL;
+    return none;
+  }
   Matrix power = Matrix::Identity(), square = map.jacobian;  // J^copies
   for (double n = copies; n >= 1; n = std::floor(n / 2), square = (square * square).eval())
     if (std::fmod(n, 2) == 1) power = (power * square).eval();

@@ -74,8 +74,9 @@ struct SlowStages {
   Vector rates;           ///< (r', b') at the nodes
   SlowJacobian jacobian;  ///< at the solution
 };
+/// By Newton's method from the rates of `guess`, those of a span hardly different, where there is one.
 std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double kappa, double s, double span,
-                                       double speed0, double angle0);
+                                       double speed0, double angle0, const SlowStages* guess);
 
 template <class T>
 typename SlowStep<T>::Point SlowStep<T>::at(double t) const {
@@ -112,16 +113,14 @@ struct Tail {
 
 /// Derivatives of the stages: one Newton step in Jets on the converged values.
 template <int N, class Stages>
-bool differentiate(const ScaledDrive<Jet<N>>& drive, const Jet<N>& kappa, double s, double span,
+bool differentiate(const std::array<Pair<Jet<N>>, Collocation::kStages>& d, const Jet<N>& kappa,
                    const SlowStages& stages, const Stages& r, const Stages& b, Stages& rate, Stages& turn) {
   constexpr int S = Collocation::kStages;
-  const Collocation& c = Collocation::get();
   Eigen::Matrix<double, 2 * S, N> residual;
   for (int i = 0; i < S; ++i) {
-    const Pair<Jet<N>> d = drive.at(s + span * c.node[i]);
     const Jet<N> cosine = cos(b[i]), sine = sin(b[i]);
-    const Jet<N> first = rate[i] - (d.x * cosine + d.y * sine - kappa);
-    const Jet<N> second = r[i] * turn[i] - (d.y * cosine - d.x * sine);
+    const Jet<N> first = rate[i] - (d[i].x * cosine + d[i].y * sine - kappa);
+    const Jet<N> second = r[i] * turn[i] - (d[i].y * cosine - d[i].x * sine);
     for (int j = 0; j < N; ++j) {
       residual(i, j) = first.d[j];
       residual(S + i, j) = second.d[j];
@@ -172,7 +171,8 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
   const double longest = 2 * span;
   std::optional<SlowStages> stages;
   for (int i = 0;; ++i) {
-    stages = solve_stages(plain, value(kappa), s, span, value(speed0), value(angle0));
+    stages =
+        solve_stages(plain, value(kappa), s, span, value(speed0), value(angle0), stages ? &*stages : nullptr);
     if (!stages) return std::nullopt;
     const auto rates = stages->rates.template head<S>();
     const Eigen::Matrix<double, S, 1> speed = (span * (c.integrate * rates)).array() + value(speed0);
@@ -202,12 +202,26 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
     }
   };
   sum_up();
+  // Resolved? The acceleration's Legendre coefficients must have died out.
+  Eigen::Matrix<double, S, 1> ax, ay;
+  for (int i = 0; i < S; ++i) {
+    const double cosine = std::cos(value(b[i])), sine = std::sin(value(b[i]));
+    const double across = value(r[i]) * value(turn[i]);
+    ax[i] = value(rate[i]) * cosine - across * sine;
+    ay[i] = value(rate[i]) * sine + across * cosine;
+  }
+  Tail tail;
+  tail.add(ax);
+  tail.add(ay);
+  if (!(tail.tail * span <= 20 * tolerance)) return std::nullopt;
   if constexpr (N > 0) {
+    std::array<Pair<T>, S> d;
+    for (int i = 0; i < S; ++i) d[i] = drive.at(s + span * c.node[i]);
     // Where r is so small that the angle settles before anything has moved, its change at the start is no
     // initial value: what the nodes see, which have settled, is carried back to the start, until the step
     // resolves it.
     for (int attempt = 0;; ++attempt) {
-      if (!differentiate<N>(drive, kappa, s, span, *stages, r, b, rate, turn)) return std::nullopt;
+      if (!differentiate<N>(d, kappa, *stages, r, b, rate, turn)) return std::nullopt;
       sum_up();
       const std::bitset<N> unresolved = find_unresolved<N>(r, b, rate, turn, span, tolerance);
       if (unresolved.none()) break;
@@ -226,20 +240,11 @@ std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa
     }
   }
 
-  // Resolved? The acceleration's Legendre coefficients must have died out.
   std::array<T, S> vx, vy;
-  Eigen::Matrix<double, S, 1> ax, ay;
   for (int i = 0; i < S; ++i) {
     vx[i] = r[i] * cos(b[i]);
     vy[i] = r[i] * sin(b[i]);
-    ax[i] = value(rate[i]) * std::cos(value(b[i])) - value(vy[i]) * value(turn[i]);
-    ay[i] = value(rate[i]) * std::sin(value(b[i])) + value(vx[i]) * value(turn[i]);
   }
-  Tail tail;
-  tail.add(ax);
-  tail.add(ay);
-  if (!(tail.tail * span <= 20 * tolerance)) return std::nullopt;
-
   SlowStep<T> step;
   step.span = span;
   step.speed0 = speed0;

@@ -83,6 +83,8 @@ class Solver {
   /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
   /// phase of the next, with its derivatives by u. `memory` is what is known of its arcs, before and after.
   CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory);
+  /// The cycle alone, from the local phase 0.
+  Motion<T> run_one_cycle(bool reduced, const Pair<T>& u, ArcMemory& memory);
   Motion<T> end() const { return {u_, x_}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
   Motion<T> at(double cycle, double s) const;
@@ -569,6 +571,15 @@ CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, Arc
   map.jacobian << u_.x.d[0], u_.x.d[1], u_.y.d[0], u_.y.d[1];
   map.drift_slope << x_.x.d[0], x_.x.d[1], x_.y.d[0], x_.y.d[1];
   return map;
+}
+
+template <class T>
+Motion<T> Solver<T>::run_one_cycle(bool reduced, const Pair<T>& u, ArcMemory& memory) {
+  begin(0, reduced);
+  arcs_.share(memory);
+  u_ = u;
+  run_until(kTwoPi);
+  return end();
 }
 
 template <class T>

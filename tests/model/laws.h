@@ -10,6 +10,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <vector>
 
 #include "model/displacement_angle.h"
 #include "model/steady_orbit.h"
@@ -23,17 +24,22 @@ inline double drive_amplitude(const Scenario& s) {
   return s.drive.amplitude * s.drive.angular_frequency * s.drive.angular_frequency;
 }
 
+/// The parts of a run that can be looked at: of one that is not dense the end alone.
+inline std::vector<double> looked_at(const IntegrationOptions& how, const std::vector<double>& parts) {
+  return how.dense ? parts : std::vector<double>{1.0};
+}
+
 /// Constant mu < a/g, circular drive: |u| = U = sqrt(a^2 - m^2)/w, the velocity lags the drive by d0, cos d0
 /// = m/a.
-inline void steady_sliding(Scenario s, double tolerance) {
+inline void steady_sliding(Scenario s, double tolerance, const IntegrationOptions& how = {}) {
   s.friction.pulse_width = 0;
   s.start = Start::circling;
   s.cycles = 3.3;
   const double a = drive_amplitude(s), m = s.friction.nominal * s.drive.gravity,
                w = s.drive.angular_frequency;
   const double speed = std::sqrt((a - m) * (a + m)) / w;
-  const Trajectory t = integrate(s);
-  for (const double part : {0.0, 0.1, 0.45, 0.8, 1.0}) {
+  const Trajectory t = integrate(s, how);
+  for (const double part : looked_at(how, {0.0, 0.1, 0.45, 0.8, 1.0})) {
     const double time = part * t.end_time();
     const Eigen::Vector2d u = t.at(time).velocity, d = s.drive.acceleration(s.start_phase + w * time);
     EXPECT_NEAR(u.norm(), speed, tolerance * speed) << "|u| at " << time;
@@ -46,16 +52,15 @@ inline void steady_sliding(Scenario s, double tolerance) {
 /// The return to it after a small disturbance: in the frame turning with the drive both components obey
 /// z'' + k z' + w^2 z = 0 with k = m/U, so the map over a time T has the trace exp(l1 T) + exp(l2 T) and the
 /// determinant exp(-k T), l the roots -k/2 +- sqrt(k^2/4 - w^2).
-inline void return_to_steady_sliding(Scenario s, double tolerance) {
+inline void return_to_steady_sliding(Scenario s, double tolerance, IntegrationOptions how = {}) {
   s.friction.pulse_width = 0;
   const auto orbit = steady_orbit(s, false);
   ASSERT_TRUE(orbit);
   s.start = Start::rest;
   s.initial_velocity = orbit->velocity;
   s.cycles = 1;  // a whole turn: the turning frame is back
-  IntegrationOptions options;
-  options.derivatives = {Parameter::velocity_x, Parameter::velocity_y};
-  const Eigen::Matrix2d map = integrate(s, options).sensitive_end().velocity_jacobian;
+  how.derivatives = {Parameter::velocity_x, Parameter::velocity_y};
+  const Eigen::Matrix2d map = integrate(s, how).sensitive_end().velocity_jacobian;
   const double w = s.drive.angular_frequency,
                k = s.friction.nominal * s.drive.gravity / orbit->velocity.norm();
   const double time = 2 * kPi / w;
@@ -78,22 +83,22 @@ inline void rotation(Scenario s, double turn, double tolerance) {
 }
 
 /// (A, w) -> (A/q^2, q w) with the same mu g/(A w^2): x/A as a function of wt stays.
-inline void scaling(const Scenario& s, double q, double tolerance) {
+inline void scaling(const Scenario& s, double q, double tolerance, const IntegrationOptions& how = {}) {
   Scenario other = s;
   other.drive.amplitude /= q * q;
   other.drive.amplitude_y /= q * q;
   other.drive.angular_frequency *= q;
   other.initial_velocity /= q;
-  const Trajectory a = integrate(s), b = integrate(other);
+  const Trajectory a = integrate(s, how), b = integrate(other, how);
   const double size = a.end().position.norm() + s.drive.amplitude;
-  for (const double part : {0.2, 0.55, 0.9, 1.0}) {
+  for (const double part : looked_at(how, {0.2, 0.55, 0.9, 1.0})) {
     const Eigen::Vector2d x = a.at(part * a.end_time()).position, y = b.at(part * b.end_time()).position;
     EXPECT_LT((x - q * q * y).norm(), tolerance * size);
   }
 }
 
 /// mu = 0 from rest at phase 0, circular drive: the mean drift is A w along -y.
-inline void frictionless_drift(Scenario s, double tolerance) {
+inline void frictionless_drift(Scenario s, double tolerance, const IntegrationOptions& how = {}) {
   s.friction.nominal = s.friction.reduced = 0;
   s.start = Start::rest;
   s.start_phase = 0;
@@ -102,7 +107,7 @@ inline void frictionless_drift(Scenario s, double tolerance) {
   s.drive.tilt_x = s.drive.tilt_y = 0;
   s.initial_velocity.setZero();
   s.cycles = 7;
-  const Trajectory t = integrate(s);
+  const Trajectory t = integrate(s, how);
   const Eigen::Vector2d mean = t.end().position / t.end_time();
   const double speed = s.drive.amplitude * s.drive.angular_frequency;
   EXPECT_NEAR(mean.x(), 0, tolerance * speed);
@@ -110,7 +115,7 @@ inline void frictionless_drift(Scenario s, double tolerance) {
 }
 
 /// mu = 0, any ellipse, tilt, start: u and x are integrals of the drive in closed form.
-inline void frictionless_motion(Scenario s, double tolerance) {
+inline void frictionless_motion(Scenario s, double tolerance, const IntegrationOptions& how = {}) {
   s.friction.nominal = s.friction.reduced = 0;
   s.start = Start::rest;
   s.cycles = 3.4;
@@ -123,8 +128,8 @@ inline void frictionless_motion(Scenario s, double tolerance) {
     x = (u0 - a * std::sin(phase)) * t - amplitude * (std::cos(phase + w * t) - std::cos(phase)) +
         pull * t * t / 2;
   };
-  const Trajectory trajectory = integrate(s);
-  for (const double part : {0.13, 0.5, 0.77, 1.0}) {
+  const Trajectory trajectory = integrate(s, how);
+  for (const double part : looked_at(how, {0.13, 0.5, 0.77, 1.0})) {
     const double t = part * trajectory.end_time();
     Eigen::Vector2d u, x;
     along(d.amplitude, s0, d.tilt_x, s.initial_velocity.x(), t, u.x(), x.x());
@@ -137,8 +142,8 @@ inline void frictionless_motion(Scenario s, double tolerance) {
 
 /// d(u^2/2)/dt = d.u - mu g |u| between events, by central differences of the dense output of 8th order in
 /// the spacing. Returns how many points were fit for comparison.
-inline int energy(const Scenario& s, double tolerance) {
-  const Trajectory t = integrate(s);
+inline int energy(const Scenario& s, double tolerance, const IntegrationOptions& how = {}) {
+  const Trajectory t = integrate(s, how);
   // A pulse, or a pause between two, shorter than the differences reach would hide in them.
   if (const double reach = 8 * 4e-3;
       s.friction.pulse_width < reach || s.friction.pulse_width > 2 * kPi - reach)

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <random>
 
+#include "model/internal/instruction_set.h"
 #include "model/laws.h"
 #include "model/laws_cycles.h"
 #include "model/random_scenario.h"
@@ -121,6 +122,43 @@ TEST_F(Laws, WeakPulsesInTheLimit) {
     SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
     laws::weak_pulse(s);
   }
+}
+
+/// Every way to integrate that is offered to users: dense or not, with repeating cycles or without, in each
+/// instruction set.
+TEST_F(Laws, HoldHoweverIntegrated) {
+  const auto best = internal::instruction_set();
+  for (const auto set : internal::available_instruction_sets())
+    for (const bool dense : {true, false})
+      for (const bool reuse : {true, false}) {
+        SCOPED_TRACE(std::string(internal::to_string(set)) + (dense ? ", dense" : "") +
+                     (reuse ? ", reuse" : ""));
+        internal::use_instruction_set(set);
+        IntegrationOptions how;
+        how.dense = dense;
+        how.reuse_repeating_cycles = reuse;
+        RandomScenario random(seed);
+        for (const Scenario& s : scenarios(seed, 8)) {
+          if (friction_over_drive(s) < 0.98) {
+            laws::steady_sliding(s, 1e-11, how);
+            laws::return_to_steady_sliding(s, 1e-11, how);
+          }
+          laws::rotation(s, 1.234, 1e-11);
+          laws::scaling(s, 3, 1e-11, how);
+          laws::frictionless_drift(s, 1e-13, how);
+          const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
+          laws::contraction(s, speed * Eigen::Vector2d(0.3, -0.8), how);
+          if (dense) laws::energy(s, 1e-11, how);
+        }
+        for (int i = 0; i < 5; ++i) laws::frictionless_motion(random.general(), 1e-12, how);
+        for (const double mu : {0.12, 0.4}) {
+          Scenario s = reference_run();
+          s.friction.nominal = mu;
+          s.friction.pulse_width = kPi / 6;
+          laws::stick_wipes_every_bit(s, how);
+        }
+      }
+  internal::use_instruction_set(best);
 }
 
 }  // namespace

@@ -99,6 +99,8 @@ TEST(Plan, SaysWhatTheSceneNeeds) {
   EXPECT_FALSE(stage(s, "transient").on);
   EXPECT_FALSE(stage(s, "derivatives").on);
   EXPECT_TRUE(stage(s, "derivatives", {3}).on);
+  EXPECT_TRUE(stage(s, "dense output").on);
+  EXPECT_FALSE(stage(s, "dense output", {0, false}).on);
 }
 
 TEST(Plan, WeakFrictionForgetsTooSlowlyToRepeat) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/internal/instruction_set.h"
 #include "model/quad_reference.h"
 #include "model/trajectory.h"
 
@@ -20,14 +21,19 @@ inline double path_size(const Trajectory& t) {
   return size;
 }
 
-/// Distance of positions, or of velocities over w if that is more, relative to the path.
-inline double difference(const Trajectory& t, const QuadState& exact) {
+/// Distance of positions, or of velocities over w if that is more.
+inline double distance(const Trajectory& t, const QuadState& exact) {
   const Sample end = t.end();
   const double dx = std::hypot(static_cast<double>(exact.x - end.position.x()),
                                static_cast<double>(exact.y - end.position.y()));
   const double du = std::hypot(static_cast<double>(exact.ux - end.velocity.x()),
                                static_cast<double>(exact.uy - end.velocity.y()));
-  const double error = std::max(dx, du / t.scenario().drive.angular_frequency);
+  return std::max(dx, du / t.scenario().drive.angular_frequency);
+}
+
+/// The same relative to the path.
+inline double difference(const Trajectory& t, const QuadState& exact) {
+  const double error = distance(t, exact);
   return error == 0 ? 0 : error / path_size(t);
 }
 
@@ -38,6 +44,27 @@ inline double error_against_reference(const Scenario& s) {
   Scenario from = s;
   if (s.start != Start::rest) from.initial_velocity = t.at(0).velocity;
   return difference(t, QuadIntegrator(QuadScenario(from)).run(s.start == Start::circling));
+}
+
+/// The largest error of the end point from rest over every way to integrate that is offered to users: dense
+/// or not, with repeating cycles or without, in each instruction set.
+inline double largest_error_against_reference(const Scenario& s) {
+  const QuadState exact = QuadIntegrator(QuadScenario(s)).run(false);
+  const double size = path_size(integrate(s));
+  const auto best = internal::instruction_set();
+  double largest = 0;
+  for (const auto set : internal::available_instruction_sets()) {
+    internal::use_instruction_set(set);
+    for (const bool dense : {true, false})
+      for (const bool reuse : {true, false}) {
+        IntegrationOptions how;
+        how.dense = dense;
+        how.reuse_repeating_cycles = reuse;
+        largest = std::max(largest, distance(integrate(s, how), exact) / size);
+      }
+  }
+  internal::use_instruction_set(best);
+  return largest;
 }
 
 /// |P(u) - u| of the one-cycle map P in quadruple precision at the product's start, over a/w. As no two
