@@ -134,6 +134,29 @@ BenchTable table_of(const std::vector<model::PlanBenchRow>& rows) {
   return table;
 }
 
+BenchTable table_of(const std::vector<model::BatchBenchRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,time_lanes_s,"
+      "speedup,sweep_of_a_million_s,difference_amplitudes,repetitions\n";
+  table.text =
+      fmt::format("\n{:<12} {:<9} {:>9} {:>6} {:>10} {:>10} {:>8} {:>10} {:>10}  {}\n", "many at once",
+                  "lanes", "in lanes", "full", "scalar", "lanes", "faster", "a million", "differ", "sweep");
+  for (const auto& row : rows) {
+    const bool compared = row.speedup == row.speedup;
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(row.sweep), row.wanted,
+                             row.instruction_set, row.scenarios, compact(row.in_lanes), compact(row.full),
+                             compact(row.time_scalar), compact(row.time_lanes), compact(row.speedup),
+                             compact(row.million), compact(row.difference), row.repetitions);
+    table.text += fmt::format(
+        "{:<12} {:<9} {:>7.1f} % {:>4.0f} % {:>10} {:>10} {:>8} {:>8.1f} s {:>10}  {}\n", row.wanted,
+        row.instruction_set, 100 * row.in_lanes, 100 * row.full, compared ? duration(row.time_scalar) : "-",
+        compared ? duration(row.time_lanes) : "-", compared ? fmt::format("x{:.1f}", row.speedup) : "-",
+        row.million, compared ? fmt::format("{:.1e} A", row.difference) : "-", row.sweep);
+  }
+  return table;
+}
+
 BenchTable table_of(const std::vector<model::PaperClaim>& claims) {
   BenchTable table;
   table.csv = "claim,verdict,conditions,quantity,value,unit\n";

@@ -7,6 +7,7 @@
 #include "fit/bench.h"
 #include "fit/coverage.h"
 #include "model/bench.h"
+#include "model/bench_batch.h"
 #include "model/bench_plan.h"
 #include "model/claims.h"
 #include "vision/bench.h"
@@ -20,6 +21,7 @@ struct BenchTable {
 BenchTable table_of(const std::vector<model::ModelBenchRow>& rows);
 BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows);
 BenchTable table_of(const std::vector<model::PlanBenchRow>& rows);
+BenchTable table_of(const std::vector<model::BatchBenchRow>& rows);
 BenchTable table_of(const std::vector<model::PaperClaim>& claims);
 BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);

@@ -1,22 +1,20 @@
 // tribotrack sweep: alpha and v over one or two parameters.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <memory>
-#include <thread>
+#include <stdexcept>
 
 #include "apps/angle.h"
 #include "apps/command.h"
 #include "apps/meta_file.h"
 #include "apps/number_text.h"
 #include "apps/output_file.h"
-#include "apps/parallel.h"
 #include "apps/progress.h"
 #include "apps/scenario_file.h"
-#include "model/displacement_angle.h"
-#include "model/steady_orbit.h"
-#include "model/trajectory.h"
+#include "model/batch.h"
 
 namespace tribotrack::apps {
 
@@ -51,23 +49,31 @@ Axis parse_axis(const std::string& text) {
   return axis;
 }
 
-struct Row {
-  std::optional<double> alpha, v, steady_alpha, steady_v;
-};
-
-Row solve(const model::Scenario& scenario) {
-  Row row;
-  model::IntegrationOptions end_only;
-  end_only.dense = false;
-  const model::Trajectory trajectory = model::integrate(scenario, end_only);
-  const Eigen::Vector2d end = trajectory.end().position;
-  row.v = model::mean_velocity(end, trajectory.end_time()) * 1e3;
-  if (end.norm() > 0) row.alpha = model::displacement_angle(end);
-  if (const auto orbit = model::steady_orbit(scenario)) {
-    row.steady_v = orbit->mean_velocity(scenario.drive.angular_frequency) * 1e3;
-    if (*row.steady_v > 0) row.steady_alpha = orbit->alpha();
+/// All scenarios' ends and steady motions, on all threads.
+model::BatchOutcome solve(std::size_t total, const std::function<model::Scenario(std::size_t)>& scenario_at,
+                          const Context& context) {
+  Progress progress("sweep", context.quiet);
+  model::BatchOptions options;
+  options.steady = true;
+  options.threads = threads_to_use(context);
+  options.progress = [&progress](std::size_t done, std::size_t of) {
+    progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(of));
+  };
+  model::BatchOutcome outcome = model::solve_batch(total, scenario_at, options);
+  for (std::size_t k = 0; k < total; ++k) {
+    if (outcome.ends[k].status == model::BatchStatus::failed)
+      throw std::runtime_error(outcome.reasons.at(k));
+    if (outcome.ends[k].status != model::BatchStatus::done)
+      throw model::InvalidParameter(outcome.reasons.at(k));
   }
-  return row;
+  return outcome;
+}
+
+/// alpha and v, mm/s; empty where there is none.
+template <class Solution>
+std::string cells(const Solution& solution) {
+  if (solution.status != model::BatchStatus::done) return ",";
+  return compact(solution.alpha) + "," + compact(solution.v * 1e3);
 }
 
 struct SweepOptions {
@@ -86,37 +92,29 @@ void sweep(const SweepOptions& options, const Context& context) {
   for (const auto& text : texts) axes.push_back(parse_axis(text));
   require_writable(options.output);
 
-  const long inner = axes.size() == 2 ? axes[1].count : 1;
-  const long total = axes[0].count * inner;
-  const auto scenario_at = [&](long index) {
-    ScenarioFile file = base;
-    set_scenario_parameter(file, axes[0].name, axes[0].value(index / inner));
-    if (axes.size() == 2) set_scenario_parameter(file, axes[1].name, axes[1].value(index % inner));
+  const std::size_t inner = axes.size() == 2 ? static_cast<std::size_t>(axes[1].count) : 1;
+  const std::size_t total = static_cast<std::size_t>(axes[0].count) * inner;
+  ScenarioFile common = base;
+  common.over.clear();
+  const auto scenario_at = [&](std::size_t index) {
+    ScenarioFile file = common;
+    set_scenario_parameter(file, axes[0].name, axes[0].value(static_cast<long>(index / inner)));
+    if (axes.size() == 2)
+      set_scenario_parameter(file, axes[1].name, axes[1].value(static_cast<long>(index % inner)));
     file.settle();
     return file.scenario;
   };
-  for (long index = 0; index < total; ++index)
+  for (std::size_t index = 0; index < total; ++index)
     scenario_at(index).validate();  // refuse before the work, not after it
-
-  std::vector<Row> rows(static_cast<std::size_t>(total));
-  {
-    Progress progress("sweep", context.quiet);
-    std::atomic<long> done = 0;
-    for_each_index(total, threads_to_use(context), [&](long index) {
-      rows[static_cast<std::size_t>(index)] = solve(scenario_at(index));
-      progress.update(++done, total);
-    });
-  }
+  const model::BatchOutcome outcome = solve(total, scenario_at, context);
 
   std::string table;
   for (const Axis& axis : axes) table += axis.name + ",";
   table += "alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s\n";
-  for (long index = 0; index < total; ++index) {
-    table += compact(axes[0].value(index / inner)) + ",";
-    if (axes.size() == 2) table += compact(axes[1].value(index % inner)) + ",";
-    const Row& row = rows[static_cast<std::size_t>(index)];
-    table += fmt::format("{},{},{},{}\n", compact(row.alpha), compact(row.v), compact(row.steady_alpha),
-                         compact(row.steady_v));
+  for (std::size_t index = 0; index < total; ++index) {
+    table += compact(axes[0].value(static_cast<long>(index / inner))) + ",";
+    if (axes.size() == 2) table += compact(axes[1].value(static_cast<long>(index % inner))) + ",";
+    table += cells(outcome.ends[index]) + "," + cells(outcome.steady[index]) + "\n";
   }
   MetaFile meta;
   meta.command = "sweep";
@@ -125,7 +123,8 @@ void sweep(const SweepOptions& options, const Context& context) {
   meta.configuration["over"] = texts;
   write_file(options.output, table);
   meta.write_beside(options.output);
-  say(context.quiet, fmt::format("{}: {} scenarios", options.output, total));
+  say(context.quiet,
+      fmt::format("{}: {} scenarios; {}", options.output, total, outcome.summary.full_report()));
 }
 
 }  // namespace

@@ -52,8 +52,7 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   ASSERT_EQ(call("all --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
   EXPECT_EQ(first_line(out / "bench_model.csv"),
             "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
-            "repetitions,"
-            "time_over_ours,reference");
+            "repetitions,time_over_ours,reference");
   EXPECT_EQ(
       first_line(out / "bench_model_extremes.csv"),
       "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
@@ -74,8 +73,11 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "campaigns,parameter,counted,weak,unusable,covered,covered_by_profile");
   for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
     EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
-  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_claims",
-                           "bench_vision", "bench_fit", "bench_fit_coverage"})
+  EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
+            "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
+            "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
+  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
+                           "bench_model_claims", "bench_vision", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})

@@ -1,0 +1,104 @@
+// Many runs of the friction model at once: sweeps, multi-starts, predictions of experiments.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/scenario.h"
+
+namespace tribotrack::model {
+
+/// What became of one scenario.
+enum class BatchStatus {
+  done,
+  invalid,           ///< a parameter out of its range
+  no_steady_motion,  ///< none that is unique: no friction in the cycle, tilt beyond the friction angle
+  failed,            ///< not solved; BatchOutcome::reasons says why
+};
+const char* to_string(BatchStatus status);
+
+/// The end of one run.
+struct BatchEnd {
+  BatchStatus status = BatchStatus::failed;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m, relative to the platform
+  double alpha = 0;  ///< its direction, rad in [0, 2 pi); NaN where the part has not moved
+  double v = 0;      ///< its length over the run's time, m/s
+};
+
+/// One cycle of the steady motion.
+struct BatchSteady {
+  BatchStatus status = BatchStatus::failed;
+  Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< displacement per cycle, m
+  double alpha = 0;                                 ///< its direction, rad in [0, 2 pi); NaN without drift
+  double v = 0;                                     ///< |drift| w / 2 pi, m/s
+  /// Spectral radius of the one-cycle velocity map, 0 with stick. Told to 1e-3, mostly to 1e-5, where it
+  /// comes from lanes.
+  double contraction = 0;
+};
+
+struct BatchOptions {
+  bool ends = true;     ///< wanted: the end point of each run
+  bool steady = false;  ///< wanted: each scenario's steady motion with pulses
+  int threads = 1;      ///< results do not depend on it
+  /// False: every scenario by the scalar integrator, one at a time (to compare with).
+  bool lanes = true;
+  /// Told how many solutions are ready of how many, every now and then, by one thread at a time.
+  std::function<void(std::size_t done, std::size_t total)> progress;
+};
+
+/// Why a solution was left to the scalar integrator.
+enum class ScalarReason {
+  not_asked,          ///< BatchOptions::lanes = false
+  drive,              ///< elliptic, tilted or none: not constant in the turning frame
+  constant_friction,  ///< steady motion without pulses
+  start,              ///< the start needs a steady motion of its own
+  marginal,           ///< starts from rest with mu g within 2 % of the drive, or stops about at an edge
+  many_steps,         ///< creeps for long
+  weak_friction,      ///< cycles hardly contract: what rounding leaves of their motion would show
+  no_convergence,     ///< Newton's method on the one-cycle map
+};
+inline constexpr std::size_t kScalarReasons = 8;
+const char* to_string(ScalarReason reason);
+
+/// What the batch did. Counts solutions: two per scenario where both ends and steady motions are wanted.
+struct BatchSummary {
+  std::size_t solutions = 0;
+  std::size_t in_lanes = 0;                             ///< solved side by side
+  std::array<std::size_t, kScalarReasons> by_scalar{};  ///< and one at a time, by reason
+  std::size_t not_solved = 0;                           ///< status other than done
+  long lane_steps = 0;                                  ///< steps of single lanes that did work
+  long lane_slots = 0;                                  ///< and all there was room for
+  std::string brief_report() const;
+  std::string full_report() const;  ///< with the reasons, one a line
+};
+
+struct BatchOutcome {
+  std::vector<BatchEnd> ends;                  ///< in the order of the scenarios; empty unless wanted
+  std::vector<BatchSteady> steady;             ///< likewise
+  std::map<std::size_t, std::string> reasons;  ///< of scenarios that are not done
+  BatchSummary summary;
+};
+
+/// Solves equation (5) of the paper for many scenarios: eight side by side in the processor's vectors, each
+/// with its own step lengths and friction switches (a lane whose run has ended is given another), on several
+/// threads that take scenarios from a common counter. Runs the lanes cannot carry (see ScalarReason) are
+/// solved by integrate() and steady_orbit(). Results agree with those to 1e-11 of the path, and are the same
+/// to the last bit whatever the number of threads and whoever travels side by side.
+///   BatchOptions options;
+///   options.threads = 4;
+///   const auto outcome = solve_batch(scenarios, options);
+///   if (outcome.ends[k].status == BatchStatus::done) use(outcome.ends[k].position);
+BatchOutcome solve_batch(std::span<const Scenario> scenarios, const BatchOptions& options = {});
+
+/// The same of scenarios that are made when they are needed, by any of the threads. What `scenario_at` throws
+/// makes that scenario `invalid`.
+BatchOutcome solve_batch(std::size_t count, const std::function<Scenario(std::size_t)>& scenario_at,
+                         const BatchOptions& options = {});
+
+}  // namespace tribotrack::model
