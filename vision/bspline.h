@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vision/picture.h"
+#include "vision/tile_kernels.h"
 
 namespace tribotrack::vision {
 
@@ -17,6 +18,9 @@ namespace tribotrack::vision {
 std::array<double, 6> quintic_weights(double t);
 /// Their derivatives with respect to t.
 std::array<double, 6> quintic_slopes(double t);
+
+/// Both, along both axes, in the kernels' precision.
+SplineTaps spline_taps(double fraction_x, double fraction_y);
 
 /// Value and gradient of a spline at one place.
 struct SplineSample {
