@@ -14,11 +14,6 @@ constexpr double kTurnBytes = 48e6;  ///< for these averages
 constexpr double kTextureSd = 20;    ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
 
-/// Whether a place of the camera lies in the window, where it may be interpolated.
-bool inside(const KeptWindow& w, double x, double y) {
-  return x >= w.x && y >= w.y && x <= w.x + w.picture.width() - 1 && y <= w.y + w.picture.height() - 1;
-}
-
 }  // namespace
 
 LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
@@ -67,64 +62,93 @@ Picture LayeredDisc::on_plain(double level) const {
 }
 
 /// Per pixel of the disc, over the frames: y what the disc shows in its own light, z the ground beneath in
-/// the same light.
+/// the same light, less its mean.
 struct LayeredDisc::Sums {
-  double n = 0, y = 0, z = 0, yz = 0, zz = 0;
+  std::vector<float> n, y, z, yz, zz;
+  explicit Sums(std::size_t pixels)
+      : n(pixels, 0), y(pixels, 0), z(pixels, 0), yz(pixels, 0), zz(pixels, 0) {}
 };
+
+/// Where the disc's grid lies in a kept window: its first pixel, and the columns and rows inside.
+struct LayeredDisc::Place {
+  double left, top;
+  int first_column, last_column, first_row, last_row;
+};
+
+LayeredDisc::Place LayeredDisc::place(const KeptWindow& w) const {
+  const int size = 2 * half_ + 1;
+  const double left = w.state.centre.x - half_, top = w.state.centre.y - half_;
+  const auto within = [size](double x) { return std::clamp(static_cast<int>(x), 0, size); };
+  return {left,
+          top,
+          within(std::ceil(w.x - left)),
+          within(std::floor(w.x + w.picture.width() - 1 - left) + 1),
+          within(std::ceil(w.y - top)),
+          within(std::floor(w.y + w.picture.height() - 1 - top) + 1)};
+}
 
 void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
                                  double noise_variance) {
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
-  std::vector<Sums> sums(pixels);
+  Sums sums(pixels);
   std::vector<float> level(pixels), below(pixels), known(pixels);
+  const auto ground_mean = static_cast<float>(ground.mean());
+  Picture turned;
   for (const KeptWindow& w : windows) {
     const LayeredState& s = w.state;
-    const double left = s.centre.x - half_;
-    const double top = s.centre.y - half_;
-    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
-    ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
-    Picture turned;
+    const Place at = place(w);
+    w.spline.sample_window(at.left - w.x, at.top - w.y, size, size, level.data(), nullptr, nullptr);
+    ground.sample(at.left - s.ground.x, at.top - s.ground.y, size, size, below.data(), known.data());
     if (turning_) {
-      turned = at(s.theta);
+      turned = this->at(s.theta);
       for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
     }
+    for (int j = at.first_row; j < at.last_row; ++j) {
+      const auto row = static_cast<std::size_t>(j) * size;
+      const auto base = static_cast<float>(s.gain * (1 + s.slope_y * (j - half_)));
+      const auto slope = static_cast<float>(s.gain * s.slope_x);
+      const auto under = static_cast<float>(s.ground_gain);
+      const float* share = share_.levels().data() + row;
+      const float* turn = turning_ ? turned.levels().data() + row : nullptr;
+      for (int i = at.first_column; i < at.last_column; ++i) {
+        const std::size_t k = row + static_cast<std::size_t>(i);
+        const float use = share[i] > 0 ? known[k] : 1.0F;
+        const float light = 1 / (base + slope * static_cast<float>(i - half_));
+        const float y = level[k] * light - (turn ? turn[i] : 0.0F);
+        const float z = under * below[k] * light - ground_mean;
+        sums.n[k] += use;
+        sums.y[k] += use * y;
+        sums.z[k] += use * z;
+        sums.yz[k] += use * y * z;
+        sums.zz[k] += use * z * z;
+      }
+    }
+  }
+  const auto each_pixel = [&](const auto& act) {
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
-        if (!inside(w, left + i, top + j)) continue;
-        if (share_.levels()[k] > 0 && known[k] == 0) continue;
-        const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
-        const double y = level[k] / light - (turning_ ? turned.levels()[k] : 0.0F);
-        const double z = s.ground_gain * below[k] / light;
-        Sums& sum = sums[k];
-        sum.n += 1;
-        sum.y += y;
-        sum.z += z;
-        sum.yz += y * z;
-        sum.zz += z * z;
+        const double rho = std::hypot(i - half_, j - half_);
+        act(k, rho);
       }
-  }
-  for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i) {
-      const Sums& sum = sums[static_cast<std::size_t>(j) * size + i];
-      if (sum.n < 3) continue;
-      rim_.add(std::hypot(i - half_, j - half_), sum.yz - sum.y * sum.z / sum.n,
-               sum.zz - sum.z * sum.z / sum.n);
-    }
+  };
+  each_pixel([&](std::size_t k, double rho) {
+    const double n = sums.n[k];
+    if (n < 3 || rho <= rim_.inner() || rho >= rim_.outer()) return;
+    const double y = sums.y[k], z = sums.z[k];
+    rim_.add(rho, sums.yz[k] - y * z / n, sums.zz[k] - z * z / n);
+  });
   rim_.solve(noise_variance);
   make_share();
-  for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i) {
-      const auto k = static_cast<std::size_t>(j) * size + i;
-      const Sums& sum = sums[k];
-      const bool beyond = std::hypot(i - half_, j - half_) >= rim_.outer();
-      if (beyond) {
-        parts_.standing.levels()[k] = 0;
-      } else if (sum.n > 0) {
-        parts_.standing.levels()[k] = static_cast<float>((sum.y - share_.levels()[k] * sum.z) / sum.n);
-      }
+  each_pixel([&](std::size_t k, double rho) {
+    if (rho >= rim_.outer()) {
+      parts_.standing.levels()[k] = 0;
+    } else if (sums.n[k] > 0) {
+      const float mean = sums.z[k] / sums.n[k] + ground_mean;
+      parts_.standing.levels()[k] = sums.y[k] / sums.n[k] - share_.levels()[k] * mean;
     }
+  });
 }
 
 /// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
@@ -153,18 +177,19 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
     const LayeredState& s = w.state;
     const double left = s.centre.x - half_;
     const double top = s.centre.y - half_;
-    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    w.spline.sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
     ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
+    const Place inside = place(w);
     const auto bin = static_cast<std::int64_t>(std::floor((s.theta - low) / step));
     TurnedPicture& turned = bins[bin];
     if (turned.level.empty()) turned = {0, Picture(size, size), Picture(size, size)};
     turned.theta += s.theta;
     count[bin] += 1;
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
+    for (int j = inside.first_row; j < inside.last_row; ++j)
+      for (int i = inside.first_column; i < inside.last_column; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
         const float share = share_.levels()[k];
-        if (share >= 1 || !inside(w, left + i, top + j) || (share > 0 && known[k] == 0)) continue;
+        if (share >= 1 || (share > 0 && known[k] == 0)) continue;
         const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
         turned.level.levels()[k] += static_cast<float>((level[k] - s.ground_gain * share * below[k]) / light);
         turned.weight.levels()[k] += 1;

@@ -21,6 +21,7 @@ struct KeptWindow {
   Picture picture;
   int x = 0, y = 0;
   LayeredState state;
+  QuinticSpline spline;  ///< of the picture
 };
 
 class LayeredDisc {
@@ -45,6 +46,8 @@ class LayeredDisc {
 
  private:
   struct Sums;
+  struct Place;
+  Place place(const KeptWindow& window) const;
   void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
                       double noise_variance);
   void learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance);

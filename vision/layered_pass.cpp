@@ -5,6 +5,7 @@
 #include <span>
 
 #include "vision/disc_detection.h"
+#include "vision/layered_through_rim.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -13,7 +14,7 @@ constexpr int kEarlySweeps = 7;  ///< over every kEarlyStride-th window
 constexpr std::size_t kEarlyStride = 4;
 constexpr int kSweeps = 2;             ///< over all of them
 constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
-constexpr double kGroundPixels = 6e7;  ///< of all frames the platform's picture is averaged from
+constexpr double kGroundPixels = 1.2e7;  ///< of all frames the platform's picture is averaged from
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
@@ -75,12 +76,13 @@ NoiseLaw noise_law(const LayeredRegistration::LevelSums& s) {
 /// Learns the disc from windows, and measures these again over what was learnt.
 struct Learning {
   LayeredDisc& disc;
-  const GroundPicture& ground;
+  GroundPicture& ground;
   LayeredRegistration& registration;
   const LayeredOptions& options;
   LayeredResult& out;
   Point offset;  ///< of the rim's centre from the pivot in the disc's picture
   std::vector<LayeredFix> fixes;
+  int sweeps = 0;
 
   /// The disc's picture turns about the middle of its grid: its rim's centre is brought there first.
   void learn(std::span<KeptWindow> windows) {
@@ -88,9 +90,11 @@ struct Learning {
       w.state.centre.x += offset.x;
       w.state.centre.y += offset.y;
     }
+    if (sweeps > 0) look_through_rim(windows, disc, out.noise.at(ground.mean()), ground);
+    ++sweeps;
     disc.learn(windows, ground, options.noise_variance);
-    registration.disc_changed();
     registration.set_noise(out.noise);
+    registration.disc_changed(static_cast<int>(windows.size()));
     const auto middle = static_cast<double>(disc.half());
     offset = {};
     if (const auto fit = fit_disc(disc.on_plain(ground.mean()), {middle, middle, options.disc.radius}, 2.0)) {
@@ -149,10 +153,12 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     const bool whole = k % ground_stride == 0;
     const Rect part = whole ? region : about;
     source.read(f.index, part, frame);
-    kept.push_back({cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}});
+    KeptWindow window{cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    window.spline = QuinticSpline(window.picture);
+    kept.push_back(std::move(window));
     if (whole) ground.add(frame, part.x, part.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
   }
-  ground.finish();
+  ground.finish(options.noise_variance);
   if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
     out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
     return out;
@@ -165,7 +171,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   });
   LayeredRegistration registration(disc, ground);
   out.noise.constant = options.noise_variance;
-  Learning learning{disc, ground, registration, options, out, {}, {}};
+  Learning learning{disc, ground, registration, options, out, {}, {}, 0};
   const std::span<KeptWindow> all(kept);
   const auto early =
       all.first(windows < kEarlyStride * kFewest ? windows : (windows + kEarlyStride - 1) / kEarlyStride);
