@@ -32,6 +32,22 @@ void LayeredDisc::make_share() {
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
       share_.at(x, y) = static_cast<float>(rim_.at(std::hypot(x - half_, y - half_)));
+  share_x_ = share_y_ = Picture(size, size);
+  Picture value(size, size);
+  QuinticSpline(share_).sample_window(0, 0, size, size, value.levels().data(), share_x_.levels().data(),
+                                      share_y_.levels().data());
+}
+
+void LayeredDisc::set_standing(const Standing& known) {
+  parts_.standing = known.picture;
+  rim_.set_knots(known.knots);
+  make_share();
+}
+
+void LayeredDisc::shift_standing(const Point& by) {
+  Picture& p = parts_.standing;
+  const QuinticSpline before(p);
+  before.sample_window(by.x, by.y, p.width(), p.height(), p.levels().data(), nullptr, nullptr);
 }
 
 Picture LayeredDisc::at(double theta, Picture* slope) const {
@@ -92,14 +108,16 @@ void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const Grou
   const int size = 2 * half_ + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
   Sums sums(pixels);
-  std::vector<float> level(pixels), below(pixels), known(pixels);
+  std::vector<float> level(pixels), below(pixels), known(pixels), below_x(pixels), below_y(pixels);
+  const auto blend = static_cast<float>(blend_);
   const auto ground_mean = static_cast<float>(ground.mean());
   Picture turned;
   for (const KeptWindow& w : windows) {
     const LayeredState& s = w.state;
     const Place at = place(w);
     w.spline.sample_window(at.left - w.x, at.top - w.y, size, size, level.data(), nullptr, nullptr);
-    ground.sample(at.left - s.ground.x, at.top - s.ground.y, size, size, below.data(), known.data());
+    ground.sample(at.left - s.ground.x, at.top - s.ground.y, size, size, below.data(), known.data(),
+                  below_x.data(), below_y.data());
     if (turning_) {
       turned = this->at(s.theta);
       for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
@@ -110,12 +128,15 @@ void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const Grou
       const auto slope = static_cast<float>(s.gain * s.slope_x);
       const auto under = static_cast<float>(s.ground_gain);
       const float* share = share_.levels().data() + row;
+      const float* share_x = share_x_.levels().data() + row;
+      const float* share_y = share_y_.levels().data() + row;
       const float* turn = turning_ ? turned.levels().data() + row : nullptr;
       for (int i = at.first_column; i < at.last_column; ++i) {
         const std::size_t k = row + static_cast<std::size_t>(i);
         const float use = share[i] > 0 ? known[k] : 1.0F;
         const float light = 1 / (base + slope * static_cast<float>(i - half_));
-        const float y = level[k] * light - (turn ? turn[i] : 0.0F);
+        const float blended = under * blend * (share_x[i] * below_x[k] + share_y[i] * below_y[k]);
+        const float y = (level[k] - blended) * light - (turn ? turn[i] : 0.0F);
         const float z = under * below[k] * light - ground_mean;
         sums.n[k] += use;
         sums.y[k] += use * y;

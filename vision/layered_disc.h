@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "vision/bspline.h"
 #include "vision/layered_ground.h"
@@ -33,12 +34,25 @@ class LayeredDisc {
   /// is 1, the mean of g_k is 0, which changes the states accordingly.
   void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance);
 
+  /// The standing picture and the rim, to go back to or to go on from.
+  struct Standing {
+    Picture picture;
+    std::vector<double> knots;
+  };
+  Standing standing() const { return {parts_.standing, rim_.knots()}; }
+  void set_standing(const Standing& known);
+  /// The standing picture taken about a place off the middle of the grid.
+  void shift_standing(const Point& by);
+
   int half() const { return half_; }
   double radius() const { return radius_; }
   bool turning() const { return turning_; }
   const RimProfile& rim() const { return rim_; }
   /// w on the grid -half .. half.
   const Picture& share() const { return share_; }
+  /// kappa of layered_state.h, px^2.
+  double blend() const { return blend_; }
+  void set_blend(double kappa) { blend_ = kappa; }
   /// S on the grid at a rotation, and its derivative with respect to it (null where not wanted).
   Picture at(double theta, Picture* slope = nullptr) const;
   /// The disc on a plain ground of this level, at a rotation midway through what it has learnt from.
@@ -57,7 +71,8 @@ class LayeredDisc {
   bool turning_ = false;
   RimProfile rim_;
   int half_ = 0;
-  Picture share_;
+  double blend_ = 1.0 / 12;
+  Picture share_, share_x_, share_y_;
   StandingAndTurning parts_;
   QuinticSpline texture_spline_;
   double middle_theta_ = 0;

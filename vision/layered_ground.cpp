@@ -152,8 +152,7 @@ void GroundPicture::finish(double noise_variance) {
     const float seen = count_.levels()[i] + squares_through_.levels()[i];
     // A place uncovered often enough owes nothing to the prior.
     const float held = enough.levels()[i] > 0 ? 0 : prior;
-    level.levels()[i] =
-        (sum_.levels()[i] + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
+    level.levels()[i] = (sum_.levels()[i] + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
     own.levels()[i] = noise / (seen + prior);
     seen_enough.levels()[i] = seen >= kFramesNeeded ? 1.0F : 0.0F;
   }
@@ -173,7 +172,8 @@ void GroundPicture::finish(double noise_variance) {
   spline_ = QuinticSpline(level);
 }
 
-void GroundPicture::sample(double x0, double y0, int width, int height, float* value, float* known) const {
+void GroundPicture::sample(double x0, double y0, int width, int height, float* value, float* known,
+                           float* slope_x, float* slope_y) const {
   const double left = x0 - region_.x;
   const double top = y0 - region_.y;
   const int near_x = static_cast<int>(std::lround(left));
@@ -181,11 +181,15 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* v
   const bool inside = near_x >= -4 && near_y >= -4 && near_x + width <= region_.width + 4 &&
                       near_y + height <= region_.height + 4;
   if (inside) {
-    spline_.sample_window(left, top, width, height, value, nullptr, nullptr);
+    spline_.sample_window(left, top, width, height, value, slope_x, slope_y);
   } else {
     for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i)
-        value[j * width + i] = static_cast<float>(spline_.value(left + i, top + j));
+      for (int i = 0; i < width; ++i) {
+        const SplineSample at = spline_.sample(left + i, top + j);
+        value[j * width + i] = static_cast<float>(at.value);
+        if (slope_x) slope_x[j * width + i] = static_cast<float>(at.slope_x);
+        if (slope_y) slope_y[j * width + i] = static_cast<float>(at.slope_y);
+      }
   }
   const int first = std::clamp(-near_x, 0, width), last = std::clamp(region_.width - near_x, first, width);
   std::fill_n(known, static_cast<std::size_t>(width) * height, 0.0F);

@@ -34,8 +34,10 @@ class GroundPicture {
   void finish(double noise_variance);
 
   const Rect& region() const { return region_; }
-  /// B at places (x0 + i, y0 + j); known 1 where it was uncovered in enough frames, else 0.
-  void sample(double x0, double y0, int width, int height, float* value, float* known) const;
+  /// B at places (x0 + i, y0 + j); known 1 where it was uncovered in enough frames, else 0. Slopes may
+  /// be null.
+  void sample(double x0, double y0, int width, int height, float* value, float* known,
+              float* slope_x = nullptr, float* slope_y = nullptr) const;
   /// B's spline; its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
   /// Variance of B at the places of the region: the noise's over the number of frames, up to the texture's

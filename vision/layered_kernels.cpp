@@ -25,24 +25,25 @@ TRIBOTRACK_KERNEL double sum(const Lanes& v) {
 }
 
 struct FloatLight {
-  float gain, slope_x, slope_y, ground, turn;
+  float gain, slope_x, slope_y, ground, turn, blend;
   explicit FloatLight(const LayerLight& l)
       : gain(static_cast<float>(l.gain)),
         slope_x(static_cast<float>(l.slope_x)),
         slope_y(static_cast<float>(l.slope_y)),
         ground(static_cast<float>(l.ground)),
-        turn(static_cast<float>(l.turn)) {}
+        turn(static_cast<float>(l.turn)),
+        blend(static_cast<float>(l.blend)) {}
 };
 
 template <int columns>
-TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask,
-                                        const LayerLight& at, const NoiseLaw& noise) {
+TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask, const LayerLight& at,
+                                        const NoiseLaw& noise) {
   constexpr int kSums = columns * (columns + 1) / 2;
   const FloatLight light(at);
   const auto n0 = static_cast<float>(noise.constant), n1 = static_cast<float>(noise.per_level);
   Lanes total[kSums] = {};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, sx, sy, w, wx, wy, b, u, v, unsure, counts, st{};
+    Lanes s, sx, sy, w, wx, wy, b, bx, by, u, v, unsure, counts, st{};
     load(a.disc.value.data() + i, s);
     load(a.disc.slope_x.data() + i, sx);
     load(a.disc.slope_y.data() + i, sy);
@@ -50,6 +51,8 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     load(a.share.slope_x.data() + i, wx);
     load(a.share.slope_y.data() + i, wy);
     load(a.ground.value.data() + i, b);
+    load(a.ground.slope_x.data() + i, bx);
+    load(a.ground.slope_y.data() + i, by);
     load(a.u.data() + i, u);
     load(a.v.data() + i, v);
     load(a.ground_variance.data() + i, unsure);
@@ -60,7 +63,8 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     }
     const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
     const Lanes under = light.ground * b, seen = light.ground * w;
-    const Lanes model = shine * s + under * w;
+    const Lanes blended = light.blend * (wx * bx + wy * by), below = w * b + blended;
+    const Lanes model = shine * s + light.ground * below;
     const Lanes level = model > 0 ? model : Lanes{};
     const Lanes weight = counts / (n0 + n1 * level + seen * seen * unsure);
     Lanes column[columns];
@@ -69,9 +73,10 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     column[kGain] = s;
     column[kSlopeX] = u * s;
     column[kSlopeY] = v * s;
-    column[kGround] = w * b;
+    column[kGround] = below;
     if constexpr (columns == 7) column[kTurn] = shine * st;
     store(weight, a.weight.data() + i);
+    store(blended, a.blended.data() + i);
     store(column[kStepX], a.step_x.data() + i);
     store(column[kStepY], a.step_y.data() + i);
     for (int c = 0, k = 0; c < columns; ++c) {
@@ -90,7 +95,7 @@ TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& 
   Lanes force[kLayerColumns] = {}, squares{}, rim_squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, w, b, u, v, level, weight, rim, x, y, st{};
+    Lanes s, w, b, u, v, level, weight, rim, x, y, blended, st{};
     load(a.disc.value.data() + i, s);
     load(a.share.value.data() + i, w);
     load(a.ground.value.data() + i, b);
@@ -99,6 +104,7 @@ TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& 
     load(a.level.data() + i, level);
     load(a.weight.data() + i, weight);
     load(a.rim.data() + i, rim);
+    load(a.blended.data() + i, blended);
     load(a.step_x.data() + i, x);
     load(a.step_y.data() + i, y);
     if constexpr (turns) {
@@ -106,7 +112,7 @@ TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& 
       s += light.turn * st;
     }
     const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
-    const Lanes model = shine * s + light.ground * w * b;
+    const Lanes below = w * b + blended, model = shine * s + light.ground * below;
     const Lanes r = level - model, wr = weight * r, square = wr * r;
     force[kStepX] += wr * x;
     force[kStepY] += wr * y;
@@ -114,7 +120,7 @@ TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& 
     force[kGain] += on_disc;
     force[kSlopeX] += on_disc * u;
     force[kSlopeY] += on_disc * v;
-    force[kGround] += wr * w * b;
+    force[kGround] += wr * below;
     if constexpr (turns) force[kTurn] += wr * shine * st;
     squares += square;
     rim_squares += square * rim;
@@ -163,16 +169,18 @@ TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
 
 #undef TRIBOTRACK_KERNEL
 
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                     \
-  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,                \
-                                        const LayerLight& light, const NoiseLaw& noise) {                   \
-    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light, noise)                             \
-                                     : form_with<7>(arrays, mask, light, noise);                            \
-  }                                                                                                         \
-  __VA_ARGS__ LayerForce force_##suffix(const LayerArrays& arrays, const LayerLight& light) {               \
-    return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light);  \
-  }                                                                                                         \
-  __VA_ARGS__ PlateauSums plateau_##suffix(const PlateauRow& row) { return plateau_of(row); }               \
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
+  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
+                                        const LayerLight& light, const NoiseLaw& noise) {                  \
+    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light, noise)                            \
+                                     : form_with<7>(arrays, mask, light, noise);                           \
+  }                                                                                                        \
+  __VA_ARGS__ LayerForce force_##suffix(const LayerArrays& arrays, const LayerLight& light) {              \
+    return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light); \
+  }                                                                                                        \
+  __VA_ARGS__ PlateauSums plateau_##suffix(const PlateauRow& row) {                                        \
+    return plateau_of(row);                                                                                \
+  }                                                                                                        \
   constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, plateau_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)

@@ -14,23 +14,25 @@ namespace tribotrack::vision {
 /// Light as it falls on the disc, about a fixed pixel: gain + slope_x u + slope_y v; and on the ground.
 struct LayerLight {
   double gain = 1, slope_x = 0, slope_y = 0, ground = 1;
-  double turn = 0;  ///< rad from where the disc's picture was formed
+  double turn = 0;   ///< rad from where the disc's picture was formed
+  double blend = 0;  ///< kappa, px^2
 };
 
 /// Layers and picture over all tiles, 64 numbers per tile.
 struct LayerArrays {
-  TileArrays disc, share, ground;        ///< S, w with their slopes, B
-  TileArrays turn;                       ///< dS/dtheta; empty where the disc does not turn
-  std::vector<float> u, v;               ///< px from the fixed pixel
-  std::vector<float> level;              ///< I
-  std::vector<float> weight;             ///< 1 / variance, 0 where a pixel does not count
-  std::vector<float> ground_variance;    ///< of B
-  std::vector<float> rim;                ///< 1 on the rim, else 0
-  std::vector<float> step_x, step_y;     ///< dM/dc as last formed
+  TileArrays disc, share, ground;      ///< S, w, B with their slopes
+  TileArrays turn;                     ///< dS/dtheta; empty where the disc does not turn
+  std::vector<float> u, v;             ///< px from the fixed pixel
+  std::vector<float> level;            ///< I
+  std::vector<float> weight;           ///< 1 / variance, 0 where a pixel does not count
+  std::vector<float> ground_variance;  ///< of B
+  std::vector<float> rim;              ///< 1 on the rim, else 0
+  std::vector<float> step_x, step_y;   ///< dM/dc as last formed
+  std::vector<float> blended;          ///< kappa grad w . grad B as last formed
   std::size_t tiles = 0;
 };
 
-/// Columns of the Jacobian of M = (gain + slope . u) S + ground w B, in this order.
+/// Columns of the Jacobian of M = (gain + slope . u) S + ground (w B + kappa grad w . grad B), in this order.
 enum LayerColumn { kStepX, kStepY, kGain, kSlopeX, kSlopeY, kGround, kTurn, kLayerColumns };
 
 /// With r = I - M: sums of weight J r, weight r^2 (all, and on the rim), the largest weight r^2; and, over
@@ -57,7 +59,7 @@ using PlateauSums = std::array<double, 3>;
 
 struct LayerKernels {
   const char* name;
-  /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, and returns the normal sums.
+  /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, blended, and returns the normal sums.
   LayerNormal (*form)(LayerArrays& arrays, const std::vector<float>& mask, const LayerLight& light,
                       const NoiseLaw& noise);
   LayerForce (*force)(const LayerArrays& arrays, const LayerLight& light);

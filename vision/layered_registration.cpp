@@ -9,14 +9,14 @@ namespace {
 
 constexpr int kBorder = 1;              ///< px beyond the rim's reach: the ground's own level is learnt there
 constexpr double kTurnTolerance = 0.1;  ///< px at the rim: further the disc's picture is turned anew
-constexpr double kTolerance = 0.03;     ///< of the standard deviation
+constexpr double kTolerance = 0.003;    ///< of the standard deviation
 constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
 constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dust, glare, a lamp)
 constexpr double kMaxTrim = 0.2;
 constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
-constexpr double kSureGround = 0.1;    ///< variance of the ground that does not spoil the noise law
+constexpr double kSureGround = 0.1;   ///< variance of the ground that does not spoil the noise law
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
@@ -101,7 +101,7 @@ void LayeredRegistration::choose_pixels(int frames) {
   if (disc_.turning()) arrays_.turn.value.resize(n);
   arrays_.tiles = places_.size();
   for (auto* v : {&arrays_.u, &arrays_.v, &arrays_.level, &arrays_.weight, &arrays_.ground_variance,
-                  &arrays_.rim, &arrays_.step_x, &arrays_.step_y})
+                  &arrays_.rim, &arrays_.step_x, &arrays_.step_y, &arrays_.blended})
     v->resize(n);
   corners_.resize(places_.size());
   double chosen = 0;
@@ -146,8 +146,7 @@ void LayeredRegistration::make_plateau() {
       if (weight == 0) continue;
       const double level = shown_.at(i, run.y);
       weight = static_cast<float>(1 / noise_.at(level));
-      const Eigen::Vector3d column =
-          level * Eigen::Vector3d(1, i - disc_.half(), run.y - disc_.half());
+      const Eigen::Vector3d column = level * Eigen::Vector3d(1, i - disc_.half(), run.y - disc_.half());
       plateau_normal_ += static_cast<double>(weight) * column * column.transpose();
       ++plateau_pixels_;
     }
@@ -179,15 +178,14 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
         std::copy_n(picture.row(top + j).data() + left, kTile, level + j * kTile);
       } else {
         for (int i = 0; i < kTile; ++i) {
-          const bool in = left + i >= 0 && left + i < picture.width() && top + j >= 0 &&
-                          top + j < picture.height();
+          const bool in =
+              left + i >= 0 && left + i < picture.width() && top + j >= 0 && top + j < picture.height();
           level[j * kTile + i] = in ? picture.at(left + i, top + j) : 0.0F;
           if (!in) counts[j * kTile + i] = 0;
         }
       }
     const int u = near_x + place.x, v = near_y + place.y;
-    const bool known =
-        u >= 0 && v >= 0 && u + kTile <= region.width && v + kTile <= region.height;
+    const bool known = u >= 0 && v >= 0 && u + kTile <= region.width && v + kTile <= region.height;
     if (known) {
       for (int j = 0; j < kTile; ++j)
         std::copy_n(ground_.variance().row(v + j).data() + u, kTile, unsure + j * kTile);
@@ -200,11 +198,12 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
         seen += unsure[k] <= strange;
       }
     // Far outside the ground's picture the spline is that of its border.
-    const int cx = std::clamp(ix + place.x, -8, region.width), cy = std::clamp(iy + place.y, -8, region.height);
+    const int cx = std::clamp(ix + place.x, -8, region.width),
+              cy = std::clamp(iy + place.y, -8, region.height);
     corners_[t] = ground_.spline().coefficient(cx, cy);
   }
   if (seen < kLeastRim * rim_pixels_) return false;
-  tile_kernels().sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, false,
+  tile_kernels().sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
                         arrays_.ground);
   return true;
 }
@@ -217,9 +216,9 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
     if (px < 0 || py < 0 || px + run.count > picture.width() || py >= picture.height())
       return trimmed_plateau(picture, x, y, {});
     const auto first = static_cast<std::size_t>(run.first);
-    const PlateauSums sums = layer_kernels().plateau(
-        {picture.row(py).data() + px, shown_.row(run.y).data() + first,
-         plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
+    const PlateauSums sums =
+        layer_kernels().plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
+                                 plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
     out.force += Eigen::Vector3d(sums[0], sums[1], (run.y - disc_.half()) * sums[0]);
     out.squares += sums[2];
   }
@@ -267,8 +266,8 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   if (slopes && disc_.turning()) each(slope_theta_, false, arrays_.turn);
 }
 
-LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LayerLight& light, const Plateau& plateau,
-                                                               double hold) {
+LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LayerLight& light,
+                                                               const Plateau& plateau, double hold) {
   const LayerNormal sums = layer_kernels().form(arrays_, counts_, light, noise_);
   const int n = columns();
   Matrix normal(n, n);
@@ -286,7 +285,8 @@ float LayeredRegistration::residual(std::size_t i, const LayerLight& light) cons
   float disc = arrays_.disc.value[i];
   if (disc_.turning()) disc += static_cast<float>(light.turn) * arrays_.turn.value[i];
   return arrays_.level[i] - shine * disc -
-         static_cast<float>(light.ground) * arrays_.share.value[i] * arrays_.ground.value[i];
+         static_cast<float>(light.ground) *
+             (arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i]);
 }
 
 /// Pixels that cannot be noise stop counting. Returns how many.
@@ -319,6 +319,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   light.gain = s.gain - light.slope_x * (s.centre.x - x0_) - light.slope_y * (s.centre.y - y0_);
   light.ground = s.ground_gain;
   light.turn = s.theta - cached_theta_;
+  light.blend = disc_.blend();
   const double hold = prior.sd > 0 ? 1 / (prior.sd * prior.sd) : 0;
 
   sample(s.centre, true);
@@ -332,7 +333,8 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   std::size_t strangers = 0;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
     sums = layer_kernels().force(arrays_, light);
-    Vector force = Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
+    Vector force =
+        Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
     force.segment<3>(kGain) += plateau.force_at(light);
     force(kSlopeX) += hold * (light.gain * prior.slope_x - light.slope_x);
     force(kSlopeY) += hold * (light.gain * prior.slope_y - light.slope_y);
@@ -380,16 +382,47 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   s.ground_gain = light.ground;
   if (disc_.turning()) s.theta = cached_theta_ + light.turn;
 
+  normal_ = normal;
   const Matrix inverse = normal.inverse();
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.sigma_slope = std::sqrt(0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY))) / s.gain;
   const CorrelationSums& c = sums.correlation;
   fix.trimmed_share = static_cast<double>(strangers) / std::max(1.0, c.w + static_cast<double>(strangers));
-  fix.chi_squared = (sums.squares + plateau.squares_at(light)) / std::max(1.0, c.w + plateau.pixels - columns());
+  fix.chi_squared =
+      (sums.squares + plateau.squares_at(light)) / std::max(1.0, c.w + plateau.pixels - columns());
   fix.rim_chi_squared = sums.rim_squares / std::max(1.0, rim_counted_);
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
   return fix;
+}
+
+void LayeredRegistration::add_rim(RimSums& sums) const {
+  const auto under = static_cast<float>(light_.ground), mean = static_cast<float>(ground_.mean());
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kLayerColumns, 2> mixed =
+      Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(columns(), 2);
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    if (!(counts_[i] * arrays_.rim[i] > 0)) continue;
+    const float wx = arrays_.share.slope_x[i], wy = arrays_.share.slope_y[i];
+    const float q = under * (wx * arrays_.ground.slope_x[i] + wy * arrays_.ground.slope_y[i]);
+    const float r = residual(i, light_), weight = arrays_.weight[i];
+    sums.qr += static_cast<double>(weight * q * r);
+    sums.qq += static_cast<double>(weight * q * q);
+    const float off = -under * (arrays_.ground.value[i] - mean);
+    const Eigen::Vector2d shift(static_cast<double>(off * wx), static_cast<double>(off * wy));
+    sums.shift_normal += static_cast<double>(weight) * shift * shift.transpose();
+    sums.shift_force += static_cast<double>(weight * r) * shift;
+    const float s = arrays_.disc.value[i];
+    const float column[] = {arrays_.step_x[i],
+                            arrays_.step_y[i],
+                            s,
+                            s * arrays_.u[i],
+                            s * arrays_.v[i],
+                            arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
+                            0.0F};
+    for (Eigen::Index c = 0; c < mixed.rows(); ++c)
+      mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
+  }
+  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
 }
 
 /// Pixels of the tiles on either side of the rim.

@@ -1,7 +1,7 @@
 // Where exactly is the disc in a frame, both layers known?
 //
-// Weighted Gauss-Newton on  sum_x (I(x) - [a (1 + g . u) S(u; theta) + b w(u) B(x - p)])^2 / var(x),
-//   var = n0 + n1 I + (b w)^2 var_B,
+// Weighted Gauss-Newton on  sum_x (I(x) - [a (1 + g . u) S(u; theta) + b G(x)])^2 / var(x),
+//   G = w(u) B(x - p) + kappa grad w . grad B,   var = n0 + n1 I + (b w)^2 var_B,
 // over c, theta, a, g and b, u = x - c. The gradient with respect to c is -(a (1 + g . u) grad S + b B grad
 // w). Layers are quintic splines shifted against the untouched picture, whose noise stays white; var_B is
 // what is not known of the ground, which at places never uncovered is its whole texture. The covariance of c
@@ -65,9 +65,19 @@ class LayeredRegistration {
   };
   void add_residuals(LevelSums& sums) const;
 
+  /// The last refine() on kappa: sums of weight q r and weight q^2 over the rim, q = b grad w . grad B; and
+  /// on a shift of w alone, all else following: normal equations with q = -b (B - mean B) grad w, the frame's
+  /// own unknowns eliminated.
+  struct RimSums {
+    double qr = 0, qq = 0;
+    Eigen::Matrix2d shift_normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d shift_force = Eigen::Vector2d::Zero();
+  };
+  void add_rim(RimSums& sums) const;
+
  private:
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLayerColumns,
-                               kLayerColumns>;
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLayerColumns, kLayerColumns>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLayerColumns, 1>;
   /// Light over the disc's even middle: sums against its three columns.
   struct Plateau {
@@ -101,7 +111,7 @@ class LayeredRegistration {
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
   std::vector<float> mask_;        ///< 1 where a pixel of a tile counts
   double rim_pixels_ = 0, rim_counted_ = 0;
-  Picture plateau_weight_;         ///< on the disc's grid
+  Picture plateau_weight_;  ///< on the disc's grid
   Eigen::Matrix3d plateau_normal_ = Eigen::Matrix3d::Zero();
   double plateau_pixels_ = 0;
   struct Run {
@@ -113,9 +123,10 @@ class LayeredRegistration {
   // The frame at hand.
   int x0_ = 0, y0_ = 0;  ///< the centre's pixel
   LayerArrays arrays_;
-  std::vector<float> counts_;      ///< mask_ less what lies outside the picture or is trimmed
+  std::vector<float> counts_;  ///< mask_ less what lies outside the picture or is trimmed
   std::vector<const float*> corners_;
   LayerLight light_;  ///< of the last refine()
+  Matrix normal_;     ///< likewise
 };
 
 }  // namespace tribotrack::vision

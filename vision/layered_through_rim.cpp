@@ -15,7 +15,8 @@ void look_through_rim(std::span<const KeptWindow> windows, const LayeredDisc& di
   const int reach = static_cast<int>(std::ceil(disc.rim().outer())) + 1;
   const int size = 2 * reach + 1;
   const auto pixels = static_cast<std::size_t>(size) * size;
-  std::vector<float> level(pixels), shown(pixels), share(pixels);
+  std::vector<float> level(pixels), shown(pixels), share(pixels), share_x(pixels), share_y(pixels),
+      below(pixels), below_x(pixels), below_y(pixels), known(pixels);
   const QuinticSpline share_spline(disc.share());
   QuinticSpline standing(disc.at(0));
   const double inner = disc.rim().inner(), outer = disc.rim().outer();
@@ -31,7 +32,8 @@ void look_through_rim(std::span<const KeptWindow> windows, const LayeredDisc& di
     const double left = x - s.centre.x + disc.half(), top = y - s.centre.y + disc.half();
     w.spline.sample_window(x - w.x, y - w.y, size, size, level.data(), nullptr, nullptr);
     standing.sample_window(left, top, size, size, shown.data(), nullptr, nullptr);
-    share_spline.sample_window(left, top, size, size, share.data(), nullptr, nullptr);
+    share_spline.sample_window(left, top, size, size, share.data(), share_x.data(), share_y.data());
+    ground.sample(u0, v0, size, size, below.data(), known.data(), below_x.data(), below_y.data());
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
@@ -41,7 +43,10 @@ void look_through_rim(std::span<const KeptWindow> windows, const LayeredDisc& di
         if (square <= inner * inner || square >= outer * outer) continue;
         const double light = s.gain * (1 + s.slope_x * u + s.slope_y * v);
         const auto through = static_cast<float>(s.ground_gain) * share[k];
-        ground.add_through_rim(u0 + i, v0 + j, through * (level[k] - static_cast<float>(light) * shown[k]),
+        const auto blended = static_cast<float>(s.ground_gain * disc.blend()) *
+                             (share_x[k] * below_x[k] + share_y[k] * below_y[k]);
+        ground.add_through_rim(u0 + i, v0 + j,
+                               through * (level[k] - static_cast<float>(light) * shown[k] - blended),
                                through * through);
       }
   }
