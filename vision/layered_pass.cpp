@@ -100,6 +100,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     return out;
   }
   out.windows = static_cast<int>(windows);
+  out.ground_texture = ground.texture();
 
   // A part of the windows first, spread over the recording: most sweeps need no more.
   std::stable_partition(kept.begin(), kept.end(), [&, n = 0](const KeptWindow&) mutable {
@@ -127,7 +128,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
                                 f.centre.x + registration.reach() + 1, f.centre.y + registration.reach() + 1,
                                 source.bounds());
     source.read(f.index, window, frame);
-    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground});
+    auto fix =
+        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning.light());
     if (fix) {
       fix->covariance *= widened;
       fix->state.centre.x += offset.x;

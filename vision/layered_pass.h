@@ -45,10 +45,9 @@ struct LayeredResult {
   NoiseLaw noise;
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0;
-  double ground_texture = 0;  ///< of the platform's picture about the path, grey levels rms
+  double ground_texture = 0;  ///< of the platform's picture, grey levels rms
   double rim_excess =
       0;  ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
-  bool light_known = false;  ///< the light's slope follows from the place; else it is free in every frame
 };
 
 /// Never throws for what the scene is like; InputError for a recording that cannot be read.
