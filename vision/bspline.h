@@ -52,6 +52,11 @@ class QuinticSpline {
   void sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
                      float* slope_y) const;
 
+  /// The same over tiles whose first pixels are `tiles` pixels from (x0, y0), which must lie within the
+  /// picture grown by kPad - 3 px. `corners` is scratch of the tiles' number.
+  void sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                    std::vector<const float*>& corners, bool slopes, TileArrays& arrays) const;
+
  private:
   const float* coefficient_row(int y) const {
     return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;

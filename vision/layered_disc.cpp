@@ -103,73 +103,100 @@ LayeredDisc::Place LayeredDisc::place(const KeptWindow& w) const {
           within(std::floor(w.y + w.picture.height() - 1 - top) + 1)};
 }
 
-void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
-                                 double noise_variance) {
+/// Tiles over the rim and what is not 0 in `where`; over the whole grid without it.
+std::vector<TilePlace> LayeredDisc::tiles_about_rim(const Picture* where) const {
   const int size = 2 * half_ + 1;
-  const auto pixels = static_cast<std::size_t>(size) * size;
+  Picture mask(size, size, 1);
+  if (where)
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const double x = i - half_, y = j - half_, square = x * x + y * y;
+        const bool rim = square >= rim_.inner() * rim_.inner() && square <= rim_.outer() * rim_.outer();
+        if (!rim && where->at(i, j) == 0) mask.at(i, j) = 0;
+      }
+  return cover_with_tiles(mask);
+}
+
+void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
+                                 double noise_variance, const std::vector<TilePlace>& tiles) {
+  const std::size_t pixels = tiles.size() * kTilePixels;
   Sums sums(pixels);
-  std::vector<float> level(pixels), below(pixels), known(pixels), below_x(pixels), below_y(pixels);
+  TileArrays level, below;
+  for (TileArrays* a : {&level, &below}) {
+    a->tiles = tiles.size();
+    for (auto* v : {&a->value, &a->slope_x, &a->slope_y}) v->resize(pixels);
+  }
+  std::vector<float> inside(pixels), known(pixels);
+  std::vector<const float*> corners(tiles.size());
   const auto blend = static_cast<float>(blend_);
   const auto ground_mean = static_cast<float>(ground.mean());
-  Picture turned;
+  const auto on_grid = [&](const Picture& picture) {
+    std::vector<float> out(pixels, 0);
+    for (std::size_t t = 0; t < tiles.size(); ++t)
+      for (int j = 0; j < std::min(kTile, picture.height() - tiles[t].y); ++j)
+        std::copy_n(picture.row(tiles[t].y + j).begin() + tiles[t].x,
+                    std::min(kTile, picture.width() - tiles[t].x),
+                    out.begin() + static_cast<std::ptrdiff_t>(t * kTilePixels) + j * kTile);
+    return out;
+  };
+  const std::vector<float> share = on_grid(share_), share_x = on_grid(share_x_), share_y = on_grid(share_y_);
+  std::vector<float> u(pixels), v(pixels), turn(pixels, 0);
+  for (std::size_t k = 0; k < pixels; ++k) {
+    u[k] = static_cast<float>(tiles[k / kTilePixels].x - half_ + static_cast<int>(k % kTile));
+    v[k] = static_cast<float>(tiles[k / kTilePixels].y - half_ + static_cast<int>(k % kTilePixels) / kTile);
+  }
   for (const KeptWindow& w : windows) {
     const LayeredState& s = w.state;
     const Place at = place(w);
-    w.spline.sample_window(at.left - w.x, at.top - w.y, size, size, level.data(), nullptr, nullptr);
-    ground.sample(at.left - s.ground.x, at.top - s.ground.y, size, size, below.data(), known.data(),
-                  below_x.data(), below_y.data());
+    w.spline.sample_tiles(at.left - w.x, at.top - w.y, tiles, corners, false, level);
+    ground.sample_tiles(at.left - s.ground.x, at.top - s.ground.y, tiles, corners, below, known);
     if (turning_) {
-      turned = this->at(s.theta);
-      for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
+      Picture turned = this->at(s.theta);
+      for (std::size_t i = 0; i < turned.levels().size(); ++i)
+        turned.levels()[i] -= parts_.standing.levels()[i];
+      turn = on_grid(turned);
     }
-    for (int j = at.first_row; j < at.last_row; ++j) {
-      const auto row = static_cast<std::size_t>(j) * size;
-      const auto base = static_cast<float>(s.gain * (1 + s.slope_y * (j - half_)));
-      const auto slope = static_cast<float>(s.gain * s.slope_x);
-      const auto under = static_cast<float>(s.ground_gain);
-      const float* share = share_.levels().data() + row;
-      const float* share_x = share_x_.levels().data() + row;
-      const float* share_y = share_y_.levels().data() + row;
-      const float* turn = turning_ ? turned.levels().data() + row : nullptr;
-      for (int i = at.first_column; i < at.last_column; ++i) {
-        const std::size_t k = row + static_cast<std::size_t>(i);
-        const float use = share[i] > 0 ? known[k] : 1.0F;
-        const float light = 1 / (base + slope * static_cast<float>(i - half_));
-        const float blended = under * blend * (share_x[i] * below_x[k] + share_y[i] * below_y[k]);
-        const float y = (level[k] - blended) * light - (turn ? turn[i] : 0.0F);
-        const float z = under * below[k] * light - ground_mean;
-        sums.n[k] += use;
-        sums.y[k] += use * y;
-        sums.z[k] += use * z;
-        sums.yz[k] += use * y * z;
-        sums.zz[k] += use * z * z;
+    // Where the window ends.
+    const bool whole = at.first_column == 0 && at.first_row == 0 && at.last_column == 2 * half_ + 1 &&
+                       at.last_row == 2 * half_ + 1;
+    if (!whole)
+      for (std::size_t k = 0; k < pixels; ++k) {
+        const int i = static_cast<int>(u[k]) + half_, j = static_cast<int>(v[k]) + half_;
+        inside[k] = i >= at.first_column && i < at.last_column && j >= at.first_row && j < at.last_row;
       }
+    const auto gain = static_cast<float>(s.gain), slope_x = static_cast<float>(s.gain * s.slope_x),
+               slope_y = static_cast<float>(s.gain * s.slope_y), under = static_cast<float>(s.ground_gain);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const float use = (share[k] > 0 ? known[k] : 1.0F) * (whole ? 1.0F : inside[k]);
+      const float light = 1 / (gain + slope_x * u[k] + slope_y * v[k]);
+      const float blended = under * blend * (share_x[k] * below.slope_x[k] + share_y[k] * below.slope_y[k]);
+      const float y = (level.value[k] - blended) * light - turn[k];
+      const float z = under * below.value[k] * light - ground_mean;
+      sums.n[k] += use;
+      sums.y[k] += use * y;
+      sums.z[k] += use * z;
+      sums.yz[k] += use * y * z;
+      sums.zz[k] += use * z * z;
     }
   }
-  const auto each_pixel = [&](const auto& act) {
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
-        const auto k = static_cast<std::size_t>(j) * size + i;
-        const double rho = std::hypot(i - half_, j - half_);
-        act(k, rho);
-      }
-  };
-  each_pixel([&](std::size_t k, double rho) {
-    const double n = sums.n[k];
-    if (n < 3 || rho <= rim_.inner() || rho >= rim_.outer()) return;
+  for (std::size_t k = 0; k < pixels; ++k) {
+    const double n = sums.n[k], rho = std::hypot(u[k], v[k]);
+    if (n < 3 || rho <= rim_.inner() || rho >= rim_.outer()) continue;
     const double y = sums.y[k], z = sums.z[k];
     rim_.add(rho, sums.yz[k] - y * z / n, sums.zz[k] - z * z / n);
-  });
+  }
   rim_.solve(noise_variance);
   make_share();
-  each_pixel([&](std::size_t k, double rho) {
-    if (rho >= rim_.outer()) {
-      parts_.standing.levels()[k] = 0;
+  for (std::size_t k = 0; k < pixels; ++k) {
+    const int i = static_cast<int>(u[k]) + half_, j = static_cast<int>(v[k]) + half_;
+    if (i > 2 * half_ || j > 2 * half_) continue;
+    if (std::hypot(u[k], v[k]) >= rim_.outer()) {
+      parts_.standing.at(i, j) = 0;
     } else if (sums.n[k] > 0) {
       const float mean = sums.z[k] / sums.n[k] + ground_mean;
-      parts_.standing.levels()[k] = sums.y[k] / sums.n[k] - share_.levels()[k] * mean;
+      parts_.standing.at(i, j) = sums.y[k] / sums.n[k] - share_.at(i, j) * mean;
     }
-  });
+  }
 }
 
 /// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
@@ -230,7 +257,8 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   texture_spline_ = QuinticSpline(parts_.turning);
 }
 
-void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance) {
+void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+                        const Picture* where) {
   double gain = 0;
   double slope_x = 0;
   double slope_y = 0;
@@ -245,7 +273,7 @@ void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& grou
     w.state.slope_x -= slope_x;
     w.state.slope_y -= slope_y;
   }
-  learn_standing(windows, ground, noise_variance);
+  learn_standing(windows, ground, noise_variance, tiles_about_rim(turning_ ? nullptr : where));
   if (turning_) learn_turning(windows, ground, noise_variance);
 }
 

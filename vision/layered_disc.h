@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vision/bspline.h"
+#include "vision/informative_pixels.h"
 #include "vision/layered_ground.h"
 #include "vision/layered_rim.h"
 #include "vision/layered_split.h"
@@ -32,7 +33,9 @@ class LayeredDisc {
 
   /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
   /// is 1, the mean of g_k is 0, which changes the states accordingly.
-  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance);
+  /// `where` (on the grid, null: everywhere) and about the rim: what is not 0 there stays as it was.
+  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+             const Picture* where = nullptr);
 
   /// The standing picture and the rim, to go back to or to go on from.
   struct Standing {
@@ -62,8 +65,9 @@ class LayeredDisc {
   struct Sums;
   struct Place;
   Place place(const KeptWindow& window) const;
-  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
-                      double noise_variance);
+  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+                      const std::vector<TilePlace>& tiles);
+  std::vector<TilePlace> tiles_about_rim(const Picture* where) const;
   void learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance);
   void make_share();
 

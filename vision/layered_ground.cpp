@@ -198,4 +198,24 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* v
                 known + static_cast<std::ptrdiff_t>(j) * width + first);
 }
 
+void GroundPicture::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                                 std::vector<const float*>& corners, TileArrays& arrays,
+                                 std::vector<float>& known) const {
+  const double left = x0 - region_.x, top = y0 - region_.y;
+  const int ix = static_cast<int>(std::floor(left)), iy = static_cast<int>(std::floor(top));
+  const int near_x = static_cast<int>(std::lround(left)), near_y = static_cast<int>(std::lround(top));
+  std::fill(known.begin(), known.end(), 0.0F);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    // Far outside, where nothing is known, the spline is that of the border.
+    corners[t] = spline_.coefficient(std::clamp(ix + tiles[t].x, -8, region_.width),
+                                     std::clamp(iy + tiles[t].y, -8, region_.height));
+    const int x = near_x + tiles[t].x, y = near_y + tiles[t].y;
+    const int first = std::clamp(-x, 0, kTile), last = std::clamp(region_.width - x, first, kTile);
+    for (int j = std::max(0, -y); j < std::min(kTile, region_.height - y); ++j)
+      std::copy_n(known_.row(y + j).begin() + x + first, last - first,
+                  known.begin() + static_cast<std::ptrdiff_t>(t * kTilePixels) + j * kTile + first);
+  }
+  tile_kernels().sample(corners, spline_.stride(), spline_taps(left - ix, top - iy), 0, true, arrays);
+}
+
 }  // namespace tribotrack::vision

@@ -38,6 +38,10 @@ class GroundPicture {
   /// be null.
   void sample(double x0, double y0, int width, int height, float* value, float* known,
               float* slope_x = nullptr, float* slope_y = nullptr) const;
+  /// The same with slopes over tiles whose first places are `tiles` places from (x0, y0); `corners` is
+  /// scratch.
+  void sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                    std::vector<const float*>& corners, TileArrays& arrays, std::vector<float>& known) const;
   /// B's spline; its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
   /// Variance of B at the places of the region: the noise's over the number of frames, up to the texture's

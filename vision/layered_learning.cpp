@@ -89,10 +89,12 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
   }
   offset_ = {};
   if (sweeps_ > 0) look_through_rim(windows, disc_, noise_.at(ground_.mean()), ground_);
+  // The even middle once; then what tells about the place.
+  if (sweeps_ == 0) first_windows_ = static_cast<int>(windows.size());
+  disc_.learn(windows, ground_, start_noise_, sweeps_ > 0 ? &registration_.chosen() : nullptr);
   ++sweeps_;
-  disc_.learn(windows, ground_, start_noise_);
   registration_.set_noise(noise_);
-  registration_.disc_changed(static_cast<int>(windows.size()));
+  registration_.disc_changed(first_windows_);
   if (!last && !disc_.turning()) return;
   const auto middle = static_cast<double>(disc_.half());
   if (const auto fit = fit_disc(disc_.on_plain(ground_.mean()), {middle, middle, radius_}, 2.0)) {

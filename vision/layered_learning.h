@@ -46,7 +46,7 @@ class LayeredLearning {
   NoiseLaw noise_;
   LightPrior light_;
   double start_noise_;
-  int sweeps_ = 0;
+  int sweeps_ = 0, first_windows_ = 0;
   Point offset_;
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();  ///< of the rim, from the last measure()
   double disc_radius_ = 0, disc_radius_sd_ = 0, rim_chi_squared_ = 0, sigma_ = 0;

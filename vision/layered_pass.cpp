@@ -9,11 +9,14 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarlyStride = 4;
+constexpr std::size_t kEarly = 32;     ///< windows of most sweeps
 constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
+/// Learnt pictures err alike where the disc stands alike on the platform; measured on rendered scenes: as if
+/// so many of the windows' own numbers were fitted.
+constexpr double kLearntCost = 6;
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
@@ -71,7 +74,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   const Rect region = swath(frames, reach, source.bounds());
 
   // Keep windows, average the ground.
-  const double window_bytes = 4 * std::pow(2 * reach + 2, 2);
+  const double window_bytes =
+      4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
   const auto windows =
       std::min(frames.size(),
                static_cast<std::size_t>(std::max(
@@ -103,14 +107,15 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.ground_texture = ground.texture();
 
   // A part of the windows first, spread over the recording: most sweeps need no more.
-  std::stable_partition(kept.begin(), kept.end(), [&, n = 0](const KeptWindow&) mutable {
-    return windows < kEarlyStride * kFewest || n++ % kEarlyStride == 0;
+  const std::size_t few = std::min(kEarly, windows);
+  std::stable_partition(kept.begin(), kept.end(), [&, n = std::size_t{0}](const KeptWindow&) mutable {
+    const std::size_t k = n++;
+    return k * few / windows != (k + 1) * few / windows;
   });
   LayeredRegistration registration(disc, ground);
   LayeredLearning learning(disc, ground, registration, options.disc.radius, {options.noise_variance, 0});
   const std::span<KeptWindow> all(kept);
-  const auto early =
-      all.first(windows < kEarlyStride * kFewest ? windows : (windows + kEarlyStride - 1) / kEarlyStride);
+  const auto early = all.first(few);
   if (!learning.run(early, all)) {
     out.why_not = "the layers do not explain most of the kept frames";
     return out;
@@ -121,7 +126,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.disc_radius_sd = learning.disc_radius_sd();
   out.rim_excess = learning.rim_chi_squared() - 1;
 
-  const double widened = std::max(1.0, learning.rim_chi_squared()) * (1 + 1 / static_cast<double>(windows));
+  const double widened =
+      std::max(1.0, learning.rim_chi_squared()) * (1 + kLearntCost / static_cast<double>(windows));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,

@@ -124,6 +124,7 @@ void LayeredRegistration::choose_pixels(int frames) {
     }
   }
   pixel_share_ = chosen / all;
+  chosen_ = mask;
   // What is left of the disc itself.
   plateau_weight_ = Picture(size, size);
   runs_.clear();

@@ -53,6 +53,8 @@ class LayeredRegistration {
   std::optional<LayeredFix> refine(const Picture& picture, int x, int y, const LayeredState& start,
                                    const LightPrior& prior = {});
 
+  /// Which pixels of the disc's grid take part one by one: 1, else 0.
+  const Picture& chosen() const { return chosen_; }
   /// Pixels about the centre that refine() looks at.
   int reach() const { return reach_; }
   /// Share of the pixels about the disc that take part one by one.
@@ -109,7 +111,8 @@ class LayeredRegistration {
   QuinticSpline standing_, slope_theta_, share_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
-  std::vector<float> mask_;        ///< 1 where a pixel of a tile counts
+  Picture chosen_;
+  std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
   double rim_pixels_ = 0, rim_counted_ = 0;
   Picture plateau_weight_;  ///< on the disc's grid
   Eigen::Matrix3d plateau_normal_ = Eigen::Matrix3d::Zero();

@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "vision/layered_pass.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTextureShare = 0.6;  ///< of the noise: the least ground texture that is told from noise
+constexpr double kTextureShare = 0.3;  ///< of the noise: the least ground texture that costs accuracy
+constexpr double kScatter = 4;         ///< sd of a variance's estimate that are not a texture
 constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
 constexpr const char* kName = "layers: disc over platform";
 
@@ -71,11 +73,13 @@ void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& 
 
 }  // namespace
 
-bool layers_wanted(const FirstPass& first, Layers layers) {
+bool layers_wanted(const FirstPass& first, double radius, Layers layers) {
   if (layers == Layers::off || first.blur <= 0) return false;
   const double noise = std::sqrt(first.noise_variance);
-  return layers == Layers::on || first.ground_texture > kTextureShare * noise ||
-         first.excess > kExcessShare * noise;
+  // The ring that the texture was measured in has this many pixels or more: noise alone scatters that much.
+  const double pixels = std::numbers::pi * (std::pow(radius + 8, 2) - std::pow(radius + 4, 2));
+  const double told = std::max(kTextureShare, std::sqrt(kScatter * std::sqrt(2 / pixels)));
+  return layers == Layers::on || first.ground_texture > told * noise || first.excess > kExcessShare * noise;
 }
 
 bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
@@ -86,7 +90,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   };
   if (layers == Layers::off) return off("switched off; " + finding(first));
   if (first.blur <= 0) return off("the part has no measured round rim");
-  if (!layers_wanted(first, layers)) return off(finding(first));
+  if (!layers_wanted(first, summary.disc.radius, layers)) return off(finding(first));
 
   std::vector<std::size_t> places;
   const std::vector<FirstPassFrame> frames = seen_frames(track, first, places);

@@ -29,7 +29,7 @@ struct FirstPass {
 bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
                    TrackSummary& summary, const std::function<void(std::int64_t)>& progress);
 
-/// Whether layered_stage() would try, as far as this is known after the first pass.
-bool layers_wanted(const FirstPass& first, Layers layers);
+/// Whether layered_stage() would try, as far as this is known after the first pass; radius of the part, px.
+bool layers_wanted(const FirstPass& first, double radius, Layers layers);
 
 }  // namespace tribotrack::vision
