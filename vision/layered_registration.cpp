@@ -162,7 +162,8 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   const int near_x = static_cast<int>(std::lround(gx)), near_y = static_cast<int>(std::lround(gy));
   counts_ = mask_;
   const double texture = ground_.texture() * ground_.texture();
-  const auto strange = static_cast<float>(0.25 * texture + 1e-6);
+  // Less known than the frame's own noise tells, or hardly better than by the ground's mean.
+  const auto strange = static_cast<float>(std::max(0.25 * texture, 0.5 * noise_.at(ground_.mean())));
   double seen = 0;
   rim_counted_ = 0;
   for (std::size_t t = 0; t < places_.size(); ++t) {
