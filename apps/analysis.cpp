@@ -2,7 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <numbers>
+
 #include "apps/errors.h"
+#include "apps/scope_file.h"
+#include "fit/gate_covariance.h"
 
 namespace tribotrack::apps {
 
@@ -52,17 +58,89 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const Ru
 
 }  // namespace
 
+namespace {
+
+/// The run's trace with its events. Throws InvalidInput naming the file.
+ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const TrackFile& track) {
+  const ScopeSection& section = campaign.scope;
+  const ScopeFile file = read_scope_file(*run.scope);
+  const auto channel = [&](int number, const char* key) {
+    if (number == 0) return std::vector<double>();
+    if (static_cast<std::size_t>(number) > file.channels.size())
+      throw InvalidInput(fmt::format("{}:1: holds {} channel{}, but [scope] {} = {}", run.scope->string(),
+                                     file.channels.size(), file.channels.size() == 1 ? "" : "s", key,
+                                     number));
+    return file.channels[static_cast<std::size_t>(number) - 1];
+  };
+  fit::ScopeTrace trace{file.start_s, file.increment_s, channel(section.sensor_channel, "sensor_channel"),
+                        channel(section.actuator_channel, "actuator_channel")};
+  fit::ScopeOptions options;
+  options.carrier_hz = section.carrier_hz;
+  options.sensor_delay = section.sensor_delay_s;
+  options.sensor_delay_sd = section.sensor_delay_sd_s;
+  ScopeEvidence evidence;
+  try {
+    evidence.events = fit::find_scope_events(trace, options);
+  } catch (const fit::DataError& error) {
+    throw InvalidInput(fmt::format("{}: {}", run.scope->string(), error.what()));
+  }
+  evidence.sensor = fit::sensor_clock(evidence.events, options);
+  evidence.tie = section.tie == "trigger" ? ScopeTie::trigger
+                 : section.tie == "lamp"  ? ScopeTie::lamp
+                                          : ScopeTie::sensor;
+  evidence.tie_sd = section.tie_sd_s;
+  evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : trigger_time_of(track);
+  if (evidence.tie == ScopeTie::trigger && !evidence.trigger_time)
+    throw InvalidInput(
+        fmt::format("{}: run \"{}\": the recording does not say when it was triggered; give [scope] "
+                    "trigger_time_s, the trigger's place in the recording's time",
+                    run.place, run.name));
+  if (evidence.tie == ScopeTie::lamp && track.lamp.time.empty())
+    throw InvalidInput(fmt::format(
+        "{}: run \"{}\": [scope] tie = \"lamp\" needs a lamp in the picture; give [camera] gate_px",
+        run.place, run.name));
+  return evidence;
+}
+
+/// The gate as it was in place of the gate as commanded.
+void use_measured_gate(AnalysedRun& analysed) {
+  const fit::GateTiming& gate = *analysed.measurement->gate;
+  model::Scenario& scenario = analysed.scenario;
+  scenario.friction.phase = gate.phi.value;
+  scenario.friction.pulse_width = std::clamp(gate.dtau.value, 0.0, 2 * std::numbers::pi);
+  Eigen::Matrix2d covariance;
+  covariance << gate.phi.sd * gate.phi.sd, gate.covariance, gate.covariance, gate.dtau.sd * gate.dtau.sd;
+  model::Scenario guess = scenario;
+  guess.friction.nominal = 0.8 * scenario.drive.acceleration(0).norm() / scenario.drive.gravity;
+  guess.friction.reduced = 0.2 * guess.friction.nominal;
+  analysed.displacement.covariance += fit::displacement_covariance_of_gate(guess, covariance);
+  fit::derive_alpha_and_v(analysed.displacement);
+}
+
+}  // namespace
+
 RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   RecordingJob job;
   job.video = *run.video;
   job.frame_rate_hz = campaign.camera.frame_rate_hz;
   job.mm_per_px = run.mm_per_px ? run.mm_per_px : campaign.camera.mm_per_px;
-  if (!job.mm_per_px) job.diameter_mm = campaign.diameter_mm;
+  if (job.mm_per_px)
+    job.mm_per_px_sd = run.mm_per_px ? 0 : campaign.camera.mm_per_px_sd;
+  else if (campaign.camera.calibration)
+    job.calibration = campaign.camera.calibration;
+  else
+    job.diameter_mm = campaign.diameter_mm;
+  job.diameter_sd_mm = campaign.diameter_sd_mm;
+  job.height_mm = campaign.height_mm;
+  job.working_distance_mm = campaign.camera.working_distance_mm;
   job.xi_axis_rad = campaign.camera.xi_axis_rad;
   if (const auto disc = run.disc_px ? run.disc_px : campaign.camera.disc_px)
     job.track.target = {vision::Target::Kind::disc, *disc, {}};
   const auto marker = run.marker_px ? run.marker_px : campaign.camera.marker_px;
-  if (marker && !run.free_slide) job.track.marker = {vision::MarkerChoice::Kind::circle, *marker};
+  if (!run.free_slide)
+    job.track.marker = marker ? vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *marker}
+                              : vision::MarkerChoice{campaign.camera.marker, {}};
+  if (!run.free_slide) job.track.gate = campaign.camera.gate_px;
   job.track.first_frame = run.first_frame;
   job.track.last_frame = run.last_frame;
   return job;
@@ -78,6 +156,9 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
     given.amplitude = run.amplitude ? run.amplitude : campaign.platform.amplitude;
     given.phase_shift = campaign.platform.phase_shift;
     given.phase_at_zero = run.phase_at_zero;
+    given.phi = run.phi;
+    given.dtau = run.dtau;
+    if (run.scope) given.scope = scope_of(campaign, run, *track);
     given.cycles = run.cycles;
     analysed.measurement = measure_run(run.name, *track, given);
   }
@@ -99,6 +180,7 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
     scenario.start_phase = measured->phase_source == "assumed 0" && run.start_phase
                                ? *run.start_phase
                                : measured->phase_at_start;
+    if (measured->gate) use_measured_gate(analysed);
   } else if (!run.free_slide) {
     analysed.displacement = fit::displacement_from_alpha_v({*run.alpha, *run.alpha_sd}, {*run.v, *run.v_sd},
                                                            scenario.drive.angular_frequency, run.cycles);
@@ -149,8 +231,8 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     else
       problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
   }
-  // The runs' scales share their systematic part (how the rim is defined, the part's true diameter): taken as
-  // common.
+  // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
+  // diameter).
   problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
   return problem;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <regex>
 #include <set>
 
@@ -44,17 +45,48 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
   return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
 }
 
-CameraSection read_camera(StrictTable& table) {
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   CameraSection camera;
   camera.frame_rate_hz = table.positive("frame_rate_hz");
   camera.mm_per_px = table.positive("mm_per_px");
+  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (const auto file = table.text("calibration")) {
+    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+    camera.calibration = folder / *file;
+  }
   camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
   camera.working_distance_mm = table.positive("working_distance_mm");
   camera.disc_px = read_circle(table, "disc_px");
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
+  using Marker = vision::MarkerChoice::Kind;
+  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
+  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
   table.finish();
   return camera;
+}
+
+ScopeSection read_scope(StrictTable& table) {
+  ScopeSection scope;
+  const auto channel = [&](const char* key, int fallback) {
+    const auto value = table.integer(key).value_or(fallback);
+    if (value < 0 || value > 4)
+      table.fail(key, fmt::format("must be 1 to 4, the file's first to fourth channel, or 0 for none, not {}",
+                                  value));
+    return static_cast<int>(value);
+  };
+  scope.sensor_channel = channel("sensor_channel", scope.sensor_channel);
+  scope.actuator_channel = channel("actuator_channel", scope.actuator_channel);
+  scope.carrier_hz = table.positive("carrier_hz").value_or(scope.carrier_hz);
+  scope.sensor_delay_s = table.number("sensor_delay_s").value_or(0);
+  scope.sensor_delay_sd_s = table.not_negative("sensor_delay_sd_s").value_or(0);
+  constexpr std::array<const char*, 3> ties = {"sensor", "trigger", "lamp"};
+  scope.tie = ties[table.choice("tie", {"sensor", "trigger", "lamp"}).value_or(0)];
+  scope.trigger_time_s = table.number("trigger_time_s");
+  scope.tie_sd_s = table.not_negative("tie_sd_s").value_or(0);
+  table.finish();
+  return scope;
 }
 
 FitParameter require_fit_parameter(const StrictTable& table, std::string_view key, const std::string& name) {
@@ -185,10 +217,12 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   if (!run.free_slide && (!phi || !dtau))
     throw InvalidInput(
         fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
-  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.diameter_mm)
-    throw InvalidInput(fmt::format(
-        "{}: nothing says how large a pixel is; give `diameter_mm` in [part] or `mm_per_px` in [camera]",
-        run.place));
+  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
+      !campaign.diameter_mm)
+    throw InvalidInput(
+        fmt::format("{}: nothing says how large a pixel is; give `diameter_mm` in [part], or `mm_per_px` or "
+                    "`calibration` in [camera]",
+                    run.place));
   return run;
 }
 
@@ -236,10 +270,12 @@ Campaign read_campaign(const fs::path& file) {
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
   if (auto table = top.table("part")) {
     campaign.diameter_mm = table->positive("diameter_mm");
+    campaign.diameter_sd_mm = table->not_negative("diameter_sd_mm").value_or(0);
     campaign.height_mm = table->positive("height_mm");
     table->finish();
   }
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
+  if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
@@ -249,16 +285,6 @@ Campaign read_campaign(const fs::path& file) {
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
   name_runs(campaign.runs);
 
-  if (campaign.camera.gate_px)
-    campaign.warnings.push_back("gate_px is not read yet: phi and dtau are taken as commanded");
-  if (campaign.height_mm && campaign.camera.working_distance_mm)
-    campaign.warnings.push_back(
-        "the parallax between the part's top and the marker's plane (height_mm, working_distance_mm) is not "
-        "corrected yet");
-  for (const CampaignRun& run : campaign.runs)
-    if (run.scope)
-      campaign.warnings.push_back(fmt::format(
-          "{}: the oscilloscope trace is not read yet: phi and dtau are taken as commanded", run.name));
   return campaign;
 }
 
@@ -282,10 +308,20 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
           {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
           {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
+          {"mm_per_px_sd", camera.mm_per_px_sd},
+          {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
           {"diameter_mm", optional_json(diameter_mm)},
+          {"diameter_sd_mm", diameter_sd_mm},
+          {"height_mm", optional_json(height_mm)},
+          {"working_distance_mm", optional_json(camera.working_distance_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
-          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)}};
+          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+          {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
+                     : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
+                                                                          : "none"},
+          {"gate_px", circle_json(camera.gate_px)},
+          {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
 }
 
 Json Campaign::effective_configuration() const {
@@ -297,7 +333,17 @@ Json Campaign::effective_configuration() const {
                       {"gravity_m_s2", platform.gravity},
                       {"tilt_x_rad", platform.tilt_x},
                       {"tilt_y_rad", platform.tilt_y}};
-  json["part"] = {{"diameter_mm", optional_json(diameter_mm)}, {"height_mm", optional_json(height_mm)}};
+  json["scope"] = {{"sensor_channel", scope.sensor_channel},
+                   {"actuator_channel", scope.actuator_channel},
+                   {"carrier_hz", scope.carrier_hz},
+                   {"sensor_delay_s", scope.sensor_delay_s},
+                   {"sensor_delay_sd_s", scope.sensor_delay_sd_s},
+                   {"tie", scope.tie},
+                   {"trigger_time_s", optional_json(scope.trigger_time_s)},
+                   {"tie_sd_s", scope.tie_sd_s}};
+  json["part"] = {{"diameter_mm", optional_json(diameter_mm)},
+                  {"diameter_sd_mm", diameter_sd_mm},
+                  {"height_mm", optional_json(height_mm)}};
   Json fit_json;
   fit_json["parameters"] = Json::array();
   for (const FitParameter parameter : fit.parameters)

@@ -13,15 +13,30 @@
 #include "fit/problem.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
 struct CameraSection {
   std::optional<double> frame_rate_hz;
   std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< resolved against the campaign's folder
   double xi_axis_rad = 0;
   std::optional<double> working_distance_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  /// Without marker_px: how the platform's motion is seen.
+  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
+};
+
+/// [scope]: which channel is what, and how its time is tied to the camera's.
+struct ScopeSection {
+  int sensor_channel = 1, actuator_channel = 2;  ///< 1 = the file's first; 0 = there is none
+  double carrier_hz = 5890;
+  double sensor_delay_s = 0, sensor_delay_sd_s = 0;
+  std::string tie = "sensor";  ///< "sensor", "trigger", "lamp"
+  std::optional<double> trigger_time_s;
+  double tie_sd_s = 0;
 };
 
 struct FitSection {
@@ -57,7 +72,9 @@ struct Campaign {
   std::filesystem::path file;
   PlatformSection platform;
   std::optional<double> diameter_mm, height_mm;
+  double diameter_sd_mm = 0;
   CameraSection camera;
+  ScopeSection scope;
   FitSection fit;
   std::vector<CampaignRun> runs;
   /// Keys that are understood but not yet acted on, each a sentence for the user.

@@ -44,6 +44,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_fit(app, context);
   add_report(app, context);
   add_probe(app, context);
+  add_calibrate(app, context);
   add_simulate(app, context);
   add_sweep(app, context);
   add_synth(app, context);

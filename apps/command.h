@@ -39,6 +39,7 @@ void add_fit(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
+void add_calibrate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 
 /// Parses a command line and carries it out. Errors go to stderr as one sentence; the result is the exit

@@ -8,6 +8,7 @@
 #include "apps/fit_file.h"
 #include "apps/output_file.h"
 #include "apps/parallel.h"
+#include "apps/pooled_scale.h"
 #include "apps/progress.h"
 
 namespace tribotrack::apps {
@@ -85,7 +86,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
     throw UsageError("give --require-all or --allow-missing, not both");
   const Campaign campaign = read_campaign(options.campaign);
   require_writable(options.output);
-  const std::vector<AnalysedRun> runs = analyse_all(campaign, options, context);
+  std::vector<AnalysedRun> runs = analyse_all(campaign, options, context);
   int missing = 0;
   for (const AnalysedRun& run : runs)
     if (!run.failure.empty()) {
@@ -96,8 +97,10 @@ void fit_command(const FitCommandOptions& options, Context& context) {
       say(context.quiet, "left out: " + run.failure);
     }
 
+  const std::optional<SharedScale> shared = share_scale(campaign, runs);
   const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
-  const Json json = fit_json(campaign, runs, result);
+  Json json = fit_json(campaign, runs, result);
+  add_to(json, shared);
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {options.campaign};

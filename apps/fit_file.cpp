@@ -68,8 +68,16 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
     return json;
   }
   if (!analysed.run->free_slide) {
-    json["phi_rad"] = analysed.run->phi;
-    json["dtau_rad"] = analysed.run->dtau;
+    const auto* gate =
+        analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
+    json["phi_rad"] = gate ? gate->phi.value : analysed.run->phi;
+    json["dtau_rad"] = gate ? gate->dtau.value : analysed.run->dtau;
+    json["phi_from"] = gate ? gate->source : "commanded";
+    if (gate) {
+      json["phi_rad_sd"] = gate->phi.sd;
+      json["dtau_rad_sd"] = gate->dtau.sd;
+      json["commanded"] = {{"phi_rad", analysed.run->phi}, {"dtau_rad", analysed.run->dtau}};
+    }
   }
   json["observables"] = Json::array();
   for (const fit::RunResult& run : result.runs) {
@@ -89,6 +97,27 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
     if (!run.slide.time.empty()) json["slide"] = slide_json(run);
   }
   return json;
+}
+
+/// Whose zero phi counts from, and with it what a turned camera does to the lag. Empty without pulses.
+std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+  std::size_t by_camera = 0, by_sensor = 0;
+  for (const AnalysedRun& run : runs) {
+    if (!run.failure.empty() || run.run->free_slide || !run.measurement) continue;
+    if (run.measurement->phase_source == "assumed 0") continue;
+    ++(run.measurement->gate_reference == "camera" ? by_camera : by_sensor);
+  }
+  if (by_camera + by_sensor == 0) return "";
+  if (by_sensor == 0)
+    return "phi was measured in the camera's own phase in every run: the lag does not depend on how the "
+           "camera "
+           "is turned.";
+  return fmt::format(
+      "phi counts from the phase sensor in {} of {} runs (commanded, or from an oscilloscope not tied to the "
+      "camera): there an angle between the picture's x axis and the platform's displacement at the sensor's "
+      "pulse, beyond xi_axis_rad = {:.4g}, stands in the lag, radian for radian. A lamp in the picture "
+      "(gate_px) takes it out.",
+      by_sensor, by_camera + by_sensor, campaign.camera.xi_axis_rad);
 }
 
 }  // namespace
@@ -117,6 +146,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   } else {
     json["next_experiment"] = Json();
   }
+  json["phase_reference"] = phase_reference(campaign, runs);
   json["warnings"] = result.warnings;
   for (const std::string& warning : campaign.warnings) json["warnings"].push_back(warning);
   for (const AnalysedRun& run : runs)

@@ -30,6 +30,17 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
 marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none
+# marker = "texture"            # without marker_px: follow the platform's own texture; "auto": a round mark, else texture
+# gate_px = [30, 30, 6]         # a lamp that is lit while the actuator is on: phi and dtau are measured from it
+
+# [scope]                       # for runs with `scope = "trace.csv"` (Rigol DS1000Z, DS1102E, MSO5000 layouts)
+# sensor_channel = 1            # reference pulses of the platform's phase sensor; 0 = none
+# actuator_channel = 2          # the bursts that drive the actuator; 0 = none
+# carrier_hz = 5890
+# sensor_delay_s = 0.0          # by which the sensor's filter makes its pulse late, with its sd
+# sensor_delay_sd_s = 0.0
+# tie = "sensor"                # phi counts from the sensor; "trigger": both zero at one trigger; "lamp": phi from gate_px
+# trigger_time_s = 0.0          # the trigger in the recording's time; a .cine tells it by itself
 
 [fit]
 parameters = ["mu1", "mu2", "phase_lag_rad"]

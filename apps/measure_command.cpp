@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "apps/command.h"
+#include "apps/measure_text.h"
 #include "apps/measuring.h"
 #include "apps/output_file.h"
 #include "apps/progress.h"
@@ -47,15 +48,7 @@ void measure_command(const MeasureOptions& options, const Context& context) {
     write_file(options.output, text_of(json));
     meta.write_beside(options.output);
   }
-  if (options.json) {
-    fmt::print("{}", text_of(json));
-  } else {
-    for (const auto& [name, value] : json.items()) {
-      if (name.ends_with("_sd") || name == "warnings") continue;
-      const auto sd = json.find(name + "_sd");
-      fmt::print("{:<26} {}{}\n", name, value.dump(), sd != json.end() ? " +- " + sd->dump() : "");
-    }
-  }
+  fmt::print("{}", options.json ? text_of(json) : measurement_text(measurement, track));
   for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include "apps/calibration_file.h"
 #include "apps/errors.h"
 #include "apps/output_file.h"
 #include "apps/track_file.h"
@@ -28,14 +29,32 @@ Json target_json(const vision::Target& target) {
 Json marker_json(const vision::MarkerChoice& marker) {
   using Kind = vision::MarkerChoice::Kind;
   if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  if (marker.kind == Kind::texture) return "texture";
   return marker.kind == Kind::find ? Json("find") : Json("none");
 }
 
-std::optional<vision::Scale> scale_of(const RecordingJob& job, const vision::TrackSummary& summary) {
-  if (job.mm_per_px) return vision::given_scale(*job.mm_per_px);
+std::optional<vision::PlaneGeometry> geometry_of(const RecordingJob& job, const vision::SourceInfo& info,
+                                                 const vision::TrackSummary& summary) {
+  if (job.calibration) {
+    const vision::CameraCalibration camera = read_calibration(*job.calibration);
+    if (camera.width != info.width || camera.height != info.height)
+      throw InvalidInput(
+          fmt::format("{}: is for pictures of {} x {} pixels, but {} has {} x {}; calibrate with the camera "
+                      "set as for the "
+                      "recording",
+                      job.calibration->string(), camera.width, camera.height, job.video.string(), info.width,
+                      info.height));
+    return vision::PlaneGeometry(camera, job.height_mm.value_or(0));
+  }
+  std::optional<vision::Parallax> parallax;
+  if (job.height_mm && job.working_distance_mm) parallax = {*job.height_mm, *job.working_distance_mm};
+  if (job.mm_per_px)
+    return vision::PlaneGeometry(vision::given_scale(*job.mm_per_px, job.mm_per_px_sd),
+                                 vision::ScalePlane::platform, parallax);
   if (!job.diameter_mm) return std::nullopt;
-  return vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius, summary.disc_radius_sd,
-                                     summary.disc_blur);
+  return vision::PlaneGeometry(vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius,
+                                                           summary.disc_radius_sd, job.diameter_sd_mm),
+                               vision::ScalePlane::part_top, parallax);
 }
 
 template <class T>
@@ -48,10 +67,16 @@ Json optional_json(const std::optional<T>& value) {
 Json RecordingJob::configuration() const {
   return {{"frame_rate_hz", optional_json(frame_rate_hz)},
           {"mm_per_px", optional_json(mm_per_px)},
+          {"mm_per_px_sd", mm_per_px_sd},
+          {"calibration", calibration ? Json(hash_of_input(*calibration)) : Json()},
           {"diameter_mm", optional_json(diameter_mm)},
+          {"diameter_sd_mm", diameter_sd_mm},
+          {"height_mm", optional_json(height_mm)},
+          {"working_distance_mm", optional_json(working_distance_mm)},
           {"xi_axis_rad", xi_axis_rad},
           {"target", target_json(track.target)},
           {"marker", marker_json(track.marker)},
+          {"gate", track.gate ? circle_json(*track.gate) : Json()},
           {"first_frame", optional_json(track.first_frame)},
           {"last_frame", optional_json(track.last_frame)},
           {"min_ncc", track.min_ncc},
@@ -73,13 +98,25 @@ TrackedRecording track_recording(const RecordingJob& job) {
   if (!source->info().time_base.known())
     throw vision::InputError(
         fmt::format("{}: {}", job.video.string(), source->info().time_base.why_unknown()));
-  if (!job.mm_per_px && job.diameter_mm && job.track.target.kind == vision::Target::Kind::rectangle)
+  if (!job.mm_per_px && !job.calibration && job.diameter_mm &&
+      job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
   TrackedRecording recording;
   recording.result = vision::track(*source, job.track);
   recording.info = source->info();
-  recording.scale = scale_of(job, recording.result.summary);
+  vision::TrackSummary& summary = recording.result.summary;
+  try {
+    if (const auto geometry = geometry_of(job, recording.info, summary)) {
+      recording.geometry = geometry->as_needed(recording.result.track, summary.limit_px, summary.plan);
+      recording.scale = recording.geometry->part_scale();
+    }
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(fmt::format("{}: {}", job.video.string(), error.what()));
+  } catch (const std::domain_error& error) {
+    throw InvalidInput(fmt::format("{}: {}; calibrate with the board in the part's whole range",
+                                   job.video.string(), error.what()));
+  }
   return recording;
 }
 
@@ -102,6 +139,10 @@ Json summary_json(const TrackedRecording& recording) {
                {"time_base", recording.info.time_base.source},
                {"mm_per_px", recording.scale ? Json(recording.scale->mm_per_px) : Json()},
                {"warnings", s.warnings}};
+  if (recording.result.track.has_gate) {
+    json["gate_pixels"] = s.gate_pixels;
+    json["gate_clipped_share"] = s.gate_clipped_share;
+  }
   if (recording.result.track.has_marker) json["marker_px"] = circle_json(s.marker);
   return json;
 }
@@ -111,6 +152,7 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
   MetaFile meta;
   meta.command = "track";
   meta.inputs = {job.video};
+  if (job.calibration) meta.inputs.push_back(*job.calibration);
   meta.configuration = job.configuration();
   meta.more["key"] = job.key();
   meta.more["time_base"] = json_of(recording.info.time_base);
@@ -121,15 +163,21 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
                             {"bits", recording.info.bits},
                             {"frames", recording.info.frame_count},
                             {"first_image", recording.info.first_number},
+                            {"exposure_s", optional_json(recording.info.exposure_s)},
                             {"notes", recording.info.notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
-  meta.more["scale"] = recording.scale ? Json{{"mm_per_px", recording.scale->mm_per_px},
-                                              {"mm_per_px_sd", recording.scale->sd},
-                                              {"source", recording.scale->source}}
-                                       : Json();
+  if (recording.result.track.has_marker)
+    meta.more["platform_seen_by"] = recording.result.summary.texture_patch.width > 0 ? "texture" : "marker";
+  meta.more["scale"] = recording.scale
+                           ? Json{{"mm_per_px", recording.scale->mm_per_px},
+                                  {"mm_per_px_sd", recording.scale->sd},
+                                  {"source", recording.scale->source},
+                                  {"marker_mm_per_px", recording.geometry->marker_scale().mm_per_px},
+                                  {"calibrated_camera", recording.geometry->calibrated()}}
+                           : Json();
   meta.more["summary"] = summary_json(recording);
   meta.more["plan"] = json_of(recording.result.summary.plan);
-  write_file(csv, track_csv(recording.result.track, recording.scale, job.xi_axis_rad));
+  write_file(csv, track_csv(recording.result.track, recording.geometry, job.xi_axis_rad));
   meta.write_beside(csv);
 }
 

@@ -9,6 +9,7 @@
 #include "apps/meta_file.h"
 #include "vision/frame_source.h"
 #include "vision/track.h"
+#include "vision/track_millimetres.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::apps {
@@ -16,8 +17,14 @@ namespace tribotrack::apps {
 struct RecordingJob {
   std::filesystem::path video;
   std::optional<double> frame_rate_hz;
-  std::optional<double> mm_per_px;  ///< beats diameter_mm
-  std::optional<double> diameter_mm;
+  std::optional<double> mm_per_px;  ///< of the platform's plane; beats diameter_mm
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< of the camera; beats diameter_mm
+  std::optional<double> diameter_mm;                 ///< of the part's top
+  double diameter_sd_mm = 0;
+  std::optional<double> height_mm;  ///< of the part's top above the platform
+  std::optional<double>
+      working_distance_mm;  ///< from the lens to the platform; a calibration knows it itself
   double xi_axis_rad = 0;
   vision::TrackOptions track;
   Json configuration() const;  ///< effective, for the meta file
@@ -28,7 +35,8 @@ struct RecordingJob {
 struct TrackedRecording {
   vision::SourceInfo info;
   vision::TrackResult result;
-  std::optional<vision::Scale> scale;  ///< nothing where neither scale nor diameter was given
+  std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
+  std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
 };
 
 /// Throws vision::InputError where the recording cannot be tracked, with the flag to give where its frame

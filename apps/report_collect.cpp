@@ -12,6 +12,7 @@
 #include "apps/meta_file.h"
 #include "apps/report_groups.h"
 #include "apps/report_page.h"
+#include "apps/report_platform.h"
 #include "apps/scenario_file.h"
 #include "apps/track_file.h"
 #include "fit/estimate.h"
@@ -82,12 +83,14 @@ void collect_fit(const Json& fit, ReportData& data) {
   if (const Json& next = fit.at("next_experiment"); next.is_object())
     data.next_experiment = word(next, "sentence");
   data.warnings = sentences(fit, "warnings");
+  data.phase_reference = word(fit, "phase_reference");
 }
 
 void collect_track(const RunFolder& folder, ReportRun& run) {
   const fs::path csv = folder.track(run.name);
   if (!fs::exists(csv)) return;
   const TrackFile track = read_track_file(csv);
+  if (run.kind != "free_slide") run.platform = platform_of(track);
   run.x_px = track.x_px;
   run.y_px = track.y_px;
   run.x_mm = track.x_mm;
@@ -136,6 +139,26 @@ void collect_measurement(const RunFolder& folder, ReportRun& run) {
   run.v_mm_s = number(m, "v_mm_s");
   run.v_sd_mm_s = number(m, "v_mm_s_sd");
   run.cycles = m.value("cycles", 0);
+  ReportPlatform& p = run.platform;
+  const auto take = [&](const char* name, double& value, double& sd) {
+    value = number(m, name);
+    sd = number(m, std::string(name) + "_sd");
+  };
+  take("amplitude_mm", p.amplitude_mm, p.amplitude_sd_mm);
+  take("amplitude_y_mm", p.amplitude_y_mm, p.amplitude_y_sd_mm);
+  take("angular_frequency_rad_s", p.w_rad_s, p.w_sd_rad_s);
+  take("phase_shift_rad", p.epsilon_rad, p.epsilon_sd_rad);
+  take("angular_frequency_drift_rad_s2", p.drift_rad_s2, p.drift_sd_rad_s2);
+  take("phi_rad", p.phi_rad, p.phi_sd_rad);
+  take("dtau_rad", p.dtau_rad, p.dtau_sd_rad);
+  if (const auto gate = m.find("gate"); gate != m.end()) p.gate_source = word(*gate, "source");
+  if (const auto harmonics = m.find("harmonics"); harmonics != m.end())
+    for (const Json& h : *harmonics)
+      if (h.value("seen", false))
+        p.harmonics.push_back(fmt::format("{}ω: {:.3g} ± {:.1g} mm along x, {:.3g} ± {:.1g} mm along y",
+                                          h.value("order", 0), number(h, "amplitude_mm"),
+                                          number(h, "amplitude_mm_sd"), number(h, "amplitude_y_mm"),
+                                          number(h, "amplitude_y_mm_sd")));
 }
 
 ReportSlide slide_of(const Json& run) {

@@ -52,6 +52,23 @@ struct ReportStage {
   std::string error_bound;             ///< what leaving it out can add, in words with unit
 };
 
+/// The platform and the gate in one recording, for the drawings.
+struct ReportPlatform {
+  std::vector<double> orbit_x_mm, orbit_y_mm, time_s, phase_left_mrad;  ///< one per tracked frame
+  std::vector<double> model_x_mm, model_y_mm;                           ///< one fitted turn
+  std::vector<double> gate_phase_rad, gate_share;  ///< the lamp folded, empty without one
+  std::vector<double> gate_model_phase_rad, gate_model_share;
+  double amplitude_mm = no_value, amplitude_sd_mm = no_value;
+  double amplitude_y_mm = no_value, amplitude_y_sd_mm = no_value;
+  double w_rad_s = no_value, w_sd_rad_s = no_value;
+  double epsilon_rad = no_value, epsilon_sd_rad = no_value;
+  double drift_rad_s2 = no_value, drift_sd_rad_s2 = no_value;
+  double phi_rad = no_value, phi_sd_rad = no_value;
+  double dtau_rad = no_value, dtau_sd_rad = no_value;
+  std::string gate_source;             ///< "lamp", "scope", ...; empty: as commanded
+  std::vector<std::string> harmonics;  ///< those seen, in words
+};
+
 /// One run of the campaign. Free slides stand in the table of runs too; their figure is a ReportSlide.
 struct ReportRun {
   std::string name;
@@ -85,6 +102,7 @@ struct ReportRun {
 
   std::vector<ReportResidual> residuals;
   std::vector<ReportStage> plan;
+  ReportPlatform platform;
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
@@ -125,6 +143,7 @@ struct ReportData {
   std::vector<ReportParameter> parameters;
   std::vector<ReportGiven> given;
   std::vector<std::vector<double>> correlation;  ///< in the order of parameters
+  std::string phase_reference;                   ///< what phi counts from, in words
   double chi2 = no_value;
   int dof = 0;
   double scatter_mm = 0;           ///< added per axis because the residuals asked for it; 0: none

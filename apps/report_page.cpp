@@ -6,6 +6,7 @@
 
 #include "apps/embedded_assets.h"
 #include "apps/report_figures.h"
+#include "apps/report_platform.h"
 #include "apps/report_runs.h"
 #include "apps/report_sections.h"
 #include "apps/report_text.h"
@@ -43,8 +44,9 @@ std::string trajectory_section(const ReportData& data) {
 std::string render_report(const ReportData& data) {
   const std::string title = escape_html(data.title);
   const std::string body = verdict_section(data) + parameter_section(data) + dependence_section(data) +
-                           trajectory_section(data) + residual_section(data) + slide_section(data) +
-                           run_section(data) + plan_section(data) + provenance_section(data);
+                           trajectory_section(data) + platform_section(data) + residual_section(data) +
+                           slide_section(data) + run_section(data) + plan_section(data) +
+                           provenance_section(data);
   const std::string figures = figures_json(data);
   const EmbeddedAssets& assets = embedded_assets();
   return fill_template(assets.page_template, {{"title", title},

@@ -11,6 +11,7 @@
 #include "apps/fit_file.h"
 #include "apps/output_file.h"
 #include "apps/parallel.h"
+#include "apps/pooled_scale.h"
 #include "apps/progress.h"
 #include "apps/report_collect.h"
 #include "apps/run_folder.h"
@@ -191,8 +192,15 @@ void run_command(const RunOptions& options, Context& context) {
     throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
                                    options.campaign, runs.size()));
 
+  const std::optional<SharedScale> shared = share_scale(campaign, runs);
+  if (shared && shared->used)
+    for (const AnalysedRun& run : runs)
+      if (run.measurement && run.track)
+        write_file(folder.measurement(run.run->name),
+                   text_of(measurement_json(*run.measurement, *run.track)));
   const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
-  const Json json = fit_json(campaign, runs, result);
+  Json json = fit_json(campaign, runs, result);
+  add_to(json, shared);
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {options.campaign};

@@ -57,7 +57,9 @@ struct Row {
 
 Row solve(const model::Scenario& scenario) {
   Row row;
-  const model::Trajectory trajectory = model::integrate(scenario);
+  model::IntegrationOptions end_only;
+  end_only.dense = false;
+  const model::Trajectory trajectory = model::integrate(scenario, end_only);
   const Eigen::Vector2d end = trajectory.end().position;
   row.v = model::mean_velocity(end, trajectory.end_time()) * 1e3;
   if (end.norm() > 0) row.alpha = model::displacement_angle(end);

@@ -16,8 +16,8 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, frames, overlay, config, layers;
-  std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad;
+  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
+  std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
   bool json = false;
   bool explain = false;
 };
@@ -80,11 +80,19 @@ void apply_config(RecordingJob& job, const std::string& file) {
   StrictTable top = StrictTable::read(file);
   if (auto part = top.table("part")) {
     job.diameter_mm = part->positive("diameter_mm");
+    job.diameter_sd_mm = part->not_negative("diameter_sd_mm").value_or(0);
+    job.height_mm = part->positive("height_mm");
     part->finish();
   }
   if (auto camera = top.table("camera")) {
     job.frame_rate_hz = camera->positive("frame_rate_hz");
     job.mm_per_px = camera->positive("mm_per_px");
+    job.mm_per_px_sd = camera->not_negative("mm_per_px_sd").value_or(0);
+    job.working_distance_mm = camera->positive("working_distance_mm");
+    if (const auto text = camera->text("calibration")) {
+      if (job.mm_per_px) camera->fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+      job.calibration = std::filesystem::path(file).parent_path() / *text;
+    }
     job.xi_axis_rad = camera->angle("xi_axis_rad").value_or(0);
     if (const auto v = camera->numbers("disc_px", 3)) {
       job.track.target.kind = vision::Target::Kind::disc;
@@ -94,6 +102,8 @@ void apply_config(RecordingJob& job, const std::string& file) {
       job.track.marker.kind = vision::MarkerChoice::Kind::circle;
       job.track.marker.circle = {(*v)[0], (*v)[1], (*v)[2]};
     }
+    if (const auto v = camera->numbers("gate_px", 3))
+      job.track.gate = vision::Circle{(*v)[0], (*v)[1], (*v)[2]};
     camera->finish();
   }
   if (auto track = top.table("track")) {
@@ -117,11 +127,26 @@ RecordingJob job_of(const TrackCommandOptions& options) {
   if (positive("--fps", options.fps)) job.frame_rate_hz = options.fps;
   if (options.mm_per_px && options.diameter_mm)
     throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
-  if (positive("--mm-per-px", options.mm_per_px)) job.mm_per_px = options.mm_per_px;
+  if (!options.calibration.empty() && (options.mm_per_px || options.diameter_mm))
+    throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
+  if (positive("--mm-per-px", options.mm_per_px)) {
+    job.mm_per_px = options.mm_per_px;
+    job.mm_per_px_sd = 0;
+    job.calibration.reset();
+  }
   if (positive("--disc-diameter-mm", options.diameter_mm)) {
     job.diameter_mm = options.diameter_mm;
+    job.diameter_sd_mm = 0;
+    job.mm_per_px.reset();
+    job.calibration.reset();
+  }
+  if (!options.calibration.empty()) {
+    job.calibration = options.calibration;
     job.mm_per_px.reset();
   }
+  if (positive("--height-mm", options.height_mm)) job.height_mm = options.height_mm;
+  if (positive("--working-distance-mm", options.working_distance_mm))
+    job.working_distance_mm = options.working_distance_mm;
   if (options.xi_axis_rad) job.xi_axis_rad = *options.xi_axis_rad;
   if (!options.disc.empty() && !options.target.empty())
     throw UsageError("give --disc or --template, not both");
@@ -134,12 +159,15 @@ RecordingJob job_of(const TrackCommandOptions& options) {
   }
   if (options.marker == "auto") {
     job.track.marker.kind = vision::MarkerChoice::Kind::find;
+  } else if (options.marker == "texture") {
+    job.track.marker.kind = vision::MarkerChoice::Kind::texture;
   } else if (options.marker == "none") {
     job.track.marker.kind = vision::MarkerChoice::Kind::none;
   } else if (!options.marker.empty()) {
     job.track.marker.kind = vision::MarkerChoice::Kind::circle;
     job.track.marker.circle = circle_of("--marker", options.marker);
   }
+  if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
   if (!options.frames.empty()) set_frames(job.track, options.frames);
   if (options.layers == "off")
     job.track.layers = vision::Layers::off;
@@ -176,7 +204,8 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& note : recording.info.notes) say(context.quiet, "note: " + note);
   if (!recording.scale)
     say(context.quiet,
-        "note: no scale was given: the millimetre columns are empty (--mm-per-px or --disc-diameter-mm)");
+        "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm or "
+        "--calibration)");
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) fmt::print("{}", text_of(summary_json(recording)));
@@ -203,16 +232,31 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->fps,
              "Rate it was recorded at, frames/s, where the file does not say it reliably");
-  add_number(command, "--mm-per-px", options->mm_per_px, "Scale");
+  add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
+  command
+      .add_option("--calibration", options->calibration,
+                  "Scale, lens and plane of the platform from `tribotrack calibrate`")
+      ->type_name("FILE");
+  add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
+  add_number(command, "--working-distance-mm", options->working_distance_mm,
+             "From the lens to the marker's plane: with --height-mm it corrects the parallax");
   command.add_option("--disc", options->disc, "The disc in the first analysed frame (default: found)")
       ->type_name("X,Y,R");
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");
   command
-      .add_option("--marker", options->marker,
-                  "Mark fixed to the platform: its motion is subtracted (default none)")
-      ->type_name("X,Y,R|auto|none");
+      .add_option(
+          "--marker", options->marker,
+          "Mark fixed to the platform: its motion is subtracted (default none). texture: a patch of the "
+          "platform's own texture that the part never covers; auto: a round mark, else texture")
+      ->type_name("X,Y,R|auto|texture|none");
+  command
+      .add_option(
+          "--gate", options->gate,
+          "Lamp that is lit while the actuator is on: its brightness is recorded, `measure` finds phi "
+          "and dtau from it")
+      ->type_name("X,Y,R");
   command
       .add_option("--frames", options->frames,
                   "Image numbers of the first and last frame to analyse, both included")

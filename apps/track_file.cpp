@@ -19,6 +19,19 @@ namespace {
 constexpr const char* kColumns =
     "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm";
 constexpr const char* kMarkerColumns = ",marker_x_px,marker_y_px,marker_sigma_px,marker_ncc";
+constexpr const char* kGateColumn = ",gate";
+constexpr double kClippedShare = 0.02;  ///< of the lamp's pixels: above it its brightness is not linear
+
+constexpr const char* kPlacedColumns = ",rho_xy_mm,marker_x_mm,marker_y_mm,marker_sigma_mm";
+
+std::string placed_cells(const std::optional<vision::PlacedPoint>& point) {
+  if (!point) return ",,,,";
+  const Eigen::Matrix2d& c = point->covariance;
+  const double rho = c(0, 1) / std::sqrt(c(0, 0) * c(1, 1));
+  if (!point->marker_mm) return fmt::format(",{},,,", compact(rho));
+  return fmt::format(",{},{},{},{}", compact(rho), compact(point->marker_mm->x()),
+                     compact(point->marker_mm->y()), compact(point->marker_sigma_mm));
+}
 
 /// Takes camera pixels (y down) to metres in campaign axes (y up, turned by -xi_axis).
 Eigen::Matrix2d to_campaign_axes(double mm_per_px, double xi_axis_rad) {
@@ -33,12 +46,15 @@ Eigen::Matrix2d covariance_of(double sd_x, double sd_y, double correlation) {
 
 }  // namespace
 
-std::string track_csv(const vision::Track& track, const std::optional<vision::Scale>& scale,
+std::string track_csv(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
                       double xi_axis_rad) {
-  std::vector<std::optional<vision::MillimetrePoint>> millimetres(track.points.size());
-  if (scale) millimetres = track.to_millimetres(*scale, xi_axis_rad);
+  std::vector<std::optional<vision::PlacedPoint>> millimetres(track.points.size());
+  if (geometry) millimetres = vision::place_track(track, *geometry, xi_axis_rad);
+  const bool placed_columns = geometry && !geometry->plain();
   std::string csv = kColumns;
   if (track.has_marker) csv += kMarkerColumns;
+  if (track.has_gate) csv += kGateColumn;
+  if (placed_columns) csv += kPlacedColumns;
   csv += '\n';
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const vision::TrackPoint& p = track.points[k];
@@ -51,14 +67,16 @@ std::string track_csv(const vision::Track& track, const std::optional<vision::Sc
       csv += ",,,,,,";
     csv += vision::to_string(p.status);
     if (mm)
-      csv += fmt::format(",{},{},{},{}", compact(mm->x_mm), compact(mm->y_mm), compact(mm->sigma_x_mm),
-                         compact(mm->sigma_y_mm));
+      csv += fmt::format(",{},{},{},{}", compact(mm->mm.x()), compact(mm->mm.y()),
+                         compact(std::sqrt(mm->covariance(0, 0))), compact(std::sqrt(mm->covariance(1, 1))));
     else
       csv += ",,,,";
     if (track.has_marker)
       csv += p.marker ? fmt::format(",{},{},{},{}", compact(p.marker->x), compact(p.marker->y),
                                     compact(p.marker->sigma), compact(p.marker->ncc))
                       : std::string(",,,,");
+    if (track.has_gate) csv += p.gate ? "," + compact(*p.gate) : std::string(",");
+    if (placed_columns) csv += placed_cells(mm);
     csv += '\n';
   }
   return csv;
@@ -81,18 +99,22 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       xi_axis_rad = configuration->value("xi_axis_rad", 0.0);
   }
   try {
-    io::CSVReader<15, io::trim_chars<' ', '\t', '\r'>, io::no_quote_escape<','>> csv(path.string());
+    io::CSVReader<20, io::trim_chars<' ', '\t', '\r'>, io::no_quote_escape<','>> csv(path.string());
     csv.read_header(io::ignore_extra_column | io::ignore_missing_column, "frame", "time_s", "status", "x_mm",
                     "y_mm", "sigma_x_mm", "sigma_y_mm", "rho_xy", "marker_x_px", "marker_y_px",
-                    "marker_sigma_px", "x_px", "y_px", "sigma_x_px", "sigma_y_px");
+                    "marker_sigma_px", "x_px", "y_px", "sigma_x_px", "sigma_y_px", "gate", "rho_xy_mm",
+                    "marker_x_mm", "marker_y_mm", "marker_sigma_mm");
     for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
       if (!csv.has_column(needed))
         throw InvalidInput(
             fmt::format("{}: has no column `{}`; a track has {}", path.string(), needed, kColumns));
     file.has_marker_columns = csv.has_column("marker_x_px");
+    const bool placed = csv.has_column("rho_xy_mm");
     const char *frame = "", *time = "", *status = "", *x = "", *y = "", *sx = "", *sy = "", *rho = "0",
-               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "";
-    while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp)) {
+               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "", *gate = "", *rho_mm = "",
+               *mx_mm = "", *my_mm = "", *ms_mm = "";
+    while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp, gate, rho_mm,
+                        mx_mm, my_mm, ms_mm)) {
       ++file.frames;
       const std::string_view state = status;
       if (state == "lost") ++file.lost;
@@ -103,6 +125,10 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       file.x_mm.push_back(or_nan(x));
       file.y_mm.push_back(or_nan(y));
       file.sigma_px.push_back(or_nan(sxp));
+      if (const auto level = parse_number(gate)) {
+        file.lamp.time.push_back(or_nan(time));
+        file.lamp.level.push_back(*level);
+      }
       if (state != "ok" || *x == '\0') continue;  // an ok disc without its marker has no platform position
       const auto number = [&](const char* text, const char* column) {
         const auto value = parse_number(text);
@@ -115,7 +141,10 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       // deviations.
       Eigen::Matrix2d covariance;
       const double rho_px = *rho == '\0' ? 0 : number(rho, "rho_xy");
-      if (file.mm_per_px && *sxp != '\0' && *syp != '\0') {
+      if (placed) {
+        covariance = covariance_of(number(sx, "sigma_x_mm") * 1e-3, number(sy, "sigma_y_mm") * 1e-3,
+                                   number(rho_mm, "rho_xy_mm"));
+      } else if (file.mm_per_px && *sxp != '\0' && *syp != '\0') {
         const Eigen::Matrix2d turn = to_campaign_axes(*file.mm_per_px, xi_axis_rad);
         const double marker_px = *ms == '\0' ? 0 : number(ms, "marker_sigma_px");
         covariance = turn * covariance_of(number(sxp, "sigma_x_px"), number(syp, "sigma_y_px"), rho_px) *
@@ -128,7 +157,11 @@ TrackFile read_track_file(const std::filesystem::path& path) {
       file.table.time.push_back(number(time, "time_s"));
       file.table.position.emplace_back(number(x, "x_mm") * 1e-3, number(y, "y_mm") * 1e-3);
       file.table.covariance.push_back(covariance);
-      if (file.has_marker_columns && file.mm_per_px) {
+      if (file.has_marker_columns && placed) {
+        file.table.marker.push_back(
+            1e-3 * Eigen::Vector2d(number(mx_mm, "marker_x_mm"), number(my_mm, "marker_y_mm")));
+        file.table.marker_sigma.push_back(number(ms_mm, "marker_sigma_mm") * 1e-3);
+      } else if (file.has_marker_columns && file.mm_per_px) {
         file.table.marker.push_back(to_campaign_axes(*file.mm_per_px, xi_axis_rad) *
                                     Eigen::Vector2d(number(mx, "marker_x_px"), number(my, "marker_y_px")));
         file.table.marker_sigma.push_back(number(ms, "marker_sigma_px") * *file.mm_per_px * 1e-3);
@@ -137,8 +170,28 @@ TrackFile read_track_file(const std::filesystem::path& path) {
   } catch (const io::error::base& error) {
     throw InvalidInput(fmt::format("{}: is not a track: {}", path.string(), error.what()));
   }
+  if (const auto recording = file.meta.find("recording"); recording != file.meta.end())
+    if (const Json exposure = recording->value("exposure_s", Json()); exposure.is_number()) {
+      file.table.exposure = exposure.get<double>();
+      file.lamp.exposure = exposure.get<double>();
+    }
+  if (const auto summary = file.meta.find("summary"); summary != file.meta.end())
+    file.lamp.clipped = summary->value("gate_clipped_share", 0.0) > kClippedShare;
+  file.platform_from_texture = file.meta.is_object() && file.meta.value("platform_seen_by", "") == "texture";
   file.table.platform_frame = file.has_marker_columns;
   return file;
+}
+
+std::optional<double> trigger_time_of(const TrackFile& track) {
+  if (!track.meta.is_object()) return std::nullopt;
+  try {
+    const Json& recording = track.meta.at("recording");
+    if (recording.at("format") != "cine") return std::nullopt;
+    return -recording.at("first_image").get<double>() /
+           track.meta.at("time_base").at("rate_hz").get<double>();
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace tribotrack::apps

@@ -52,6 +52,13 @@ Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& ve
 /// cycle.
 Displacement measure_displacement(const TrackTable& track, const Estimate& angular_frequency, int cycles);
 
+/// A multiple of the drive's frequency in the platform's motion: an eccentric drive's second and third.
+struct Harmonic {
+  int order = 2;
+  Estimate amplitude, amplitude_y;  ///< m
+  bool seen() const;                ///< above its noise in x or y
+};
+
 /// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt
 /// + epsilon), wt = w time + phase_at_zero.
 struct PlatformMotion {
@@ -62,8 +69,24 @@ struct PlatformMotion {
   Estimate phase_at_zero;      ///< rad in [0, 2 pi)
   double residual_rms = 0;     ///< m
   bool clockwise = false;      ///< sense seen with y up: sin(epsilon) > 0
+  /// wt, where it is known best: at the middle of the track, where it does not go with w.
+  Estimate phase_at_middle;  ///< rad, not brought into [0, 2 pi): = phase_at_zero + w middle_time mod 2 pi
+  double middle_time = 0;    ///< s
+  /// dw/dt seen, rad/s^2, from the quadratic part of the phase. The other values are those of constant w.
+  std::optional<Estimate> frequency_drift;
+  std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
+  double noise_factor = 1;  ///< what the standard deviations were widened by for residuals beyond white sigma
+  bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };
 
+/// The amplitude is that of the platform, not of its smeared picture: an exposure T shrinks the circle seen
+/// by sin(wT/2) / (wT/2), which is undone where the track knows T; where it does not, the sd holds it.
+///
+/// The standard deviations follow the residuals where these are larger than the track's own sigma: by their
+/// size, by their power near w where they are coloured, and by the part that repeats every cycle (a template
+/// errs as a function of its place within the pixels, at all multiples of w alike: what is seen at 4w and
+/// above is allowed for at w).
+///
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 

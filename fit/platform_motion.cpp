@@ -1,161 +1,26 @@
-// The platform's circle from the marker: eq. (1) by least squares with w free (variable projection), started
-// from a periodogram.
-#include <Eigen/Cholesky>
-#include <Eigen/Dense>
+// The platform's circle from the marker: eq. (1) by least squares with w free.
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
+#include "fit/internal/sine_fit.h"
+#include "fit/internal/sine_residuals.h"
 #include "fit/measurement.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit {
 namespace {
 
+using internal::MarkerSeries;
+using internal::SineFit;
+
 constexpr double pi = std::numbers::pi;
-
-/// Per axis: offset, drift, cosine, sine; then w. Times from the middle, so that offset and drift decouple.
-struct SineFit {
-  Eigen::Matrix<double, 4, 2> coefficients = Eigen::Matrix<double, 4, 2>::Zero();
-  double w = 0;
-  double chi2 = 0;
-  double residual_square = 0;                                                    ///< sum over both axes, m^2
-  Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();  ///< x4, y4, w
-};
-
-class Marker {
- public:
-  explicit Marker(const TrackTable& track) : track_(track) {
-    middle_ = 0.5 * (track.time.front() + track.time.back());
-  }
-  std::size_t size() const { return track_.marker.size(); }
-  double time(std::size_t i) const { return track_.time[i] - middle_; }
-  double middle() const { return middle_; }
-  const Eigen::Vector2d& at(std::size_t i) const { return track_.marker[i]; }
-  double weight(std::size_t i) const {  ///< 1/variance
-    const double sigma = i < track_.marker_sigma.size() ? track_.marker_sigma[i] : 0;
-    return sigma > 0 && std::isfinite(sigma) ? 1 / (sigma * sigma) : 1;
-  }
-  bool has_sigma() const {
-    return track_.marker_sigma.size() == size() &&
-           std::all_of(track_.marker_sigma.begin(), track_.marker_sigma.end(),
-                       [](double s) { return s > 0 && std::isfinite(s); });
-  }
-
- private:
-  const TrackTable& track_;
-  double middle_;
-};
-
-Eigen::Vector4d basis(double t, double w) {
-  return {1, t, std::cos(w * t), std::sin(w * t)};
-}
-
-/// The linear part at known w over the frames [first, last).
-void solve_linear(const Marker& marker, std::size_t first, std::size_t last, SineFit& fit) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 2> right = Eigen::Matrix<double, 4, 2>::Zero();
-  for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector4d b = basis(marker.time(i), fit.w);
-    normal += marker.weight(i) * b * b.transpose();
-    right += marker.weight(i) * b * marker.at(i).transpose();
-  }
-  const Eigen::Vector4d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix4d scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  fit.coefficients = scale.asDiagonal() * scaled.ldlt().solve((scale.asDiagonal() * right).eval());
-}
-
-/// One Gauss-Newton step on all nine numbers; returns the step in w.
-double step(const Marker& marker, std::size_t first, std::size_t last, SineFit& fit) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
-  fit.chi2 = fit.residual_square = 0;
-  for (std::size_t i = first; i < last; ++i) {
-    const double t = marker.time(i);
-    const Eigen::Vector4d b = basis(t, fit.w);
-    for (int axis = 0; axis < 2; ++axis) {
-      const auto c = fit.coefficients.col(axis);
-      const double residual = marker.at(i)(axis) - b.dot(c);
-      Eigen::Matrix<double, 9, 1> row = Eigen::Matrix<double, 9, 1>::Zero();
-      row.segment<4>(4 * axis) = b;
-      row(8) = t * (c(3) * b(2) - c(2) * b(3));
-      normal += marker.weight(i) * row * row.transpose();
-      right += marker.weight(i) * residual * row;
-      fit.chi2 += marker.weight(i) * residual * residual;
-      fit.residual_square += residual * residual;
-    }
-  }
-  const Eigen::Matrix<double, 9, 1> scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix<double, 9, 9> scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::Matrix<double, 9, 9>> factor(scaled);
-  const Eigen::Matrix<double, 9, 1> scaled_right = scale.asDiagonal() * right;
-  const Eigen::Matrix<double, 9, 1> change = scale.asDiagonal() * factor.solve(scaled_right);
-  fit.covariance =
-      scale.asDiagonal() * factor.solve(Eigen::Matrix<double, 9, 9>::Identity()) * scale.asDiagonal();
-  return change(8);
-}
-
-void refine(const Marker& marker, std::size_t first, std::size_t last, SineFit& fit) {
-  solve_linear(marker, first, last, fit);
-  const double resolution = pi / std::max(1e-300, marker.time(last - 1) - marker.time(first));
-  for (int i = 0; i < 30; ++i) {
-    const double change = step(marker, first, last, fit);
-    fit.w += std::clamp(change, -0.5 * resolution, 0.5 * resolution);
-    solve_linear(marker, first, last, fit);
-    if (std::abs(change) < 1e-14 * fit.w) break;
-  }
-  step(marker, first, last, fit);
-}
-
-/// w of the strongest line between two cycles a span and Nyquist's frequency, both axes together.
-double strongest_frequency(const Marker& marker, std::size_t first, std::size_t last) {
-  const double span = marker.time(last - 1) - marker.time(first);
-  std::vector<double> gaps;
-  for (std::size_t i = first + 1; i < last; ++i) gaps.push_back(marker.time(i) - marker.time(i - 1));
-  std::nth_element(gaps.begin(), gaps.begin() + gaps.size() / 2, gaps.end());
-  const double top = pi / gaps[gaps.size() / 2];
-
-  // Offset and drift off first.
-  SineFit line;
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero(), right = Eigen::Matrix2d::Zero();
-  for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector2d b(1, marker.time(i));
-    normal += b * b.transpose();
-    right += b * marker.at(i).transpose();
-  }
-  const Eigen::Matrix2d coefficients = normal.ldlt().solve(right);
-  std::vector<Eigen::Vector2d> detrended;
-  for (std::size_t i = first; i < last; ++i)
-    detrended.push_back(marker.at(i) - coefficients.transpose() * Eigen::Vector2d(1, marker.time(i)));
-
-  const double spacing = 0.5 * pi / span;  // four to a line's width
-  double best_power = -1, best = 0;
-  std::vector<std::complex<double>> turn, turned;
-  for (std::size_t i = first; i < last; ++i) turn.push_back(std::polar(1.0, spacing * marker.time(i)));
-  const long count = static_cast<long>(top / spacing);
-  const long lowest = 6;  // 1.5 cycles a span: slower is drift
-  for (std::size_t i = first; i < last; ++i)
-    turned.push_back(std::polar(1.0, static_cast<double>(lowest) * spacing * marker.time(i)));
-  for (long k = lowest; k <= count; ++k) {
-    std::complex<double> x = 0, y = 0;
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      x += detrended[i].x() * turned[i];
-      y += detrended[i].y() * turned[i];
-      turned[i] *= turn[i];
-    }
-    const double power = std::norm(x) + std::norm(y);
-    if (power > best_power) {
-      best_power = power;
-      best = static_cast<double>(k) * spacing;
-    }
-  }
-  return best;
-}
+constexpr double kColoured = 1.5;  ///< power beside w above which noise is not taken for white
 
 /// Amplitude and phase p of a cos(wt) + b sin(wt) = A cos(wt + p), with p moved to time zero.
 struct Wave {
   Estimate amplitude, phase;
+  double phase_in_middle = 0, phase_in_middle_sd = 0;
   Eigen::Matrix<double, 9, 1> phase_row = Eigen::Matrix<double, 9, 1>::Zero();
 };
 
@@ -168,8 +33,10 @@ Wave wave(const SineFit& fit, int axis, double middle) {
     amplitude_row.segment<2>(4 * axis + 2) << a / amplitude, b / amplitude;
     result.phase_row.segment<2>(4 * axis + 2) << b / (amplitude * amplitude), -a / (amplitude * amplitude);
   }
+  result.phase_in_middle_sd = std::sqrt(result.phase_row.dot(fit.covariance * result.phase_row));
   result.phase_row(8) = -middle;
   result.amplitude = {amplitude, std::sqrt(amplitude_row.dot(fit.covariance * amplitude_row))};
+  result.phase_in_middle = std::atan2(-b, a);
   result.phase = {std::atan2(-b, a) - fit.w * middle,
                   std::sqrt(result.phase_row.dot(fit.covariance * result.phase_row))};
   return result;
@@ -181,7 +48,42 @@ double into_circle(double angle) {
   return positive >= 2 * pi ? 0 : positive;
 }
 
+/// Share of the circle's radius that an exposure of T leaves to be seen: the mean of cos over it.
+double seen_share(double w, double exposure) {
+  const double half = 0.5 * w * exposure;
+  return half > 0 ? std::sin(half) / half : 1;
+}
+
+/// The platform's own amplitude from that of its picture.
+Estimate sharpened(const Estimate& seen, double w, const TrackTable& track) {
+  if (track.exposure > 0) {
+    const double share = seen_share(w, track.exposure);
+    return share > 0.2 ? Estimate{seen.value / share, seen.sd / share} : seen;
+  }
+  // Anything from no exposure to a whole frame interval is possible: a one-sided doubt.
+  const double interval =
+      (track.time.back() - track.time.front()) / static_cast<double>(track.time.size() - 1);
+  const double most = seen.value * (1 - std::max(0.2, seen_share(w, interval)));
+  return {seen.value, std::hypot(seen.sd, most / std::sqrt(3.0))};
+}
+
+/// Variance of the marker's noise over its sigma squared, and the covariance of the fit with it.
+double widen(SineFit& fit, const MarkerSeries& marker) {
+  const double excess = fit.chi2 / (2.0 * static_cast<double>(marker.size()) - 9);
+  const double factor = marker.has_sigma() ? std::max(1.0, excess) : excess;
+  fit.covariance *= factor;
+  return factor;
+}
+
 }  // namespace
+
+bool Harmonic::seen() const {
+  return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd;
+}
+
+bool PlatformMotion::frequency_drifts() const {
+  return frequency_drift && std::abs(frequency_drift->value) > 4 * frequency_drift->sd;
+}
 
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   if (track.marker.empty()) return std::nullopt;
@@ -190,22 +92,21 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   constexpr std::size_t fewest = 12;
   if (track.time.size() < fewest) return std::nullopt;
 
-  const Marker marker(track);
-  // A block in the middle finds w, growing blocks keep it: no cycle can slip.
+  const MarkerSeries marker(track);
   const std::size_t n = marker.size();
-  std::size_t block = std::min<std::size_t>(n, 1024);
-  const auto window = [&] { return std::pair((n - block) / 2, (n - block) / 2 + block); };
-  SineFit fit;
-  fit.w = strongest_frequency(marker, window().first, window().second);
+  SineFit fit = internal::fit_sine(marker);
   if (!(fit.w > 0)) return std::nullopt;
-  for (;; block = std::min(n, 2 * block)) {
-    refine(marker, window().first, window().second, fit);
-    if (block == n) break;
-  }
 
-  const double freedom = 2.0 * static_cast<double>(n) - 9;
-  const double excess = fit.chi2 / freedom;
-  fit.covariance *= marker.has_sigma() ? std::max(1.0, excess) : excess;
+  PlatformMotion motion;
+  motion.noise_factor = widen(fit, marker);
+  const internal::SineResiduals left = internal::analyse_residuals(marker, fit, motion.noise_factor);
+  if (left.near_w > kColoured * motion.noise_factor) {
+    fit.covariance *= left.near_w / motion.noise_factor;
+    motion.noise_factor = left.near_w;
+  }
+  for (const Eigen::Index k : {2, 3, 6, 7}) fit.covariance(k, k) += left.repeating_variance;
+  motion.frequency_drift = left.frequency_drift;
+  motion.harmonics = left.harmonics;
   const Wave x = wave(fit, 0, marker.middle()), y = wave(fit, 1, marker.middle());
 
   // At rest: the sine is below the noise it sits in.
@@ -220,9 +121,8 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   }
   if (!(signal > noise)) return std::nullopt;
 
-  PlatformMotion motion;
-  motion.amplitude = x.amplitude;
-  motion.amplitude_y = y.amplitude;
+  motion.amplitude = sharpened(x.amplitude, fit.w, track);
+  motion.amplitude_y = sharpened(y.amplitude, fit.w, track);
   motion.angular_frequency = {fit.w, std::sqrt(fit.covariance(8, 8))};
   motion.residual_rms = std::sqrt(mean_square);
   const bool moves_x = x.amplitude.value > 3 * x.amplitude.sd;
@@ -230,6 +130,8 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   // Motion along one axis only leaves epsilon open; 0 is written with the sd of an unknown angle.
   const Wave& leading = moves_x ? x : y;
   motion.phase_at_zero = {into_circle(leading.phase.value), leading.phase.sd};
+  motion.phase_at_middle = {leading.phase_in_middle, leading.phase_in_middle_sd};
+  motion.middle_time = marker.middle();
   if (moves_x && moves_y) {
     const Eigen::Matrix<double, 9, 1> row = y.phase_row - x.phase_row;
     motion.phase_shift = {model::wrap_angle(y.phase.value - x.phase.value),

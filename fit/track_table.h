@@ -17,6 +17,7 @@ struct TrackTable {
   bool platform_frame = false;              ///< true: platform's motion subtracted; false: camera's frame
   std::vector<Eigen::Vector2d> marker;      ///< m, the marker in the camera's frame; empty without a marker
   std::vector<double> marker_sigma;         ///< m, per axis
+  double exposure = 0;                      ///< s, of every frame, centred on its time; 0 where not known
 };
 
 }  // namespace tribotrack::fit

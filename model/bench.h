@@ -44,8 +44,9 @@ struct ModelBenchRow {
   std::string scene;
   std::string method;
   bool ours = false;
-  double tolerance = 0;  ///< 0 for fixed steps
-  double max_step = 0;   ///< s, of fixed steps the step; 0 without limit
+  bool leaves_out = false;  ///< ours: repeating cycles are not integrated
+  double tolerance = 0;     ///< 0 for fixed steps
+  double max_step = 0;      ///< s, of fixed steps the step; 0 without limit
   long steps = 0;
   bool finished = true;
   Eigen::Vector2d end = Eigen::Vector2d::Zero();  ///< m
@@ -54,8 +55,9 @@ struct ModelBenchRow {
   double time = 0;        ///< s, CPU time, median of repetitions taken in turn with the others
   int repetitions = 0;
   std::string reference;
-  /// Of a peer: its time over that of our fastest setting with no larger error. Below 1 the peer wins.
-  /// 0: none of ours is as accurate, the peer wins by that; NaN for our own rows and unfinished ones.
+  /// Of a peer: its time over that of our fastest setting with no larger error, every cycle integrated. Below
+  /// 1 the peer wins. 0: none of ours is as accurate, the peer wins by that; NaN for our own rows and
+  /// unfinished ones.
   double time_over_ours = 0;
 };
 

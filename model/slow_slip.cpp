@@ -96,29 +96,26 @@ std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double 
     stages.rates[i] = norm - kappa;
     stages.rates[S + i] = (d[i].x * slope.y - d[i].y * slope.x) / (norm * norm);
   }
-  Eigen::Matrix<double, 2 * S, 2 * S> jacobian;
+  SlowJacobian& jacobian = stages.jacobian;
+  Collocation::Square corner;
   SlowStages::Vector residual;
   const Collocation::Square weight = span * c.integrate;
   double last = HUGE_VAL;
   for (int iteration = 0; iteration < 15; ++iteration) {
     const Eigen::Matrix<double, S, 1> r = (weight * stages.rates.head<S>()).array() + speed0;
     const Eigen::Matrix<double, S, 1> b = (weight * stages.rates.tail<S>()).array() + angle0;
-    jacobian.setZero();
     for (int i = 0; i < S; ++i) {
       const double cosine = std::cos(b[i]), sine = std::sin(b[i]);
       const double along = d[i].x * cosine + d[i].y * sine, across = d[i].y * cosine - d[i].x * sine;
       residual[i] = stages.rates[i] - (along - kappa);
       residual[S + i] = r[i] * stages.rates[S + i] - across;
-      jacobian(i, i) = 1;
-      for (int j = 0; j < S; ++j) {
-        jacobian(i, S + j) = -across * weight(i, j);
-        jacobian(S + i, j) = stages.rates[S + i] * weight(i, j);
-        jacobian(S + i, S + j) = along * weight(i, j);
-      }
-      jacobian(S + i, S + i) += r[i];
+      jacobian.upper.row(i) = -across * weight.row(i);
+      jacobian.lower.row(i) = stages.rates[S + i] * weight.row(i);
+      corner.row(i) = along * weight.row(i);
+      corner(i, i) += r[i];
     }
-    stages.jacobian.compute(jacobian);
-    const SlowStages::Vector correction = stages.jacobian.solve(residual);
+    jacobian.schur.compute(corner - jacobian.lower.lazyProduct(jacobian.upper));
+    const SlowStages::Vector correction = jacobian.solve<1>(residual);
     stages.rates -= correction;
     // What counts is the angle, not its rate: near r = 0 rates are noisy, angles are not.
     const double change = (weight * correction.tail<S>()).lpNorm<Eigen::Infinity>() +

@@ -12,26 +12,10 @@ namespace tribotrack::model {
 namespace internal {
 namespace {
 
-/// One period from u: where it leads, how far it moves, and how that depends on u.
-struct CycleMap {
-  Eigen::Vector2d end, drift;
-  Eigen::Matrix2d jacobian;
-};
-
-CycleMap one_cycle(SolverInput<Jet<2>> in, const Eigen::Vector2d& u) {
-  in.velocity.x = Jet<2>(u.x());
-  in.velocity.y = Jet<2>(u.y());
-  in.velocity.x.d[0] = in.velocity.y.d[1] = 1;
-  in.cycles = 1;
-  in.rest = 0;
+/// One period from the local phase 0 and velocity u, with its dependence on u.
+CycleMap one_cycle(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcSpans& spans) {
   Solver<Jet<2>> solver(in);
-  solver.run();
-  const auto [velocity, position] = solver.end();
-  CycleMap map;
-  map.end = {velocity.x.v, velocity.y.v};
-  map.drift = {position.x.v, position.y.v};
-  map.jacobian << velocity.x.d[0], velocity.x.d[1], velocity.y.d[0], velocity.y.d[1];
-  return map;
+  return solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, spans);
 }
 
 /// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
@@ -51,6 +35,58 @@ Eigen::Vector2d first_guess(const ScaledProblem<Jet<2>>& problem, bool with_puls
   return {-d.q.x, -d.q.y};
 }
 
+/// Where friction is weak the velocity keeps close to m + c(s), the motion without friction about its centre
+/// m, and a cycle's friction has to make up for the mean drive alone: int kappa n ds = 2 pi d_mean. That is
+/// the m at which int kappa |m + c| ds - 2 pi d_mean.m is least, a geometric median; found by Weiszfeld's
+/// iteration.
+Eigen::Vector2d weak_friction_guess(const SolverInput<Jet<2>>& in) {
+  constexpr int kSamples = 12;
+  const auto d = values(in.problem.drive);
+  const auto& e = in.edges.edge;
+  const bool pulses = in.edges.count == 2;
+  double x[2 * kSamples], y[2 * kSamples], weight[2 * kSamples], blur[2 * kSamples];
+  int count = 0;
+  for (int i = 0; i < (pulses ? 2 : 1); ++i) {
+    const double from = pulses ? e[i].s : 0;
+    const double width = !pulses ? kTwoPi : i == 0 ? e[1].s - e[0].s : kTwoPi - (e[1].s - e[0].s);
+    const double kappa = (pulses && e[i].opens ? in.problem.kappa_reduced : in.problem.kappa_nominal).v;
+    for (int k = 0; k < kSamples; ++k, ++count) {
+      const double s = from + width * (k + 0.5) / kSamples, c = std::cos(s), sine = std::sin(s);
+      x[count] = d.p.x * sine - d.q.x * c;
+      y[count] = d.p.y * sine - d.q.y * c;
+      weight[count] = kappa * width / kSamples;
+      blur[count] = 0.3 * width / kSamples;
+    }
+  }
+  Eigen::Vector2d m = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 60; ++i) {
+    Eigen::Vector2d sum(kTwoPi * d.constant.x, kTwoPi * d.constant.y);
+    double total = 0, nearest = HUGE_VAL;
+    for (int k = 0; k < count; ++k) {
+      const double ux = m.x() + x[k], uy = m.y() + y[k];
+      const double distance = std::sqrt(ux * ux + uy * uy + blur[k] * blur[k]);
+      const double w = weight[k] / distance;
+      sum -= w * Eigen::Vector2d(x[k], y[k]);
+      total += w;
+      if (weight[k] > 0) nearest = std::fmin(nearest, distance);
+    }
+    const Eigen::Vector2d next = sum / total;
+    const double moved = (next - m).norm();
+    m = next;
+    if (!(moved > 0.01 * nearest)) break;
+  }
+  return m - Eigen::Vector2d(d.q.x, d.q.y);
+}
+
+/// Whether a cycle's friction changes the velocity by little.
+bool friction_is_weak(const SolverInput<Jet<2>>& in) {
+  const auto& e = in.edges.edge;
+  const double first = in.edges.count == 2 ? e[1].s - e[0].s : 0;
+  const double open = e[0].opens ? first : in.edges.count == 2 ? kTwoPi - first : 0;
+  const double impulse = in.problem.kappa_nominal.v * (kTwoPi - open) + in.problem.kappa_reduced.v * open;
+  return impulse < 0.5 * std::fmax(length(in.problem.drive.p), length(in.problem.drive.q));
+}
+
 /// Friction must be able to hold the mean of the drive, else the part runs away; and there must be some.
 bool attracts(const Scenario& s, bool with_pulses) {
   const double open = with_pulses ? s.friction.pulse_width / kTwoPi : 0;
@@ -67,9 +103,48 @@ bool always_held(const SolverInput<Jet<2>>& in) {
   return held(in.problem.kappa_nominal) && (in.edges.count == 0 || held(in.problem.kappa_reduced));
 }
 
+/// U = P(U) to the tolerance of `in`, with a Jacobian good to `jacobian_error`: Newton's method, its step cut
+/// until it gains, and a plain cycle where no step does. Two motions never separate, so that a cycle cannot
+/// lead away.
+std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
+  constexpr int kMost = 200;
+  ArcSpans spans = kLongestSpans;
+  Eigen::Vector2d newton = Eigen::Vector2d::Zero(), cycle_end = newton;
+  Orbit best{u, newton, Eigen::Matrix2d::Identity(), 0};
+  double best_error = HUGE_VAL, share = 1;
+  bool accept = true;
+  for (int i = 1; i <= kMost; ++i) {
+    const CycleMap map = one_cycle(in, u, spans);
+    const Eigen::Vector2d gap = map.end - u;
+    const double error = gap.norm(), scale = std::max(0.25, u.norm());
+    if (!std::isfinite(error)) break;
+    const bool better = error < (1 - 0.3 * share) * best_error;
+    if (!better && best_error < 1e-14) break;
+    if (better || accept) {
+      best = {u, map.drift, map.jacobian, i};
+      best_error = error;
+      if (error <= 4 * in.tolerance * scale) return best;
+      newton = (Eigen::Matrix2d::Identity() - map.jacobian).fullPivLu().solve(gap);
+      cycle_end = map.end;
+      share = std::fmin(1, 4 * share);
+      // The step leaves an error of second order, and the Jacobian is off by one of first order.
+      const double step = newton.norm() / scale;
+      if (step < jacobian_error && 10 * step * step <= in.tolerance)
+        return Orbit{u + newton, map.drift + map.drift_slope * newton, map.jacobian, i};
+    } else {
+      share /= 4;
+    }
+    accept = share < 0.01 || !newton.allFinite() || newton.norm() >= 1e3 * (1 + u.norm());
+    u = accept ? cycle_end : best.velocity + share * newton;
+  }
+  if (best_error < 1e-12) return best;
+  return std::nullopt;
+}
+
 }  // namespace
 
-std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance) {
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
+                                double jacobian_error) {
   if (!attracts(scenario, with_pulses)) return std::nullopt;
   Scenario free = scenario;
   free.start = Start::rest;
@@ -79,37 +154,29 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
   in.max_steps = 1'000'000;
   if (always_held(in))
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
-  Eigen::Vector2d u = first_guess(in.problem, with_pulses);
-  CycleMap map = one_cycle(in, u);
-  Orbit best{u, map.drift, map.jacobian, 0};
-  double best_error = HUGE_VAL;
-  const auto done = [&](double error) { return error <= 4e-16 * std::max(0.25, u.norm()); };
-  for (int i = 1; i <= 200; ++i) {
-    const Eigen::Vector2d gap = map.end - u;
-    const double error = gap.norm();
-    if (!std::isfinite(error)) break;
-    const bool better = error < 0.7 * best_error;
-    if (error < best_error) {
-      best = {u, map.drift, map.jacobian, i};
-      best_error = error;
+  // Cheap cycles first: what they leave is squared by the next Newton step.
+  int iterations = 0;
+  Eigen::Vector2d u =
+      with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
+  for (const double loose : {1e-4, 1e-8})
+    if (loose > tolerance) {
+      in.tolerance = loose;
+      if (const auto orbit = solve_cycle(in, u, 1)) {
+        u = orbit->velocity;
+        iterations += orbit->iterations;
+      }
     }
-    if (done(error) || (!better && best_error < 1e-14)) return best;
-    // Newton, as long as it gains; the map itself never separates two motions, so it is always safe.
-    const Eigen::Matrix2d system = Eigen::Matrix2d::Identity() - map.jacobian;
-    const Eigen::Vector2d newton = system.fullPivLu().solve(gap);
-    const bool usable = better && newton.allFinite() && newton.norm() < 1e3 * (1 + u.norm());
-    u = usable ? Eigen::Vector2d(u + newton) : map.end;
-    map = one_cycle(in, u);
-  }
-  if (best_error < 1e-12) return best;
-  return std::nullopt;
+  in.tolerance = tolerance;
+  auto orbit = solve_cycle(in, u, jacobian_error);
+  if (orbit) orbit->iterations += iterations;
+  return orbit;
 }
 
 }  // namespace internal
 
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
   scenario.validate();
-  const auto found = internal::find_orbit(scenario, with_pulses);
+  const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-7);
   if (!found) return std::nullopt;
   const double unit = internal::velocity_unit(scenario);
   SteadyOrbit orbit;

@@ -34,17 +34,26 @@ struct IntegrationOptions {
   double tolerance = 1e-16;
   /// Parameters to differentiate by, in the order of the Jacobians' columns. Empty: plain run.
   std::vector<Parameter> derivatives;
+  /// Keep what `at` needs. Without it the end alone is known, and comes several times as fast.
+  bool dense = true;
+  /// Once a cycle begins as the one before did, add its displacement instead of integrating its copies
+  /// (IntegrationSummary::error_bound tells what that can cost). Off: every cycle is integrated.
+  bool reuse_repeating_cycles = true;
   /// More steps than this is an error (std::runtime_error), never a silent stop.
   long max_steps = 10'000'000;
 };
 
 /// What the integration did.
 struct IntegrationSummary {
-  long steps = 0;         ///< Taylor steps, all machinery counted
+  long steps = 0;         ///< arcs and Taylor steps, all machinery counted
   int stops = 0;          ///< slip -> stick transitions
   int releases = 0;       ///< stick -> slip transitions, a start from rest not counted
   double stick_time = 0;  ///< s
   double sticking_fraction = 0;
+  /// What cycles that were taken as repeating can add to the error of the end point, m. The flow of the
+  /// velocity is a contraction, so cycles that begin a velocity d apart stay within d of each other; 0 where
+  /// they repeat to the last digit or none was left out.
+  double error_bound = 0;
   bool one_sided = false;  ///< derivatives at a kink (pulse edge on a start from rest): those of a later edge
   std::string brief_report() const;
 };

@@ -112,8 +112,12 @@ void read_tagged_blocks(const MappedFile& file, std::uint64_t begin, std::uint64
       for (std::size_t i = 0; i < count; ++i)
         header.stamps[i] = load<CineTime>(body, i * sizeof(CineTime)) & cine_time_mask;
     }
-    if (type == at::exposure_block && body.size() >= sizeof(std::uint32_t) && !header.exposure_s)
-      header.exposure_s = load<std::uint32_t>(body, 0) * 0x1p-32;
+    if (type == at::exposure_block && body.size() >= count * sizeof(std::uint32_t)) {
+      header.exposures_s.resize(count);
+      for (std::size_t i = 0; i < count; ++i)
+        header.exposures_s[i] = load<std::uint32_t>(body, i * sizeof(std::uint32_t)) * 0x1p-32;
+      if (!header.exposure_s) header.exposure_s = header.exposures_s.front();
+    }
     begin += size;
   }
 }
@@ -178,6 +182,12 @@ CineHeader read_cine_header(const MappedFile& file) {
   header.colour_filter = field<std::uint32_t>(setup, at::colour_filter).value_or(0) != 0;
   header.shown_mirrored = field<std::uint32_t>(setup, at::flip_horizontal).value_or(0) != 0 ||
                           field<std::uint32_t>(setup, at::flip_vertical).value_or(0) != 0;
+  const auto black = field<std::int32_t>(setup, at::black_level);
+  const auto white = field<std::int32_t>(setup, at::white_level);
+  if (black && white && *white > *black && *black >= 0 && *white <= 65535) {
+    header.black_level = black;
+    header.white_level = white;
+  }
   if (const auto exposure = field<std::uint32_t>(setup, at::exposure_ns); exposure.value_or(0) > 0)
     header.exposure_s = *exposure * 1e-9;
 

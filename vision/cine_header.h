@@ -34,8 +34,10 @@ struct CineHeader {
   std::uint32_t camera_version = 0;
   bool colour_filter = false;   ///< the camera sees colour, though the file calls its pictures grey
   bool shown_mirrored = false;  ///< the camera's program shows it flipped; the pixels are not
-  std::vector<std::uint64_t> image_offsets;  ///< one per stored image
-  std::vector<CineTime> stamps;              ///< one per stored image, or empty
+  std::vector<std::uint64_t> image_offsets;     ///< one per stored image
+  std::vector<CineTime> stamps;                 ///< one per stored image, or empty
+  std::vector<double> exposures_s;              ///< one per stored image, or empty
+  std::optional<int> black_level, white_level;  ///< as stored: of packed 10-bit pictures, codes
 };
 
 /// Reads and checks the whole head: every table must lie inside the file and every image must have room for

@@ -12,6 +12,8 @@
 #include "vision/little_endian.h"
 #include "vision/luma.h"
 #include "vision/p10.h"
+#include "vision/p10_table.h"
+#include "vision/stamp_check.h"
 #include "vision/window.h"
 
 namespace tribotrack::vision {
@@ -61,16 +63,31 @@ std::vector<double> stamps_since_first(const CineHeader& header, std::vector<std
   return stamps;
 }
 
-/// From the median step: a stray stamp at an end (seen in a real recording) does not move it.
-double stamped_rate(const std::vector<double>& stamps) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1 / *middle;
+/// The camera stamps the beginning of an exposure; what moves is seen where it was in the middle. Where all
+/// exposures are alike the times since the first image do not change.
+void move_to_mid_exposure(std::vector<double>& stamps, const std::vector<double>& exposures) {
+  for (std::size_t i = 0; i < std::min(stamps.size(), exposures.size()); ++i)
+    stamps[i] += 0.5 * (exposures[i] - exposures[0]);
 }
 
-std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, const std::vector<double>& stamps,
+/// Exposures written image by image repeat the header's to a clock tick; else they vary. Images that do not
+/// belong to the recording have no say.
+bool exposures_vary(const std::vector<double>& exposures, const std::vector<std::int64_t>& strays) {
+  double least = 1e9, most = 0;
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    if (std::ranges::binary_search(strays, static_cast<std::int64_t>(i))) continue;
+    least = std::min(least, exposures[i]);
+    most = std::max(most, exposures[i]);
+  }
+  return most - least > std::max(1e-7, 1e-3 * most);
+}
+
+double linear_level(const CineHeader& header, int stored) {
+  if (header.pixels != CinePixels::p10) return stored;
+  return p10_linear_levels[static_cast<std::size_t>(std::clamp(stored, 0, 1023))];
+}
+
+std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, double stamped_rate,
                                                const SourceOptions& options) {
   std::vector<TimeBaseCandidate> candidates;
   if (options.frame_rate_hz) candidates.push_back(user_rate(*options.frame_rate_hz));
@@ -82,31 +99,26 @@ std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, const s
         {"cine header", static_cast<double>(header.short_rate), true, "FrameRate, written by the camera"});
   else
     candidates.push_back({"cine header", 0, false, "its rate fields are 0"});
-  if (stamps.size() > 1)
-    candidates.push_back({"cine time stamps", stamped_rate(stamps), true, "rate of the camera's stamps"});
+  if (stamped_rate > 0)
+    candidates.push_back({"cine time stamps", stamped_rate, true, "rate of the camera's stamps"});
   return candidates;
 }
 
-void note_odd_stamps(const std::vector<double>& stamps, double rate, std::int64_t first_number,
-                     std::vector<std::string>& notes) {
-  if (stamps.size() < 2) return;
-  char text[240];
-  if (const double stamped = stamped_rate(stamps); std::abs(stamped / rate - 1) > 1e-3) {
-    std::snprintf(text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated", stamped,
-                  rate);
-    notes.push_back(text);
-  }
-  for (std::size_t i = 1; i < stamps.size(); ++i) {
-    const double step = stamps[i] - stamps[i - 1];
-    if (std::abs(step * stamped_rate(stamps) - 1) < 0.5) continue;
+constexpr double kClockTick = 1e-6;  ///< s, the coarsest clock seen in a camera
+
+void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::string>& notes) {
+  const double rate = *info.time_base.rate_hz;
+  if (info.time_base.check.stretches.size() < 2 && stamped_rate > 0 &&
+      std::abs(stamped_rate / rate - 1) > 1e-3) {
+    char text[240];
     std::snprintf(
-        text, sizeof text,
-        "the camera stamped image %lld as %.6g s after the one before: images are missing, or it does not "
-        "belong to the recording (then leave it out with --frames)",
-        static_cast<long long>(first_number + static_cast<std::int64_t>(i)), step);
+        text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated: each frame has %s",
+        stamped_rate, rate,
+        info.time_base.stamps_s.empty() ? "the time that the stated rate gives it" : "the time of its stamp");
     notes.push_back(text);
-    return;
   }
+  for (std::string& finding : findings(info.time_base.check, info.first_number))
+    notes.push_back(std::move(finding));
 }
 
 class CineSource : public FrameSource {
@@ -136,11 +148,11 @@ class CineSource : public FrameSource {
       info_.notes.push_back(
           "the camera's program shows this recording mirrored; pixels are handed out as stored");
 
-    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
-    info_.time_base = choose_time_base(rate_candidates(header_, stamps, options));
-    if (info_.time_base.known())
-      note_odd_stamps(stamps, *info_.time_base.rate_hz, info_.first_number, info_.notes);
-    if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
+    if (header_.black_level) {
+      info_.black_level = linear_level(header_, *header_.black_level);
+      info_.white_level = linear_level(header_, *header_.white_level);
+    }
+    describe_time(options);
   }
 
   using FrameSource::read;
@@ -153,6 +165,25 @@ class CineSource : public FrameSource {
   }
 
  private:
+  void describe_time(const SourceOptions& options) {
+    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
+    StampCheck check = check_stamps(stamps, kClockTick);
+    if (exposures_vary(header_.exposures_s, check.strays)) {
+      info_.exposures_s = header_.exposures_s;
+      info_.exposure_s = header_.exposures_s.front();
+      info_.notes.push_back("the exposure varies within the shot: a frame's time is the middle of its own");
+      move_to_mid_exposure(stamps, header_.exposures_s);
+    }
+    info_.time_base = choose_time_base(rate_candidates(header_, check.rate_hz, options));
+    if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
+    const double stamped_rate = check.rate_hz;
+    info_.time_base.check = std::move(check);
+    if (info_.time_base.known()) note_stamps(info_, stamped_rate, info_.notes);
+    if (options.frame_rate_hz && stamped_rate > 0)
+      info_.notes.push_back(
+          "the rate given beats the camera's own stamp of every frame; leave --fps out to use them");
+  }
+
   /// The pixels of an image, behind its annotation, whose last word repeats their size.
   std::span<const std::uint8_t> image(std::int64_t index, const std::string& what) const {
     const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];

@@ -15,6 +15,8 @@ constexpr int kSearchMin = 6, kSearchMax = 13;  ///< radii tried on each level o
 constexpr double kMinClarity = 2;               ///< contrast over residual: less is no rim
 constexpr double kClarityCap = 8;
 constexpr double kPi = std::numbers::pi;
+constexpr std::size_t kSectors = 36;  ///< of the rim
+constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for them
 
 double level_at(const Picture& picture, double x, double y) {
   x = std::clamp(x, 0.0, picture.width() - 1.001);
@@ -93,8 +95,15 @@ double normal_cdf(double t) {
   return 0.5 * std::erfc(-t / std::numbers::sqrt2);
 }
 
-/// x, y, R, s, then inside level, its slopes in x and y (per radius), then the same outside.
-using Parameters = Eigen::Matrix<double, 10, 1>;
+/// x, y, R, s, then the level inside as a quadratic in (u, v) = (x, y) / R: 1, u, v, u^2, uv, v^2, and
+/// outside as 1, u, v, u^2 + v^2. A highlight's slope towards the rim would else be taken for a part of the
+/// rim; a slope on one side only would take up what the edge's profile differs from a Gaussian's.
+constexpr int kParameters = 14;
+constexpr std::array<int, 4> kCurved = {7, 8, 9, 13};  ///< that only large discs have
+constexpr int kOutside = 10;
+constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels inside their rim
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+using Covariance = Eigen::Matrix<double, kParameters, kParameters>;
 
 struct RimPixel {
   double x, y, level, weight;
@@ -112,11 +121,12 @@ double rim_model(const Parameters& p, double x, double y, Parameters& slope) {
   const double density = std::exp(-0.5 * t * t) / std::sqrt(2 * kPi);
   const double u = dx / r;
   const double v = dy / r;
-  const double level_in = p(4) + p(5) * u + p(6) * v;
-  const double level_out = p(7) + p(8) * u + p(9) * v;
+  const double level_in = p(4) + p(5) * u + p(6) * v + p(7) * u * u + p(8) * u * v + p(9) * v * v;
+  const double level_out = p(10) + p(11) * u + p(12) * v + p(13) * (u * u + v * v);
   const double rise = (level_in - level_out) * density;
   slope << rise * dx / (rho * s), rise * dy / (rho * s), rise * (1 / s + s / (2 * r * r)),
-      rise * (-t / s - 1 / r), inside, inside * u, inside * v, 1 - inside, (1 - inside) * u, (1 - inside) * v;
+      rise * (-t / s - 1 / r), inside, inside * u, inside * v, inside * u * u, inside * u * v, inside * v * v,
+      1 - inside, (1 - inside) * u, (1 - inside) * v, (1 - inside) * (u * u + v * v);
   return level_out + (level_in - level_out) * inside;
 }
 
@@ -136,12 +146,28 @@ std::vector<RimPixel> rim_pixels(const Picture& picture, const Circle& c, double
 
 struct RimFit {
   Parameters p = Parameters::Zero();
-  Eigen::Matrix<double, 10, 10> covariance = Eigen::Matrix<double, 10, 10>::Zero();
+  Covariance covariance = Covariance::Zero();
   double residual_rms = 0;
+  std::vector<double> sector_pull;  ///< see DiscFit
 };
 
+/// What the residuals of each sector of the rim do to the radius: -(N^-1 sum w g r)_R.
+std::vector<double> sector_pull(const std::vector<RimPixel>& pixels, const RimFit& fit,
+                                const Covariance& inverse_normal) {
+  if (fit.p(2) < kSectorRadius) return {};
+  std::vector<double> pull(kSectors, 0);
+  Parameters slope;
+  for (const RimPixel& q : pixels) {
+    const double r = q.level - rim_model(fit.p, q.x, q.y, slope);
+    const double turn = 0.5 + std::atan2(q.y - fit.p(1), q.x - fit.p(0)) / (2 * kPi);
+    const auto sector = std::min(static_cast<std::size_t>(turn * kSectors), kSectors - 1);
+    pull[sector] += q.weight * r * inverse_normal.row(2).dot(slope);
+  }
+  return pull;
+}
+
 /// Levenberg-Marquardt with Tukey's weights.
-RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start) {
+RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start, bool curved) {
   RimFit fit;
   fit.p = start;
   Parameters slope;
@@ -154,7 +180,10 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start) {
     return cost;
   };
   double damping = 1e-3;
-  Eigen::Matrix<double, 10, 10> normal;
+  Covariance normal;
+  struct {
+    double weight = 0, square = 0, slope = 0;  // sums of w, psi^2, psi'
+  } influence;
   for (int round = 0; round < 4; ++round) {
     double cost = weighted_cost(fit.p);
     for (int k = 0; k < 25; ++k) {
@@ -166,11 +195,18 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start) {
         normal.selfadjointView<Eigen::Lower>().rankUpdate(slope, q.weight);
         gradient += q.weight * r * slope;
       }
-      normal = Eigen::Matrix<double, 10, 10>(normal.selfadjointView<Eigen::Lower>());
+      normal = Covariance(normal.selfadjointView<Eigen::Lower>());
+      if (!curved)
+        for (const int i : kCurved) {
+          normal.row(i).setZero();
+          normal.col(i).setZero();
+          normal(i, i) = 1;
+          gradient(i) = 0;
+        }
       bool improved = false;
       double moved = 0;
       for (int tries = 0; tries < 8 && !improved; ++tries) {
-        Eigen::Matrix<double, 10, 10> damped = normal;
+        Covariance damped = normal;
         damped.diagonal() *= 1 + damping;
         const Parameters step = damped.ldlt().solve(gradient);
         Parameters trial = fit.p + step;
@@ -194,16 +230,26 @@ RimFit fit_rim(std::vector<RimPixel>& pixels, const Parameters& start) {
     const double scale = std::max(0.3, 1.4826 * median_of(sizes));
     double weight = 0;
     double squares = 0;
+    influence = {};
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const double t = sizes[i] / (6 * scale);
       pixels[i].weight = t < 1 ? (1 - t * t) * (1 - t * t) : 0;
       weight += pixels[i].weight;
       squares += pixels[i].weight * sizes[i] * sizes[i];
+      influence.square += std::pow(pixels[i].weight * sizes[i], 2);
+      influence.slope += t < 1 ? (1 - t * t) * (1 - 5 * t * t) : 0;
     }
-    fit.residual_rms = std::sqrt(squares / std::max(1.0, weight - 10));
+    influence.weight = weight;
+    fit.residual_rms = std::sqrt(squares / std::max(1.0, weight - kParameters));
   }
-  fit.covariance =
-      normal.ldlt().solve(Eigen::Matrix<double, 10, 10>::Identity()) * fit.residual_rms * fit.residual_rms;
+  const Covariance inverse_normal = normal.ldlt().solve(Covariance::Identity());
+  // Huber (1981): with psi = w r the covariance is E[psi^2] / E[psi']^2 (sum g g^T)^-1, g the slopes.
+  const auto count = static_cast<double>(pixels.size());
+  const double gain = influence.weight / std::max(1.0, influence.slope);
+  fit.covariance = inverse_normal * gain * gain * (influence.square / influence.weight) * count /
+                   std::max(1.0, count - kParameters);
+  fit.sector_pull = sector_pull(pixels, fit, inverse_normal);
+  for (double& pull : fit.sector_pull) pull *= gain;
   return fit;
 }
 
@@ -269,7 +315,46 @@ bool whole(const Picture& picture, const Circle& c) {
          c.y + c.radius <= picture.height() - 1;
 }
 
+/// Variance of the sum of pulls that are alike all round, told by how they differ from sector to sector. Slow
+/// changes along the rim (a highlight that the model does not follow quite) pull one way here and the other
+/// way there: they do not reach the sum and are left out.
+double scatter_of_sum(const std::vector<double>& pull) {
+  constexpr int slow = 4;  ///< harmonics
+  const auto count = static_cast<double>(pull.size());
+  double power = 0;
+  for (const double p : pull) power += p * p;
+  for (int m = 0; m <= slow; ++m) {
+    double c = 0, s = 0;
+    for (std::size_t k = 0; k < pull.size(); ++k) {
+      const double angle = 2 * kPi * m * static_cast<double>(k) / count;
+      c += pull[k] * std::cos(angle);
+      s += pull[k] * std::sin(angle);
+    }
+    power -= (m == 0 ? 1 : 2) * (c * c + s * s) / count;
+  }
+  return std::max(0.0, power) * count / (count - 1 - 2 * slow);
+}
+
 }  // namespace
+
+MeanRadius mean_radius(std::span<const DiscFit> fits) {
+  MeanRadius mean;
+  const auto count = static_cast<double>(fits.size());
+  std::vector<double> pull(kSectors, 0);
+  double white = 0;
+  bool sectors = true;
+  for (const DiscFit& fit : fits) {
+    mean.radius += fit.circle.radius / count;
+    white += std::pow(fit.white_radius_sd / count, 2);
+    sectors = sectors && fit.sector_pull.size() == kSectors;
+  }
+  mean.sd = std::sqrt(white);
+  if (!sectors) return mean;
+  for (const DiscFit& fit : fits)
+    for (std::size_t k = 0; k < kSectors; ++k) pull[k] += fit.sector_pull[k] / count;
+  mean.sd = std::sqrt(std::max(white, scatter_of_sum(pull)));
+  return mean;
+}
 
 std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture) {
   const int count = std::clamp(static_cast<int>(4 * guess.radius), 32, 256);
@@ -299,17 +384,19 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
                            rough.y + (rough.radius + 2.5) * std::sin(2 * kPi * k / count)));
     return v;
   }());
-  p << rough.x, rough.y, rough.radius, 1.0, in, 0, 0, out, 0, 0;
+  p << rough.x, rough.y, rough.radius, 1.0, in, 0, 0, 0, 0, 0, out, 0, 0, 0;
   RimFit fit;
   // The band must hold the blurred edge and a little of either side: a second round knows the blur.
   double band = std::min(4.0, 0.6 * rough.radius);
   for (int round = 0; round < 2; ++round) {
     auto pixels = rim_pixels(picture, {p(0), p(1), p(2)}, band);
     if (pixels.size() < 30) return std::nullopt;
-    fit = fit_rim(pixels, p);
+    fit = fit_rim(pixels, p, round == 1 && p(2) >= kCurvedRadius);
     p = fit.p;
     if (!p.allFinite()) return std::nullopt;
     band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
+    // A level that may curve needs pixels to tell its slope by.
+    if (p(2) >= kCurvedRadius) band = std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2)));
   }
   DiscFit result;
   result.circle = {p(0), p(1), p(2)};
@@ -317,8 +404,10 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   if (std::hypot(p(0) - guess.x, p(1) - guess.y) > limit || std::abs(p(2) - guess.radius) > limit)
     return std::nullopt;
   result.blur = p(3);
-  result.contrast = p(4) - p(7);
-  result.radius_sd = std::sqrt(std::max(0.0, fit.covariance(2, 2)));
+  result.contrast = p(4) + 0.5 * (p(7) + p(9)) - p(kOutside) - p(kOutside + 3);  // means along the rim
+  result.sector_pull = std::move(fit.sector_pull);
+  result.white_radius_sd = std::sqrt(std::max(0.0, fit.covariance(2, 2)));
+  result.radius_sd = mean_radius({&result, 1}).sd;
   result.centre_sd = std::sqrt(std::max(0.0, 0.5 * (fit.covariance(0, 0) + fit.covariance(1, 1))));
   result.residual_rms = fit.residual_rms;
   const double half = std::min(std::max(1.5, 2 * p(3)), 0.5 * p(2));

@@ -4,11 +4,14 @@
 // pyramid of pictures so that radii of 8 to 400 px cost the same. Measurement: the blurred rim
 //   I(rho, phi) = O(phi) + (A(phi) - O(phi)) Phi((R - s^2 / (2 R) - rho) / s)
 // fitted to every pixel near the rim by Levenberg-Marquardt; Phi is the normal distribution function, s the
-// blur with the pixel's own 1/12 px^2, A and O the levels inside and outside, each with a slope across the
-// disc. The s^2 / (2 R) is what blur does to a curved edge.
+// blur with the pixel's own 1/12 px^2, A the level inside (quadratic across the disc), O that outside
+// (linear). R is the radius of the sharp disc before the blur: the s^2 / (2 R) is what a Gaussian blur in the
+// plane does to a curved edge, to the second order in s / R (the third is below 2e-5 px at R = 30 px, s = 0.8
+// px).
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "vision/picture.h"
@@ -17,14 +20,27 @@ namespace tribotrack::vision {
 
 struct DiscFit {
   Circle circle;
-  double radius_sd = 0;  ///< px
+  double radius_sd = 0;  ///< px; from the scatter along the rim where that can be told, see mean_radius
   double centre_sd = 0;  ///< px, per axis
   double blur = 0;       ///< s, px
   double contrast = 0;   ///< level inside minus outside
   double coverage = 0;   ///< share of the rim at which the edge is seen, 0 .. 1
   double residual_rms = 0;
   double score = 0;  ///< for comparing candidates
+  /// What the residuals in each sector of the rim (about 5 px long) pulled the radius by, px.
+  std::vector<double> sector_pull;
+  double white_radius_sd = 0;  ///< px, were all residuals independent of each other
 };
+
+/// Of one disc seen in several frames.
+struct MeanRadius {
+  double radius = 0, sd = 0;  ///< px
+};
+
+/// The mean radius. Its sd comes from how differently the sectors of the rim pull at it, each sector's pull
+/// averaged over the frames: noise averages out, what belongs to the disc (a scratch across its rim) does not
+/// and stays in the sd, which is never less than that of the noise alone. `fits` must not be empty.
+MeanRadius mean_radius(std::span<const DiscFit> fits);
 
 /// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does
 /// not support a circle there (coverage below one half, or the fit walks away).

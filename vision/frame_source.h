@@ -26,9 +26,11 @@ struct SourceInfo {
   std::int64_t first_number =
       0;  ///< the recording's own number of its first stored image (0 unless it has numbers)
   TimeBase time_base;
-  std::optional<double> exposure_s;
-  std::string camera;              ///< empty where the file does not say
-  std::string trigger_time;        ///< ISO 8601 UTC, empty where the file does not say
+  std::optional<double> exposure_s;  ///< of the first frame where it varies
+  std::vector<double> exposures_s;   ///< one per frame where the camera wrote them down, else empty
+  std::optional<double> black_level, white_level;  ///< grey levels as handed out, where the file says them
+  std::string camera;                              ///< empty where the file does not say
+  std::string trigger_time;                        ///< ISO 8601 UTC, empty where the file does not say
   std::vector<std::string> notes;  ///< what a user should know: companding undone, colour turned to luma, ...
 };
 
@@ -39,8 +41,13 @@ class FrameSource {
   virtual ~FrameSource() = default;
   const SourceInfo& info() const { return info_; }
   std::int64_t number(std::int64_t index) const { return info_.first_number + index; }
-  /// Time of a frame, s; 0 at the recording's first stored image. Needs a time base.
+  /// Time of the middle of a frame's exposure, s; 0 at that of the recording's first stored image. Needs a
+  /// time base.
   double time_s(std::int64_t index) const { return info_.time_base.time_s(index); }
+  /// How long a frame was exposed, s; nothing where the file does not say. time_s is the middle of it.
+  std::optional<double> exposure_s(std::int64_t index) const {
+    return info_.exposures_s.empty() ? info_.exposure_s : info_.exposures_s[static_cast<std::size_t>(index)];
+  }
   Rect bounds() const { return {0, 0, info_.width, info_.height}; }
   /// Reads a window of a frame, which must lie inside bounds(). Formats that can, read only its rows.
   /// Sequential access is fast in every format. Throws InputError.

@@ -321,9 +321,19 @@ class LibavSource : public FrameSource {
       ticks.push_back(packets_[packet].pts != unknown_time ? packets_[packet].pts : packets_[packet].dts);
     // Where frames are reordered and stamps tie, the stamps in order are still those of the frames in order.
     std::sort(ticks.begin(), ticks.end());
-    candidates.push_back(
-        judge_container_stamps(ticks, av_q2d(stream().time_base), av_q2d_or_zero(stream().avg_frame_rate)));
+    ContainerStamps stamps =
+        judge_container_stamps(ticks, av_q2d(stream().time_base), av_q2d_or_zero(stream().avg_frame_rate));
+    candidates.push_back(stamps.candidate);
     info_.time_base = choose_time_base(std::move(candidates));
+    info_.time_base.stamps_s = frame_times(stamps, info_.time_base);
+    for (std::string& finding : findings(stamps.check, info_.first_number))
+      info_.notes.push_back(std::move(finding));
+    if (!stamps.times_s.empty() && info_.time_base.known() && info_.time_base.stamps_s.empty())
+      info_.notes.push_back(
+          "the rate given stands for even steps, though the container's stamps are uneven; leave --fps out "
+          "if "
+          "the file states a rate of its own");
+    info_.time_base.check = std::move(stamps.check);
   }
   static double av_q2d_or_zero(AVRational rate) { return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0; }
 

@@ -1,21 +1,81 @@
 #include "vision/scale.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace tribotrack::vision {
+namespace {
 
-Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd_px, double blur_px) {
+/// Chi-squared exceeded once in 1000, by the cube-root law of Wilson and Hilferty (1931), good to 1 % from 2
+/// degrees of freedom on; 10.83 for one.
+double chi2_of_one_in_thousand(int degrees) {
+  if (degrees == 1) return 10.828;
+  constexpr double normal = 3.0902;  // exceeded once in 1000
+  const double spread = 2 / (9.0 * degrees);
+  return degrees * std::pow(1 - spread + normal * std::sqrt(spread), 3);
+}
+
+}  // namespace
+
+Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd_px, double diameter_sd_mm) {
   if (!(diameter_mm > 0) || !(radius_px > 0))
     throw std::invalid_argument("the part's diameter must be greater than 0");
   const double mm_per_px = diameter_mm / (2 * radius_px);
-  const double rim_sd = std::hypot(radius_sd_px, blur_px * blur_px / (4 * radius_px));
-  return {mm_per_px, mm_per_px * rim_sd / radius_px, "part's diameter"};
+  return {mm_per_px, mm_per_px * std::hypot(radius_sd_px / radius_px, diameter_sd_mm / diameter_mm),
+          "part's diameter"};
 }
 
-Scale given_scale(double mm_per_px) {
+Scale given_scale(double mm_per_px, double sd) {
   if (!(mm_per_px > 0)) throw std::invalid_argument("mm_per_px must be greater than 0");
-  return {mm_per_px, 0, "given"};
+  if (!(sd >= 0)) throw std::invalid_argument("mm_per_px_sd must not be negative");
+  return {mm_per_px, sd, "given"};
+}
+
+PooledScale pooled_scale(std::span<const Scale> scales, double common_relative_sd) {
+  if (scales.empty()) throw std::invalid_argument("no scale to take the mean of");
+  PooledScale pooled;
+  pooled.count = static_cast<int>(scales.size());
+  pooled.scale = scales.front();
+  const auto own_variance = [&](const Scale& s) {
+    const double common = common_relative_sd * s.mm_per_px;
+    return std::max(0.0, s.sd * s.sd - common * common);
+  };
+  const bool exact =
+      std::any_of(scales.begin(), scales.end(), [&](const Scale& s) { return own_variance(s) <= 0; });
+  if (exact) {
+    for (const Scale& s : scales)
+      pooled.one_scale =
+          pooled.one_scale && s.mm_per_px == scales.front().mm_per_px && s.sd == scales.front().sd;
+    return pooled;
+  }
+  struct Sums {
+    double weight = 0, square = 0, value = 0, chi2 = 0;
+    double mean() const { return value / weight; }
+  };
+  const auto sums_with = [&](double scatter) {
+    Sums sums;
+    for (const Scale& s : scales) {
+      const double weight = 1 / (own_variance(s) + scatter * scatter);
+      sums.weight += weight;
+      sums.square += weight * weight;
+      sums.value += weight * s.mm_per_px;
+    }
+    for (const Scale& s : scales)
+      sums.chi2 += std::pow(s.mm_per_px - sums.mean(), 2) / (own_variance(s) + scatter * scatter);
+    return sums;
+  };
+  Sums sums = sums_with(0);
+  pooled.chi2 = sums.chi2;
+  const int dof = pooled.count - 1;
+  if (dof > 0 && pooled.chi2 > chi2_of_one_in_thousand(dof)) {
+    pooled.scatter = std::sqrt((sums.chi2 - dof) / (sums.weight - sums.square / sums.weight));
+    sums = sums_with(pooled.scatter);
+  }
+  pooled.scale.mm_per_px = sums.mean();
+  pooled.scale.sd = std::hypot(1 / std::sqrt(sums.weight), common_relative_sd * sums.mean());
+  pooled.one_scale = pooled.scatter <= kRimScatter * sums.mean();
+  return pooled;
 }
 
 }  // namespace tribotrack::vision

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "vision/stamp_check.h"
+
 namespace tribotrack::vision {
 
 /// One thing in or beside the file that claims a frame rate, and whether it is believed.
@@ -16,15 +18,16 @@ struct TimeBaseCandidate {
   std::string reason;  ///< why it was accepted or rejected, one clause
 };
 
-/// Time of frame k: stamps_s[k] where the camera stamped every frame, else k / rate. 0 at the first stored
-/// image. Order of trust: the user, camera header or sidecar, capture tag (com.android.capture.fps), uniform
-/// container stamps whose rate is not a usual playback rate (24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000,
-/// 65535).
+/// Time of frame k, the middle of its exposure: stamps_s[k] where frames have stamps of their own, else k /
+/// rate. 0 at the first stored image. Order of trust: the user, camera header or sidecar, capture tag
+/// (com.android.capture.fps), uniform container stamps whose rate is not a usual playback rate (24,
+/// 25, 29.97, 30, 50, 59.94, 60, 600, 1000, 65535).
 struct TimeBase {
   std::optional<double> rate_hz;
   std::string source;            ///< that of the accepted candidate
   std::vector<double> stamps_s;  ///< one per frame, or empty
   std::vector<TimeBaseCandidate> candidates;
+  StampCheck check;  ///< what the stamps say of missing frames and of changes of the rate; of none, nothing
 
   bool known() const { return rate_hz.has_value(); }
   double time_s(std::int64_t index) const {

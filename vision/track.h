@@ -34,6 +34,7 @@ struct TrackPoint {
   double ncc = 0;                               ///< normalised cross-correlation with the template, -1 .. 1
   TrackStatus status = TrackStatus::lost;
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
+  std::optional<double> gate;         ///< the lamp's mean grey level, where one is named
 };
 
 /// Millimetres per pixel and where they come from.
@@ -54,6 +55,7 @@ struct MillimetrePoint {
 struct Track {
   std::vector<TrackPoint> points;  ///< one per analysed frame, in order
   bool has_marker = false;
+  bool has_gate = false;
   /// One per point; nullopt where not ok (or the marker was not found in that frame).
   std::vector<std::optional<MillimetrePoint>> to_millimetres(const Scale& scale, double xi_axis_rad) const;
 };

@@ -7,16 +7,20 @@
 #include <stdexcept>
 
 #include "vision/disc_detection.h"
+#include "vision/gate_lamp.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
+#include "vision/rim_watch.h"
 #include "vision/template_average.h"
+#include "vision/texture_patch.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kNoiseFrames = 6;
 constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
+constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
 constexpr double kClickSd = 0.5;         ///< sd of a radius that no rim confirms, px
 constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
 constexpr double kQuietTemplate = 0.002;  ///< added variance that is not worth averaging frames for
@@ -122,6 +126,15 @@ double ground_texture(const Picture& first, const Circle& disc, double noise_var
   return std::sqrt(std::max(0.0, squares / count - noise_variance));
 }
 
+/// The lamp is round and bright, too.
+void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
+  if (!options.gate) return;
+  std::erase_if(found, [&](const DiscFit& f) {
+    return std::hypot(f.circle.x - options.gate->x, f.circle.y - options.gate->y) <
+           std::max(options.gate->radius, f.circle.radius);
+  });
+}
+
 /// The part, where the user does not say where it is: away from a given marker, which is round too, and the
 /// largest of what is supported nearly as well as the best.
 DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options) {
@@ -130,7 +143,8 @@ DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOp
     search.keep_out = options.marker.circle;
     search.keep_out->radius += std::max(kGivenCapture, 0.03 * search.keep_out->radius);
   }
-  const auto found = find_discs(first, search, 5);
+  auto found = find_discs(first, search, 5);
+  leave_out_lamp(found, options);
   if (found.empty())
     throw InputError(source.info().path.string() +
                      ": no disc was found in the first analysed frame; give it with --disc X,Y,R");
@@ -230,6 +244,7 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
     summary.plan.push_back({"marker", false, "none asked for: positions are the camera's", 0, 0});
     return std::nullopt;
   }
+  if (options.marker.kind == MarkerChoice::Kind::texture) return std::nullopt;  // once the path is known
   if (options.marker.kind == MarkerChoice::Kind::circle) {
     check_whole(first, options.marker.circle, source, "marker");
     double radius_sd = 0, blur = 0;  // the marker sets no scale
@@ -241,12 +256,9 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
     search.keep_out->radius =
         std::max(summary.disc.radius,
                  0.5 * std::hypot(options.target.rectangle.width, options.target.rectangle.height));
-    const auto found = find_discs(first, search, 1);
-    if (found.empty())
-      throw InputError(
-          source.info().path.string() +
-          ": no round marker was found in the first analysed frame; give it with --marker X,Y,R or "
-          "leave it out with --marker none");
+    auto found = find_discs(first, search, 1 + options.gate.has_value());
+    leave_out_lamp(found, options);
+    if (found.empty()) return std::nullopt;  // the texture's turn
     summary.marker = found.front().circle;
   }
   FollowOptions follow;
@@ -266,6 +278,73 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
                                  summary.marker.x, summary.marker.y, summary.marker.radius),
                           0, 0});
   return PatternFollower(average.picture, range.first, pattern, follow);
+}
+
+bool wants_texture(const TrackOptions& options, bool has_marker) {
+  using Kind = MarkerChoice::Kind;
+  return options.marker.kind == Kind::texture || (options.marker.kind == Kind::find && !has_marker);
+}
+
+/// What hides the platform at some time: the part along its path, the lamp.
+std::vector<Circle> covered_by(const Track& track, const TrackOptions& options, double part_radius) {
+  std::vector<Circle> covered;
+  for (const TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    const Circle here{p.x, p.y, part_radius + 6};
+    if (covered.empty() || std::hypot(here.x - covered.back().x, here.y - covered.back().y) > 2)
+      covered.push_back(here);
+  }
+  if (options.gate) covered.push_back({options.gate->x, options.gate->y, options.gate->radius + 6});
+  return covered;
+}
+
+MarkerPoint marker_point(const Sighting& s);
+
+/// The platform followed by a patch of its own texture, in a pass of its own: only now the part's path is
+/// known.
+void follow_texture(FrameSource& source, const Picture& first, std::int64_t first_index,
+                    const TrackOptions& options, double noise_variance, const Pattern& part,
+                    TrackResult& result) {
+  const int side = std::min(first.width(), first.height());
+  TexturePatchSearch search;
+  search.noise_variance = noise_variance;
+  const double reach =
+      part.radius > 0 ? part.radius : 0.5 * std::hypot(part.window.width, part.window.height);
+  search.covered = covered_by(result.track, options, reach);
+  search.margin_px = std::clamp(side / 20, 8, 40);
+  std::string why_not;
+  const auto patch = best_texture_patch(first, search, why_not);
+  if (!patch)
+    throw InputError(
+        source.info().path.string() + ": " +
+        (options.marker.kind == MarkerChoice::Kind::find ? "no round marker was found, and " : "") + why_not +
+        "; give a marker with --marker X,Y,R or leave it out with --marker none");
+  FollowOptions follow;
+  follow.min_ncc = std::min(options.min_ncc, 0.5);
+  follow.noise_variance = noise_variance;
+  follow.search_whole_frame = false;
+  PatternFollower follower(first, first_index, rectangle_pattern(patch->window), follow);
+  std::int64_t index = first_index, seen = 0;
+  for (TrackPoint& point : result.track.points) {
+    if (const FollowStep step = follower.step(source, index++); step.status == TrackStatus::ok) {
+      point.marker = marker_point(*step.sighting);
+      ++seen;
+    }
+  }
+  TrackSummary& summary = result.summary;
+  result.track.has_marker = true;
+  summary.texture_patch = patch->window;
+  summary.marker = {patch->window.x + 0.5 * (patch->window.width - 1),
+                    patch->window.y + 0.5 * (patch->window.height - 1), 0.5 * patch->window.width};
+  summary.plan.push_back(
+      {"marker", true,
+       format("none: a patch of the platform's texture at (%d, %d), %d px wide, that the part never covers "
+              "locates it to %.2g px a frame",
+              patch->window.x, patch->window.y, patch->window.width, patch->limit_px),
+       0, 0});
+  if (const auto lost = static_cast<std::int64_t>(result.track.points.size()) - seen; lost > 0)
+    summary.warnings.push_back(
+        format("the platform's texture was not found again in %lld frames", static_cast<long long>(lost)));
 }
 
 void fill(TrackPoint& point, const Sighting& s) {
@@ -339,6 +418,7 @@ void TrackOptions::validate() const {
     if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))
       throw std::invalid_argument(std::string(what) + " must have finite coordinates and a positive radius");
   };
+  if (gate) check(*gate, "gate");
   if (target.kind == Target::Kind::disc) check(target.disc, "target.disc");
   if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
 }
@@ -361,6 +441,10 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
   std::optional<PatternFollower> marker = plan_marker(first, range, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
+  std::optional<GateLamp> lamp;
+  if (options.gate) lamp.emplace(*options.gate, source);
+  result.track.has_gate = lamp.has_value();
+  summary.gate_pixels = lamp ? lamp->pixels() : 0;
 
   FirstPass pass;
   pass.first_index = range.first;
@@ -374,6 +458,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   auto& points = result.track.points;
   const std::int64_t total = range.last - range.first + 1;
   points.reserve(static_cast<std::size_t>(total));
+  RimWatch rim(summary.disc, total / kRimFrames);
   for (std::int64_t index = range.first; index <= range.last; ++index) {
     TrackPoint point;
     point.frame = source.number(index);
@@ -389,14 +474,22 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
     if (step.status == TrackStatus::ok) {
       fill(point, *step.sighting);
       excess.push_back(step.sighting->excess_rms);
+      if (setup.pattern.radius > 0) rim.see(source, index, step.sighting->position);
     }
     if (marker)
       if (const FollowStep seen = marker->step(source, index); seen.status == TrackStatus::ok)
         point.marker = marker_point(*seen.sighting);
+    if (lamp) {
+      const GateLamp::Sample light = lamp->sample(source, index);
+      point.gate = light.level;
+      summary.gate_clipped_share = std::max(summary.gate_clipped_share, light.clipped_share);
+    }
     points.push_back(point);
     pass.theta.push_back(step.status == TrackStatus::ok ? step.sighting->pose.theta : 0);
     if (options.progress) options.progress(index - range.first + 1, total);
   }
+  if (wants_texture(options, marker.has_value()))
+    follow_texture(source, first, range.first, options, noise, setup.pattern, result);
   count(result.track, options.max_lost_share, summary);
   note_effort(part.effort(), summary);
   pass.excess = median_excess(excess);
@@ -404,6 +497,10 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);
       });
+  if (const auto mean = rim.radius(); mean && summary.disc_radius_sd < kClickSd) {
+    summary.disc.radius = mean->radius;
+    summary.disc_radius_sd = mean->sd;
+  }
   if (!summary.layered) note_excess(pass.excess, summary.noise_levels, summary);
   return result;
 }

@@ -21,9 +21,10 @@ struct Target {
   Rect rectangle;
 };
 
-/// The mark fixed to the platform.
+/// The mark fixed to the platform: a round one found or given, or a patch of the platform's own texture that
+/// the part never covers. `find` falls back on texture.
 struct MarkerChoice {
-  enum class Kind { none, find, circle } kind = Kind::none;
+  enum class Kind { none, find, circle, texture } kind = Kind::none;
   Circle circle;
 };
 
@@ -35,6 +36,7 @@ enum class Layers { automatic, off, on };
 struct TrackOptions {
   Target target;
   MarkerChoice marker;
+  std::optional<Circle> gate;               ///< a lamp whose brightness is recorded, frame by frame
   std::optional<std::int64_t> first_frame;  ///< recording's own numbers, both included
   std::optional<std::int64_t> last_frame;
   double min_ncc = 0.6;  ///< below this a match is not believed
@@ -62,6 +64,9 @@ struct TrackSummary {
   double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   Circle marker;
+  Rect texture_patch;             ///< where the platform's own texture serves as its marker; else of no width
+  int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
+  double gate_clipped_share = 0;  ///< of them, at the top level in the frame where that was most
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass

@@ -16,7 +16,8 @@ struct Orbit {
   int iterations = 0;
 };
 
-/// nullopt where there is none that attracts.
-std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance = 1e-16);
+/// nullopt where there is none that attracts. The Jacobian is good to `jacobian_error` at least.
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
+                                double jacobian_error);
 
 }  // namespace tribotrack::model::internal

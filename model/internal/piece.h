@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "model/internal/arc_stepper.h"
 #include "model/internal/polar_series.h"
 #include "model/internal/slow_slip.h"
 
 namespace tribotrack::model::internal {
 
-enum class PieceKind { stick, series, polar, slow };
+enum class PieceKind { stick, arc, series, polar, slow };
 
 /// One step. The coefficients lie in the chain's pool from `offset` on.
 template <class T>
@@ -18,9 +19,10 @@ struct Piece {
   bool reduced = false;  ///< mu2 holds
   int order = 0;
   double cycle = 0, s = 0;  ///< where it begins
-  double span = 0;          ///< length in s (series, slow) or sigma (polar)
+  double span = 0;          ///< length in s, in sigma of a polar piece
   T shift{};                ///< the series counts from s + shift (a start from rest at an uncertain phase)
   Pair<T> position;         ///< at the begin
+  Pair<T> velocity;         ///< at the begin of an arc
   size_t offset = 0;
 };
 
@@ -33,6 +35,17 @@ template <class T>
 class PieceChain {
  public:
   void add_stick(Piece<T> piece) { pieces_.push_back(piece); }
+  void add(Piece<T> piece, const ArcStepper<T>& arcs) {
+    piece.kind = PieceKind::arc;
+    piece.order = 2 * arcs.table().pairs;
+    piece.offset = pool_.size();
+    for (int i = 0; i < piece.order; ++i) {
+      const Pair<T> n = arcs.direction(i);
+      pool_.push_back(n.x);
+      pool_.push_back(n.y);
+    }
+    pieces_.push_back(piece);
+  }
   void add(Piece<T> piece, const SlipSeries<T>& series) {
     piece.kind = PieceKind::series;
     store(piece, series.order, {series.x, series.y});
@@ -57,6 +70,7 @@ class PieceChain {
   Motion<T> at(const Piece<T>& piece, double s, const ScaledDrive<T>& drive, const T& kappa) const;
 
  private:
+  Motion<T> inside_arc(const Piece<T>& piece, double t, const ScaledDrive<T>& drive, const T& kappa) const;
   void store(Piece<T> piece, int order, std::initializer_list<const T*> columns) {
     piece.order = order;
     piece.offset = pool_.size();
@@ -69,6 +83,32 @@ class PieceChain {
   std::vector<SlowStep<T>> slow_;
 };
 
+/// U and X from the integrals of the drive, exact, and of the polynomial through the directions.
+template <class T>
+Motion<T> PieceChain<T>::inside_arc(const Piece<T>& piece, double t, const ScaledDrive<T>& d,
+                                    const T& kappa) const {
+  double once[GaussTable::kMaxNodes], twice[GaussTable::kMaxNodes];
+  const double h = piece.span;
+  GaussTable::of_pairs(piece.order / 2).integrals_to(h > 0 ? t / h : 0, once, twice);
+  Pair<T> first, second;
+  const T* n = pool_.data() + piece.offset;
+  for (int i = 0; i < piece.order; ++i) {
+    first.x += n[2 * i] * (h * once[i]);
+    first.y += n[2 * i + 1] * (h * once[i]);
+    second.x += n[2 * i] * (h * h * twice[i]);
+    second.y += n[2 * i + 1] * (h * h * twice[i]);
+  }
+  const double c0 = std::cos(piece.s), s0 = std::sin(piece.s), c = std::cos(piece.s + t),
+               s = std::sin(piece.s + t);
+  const auto integral = [](const Pair<T>& constant, double a, const Pair<T>& p, double b, const Pair<T>& q,
+                           double e) {
+    return Pair<T>{constant.x * a + p.x * b + q.x * e, constant.y * a + p.y * b + q.y * e};
+  };
+  return {piece.velocity + integral(d.constant, t, d.p, s - s0, d.q, c0 - c) - kappa * first,
+          piece.position + T(t) * piece.velocity +
+              integral(d.constant, 0.5 * t * t, d.p, c0 - c - t * s0, d.q, s0 - s + t * c0) - kappa * second};
+}
+
 template <class T>
 Motion<T> PieceChain<T>::at(const Piece<T>& piece, double s, const ScaledDrive<T>& drive,
                             const T& kappa) const {
@@ -79,6 +119,8 @@ Motion<T> PieceChain<T>::at(const Piece<T>& piece, double s, const ScaledDrive<T
   switch (piece.kind) {
     case PieceKind::stick:
       break;
+    case PieceKind::arc:
+      return inside_arc(piece, std::clamp(s - piece.s, 0.0, piece.span), drive, kappa);
     case PieceKind::series: {
       const T t = std::clamp(s - piece.s, 0.0, piece.span) - piece.shift;
       return {{evaluate(c, n, t), evaluate(c + n + 1, n, t)},

@@ -1,8 +1,10 @@
 // A solved run behind Trajectory, for any number of derivatives.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <memory>
+#include <stdexcept>
 
 #include "model/internal/orbit.h"
 #include "model/internal/set_up.h"
@@ -38,7 +40,11 @@ class Run final : public Trajectory::Implementation {
   void start_on_orbit(SolverInput<T>& in, bool with_pulses) const;
   Phase phase_at(double time) const;
   SensitiveSample sensitive(double time, bool fixed_time) const;
+  bool is_end(const Phase& phase) const { return phase.cycles == input_.cycles && phase.rest == input_.rest; }
   Motion<T> motion_at(const Phase& phase) const;
+  Contact contact_at(const Phase& phase) const {
+    return is_end(phase) ? solver_.end_contact() : solver_.contact(phase.cycles, phase.rest);
+  }
 
   T w_;
   SolverInput<T> input_;
@@ -55,6 +61,7 @@ Run<T>::Run(const Scenario& s, const IntegrationOptions& o)
   summary.stops = static_cast<int>(solver_.stops);
   summary.releases = static_cast<int>(solver_.releases);
   summary.stick_time = solver_.stick_phase / s.drive.angular_frequency;
+  summary.error_bound = solver_.error_bound * input_.problem.velocity_unit / s.drive.angular_frequency;
   const double phase = input_.cycles * kTwoPi + input_.rest;
   summary.sticking_fraction = phase > 0 ? solver_.stick_phase / phase : 0;
   const auto& e = input_.edges;
@@ -67,6 +74,8 @@ SolverInput<T> Run<T>::prepare() const {
   SolverInput<T> in = set_up<T>(scenario, options.derivatives);
   in.tolerance = options.tolerance;
   in.max_steps = options.max_steps;
+  in.dense = options.dense;
+  in.reuse = options.reuse_repeating_cycles;
   if (scenario.start != Start::rest) start_on_orbit(in, scenario.start == Start::steady);
   return in;
 }
@@ -74,7 +83,8 @@ SolverInput<T> Run<T>::prepare() const {
 /// U0 = P(U0, p) differentiated: dU0 = (I - dP/dU)^-1 dP/dp.
 template <class T>
 void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
-  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance);
+  const auto orbit =
+      find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
   if (!orbit)
     throw InvalidParameter(
         std::string("start = ") + to_string(scenario.start) +
@@ -82,6 +92,7 @@ void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
         "tilt beyond the friction angle); use start = rest");
   in.velocity = {T(orbit->velocity.x()), T(orbit->velocity.y())};
   in.on_orbit = true;
+  in.contraction = orbit->jacobian.eigenvalues().cwiseAbs().maxCoeff();
   if constexpr (derivative_count < T >> 0) {
     Scenario free = scenario;
     free.start = Start::rest;
@@ -118,7 +129,9 @@ Phase Run<T>::phase_at(double time) const {
 
 template <class T>
 Motion<T> Run<T>::motion_at(const Phase& phase) const {
-  if (phase.cycles == input_.cycles && phase.rest == input_.rest) return solver_.end();
+  if (is_end(phase)) return solver_.end();
+  if (!options.dense)
+    throw std::logic_error("Trajectory: only the end is known of a run without IntegrationOptions::dense");
   return solver_.at(phase.cycles, phase.rest);
 }
 
@@ -132,9 +145,9 @@ Sample Run<T>::at(double time) const {
   sample.position = {x * value(m.position.x), x * value(m.position.y)};
   sample.velocity = {v * value(m.velocity.x), v * value(m.velocity.y)};
   if (input_.cycles == 0 && input_.rest == 0) return sample;
-  const Piece<T>& piece = solver_.piece(phase.cycles, phase.rest);
-  sample.mu = piece.reduced ? scenario.friction.reduced : scenario.friction.nominal;
-  sample.state = piece.kind == PieceKind::stick ? State::stick : State::slip;
+  const Contact contact = contact_at(phase);
+  sample.mu = contact.reduced ? scenario.friction.reduced : scenario.friction.nominal;
+  sample.state = contact.sticks ? State::stick : State::slip;
   return sample;
 }
 
@@ -153,8 +166,7 @@ SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
     if (fixed_time) moved += change(w_) * time;
     Pair<T> acceleration{};
     if (result.sample.state == State::slip) {
-      const bool reduced = solver_.piece(phase.cycles, phase.rest).reduced;
-      acceleration = force(solver_.drive(), solver_.kappa(reduced), phase.rest, m.velocity);
+      acceleration = force(solver_.drive(), solver_.kappa(contact_at(phase).reduced), phase.rest, m.velocity);
     }
     const double unit = input_.problem.velocity_unit;
     const Pair<T> x = T(unit / w_) * (m.position + moved * m.velocity);

@@ -48,12 +48,31 @@ template <class T>
 std::optional<SlowStep<T>> slow_step(const ScaledDrive<T>& drive, const T& kappa, double s, double span,
                                      const T& speed0, T angle0, bool to_stop, double tolerance);
 
+/// The equations' Jacobian by the rates, (1, upper; lower, corner): r' is explicit, so that only half of the
+/// system has to be eliminated.
+struct SlowJacobian {
+  static constexpr int S = Collocation::kStages;
+  Collocation::Square upper, lower;
+  Eigen::PartialPivLU<Collocation::Square> schur;  ///< of corner - lower * upper
+
+  template <int N>
+  Eigen::Matrix<double, 2 * S, N> solve(const Eigen::Matrix<double, 2 * S, N>& right) const {
+    using Half = Eigen::Matrix<double, S, N>;
+    const Half first = right.template topRows<S>();
+    const Half second = right.template bottomRows<S>() - lower.lazyProduct(first);
+    Eigen::Matrix<double, 2 * S, N> x;
+    x.template bottomRows<S>() = schur.solve(second);
+    x.template topRows<S>() = first - upper.lazyProduct(x.template bottomRows<S>());
+    return x;
+  }
+};
+
 /// The solution at the nodes: rates of r and b.
 struct SlowStages {
   static constexpr int S = Collocation::kStages;
   using Vector = Eigen::Matrix<double, 2 * S, 1>;
-  Vector rates;                                                       ///< (r', b') at the nodes
-  Eigen::PartialPivLU<Eigen::Matrix<double, 2 * S, 2 * S>> jacobian;  ///< at the solution
+  Vector rates;           ///< (r', b') at the nodes
+  SlowJacobian jacobian;  ///< at the solution
 };
 std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double kappa, double s, double span,
                                        double speed0, double angle0);
@@ -108,7 +127,7 @@ bool differentiate(const ScaledDrive<Jet<N>>& drive, const Jet<N>& kappa, double
       residual(S + i, j) = second.d[j];
     }
   }
-  const Eigen::Matrix<double, 2 * S, N> correction = stages.jacobian.solve(residual);
+  const Eigen::Matrix<double, 2 * S, N> correction = stages.jacobian.solve<N>(residual);
   for (int i = 0; i < S; ++i)
     for (int j = 0; j < N; ++j) {
       rate[i].d[j] -= correction(i, j);

@@ -5,8 +5,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/internal/arc_stepper.h"
 #include "model/internal/edges.h"
 #include "model/internal/piece.h"
+#include "model/internal/repetition.h"
 #include "model/internal/rest_series.h"
 #include "model/internal/stick.h"
 #include "model/trajectory.h"
@@ -23,9 +25,42 @@ struct SolverInput {
   T start_shift{};        ///< derivatives of the start phase (value 0)
   bool on_orbit =
       false;  ///< `velocity` lies on one motion whatever the start phase: it does not shift with it
-  double cycles = 0, rest = 0;  ///< the run ends `rest` after so many whole cycles
+  double contraction = HUGE_VAL;  ///< per cycle of that motion
+  double cycles = 0, rest = 0;    ///< the run ends `rest` after so many whole cycles
   double tolerance = 1e-16;
+  bool dense = false;  ///< keep the pieces
+  bool reuse = true;   ///< of repeating cycles
   long max_steps = 0;
+};
+
+/// The same input without its derivatives by the parameters, and room for others.
+template <class U, class T>
+SolverInput<U> lifted(const SolverInput<T>& in) {
+  const auto number = [](const T& a) { return U(value(a)); };
+  const auto pair = [&](const Pair<T>& a) { return Pair<U>{number(a.x), number(a.y)}; };
+  SolverInput<U> out;
+  const ScaledProblem<T>& p = in.problem;
+  out.problem = {{pair(p.drive.constant), pair(p.drive.p), pair(p.drive.q)},
+                 number(p.kappa_nominal),
+                 number(p.kappa_reduced),
+                 p.velocity_unit};
+  out.edges.count = in.edges.count;
+  out.edges.open_at_start = in.edges.open_at_start;
+  for (int i = 0; i < in.edges.count; ++i)
+    out.edges.edge[i] = {in.edges.edge[i].s, U{}, in.edges.edge[i].opens};
+  out.circling = in.circling;
+  out.velocity = pair(in.velocity);
+  out.cycles = in.cycles;
+  out.rest = in.rest;
+  out.tolerance = in.tolerance;
+  out.max_steps = in.max_steps;
+  return out;
+}
+
+/// The friction at one time.
+struct Contact {
+  bool reduced = false;  ///< mu2 holds
+  bool sticks = false;
 };
 
 /// Carries U, X (with derivatives at fixed s) from the start to the end and keeps the pieces.
@@ -33,13 +68,28 @@ template <class T>
 class Solver {
  public:
   explicit Solver(const SolverInput<T>& input)
-      : in_(input), drive_(input.problem.drive), order_(taylor_order(input.tolerance)) {}
+      : in_(input),
+        drive_(input.problem.drive),
+        order_(taylor_order(input.tolerance)),
+        arcs_(drive_, in_.tolerance, in_.dense),
+        shrinking_(in_.contraction) {}
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
 
   void run();
+  /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
+  /// phase of the next, with its derivatives by u. `spans` is what is known of the length of arcs, before and
+  /// after.
+  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans);
   Motion<T> end() const { return {u_, x_}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
   Motion<T> at(double cycle, double s) const;
-  const Piece<T>& piece(double cycle, double s) const { return chain_.find(source_cycle(cycle), s); }
+  /// Which friction holds, and whether it holds the part, at a phase of a dense run and at the end.
+  Contact contact(double cycle, double s) const {
+    const Piece<T>& piece = chain_.find(source_cycle(cycle), s);
+    return {piece.reduced, piece.kind == PieceKind::stick};
+  }
+  Contact end_contact() const { return contact_; }
   const ScaledDrive<T>& drive() const { return drive_; }
   const T& kappa(bool reduced) const {
     return reduced ? in_.problem.kappa_reduced : in_.problem.kappa_nominal;
@@ -47,29 +97,66 @@ class Solver {
 
   long steps = 0;
   double stops = 0, releases = 0, stick_phase = 0;
+  double error_bound = 0;  ///< of X at the end, from cycles that were not integrated
 
  private:
-  void run_cycle(double until);
+  struct CycleStart {
+    double gap = 0;  ///< of its velocity to the one before
+    Pair<T> u, x;
+    Pair<double> rounded;
+    long steps = 0;
+    double stops = 0, releases = 0, stick_phase = 0;
+  };
+
+  void begin(double s, bool reduced);
+  void run_cycle();
+  void run_until(double s);
+  void pass_edges(double until);
   void advance(double target);
   void hold(double target);
   void start_from_rest(double target);
+  bool glide(double target);
   void slip(double target);
   void creep_past_zero(double target);
   bool slow(double target, bool from_rest);
   void reach_zero(const T& moved, const Pair<T>& force_before);
   void apply(const Edge<T>& edge);
   void skip_repeating_cycles();
+  void extrapolate_cycles(const Pair<T>& previous_start, double allowed);
 
+  void move(const Pair<T>& by) {
+    move(by.x, x_.x, rounded_.x);
+    move(by.y, x_.y, rounded_.y);
+  }
+  static void move(const T& by, T& sum, double& rounded) {
+    const double before = value(sum), wanted = value(by) + rounded;
+    sum += by;
+    sum = with_value(sum, before + wanted);
+    rounded = wanted - (value(sum) - before);
+  }
+  Pair<T> drift_since(const CycleStart& start) const {
+    return (x_ - start.x) + Pair<T>{T(rounded_.x - start.rounded.x), T(rounded_.y - start.rounded.y)};
+  }
   bool at_rest() const { return value(u_.x) == 0 && value(u_.y) == 0; }
   const T& kappa() const { return kappa(reduced_); }
+  bool small_speed() const;
   double strength() const { return length(drive_.value_at(s_)) + value(kappa()); }
+  /// What strength() cannot exceed.
+  double strength_bound() const { return drive_bound_ + value(kappa()); }
   double source_cycle(double cycle) const {
     return cycle >= repeat_from_ && cycle < repeat_to_ ? repeat_from_ - 1 : cycle;
   }
-  Piece<T> begin_piece() {
+  void count_step() {
     if (++steps > in_.max_steps)
       throw std::runtime_error("integrate: more than max_steps = " + std::to_string(in_.max_steps) +
                                " steps; raise IntegrationOptions::max_steps or shorten the run");
+    contact_ = {reduced_, false};
+  }
+  Piece<T> begin_piece() {
+    count_step();
+    return new_piece();
+  }
+  Piece<T> new_piece() const {
     Piece<T> piece;
     piece.cycle = cycle_;
     piece.s = s_;
@@ -81,29 +168,31 @@ class Solver {
   SolverInput<T> in_;
   ScaledDrive<T> drive_;
   int order_;
+  ArcStepper<T> arcs_;
   PieceChain<T> chain_;
   double cycle_ = 0, s_ = 0;
   bool reduced_ = false;
+  Contact contact_;     ///< during the last step
   bool stuck_ = false;  ///< stopped and held since it last moved
   Pair<T> u_, x_;
+  Pair<double> rounded_;  ///< what x_ has lost by rounding (Kahan's sum)
   double slow_span_ = 0.5;
+  double drive_bound_ = 0;
   // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
   double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
   Pair<T> repeat_drift_;
-  struct CycleStart {
-    Pair<T> u, x;
-    double stops, releases, stick_phase;
-  } last_start_{};
+  CycleStart last_start_;
+  Shrinking shrinking_;
 };
 
-/// Values equal to `error`, derivatives to 1e-13 of the largest.
+/// To 1e-13, or the tolerance, of the largest.
 template <class T>
-bool same_to_rounding(const Pair<T>& a, const Pair<T>& b, double error) {
-  if (length(Pair<T>(a - b)) > error) return false;
+bool same_derivatives(const Pair<T>& a, const Pair<T>& b, double tolerance) {
   if constexpr (derivative_count < T >> 0) {
     for (int j = 0; j < derivative_count<T>; ++j) {
       const double size = std::hypot(a.x.d[j], a.y.d[j]);
-      if (std::hypot(a.x.d[j] - b.x.d[j], a.y.d[j] - b.y.d[j]) > 1e-13 * size + 1e-15) return false;
+      if (std::hypot(a.x.d[j] - b.x.d[j], a.y.d[j] - b.y.d[j]) > std::fmax(1e-13, tolerance) * size + 1e-15)
+        return false;
     }
   }
   return true;
@@ -117,30 +206,55 @@ inline constexpr double kZeroSpeed = 1e-17;
 inline constexpr double kStiffSpeed = 0.02;
 
 template <class T>
+void Solver<T>::begin(double s, bool reduced) {
+  s_ = s;
+  reduced_ = reduced;
+  arcs_.begin_segment(reduced_);
+  drive_bound_ =
+      length(drive_.constant) + std::sqrt(value(dot(drive_.p, drive_.p)) + value(dot(drive_.q, drive_.q)));
+}
+
+template <class T>
 void Solver<T>::run() {
-  reduced_ = in_.edges.open_at_start && !in_.circling;
+  begin(0, in_.edges.open_at_start && !in_.circling);
   const Pair<T> f = force(drive_, kappa(), 0.0, in_.velocity);
   u_ = in_.on_orbit ? in_.velocity : in_.velocity - in_.start_shift * f;
   x_ = Pair<T>{} - in_.start_shift * in_.velocity;
   while (cycle_ < in_.cycles) {
-    if (cycle_ >= 1) skip_repeating_cycles();
-    if (cycle_ >= in_.cycles) break;
-    run_cycle(kTwoPi);
-    cycle_ += 1;
-    s_ = 0;
+    if (cycle_ >= 1 && in_.reuse) skip_repeating_cycles();
+    if (cycle_ < in_.cycles) run_cycle();
   }
-  if (in_.rest > 0) run_cycle(in_.rest);
+  run_until(in_.rest);
+}
+
+/// To the same phase of the next cycle. Where nobody asks for the time between, that is the last edge's: the
+/// stretch from there to the next cycle's first edge is one.
+template <class T>
+void Solver<T>::run_cycle() {
+  pass_edges(kTwoPi);
+  if (in_.dense || in_.edges.count == 0) {
+    advance(kTwoPi);
+    s_ = 0;
+  } else {
+    s_ = (s_ - kTwoPi) - kTwoPiRest;
+  }
+  cycle_ += 1;
 }
 
 template <class T>
-void Solver<T>::run_cycle(double until) {
+void Solver<T>::run_until(double s) {
+  pass_edges(s);
+  advance(s);
+}
+
+template <class T>
+void Solver<T>::pass_edges(double until) {
   for (int i = 0; i < in_.edges.count; ++i) {
     const Edge<T>& edge = in_.edges.edge[i];
     if (edge.s >= until) break;
     advance(edge.s);
     apply(edge);
   }
-  advance(until);
 }
 
 /// U is the same on both sides of the edge; an edge at another phase acts a little earlier or later.
@@ -151,6 +265,7 @@ void Solver<T>::apply(const Edge<T>& edge) {
   reduced_ = edge.opens;
   const Pair<T> after = force(drive_, kappa(), s_, u_);
   u_ = u_ + edge.change * (before - after);
+  arcs_.begin_segment(reduced_);
 }
 
 template <class T>
@@ -158,9 +273,9 @@ void Solver<T>::advance(double target) {
   while (s_ < target) {
     if (at_rest())
       hold(target);
-    else if (length(u_) < kSmallSpeed * strength() && (derivative_count<T> > 0 || value(kappa()) > 0))
+    else if (small_speed())
       creep_past_zero(target);
-    else
+    else if (!glide(target))
       slip(target);
   }
 }
@@ -172,7 +287,9 @@ void Solver<T>::hold(double target) {
     const double until = excess.release(s_, target);
     Piece<T> piece = begin_piece();
     piece.span = until - s_;
-    chain_.add_stick(piece);
+    contact_.sticks = true;
+    arcs_.forget();
+    if (in_.dense) chain_.add_stick(piece);
     u_ = {};
     stick_phase += until - s_;
     s_ = until;
@@ -199,10 +316,32 @@ void Solver<T>::start_from_rest(double target) {
   const double h = series.stays_above(0.2 * series.square[0], reach);
   piece.span = h;
   const T t = h - piece.shift;
-  chain_.add(piece, series);
+  if (in_.dense) chain_.add(piece, series);
   u_ = {evaluate(series.x, order_, t), evaluate(series.y, order_, t)};
-  x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, t), evaluate_integral(series.y, order_, t)};
+  move({evaluate_integral(series.x, order_, t), evaluate_integral(series.y, order_, t)});
   s_ = h < target - s_ ? s_ + h : target;
+}
+
+template <class T>
+bool Solver<T>::small_speed() const {
+  if (derivative_count<T> == 0 && value(kappa()) == 0) return false;
+  const double ux = value(u_.x), uy = value(u_.y), most = kSmallSpeed * strength_bound();
+  return ux * ux + uy * uy < most * most && length(u_) < kSmallSpeed * strength();
+}
+
+/// One arc; false where no arc will do.
+template <class T>
+bool Solver<T>::glide(double target) {
+  if (value(kappa()) == 0) return false;
+  Piece<T> piece = new_piece();
+  piece.velocity = u_;
+  Pair<T> moved;
+  if (!arcs_.advance(s_, target, kappa(), kSmallSpeed * strength_bound(), u_, moved)) return false;
+  move(moved);
+  count_step();
+  piece.span = s_ - piece.s;
+  if (in_.dense) chain_.add(piece, arcs_);
+  return true;
 }
 
 template <class T>
@@ -214,9 +353,9 @@ void Solver<T>::slip(double target) {
   const double reach = std::fmin(target - s_, series.step(in_.tolerance));
   const double h = series.stays_above(std::fmin(small * small, 0.5 * series.square[0]), reach);
   piece.span = h;
-  chain_.add(piece, series);
+  if (in_.dense) chain_.add(piece, series);
   u_ = {evaluate(series.x, order_, h), evaluate(series.y, order_, h)};
-  x_ = x_ + Pair<T>{evaluate_integral(series.x, order_, h), evaluate_integral(series.y, order_, h)};
+  move({evaluate_integral(series.x, order_, h), evaluate_integral(series.y, order_, h)});
   s_ = h < target - s_ ? s_ + h : target;
 }
 
@@ -231,7 +370,8 @@ void to_polar(const Pair<T>& u, T& log_speed, T& angle) {
 template <class T>
 void Solver<T>::creep_past_zero(double target) {
   if (length(u_) < kZeroSpeed) return reach_zero(T{}, force(drive_, kappa(), s_, u_));
-  int steps_until_slow = 0;
+  // Where the implicit step fails it is tried again after ever more steps.
+  int steps_until_slow = 0, patience = 3;
   PolarState<T> state;
   state.s = T(s_);
   state.x = x_.x;
@@ -241,7 +381,8 @@ void Solver<T>::creep_past_zero(double target) {
   while (s_ < target) {
     const double r = std::exp(value(state.log_speed));
     if (r < kStiffSpeed * value(kappa()) && steps_until_slow-- <= 0) {
-      steps_until_slow = 3;
+      steps_until_slow = patience;
+      patience = std::min(2 * patience, 48);
       const Motion<T> motion = at_fixed_phase(state, drive_, kappa());
       u_ = motion.velocity;
       x_ = motion.position;
@@ -256,7 +397,7 @@ void Solver<T>::creep_past_zero(double target) {
       piece.span = series.solve(target, piece.span);
       next = series.at(piece.span);
     }
-    chain_.add(piece, series);
+    if (in_.dense) chain_.add(piece, series);
     state = next;
     s_ = hit ? target : value(state.s);
     state.s = with_value(state.s, s_);
@@ -334,7 +475,7 @@ bool Solver<T>::slow(double target, bool from_rest) {
   piece.span = step->span;
   step->x0 = x_.x;
   step->y0 = x_.y;
-  chain_.add(piece, *step);
+  if (in_.dense) chain_.add(piece, *step);
   const auto p = step->at(step->span);
   x_ = {p.x, p.y};
   s_ = step->span < left ? s_ + step->span : target;
@@ -346,26 +487,80 @@ bool Solver<T>::slow(double target, bool from_rest) {
   return true;
 }
 
-/// The flow is a contraction: once a cycle begins as the last one did, to rounding, all later ones are copies
-/// and only add their drift. How slowly the difference fell until then bounds what is left of it.
+/// Once a cycle begins as the last one did, all later ones are copies and only add their drift.
 template <class T>
 void Solver<T>::skip_repeating_cycles() {
-  const double scale = std::fmax(length(u_), 1e-3);
-  const bool exact = same(u_.x, last_start_.u.x) && same(u_.y, last_start_.u.y);
-  const bool repeats = cycle_ >= 2 && (exact || same_to_rounding(u_, last_start_.u, 4e-16 * scale));
-  if (repeats) {
-    const double copies = in_.cycles - cycle_;
+  const double scale = std::fmax(length(u_), 1e-3), copies = in_.cycles - cycle_;
+  const CycleStart before = last_start_;
+  last_start_ = {length(Pair<T>(u_ - before.u)), u_, x_, rounded_, steps, stops, releases, stick_phase};
+  if (cycle_ < 2) return;
+  const double gap = last_start_.gap, q = cycle_ > 2 && before.gap > 0 ? gap / before.gap : 1;
+  const double allowed = in_.tolerance * scale * kTwoPi * in_.cycles;
+  const bool exact = same(u_.x, before.u.x) && same(u_.y, before.u.y);
+  const bool settled =
+      shrinking_.settled(gap, before.gap, static_cast<double>(last_start_.steps - before.steps));
+  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
+  const bool close = settled || gap <= 4e-16 * scale || error <= allowed;
+  if (exact || (close && same_derivatives(u_, before.u, in_.tolerance))) {
+    error_bound = error;
     repeat_from_ = cycle_;
     repeat_to_ = in_.cycles;
-    repeat_drift_ = x_ - last_start_.x;
-    x_ = x_ + T(copies) * repeat_drift_;
-    stops += copies * (stops - last_start_.stops);
-    releases += copies * (releases - last_start_.releases);
-    stick_phase += copies * (stick_phase - last_start_.stick_phase);
+    repeat_drift_ = drift_since(before);
+    move(T(copies) * repeat_drift_);
+    stops += copies * (stops - before.stops);
+    releases += copies * (releases - before.releases);
+    stick_phase += copies * (stick_phase - before.stick_phase);
     cycle_ = in_.cycles;
     return;
   }
-  last_start_ = {u_, x_, stops, releases, stick_phase};
+  if constexpr (derivative_count<T> == 0) {
+    // Worth a try? Terms of second order in the next gap are left out.
+    const double next = gap * (cycle_ > 2 ? q : 0.1);
+    if (!in_.dense && stops == before.stops && next < 0.3 * gap && copies > 2 &&
+        next * next * copies <= allowed)
+      extrapolate_cycles(before.u, allowed);
+  }
+}
+
+/// One more cycle with its dependence on where it begins, which tells of all later ones.
+template <class T>
+void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
+  Solver<Jet<2>> solver(lifted<Jet<2>>(in_));
+  ArcSpans spans = arcs_.spans();
+  const CycleMap map = solver.map_cycle(s_, reduced_, u_, spans);
+  const Eigen::Vector2d start(u_.x, u_.y), before(u_.x - previous_start.x, u_.y - previous_start.y);
+  steps += solver.steps;
+  u_ = {map.end.x(), map.end.y()};
+  move({map.drift.x(), map.drift.y()});
+  stops += solver.stops;
+  cycle_ += 1;
+  const double copies = in_.cycles - cycle_;
+  const Remainder rest = extrapolate(map, start, before, copies);
+  if (solver.stops > 0 || !(rest.error <= allowed)) return;
+  u_ = u_ + Pair<T>{rest.velocity_change.x(), rest.velocity_change.y()};
+  move({rest.displacement.x(), rest.displacement.y()});
+  error_bound = rest.error;
+  cycle_ = in_.cycles;
+}
+
+template <class T>
+CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcSpans& spans) {
+  static_assert(derivative_count<T> == 2);
+  begin(s, reduced);
+  arcs_.set_spans(spans);
+  u_ = {T(u.x), T(u.y)};
+  u_.x.d[0] = u_.y.d[1] = 1;
+  if (s < 0)
+    run_cycle();
+  else
+    run_until(kTwoPi);
+  spans = arcs_.spans();
+  CycleMap map;
+  map.end = {u_.x.v, u_.y.v};
+  map.drift = {x_.x.v, x_.y.v};
+  map.jacobian << u_.x.d[0], u_.x.d[1], u_.y.d[0], u_.y.d[1];
+  map.drift_slope << x_.x.d[0], x_.x.d[1], x_.y.d[0], x_.y.d[1];
+  return map;
 }
 
 template <class T>

@@ -51,7 +51,8 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   const fs::path out = folder_ / "out";
   ASSERT_EQ(call("all --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
   EXPECT_EQ(first_line(out / "bench_model.csv"),
-            "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,time_s,repetitions,"
+            "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
+            "repetitions,"
             "time_over_ours,reference");
   EXPECT_EQ(
       first_line(out / "bench_model_extremes.csv"),

@@ -15,8 +15,8 @@ using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 
-const std::vector<std::string> kCommands = {"simulate", "sweep",  "synth", "probe", "track", "measure",
-                                            "fit",      "report", "run",   "bench", "init"};
+const std::vector<std::string> kCommands = {"simulate", "sweep", "synth",  "probe", "track", "calibrate",
+                                            "measure",  "fit",   "report", "run",   "bench", "init"};
 
 class Commands : public ProgramTest {
  protected:

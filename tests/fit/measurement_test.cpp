@@ -213,6 +213,7 @@ TrackTable marker_track(double a, double b, double w, double phase, double epsil
         Eigen::Vector2d(a * std::cos(w * t + phase), b * std::cos(w * t + phase + epsilon)) +
         sigma * Eigen::Vector2d(noise(random), noise(random)) + Eigen::Vector2d(1e-3 + 1e-6 * t, -2e-3));
     track.marker_sigma.push_back(sigma > 0 ? sigma : 1e-9);
+    track.exposure = 1e-6;
   }
   return track;
 }

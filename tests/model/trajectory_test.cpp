@@ -22,8 +22,9 @@ Scenario reference_run() {
 
 TEST(Trajectory, ReferenceRun) {
   const Sample end = integrate(reference_run()).end();
-  EXPECT_NEAR(end.position.x(), 5.470210818697445e-3, 2e-17);
-  EXPECT_NEAR(end.position.y(), -1.098396194698849e-2, 2e-17);
+  // In quadruple precision (tests/model/quad_reference.h).
+  EXPECT_NEAR(end.position.x(), 5.4702108186974206e-3, 2e-17);
+  EXPECT_NEAR(end.position.y(), -1.0983961946988498e-2, 2e-17);
   EXPECT_DOUBLE_EQ(end.time, 20 * 2 * kPi / 62.8);
 }
 

@@ -21,6 +21,10 @@ struct CineByHand {
   std::uint32_t image_bytes = 32;
   std::uint32_t annotation = 8;
 
+  std::int32_t black_level = 0, white_level = 0;
+  std::vector<std::uint64_t> stamps_64ths;  ///< instead of the quarters of a second, in 1/64 s
+  std::vector<std::uint32_t> exposures;     ///< of each image, in 2^-32 s
+
   // Filled by bytes():
   std::uint32_t table = 0;
   std::vector<std::uint64_t> positions;
@@ -62,6 +66,8 @@ struct CineByHand {
     put_inside(0x328, colour_filter);
     put_inside(0x380, real_bits);
     put_inside(0x620, exposure_ns);
+    put_inside(0x1664, static_cast<std::uint32_t>(black_level));
+    put_inside(0x1668, static_cast<std::uint32_t>(white_level));
     std::uint64_t next = file.size();
     if (stamps) {
       put(next, 8 + 8 * images, 4);
@@ -70,8 +76,17 @@ struct CineByHand {
       // A quarter of a second apart from 2001-09-09T01:46:39.75 on, flags set.
       for (std::uint32_t k = 0; k < images; ++k) {
         const std::uint64_t quarters = 1000000000ull * 4 - 1 + k;
-        put(next + 8 + 8 * k, (quarters << 30) | 1, 8);
+        const std::uint64_t stamp =
+            stamps_64ths.empty() ? quarters << 30 : (1000000000ull << 32) + (stamps_64ths[k] << 26);
+        put(next + 8 + 8 * k, stamp | 1, 8);
       }
+      next = file.size();
+    }
+    if (!exposures.empty()) {
+      put(next, 8 + 4 * images, 4);
+      put(next + 4, 1003, 2);
+      put(next + 6, 1, 2);
+      for (std::uint32_t k = 0; k < images; ++k) put(next + 8 + 4 * k, exposures[k], 4);
       next = file.size();
     }
     table = static_cast<std::uint32_t>(next);

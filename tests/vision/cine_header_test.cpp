@@ -46,6 +46,20 @@ TEST_F(CineHeaderTest, EveryFieldComesOut) {
   EXPECT_EQ(header.image_offsets.size(), 3u);
 }
 
+TEST_F(CineHeaderTest, LevelsAndExposuresOfEveryImage) {
+  CineByHand cine;
+  EXPECT_FALSE(header_of(cine).black_level);
+  EXPECT_TRUE(header_of(cine).exposures_s.empty());
+  cine.black_level = 64;
+  cine.white_level = 4064;
+  cine.exposures = {1u << 20, 1u << 21, 3u << 20};
+  const CineHeader header = header_of(cine);
+  EXPECT_EQ(header.black_level, 64);
+  EXPECT_EQ(header.white_level, 4064);
+  EXPECT_EQ(header.exposures_s, (std::vector<double>{0x1p-12, 0x1p-11, 0x3p-12}));
+  EXPECT_EQ(header.stamps.size(), 3u) << "both blocks";
+}
+
 TEST_F(CineHeaderTest, AFieldCountsOnlyInsideTheBlocksLength) {
   CineByHand cine;
   cine.setup_length = 0x300;  // ends just before FrameRateInt

@@ -110,6 +110,7 @@ TEST_F(CineSourceTest, TimesAreTheStampsElseIndexOverRateElseTheUsers) {
   source = open(cine, {.frame_rate_hz = 50.0});
   EXPECT_EQ(source->time_s(2), 0.04);
   EXPECT_EQ(source->info().time_base.source, "--fps");
+  EXPECT_THAT(source->info().notes, ::testing::Contains(HasSubstr("leave --fps out")));
 
   cine.stamps = false;
   EXPECT_EQ(open(cine)->time_s(2), 0.001);
@@ -123,6 +124,78 @@ TEST_F(CineSourceTest, TimesAreTheStampsElseIndexOverRateElseTheUsers) {
   source = open(cine);
   EXPECT_EQ(*source->info().time_base.rate_hz, 4);
   EXPECT_EQ(source->info().time_base.source, "cine time stamps");
+}
+
+TEST_F(CineSourceTest, OldFilesWithShortOffsetsReadLikeNewOnes) {
+  CineByHand cine;
+  cine.version = 0;
+  cine.packing = 1024;  // packed 12 bit
+  cine.real_bits = 12;
+  cine.image_bytes = 48;
+  const auto source = open(cine);
+  EXPECT_EQ(source->info().codec, "P12L");
+  EXPECT_EQ(source->info().bits, 12);
+  EXPECT_EQ(source->time_s(2), 0.5) << "stamps";
+  EXPECT_EQ(source->number(2), -83);
+  const Picture picture = source->read(2);
+  for (int i = 0; i < 32; ++i) {
+    const int byte = 12 * i / 8;  // byte b of image 2 is 100 + b
+    const int pair = (100 + byte) << 8 | (101 + byte);
+    ASSERT_EQ(picture.at(i % 8, i / 8), (i % 2 == 0 ? pair >> 4 : pair) & 0xFFF) << i;
+  }
+}
+
+TEST_F(CineSourceTest, BlackAndWhiteAreLevelsAsHandedOut) {
+  CineByHand cine;
+  EXPECT_FALSE(open(cine)->info().black_level);
+  cine.black_level = 4;
+  cine.white_level = 254;
+  EXPECT_EQ(open(cine)->info().black_level, 4);
+  EXPECT_EQ(open(cine)->info().white_level, 254);
+  cine.packing = 256;
+  cine.image_bytes = 40;
+  cine.black_level = 64;
+  cine.white_level = 1014;
+  EXPECT_EQ(open(cine)->info().black_level, 64);
+  EXPECT_EQ(open(cine)->info().white_level, 4064) << "the codes made linear";
+}
+
+TEST_F(CineSourceTest, AFramesTimeIsTheMiddleOfItsExposure) {
+  CineByHand cine;
+  cine.exposures = {1u << 28, 1u << 28, 1u << 28};  // 1/16 s each
+  EXPECT_EQ(open(cine)->time_s(2), 0.5);
+  EXPECT_TRUE(open(cine)->info().exposures_s.empty()) << "all alike";
+  EXPECT_EQ(open(cine)->exposure_s(2), 1e-4) << "the header's";
+  cine.exposures = {1u << 28, 1u << 29, 1u << 27};
+  const auto source = open(cine);
+  EXPECT_EQ(source->exposure_s(0), 1 / 16.0);
+  EXPECT_EQ(source->exposure_s(2), 1 / 32.0);
+  EXPECT_EQ(source->time_s(0), 0);
+  EXPECT_EQ(source->time_s(1), 0.25 + 1 / 32.0);
+  EXPECT_EQ(source->time_s(2), 0.5 - 1 / 64.0);
+  EXPECT_THAT(source->info().notes, ::testing::Contains(HasSubstr("exposure varies")));
+}
+
+TEST_F(CineSourceTest, ARateThatChangesWithinTheShotIsSaidAndTheStampsAreUsed) {
+  CineByHand cine;
+  cine.images = 9;
+  cine.rate = 64;
+  cine.stamps_64ths = {10, 11, 12, 13, 14, 18, 22, 26, 30};
+  const auto source = open(cine);
+  EXPECT_EQ(source->time_s(8), 20 / 64.0);
+  EXPECT_EQ(source->info().time_base.check.stretches.size(), 2u);
+  EXPECT_THAT(source->info().notes,
+              ElementsAre(HasSubstr("64 Hz from image -85 to -81, 16 Hz from image -81 to -77")));
+}
+
+TEST_F(CineSourceTest, MissingImagesAreFoundByTheirStamps) {
+  CineByHand cine;
+  cine.images = 7;
+  cine.rate = 64;
+  cine.stamps_64ths = {10, 11, 12, 13, 17, 18, 19};
+  const auto source = open(cine);
+  EXPECT_EQ(source->time_s(4), 7 / 64.0);
+  EXPECT_THAT(source->info().notes, ElementsAre(HasSubstr("3 frames are missing between image -82 and -81")));
 }
 
 TEST_F(CineSourceTest, ADamagedAnnotationIsNamed) {
@@ -218,6 +291,7 @@ TEST_F(RealCineTest, PackedTenBits) {
   for (int k = 0; k < 234; ++k) EXPECT_NEAR(other->time_s(k), k / 100.0, 1e-6);
   // Its last image was stamped 292 days later and is blank: kept, and said.
   EXPECT_THAT(other->info().notes, ::testing::Contains(HasSubstr("image 234")));
+  EXPECT_TRUE(other->info().exposures_s.empty()) << "that image's exposure has no say";
 }
 
 TEST_F(RealCineTest, AColourMosaicIsExplained) {

@@ -2,29 +2,90 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
 #include <stdexcept>
+#include <vector>
 
 namespace tribotrack::vision {
 namespace {
 
 TEST(Scale, OfADiscIsItsDiameterOverTwoRadii) {
-  const Scale scale = scale_from_diameter(6, 30, 0, 0);
+  const Scale scale = scale_from_diameter(6, 30, 0);
   EXPECT_DOUBLE_EQ(scale.mm_per_px, 0.1);
   EXPECT_EQ(scale.sd, 0);
   EXPECT_EQ(scale.source, "part's diameter");
 }
 
-TEST(Scale, ItsSdHoldsTheNoiseOfTheRadiusAndTheDoubtAboutTheRim) {
-  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03, 0).sd, 0.1 * 0.03 / 30);
-  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0, 0.8).sd, 0.1 * (0.64 / 120) / 30);
-  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03, 2 * 1.0954451150103321).sd, 0.1 * 0.05 / 30);  // 3, 4, 5
+TEST(Scale, ItsSdHoldsThatOfTheRadiusAndOfTheTrueDiameter) {
+  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03).sd, 0.1 * 0.03 / 30);
+  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0, 0.006).sd, 0.1 * 0.001);
+  EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03, 0.008).sd, 0.1 * std::hypot(0.001, 0.008 / 6));
 }
 
 TEST(Scale, NothingWithoutSizeHasOne) {
-  EXPECT_THROW(scale_from_diameter(0, 30, 0, 0), std::invalid_argument);
-  EXPECT_THROW(scale_from_diameter(6, 0, 0, 0), std::invalid_argument);
+  EXPECT_THROW(scale_from_diameter(0, 30, 0), std::invalid_argument);
+  EXPECT_THROW(scale_from_diameter(6, 0, 0), std::invalid_argument);
   EXPECT_THROW(given_scale(-1), std::invalid_argument);
+  EXPECT_THROW(given_scale(0.1, -1), std::invalid_argument);
   EXPECT_EQ(given_scale(0.1).sd, 0);
+  EXPECT_EQ(given_scale(0.1, 0.002).sd, 0.002);
+}
+
+TEST(PooledScale, IsTheWeightedMean) {
+  const std::vector<Scale> scales = {{0.10, 0.001, "a"}, {0.103, 0.002, "a"}};
+  const PooledScale pooled = pooled_scale(scales);
+  EXPECT_DOUBLE_EQ(pooled.scale.mm_per_px, (4 * 0.10 + 0.103) / 5);
+  EXPECT_DOUBLE_EQ(pooled.scale.sd, 0.002 / std::sqrt(5.0));
+  EXPECT_NEAR(pooled.chi2, 0.003 * 0.003 / (0.001 * 0.001 + 0.002 * 0.002), 1e-12);
+  EXPECT_TRUE(pooled.one_scale);
+}
+
+TEST(PooledScale, WhatAllShareIsNotAveragedAway) {
+  // A diameter known to 1 % and radii to 0.1 %: 100 recordings still leave 1 %.
+  const std::vector<Scale> scales(100, {0.1, 0.1 * std::hypot(0.01, 0.001), "a"});
+  EXPECT_NEAR(pooled_scale(scales, 0.01).scale.sd, 0.1 * std::hypot(0.01, 0.0001), 1e-12);
+}
+
+TEST(PooledScale, ACameraThatMovedIsSeen) {
+  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 1e-4, "a"}, {0.101, 1e-4, "a"}}).one_scale);
+  EXPECT_FALSE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.101, 0, "a"}}).one_scale);
+  EXPECT_TRUE(pooled_scale(std::vector<Scale>{{0.10, 0, "a"}, {0.10, 0, "a"}}).one_scale);
+  EXPECT_THROW(pooled_scale({}), std::invalid_argument);
+}
+
+// Ten radii of 30 px that scatter by 0.006 px where each believes 0.002.
+TEST(PooledScale, RimsThatScatterMoreThanTheyKnowStillShareOneScale) {
+  std::vector<Scale> scales;
+  double squares = 0;
+  for (int k = 0; k < 10; ++k) {
+    const double off = (k - 4.5) / 2.8723 * 2e-4;  // sd 2e-4
+    squares += off * off;
+    scales.push_back({0.1 * (1 + off), 0.1 * 0.7e-4, "a"});
+  }
+  const PooledScale pooled = pooled_scale(scales);
+  EXPECT_TRUE(pooled.one_scale);
+  // Equal weights: the moments' scatter and own variance together are the sample variance.
+  const double sample = 0.1 * std::sqrt(squares / 9);
+  EXPECT_NEAR(std::hypot(pooled.scatter, 0.1 * 0.7e-4), sample, 1e-9);
+  EXPECT_NEAR(pooled.scale.sd, sample / std::sqrt(10.0), 1e-9);
+  EXPECT_NEAR(pooled.scale.mm_per_px, 0.1, 1e-12);
+}
+
+TEST(PooledScale, ChanceIsBlamedAsOftenAsStated) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1e-4);
+  for (const int count : {2, 5, 20}) {
+    int blamed = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+      std::vector<Scale> scales(static_cast<std::size_t>(count), {0, 1e-4, "a"});
+      for (Scale& s : scales) s.mm_per_px = 0.1 + noise(random);
+      blamed += pooled_scale(scales).scatter > 0;
+    }
+    EXPECT_NEAR(blamed, 20, 20) << count;  // 4.5 sd
+  }
 }
 
 }  // namespace

@@ -3,18 +3,47 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
+
+#include "vision/disc_by_definition.h"
 
 namespace tribotrack::vision {
 namespace {
 
-TEST(BlurredCircle, IsHalfOnItsRim) {
-  const BlurredCircle circle{12, 0.8};
-  EXPECT_DOUBLE_EQ(circle.coverage(12, 0), 0.5);
-  EXPECT_EQ(circle.coverage(0, 0), 1);
-  EXPECT_EQ(circle.coverage(-20, 0), 0);
-  EXPECT_NEAR(circle.coverage(0, 12.8), 0.15865525393145707, 1e-14);
-  EXPECT_NEAR(circle.coverage(6, 0) + circle.coverage(18, 0), 1, 0);
+TEST(BlurredCircle, IsASharpDiscConvolvedWithAGaussian) {
+  for (const double blur : {0.1, 0.8, 3.0})
+    for (const double radius : {2.5, 8.0, 30.0, 150.0}) {
+      const BlurredCircle circle{radius, blur};
+      for (double x = -4.4; x < 4.4; x += 0.13) {
+        const double rho = radius + x * blur;
+        if (rho < 0) continue;
+        EXPECT_NEAR(circle.coverage(0.6 * rho, -0.8 * rho), test::share_on_disc(rho, radius, blur), 5e-6)
+            << radius << " " << blur << " " << x;
+      }
+    }
+}
+
+TEST(BlurredCircle, KnownValues) {
+  EXPECT_NEAR((BlurredCircle{2, 1}.coverage(0, 0)), 1 - std::exp(-2.0), 1e-5);
+  EXPECT_EQ((BlurredCircle{12, 0.8}.coverage(0, 0)), 1);
+  EXPECT_EQ((BlurredCircle{12, 0.8}.coverage(-20, 0)), 0);
+  EXPECT_EQ((BlurredCircle{}.coverage(0, 0)), 0);
+  // Half height lies s^2/(2R) inside the rim.
+  EXPECT_NEAR((BlurredCircle{12, 0.8}.coverage(12 - 0.32 / 12, 0)), 0.5, 1e-4);
+}
+
+TEST(BlurredCircle, BlurKeepsTheArea) {
+  for (const double blur : {0.3, 0.8, 4.0}) {
+    const BlurredCircle circle{12, blur};
+    double area = 0;
+    const int steps = 100000;
+    for (int k = 0; k < steps; ++k) {
+      const double rho = 40 * (k + 0.5) / steps;
+      area += 2 * std::numbers::pi * rho * circle.coverage(rho, 0) * 40 / steps;
+    }
+    EXPECT_NEAR(area / (std::numbers::pi * 144), 1, 2e-5) << blur;
+  }
 }
 
 TEST(RowBand, HoldsEveryTouchedPixelAndOnlyFilledOnes) {

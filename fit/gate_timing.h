@@ -1,0 +1,70 @@
+// When the actuator's gate was really open: phi and dtau from a lamp's brightness, frame by frame.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/measurement.h"
+
+namespace tribotrack::fit {
+
+/// A lamp that is lit while the gate is open, as the camera saw it.
+struct LampRecord {
+  std::vector<double> time;        ///< s, middle of each exposure
+  std::vector<double> level;       ///< grey levels
+  std::optional<double> exposure;  ///< s; unknown where the recording does not say
+  bool clipped = false;            ///< the lit lamp saturates: brightness says lit, partly lit, not lit
+};
+
+/// The platform's phase as a clock: wt at a time, in the phase the run is told in.
+struct PhaseClock {
+  double angular_frequency = 0;  ///< rad/s
+  double phase_at_zero = 0;      ///< rad
+  double phase_sd = 0;           ///< rad, of wt at the middle of the recording
+  double at(double time) const { return angular_frequency * time + phase_at_zero; }
+};
+
+/// phi and dtau as they were: the gate is open while phi + 2 pi n < wt < phi + dtau + 2 pi n.
+struct GateTiming {
+  Estimate phi;           ///< rad in [0, 2 pi)
+  Estimate dtau;          ///< rad
+  double covariance = 0;  ///< of phi and dtau, rad^2
+  double jitter = 0;      ///< rad rms of single edges about the mean, 0 where none shows
+  double bracket = 0;     ///< rad, width of what no frame decides about an edge, the wider of both; 0 where
+                          ///< partly lit frames measure the edges
+  int cycles = 0;         ///< spanned
+  int partly_lit = 0;     ///< frames whose exposure holds an edge
+  double off_level = 0, on_level = 0;
+  std::string source;  ///< "lamp", "scope"
+};
+
+struct GateMeasurement {
+  std::optional<GateTiming> timing;
+  std::string why_not;  ///< one sentence, where there is none
+};
+
+/// One exposure of half-width h = w T / 2 (rad) in the middle of which the phase is theta shows the level
+///   b = off + s (on - off),   s = share of [theta - h, theta + h] within the pulses,
+/// and s is linear in an edge that lies inside it. The likelihood of an edge is the product over the frames
+/// of all cycles of normal densities about that: where exposures overlap the edges it is narrow and normal;
+/// where they are short it is a box between the last dark and the first lit phase, which many cycles sampled
+/// at different phases narrow. Value and sd are mean and standard deviation under that likelihood, in both
+/// cases and between them. A jitter of the edges from cycle to cycle is a Gaussian convolved with each
+/// frame's likelihood (closed form) and is brought in where it raises the likelihood clearly. Each frame may,
+/// with probability 1e-4, mean nothing (a flash).
+///
+/// Opening and closing edge are taken apart, which needs a pulse and a pause longer than one exposure.
+GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock);
+
+/// Brightness as a share of the lit lamp's, folded into one cycle: for pictures.
+struct FoldedLamp {
+  std::vector<double> phase;  ///< rad in [0, 2 pi), ascending
+  std::vector<double> share;
+};
+/// The same as the fitted edges and the exposure make it: a trapezoid.
+FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
+FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
+
+}  // namespace tribotrack::fit

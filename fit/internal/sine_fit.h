@@ -1,0 +1,46 @@
+// A circle with free w through the marker's positions, least squares over all frames.
+//
+// Model, per axis: m(t) = offset + drift t + a cos(wt) + b sin(wt), w common; t from the middle of the track,
+// so that offset and drift, and phase and w, decouple.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "fit/track_table.h"
+
+namespace tribotrack::fit::internal {
+
+/// The marker's columns of a track with their weights.
+class MarkerSeries {
+ public:
+  explicit MarkerSeries(const TrackTable& track)
+      : track_(track), middle_(0.5 * (track.time.front() + track.time.back())) {}
+  std::size_t size() const { return track_.marker.size(); }
+  double time(std::size_t i) const { return track_.time[i] - middle_; }  ///< s, from the middle
+  double middle() const { return middle_; }
+  double span() const { return time(size() - 1) - time(0); }
+  const Eigen::Vector2d& at(std::size_t i) const { return track_.marker[i]; }
+  double weight(std::size_t i) const;  ///< 1/variance; 1 where the track has no sigma
+  bool has_sigma() const;
+
+ private:
+  const TrackTable& track_;
+  double middle_;
+};
+
+struct SineFit {
+  Eigen::Matrix<double, 4, 2> coefficients = Eigen::Matrix<double, 4, 2>::Zero();  ///< offset, drift, a, b
+  double w = 0;
+  double chi2 = 0;
+  double residual_square = 0;                                                    ///< sum over both axes, m^2
+  Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();  ///< x4, y4, w; unscaled
+
+  Eigen::Vector2d at(double t) const;  ///< the model
+};
+
+/// w from the strongest line of a periodogram over a block in the middle, refined by Gauss-Newton over
+/// growing blocks so that no cycle can slip. w = 0 where there is no line.
+SineFit fit_sine(const MarkerSeries& marker);
+
+}  // namespace tribotrack::fit::internal

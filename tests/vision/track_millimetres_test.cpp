@@ -1,0 +1,176 @@
+#include "vision/track_millimetres.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <stdexcept>
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A part that moves 100 px along x, a marker that circles with 3 px.
+Track example() {
+  Track track;
+  track.has_marker = true;
+  for (int k = 0; k < 20; ++k) {
+    TrackPoint p;
+    p.status = TrackStatus::ok;
+    p.x = 200 + 5 * k;
+    p.y = 150 - k;
+    p.sigma_x = 0.01;
+    p.sigma_y = 0.02;
+    p.rho_xy = 0.3;
+    p.marker = MarkerPoint{40 + 3 * std::cos(0.5 * k), 50 + 3 * std::sin(0.5 * k), 0.005, 1};
+    track.points.push_back(p);
+  }
+  return track;
+}
+
+TEST(PlaceTrack, WithOneScaleIsWhatTheTrackItselfSays) {
+  const Track track = example();
+  const Scale scale{0.02, 1e-5, "given"};
+  const auto plain = track.to_millimetres(scale, 0.7);
+  const auto placed = place_track(track, {scale, ScalePlane::part_top, std::nullopt}, 0.7);
+  for (std::size_t k = 0; k < plain.size(); ++k) {
+    ASSERT_TRUE(placed[k]);
+    EXPECT_NEAR(placed[k]->mm.x(), plain[k]->x_mm, 1e-12);
+    EXPECT_NEAR(placed[k]->mm.y(), plain[k]->y_mm, 1e-12);
+    EXPECT_NEAR(std::sqrt(placed[k]->covariance(0, 0)), plain[k]->sigma_x_mm, 1e-12);
+    EXPECT_NEAR(std::sqrt(placed[k]->covariance(1, 1)), plain[k]->sigma_y_mm, 1e-12);
+  }
+}
+
+TEST(PlaceTrack, ParallaxMakesTheMarkersMillimetresLarger) {
+  // 0.8 mm at 100 mm distance: 0.8 % in scale.
+  const Parallax parallax{0.8, 100};
+  const PlaneGeometry by_top({0.02, 1e-5, "part's diameter"}, ScalePlane::part_top, parallax);
+  EXPECT_DOUBLE_EQ(by_top.part_scale().mm_per_px, 0.02);
+  EXPECT_DOUBLE_EQ(by_top.marker_scale().mm_per_px, 0.02 / 0.992);
+  EXPECT_DOUBLE_EQ(by_top.marker_scale().sd, 1e-5 / 0.992);
+  const PlaneGeometry by_ruler({0.02, 0, "given"}, ScalePlane::platform, parallax);
+  EXPECT_DOUBLE_EQ(by_ruler.part_scale().mm_per_px, 0.02 * 0.992);
+  EXPECT_DOUBLE_EQ(by_ruler.marker_scale().mm_per_px, 0.02);
+
+  const Track track = example();
+  const auto placed = place_track(track, by_top, 0);
+  const TrackPoint &a = track.points[0], &b = track.points[6];
+  EXPECT_NEAR(placed[6]->mm.x(), 0.02 * (b.x - a.x) - 0.02 / 0.992 * (b.marker->x - a.marker->x), 1e-12);
+  EXPECT_NEAR(placed[6]->mm.y(), -0.02 * (b.y - a.y) + 0.02 / 0.992 * (b.marker->y - a.marker->y), 1e-12);
+}
+
+TEST(PlaneGeometry, AnImpossibleHeightIsRefused) {
+  const Scale scale{0.02, 0, "given"};
+  EXPECT_THROW(PlaneGeometry(scale, ScalePlane::platform, Parallax{100, 100}), std::invalid_argument);
+  EXPECT_THROW(PlaneGeometry(scale, ScalePlane::platform, Parallax{-1, 100}), std::invalid_argument);
+}
+
+TEST(PlaneGeometry, WhatDoesNotShowIsLeftOutAndThePlanSaysSo) {
+  const Track track = example();
+  const PlaneGeometry geometry({0.02, 0, "part's diameter"}, ScalePlane::part_top, Parallax{0.8, 100});
+  std::vector<PlanStage> plan;
+  // The marker moves 6 px: 0.8 % of them is 0.048 px.
+  EXPECT_FALSE(geometry.as_needed(track, 0.1, plan).plain());
+  ASSERT_EQ(plan.size(), 1u);
+  EXPECT_TRUE(plan[0].on);
+  EXPECT_THAT(plan[0].reason, HasSubstr("0.048 px"));
+  plan.clear();
+  EXPECT_TRUE(geometry.as_needed(track, 0.6, plan).plain());
+  ASSERT_EQ(plan.size(), 1u);
+  EXPECT_FALSE(plan[0].on);
+  EXPECT_NEAR(plan[0].error_bound_px, 0.048, 0.001);
+}
+
+/// Looks down from 100 mm, tilted by 0.1 rad, with strong distortion.
+CameraCalibration tilted() {
+  CameraCalibration c;
+  c.width = 640;
+  c.height = 480;
+  c.lens = {2000, 2010, 322, 236, -0.3, 0.4, 0.001, -0.002, 0};
+  c.plane.rotation =
+      (Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()) *
+       Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  c.plane.translation = {1, -2, 100};
+  c.plane = turned_to_picture(c);
+  c.mm_per_px = scale_in_the_middle(c);
+  return c;
+}
+
+Point seen(const CameraCalibration& c, const Eigen::Vector3d& on_platform) {
+  const Eigen::Vector3d v = c.plane.rotation * on_platform + c.plane.translation;
+  return c.lens.project(v.head<2>() / v.z());
+}
+
+TEST(CameraCalibration, FindsThePlaceFromItsPicture) {
+  const CameraCalibration c = tilted();
+  for (const double height : {0.0, 0.8, 3.0})
+    for (double x = -10; x <= 10; x += 4)
+      for (double y = -8; y <= 8; y += 4) {
+        const PlanePoint found = c.locate(seen(c, {x, y, height}), height);
+        EXPECT_NEAR(found.mm.x(), x, 1e-9);
+        EXPECT_NEAR(found.mm.y(), y, 1e-9);
+      }
+}
+
+TEST(CameraCalibration, SlopesAreThoseOfDifferences) {
+  const CameraCalibration c = tilted();
+  const Point at{150, 400};
+  const double h = 1e-3;
+  const PlanePoint point = c.locate(at, 0.8);
+  const Eigen::Vector2d by_x =
+      (c.locate({at.x + h, at.y}, 0.8).mm - c.locate({at.x - h, at.y}, 0.8).mm) / (2 * h);
+  const Eigen::Vector2d by_y =
+      (c.locate({at.x, at.y + h}, 0.8).mm - c.locate({at.x, at.y - h}, 0.8).mm) / (2 * h);
+  EXPECT_NEAR((point.slope.col(0) - by_x).norm(), 0, 1e-9);
+  EXPECT_NEAR((point.slope.col(1) - by_y).norm(), 0, 1e-9);
+}
+
+TEST(CameraCalibration, AxesArePicturesAxesInTheMiddle) {
+  const CameraCalibration c = tilted();
+  const Eigen::Matrix2d slope = c.locate({319.5, 239.5}).slope;
+  EXPECT_NEAR(slope(1, 0), 0, 1e-12) << "x right";
+  EXPECT_GT(slope(0, 0), 0);
+  EXPECT_LT(slope(1, 1), 0) << "y up, pixels down";
+  EXPECT_NEAR(c.mm_per_px, 100.0 / 2000, 0.002);
+  EXPECT_NEAR(c.plane.rotation.determinant(), 1, 1e-12);
+}
+
+TEST(CameraCalibration, BeyondTheFoldOfTheDistortionThereIsNoPlace) {
+  CameraCalibration c = tilted();
+  c.lens = {500, 500, 320, 240, -0.5, 0, 0, 0, 0};
+  EXPECT_THROW(c.locate({3000, 240}), std::domain_error);
+}
+
+TEST(PlaceTrack, ThroughACameraIsWhereThingsWere) {
+  const CameraCalibration c = tilted();
+  Track track;
+  track.has_marker = true;
+  for (int k = 0; k < 10; ++k) {
+    TrackPoint p;
+    p.status = TrackStatus::ok;
+    const Point part = seen(c, {-5.0 + k, 0.3 * k, 0.8});
+    const Point marker = seen(c, {6 + 0.1 * k, 5, 0});
+    p.x = part.x;
+    p.y = part.y;
+    p.sigma_x = p.sigma_y = 0.01;
+    p.marker = MarkerPoint{marker.x, marker.y, 0, 1};
+    track.points.push_back(p);
+  }
+  const PlaneGeometry geometry(c, 0.8);
+  const auto placed = place_track(track, geometry, 0);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_NEAR(placed[static_cast<std::size_t>(k)]->mm.x(), 0.9 * k, 1e-9);
+    EXPECT_NEAR(placed[static_cast<std::size_t>(k)]->mm.y(), 0.3 * k, 1e-9);
+    EXPECT_NEAR(std::sqrt(placed[static_cast<std::size_t>(k)]->covariance(0, 0)), 0.01 * c.mm_per_px, 1e-4);
+  }
+  std::vector<PlanStage> plan;
+  EXPECT_TRUE(geometry.as_needed(track, 0.01, plan).calibrated());
+  EXPECT_TRUE(geometry.as_needed(track, 1e4, plan).plain());
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,28 @@
+// Frames that repeat the one before: a camera or a converter that stored a picture twice.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vision/frame_source.h"
+
+namespace tribotrack::vision {
+
+struct RepeatedFrames {
+  std::int64_t looked_at = 0;          ///< frames compared with the one before, plus 1
+  std::vector<std::int64_t> repeated;  ///< indices of pictures equal to the one before, level for level
+  /// Stretches of 4 and more equal pictures, [first, last] indices: a paused recording, or a scene at rest
+  /// whose coder wrote "nothing changed". They do not count as repeated.
+  std::vector<std::pair<std::int64_t, std::int64_t>> still;
+};
+
+/// Compares every frame with the one before, at most `max_frames` of them from the first on. A camera's noise
+/// makes two pictures of even the same scene differ, so equal ones are one picture. Reads forwards.
+RepeatedFrames find_repeated_frames(FrameSource& source, std::int64_t max_frames);
+
+/// One sentence for each finding, with the recording's own image numbers; empty where there is nothing to
+/// say.
+std::vector<std::string> findings(const RepeatedFrames& repeats, const FrameSource& source);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,52 @@
+#include "vision/rim_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kMargin = 8;         ///< px around the disc that the rim's fit sees
+constexpr double kCapture = 1;        ///< px; the track is far better
+constexpr double kMinCoverage = 0.9;  ///< share of the rim
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+RimWatch::RimWatch(const Circle& disc, std::int64_t stride)
+    : disc_(disc), stride_(std::max<std::int64_t>(1, stride)) {}
+
+void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
+  if (disc_.radius <= 0 || seen_++ % stride_ != 0) return;
+  const double reach = disc_.radius + std::max(kMargin, 0.2 * disc_.radius);
+  const Rect all = source.bounds();
+  const int x0 = std::max(all.x, static_cast<int>(std::floor(centre.x - reach)));
+  const int y0 = std::max(all.y, static_cast<int>(std::floor(centre.y - reach)));
+  const int x1 = std::min(all.x + all.width, static_cast<int>(std::ceil(centre.x + reach)) + 1);
+  const int y1 = std::min(all.y + all.height, static_cast<int>(std::ceil(centre.y + reach)) + 1);
+  if (x1 - x0 < 2 * disc_.radius || y1 - y0 < 2 * disc_.radius) return;
+  Picture picture;
+  source.read(index, {x0, y0, x1 - x0, y1 - y0}, picture);
+  const auto fit = fit_disc(picture, {centre.x - x0, centre.y - y0, disc_.radius}, kCapture);
+  if (fit && fit->coverage >= kMinCoverage) fits_.push_back(*fit);
+}
+
+std::optional<MeanRadius> RimWatch::radius() const {
+  if (fits_.size() < 2) return std::nullopt;
+  std::vector<double> radii;
+  for (const DiscFit& fit : fits_) radii.push_back(fit.circle.radius);
+  const double middle = median_of(radii);
+  for (double& r : radii) r = std::abs(r - middle);
+  const double limit = 5 * 1.4826 * median_of(radii) + 1e-6;
+  std::vector<DiscFit> kept;
+  for (const DiscFit& fit : fits_)
+    if (std::abs(fit.circle.radius - middle) <= limit) kept.push_back(fit);
+  return mean_radius(kept);
+}
+
+}  // namespace tribotrack::vision
