@@ -9,6 +9,7 @@
 #include "model/bench_plan.h"
 #include "model/claims.h"
 #include "vision/bench.h"
+#include "vision/bench_limit.h"
 
 namespace tribotrack::apps {
 
@@ -21,6 +22,7 @@ BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows);
 BenchTable table_of(const std::vector<model::PlanBenchRow>& rows);
 BenchTable table_of(const std::vector<model::PaperClaim>& claims);
 BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
+BenchTable table_of(const std::vector<vision::VisionLimitRow>& rows);
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
 
 }  // namespace tribotrack::apps

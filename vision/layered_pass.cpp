@@ -16,7 +16,7 @@ constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
 /// Learnt pictures err alike where the disc stands alike on the platform; measured on rendered scenes: as if
 /// so many of the windows' own numbers were fitted.
-constexpr double kLearntCost = 6;
+constexpr double kLearntCost = 4;
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
