@@ -133,11 +133,23 @@ class Bench {
   void vision() {
     vision::VisionBenchOptions options;
     options.quick = options_.quick;
-    Progress progress("bench vision", context_.quiet);
-    options.progress = [&](int done, int total) { progress.update(done, total); };
-    const auto rows = vision::bench_vision(options);
+    std::vector<vision::VisionBenchRow> rows;
+    {
+      Progress progress("bench vision", context_.quiet);
+      options.progress = [&](int done, int total) { progress.update(done, total); };
+      rows = vision::bench_vision(options);
+    }
+    vision::VisionLimitOptions grid;
+    if (options_.quick) grid = vision::quick_limit_options();
+    std::vector<vision::VisionLimitRow> limits;
+    {
+      Progress progress("bench vision, limit", context_.quiet);
+      grid.progress = [&](int done, int total) { progress.update(done, total); };
+      limits = vision::bench_limit(grid);
+    }
     keep("bench_vision", table_of(rows));
-    results_["vision"] = {{"rows", rows.size()}};
+    keep("bench_vision_limit", table_of(limits));
+    results_["vision"] = {{"rows", rows.size()}, {"limit_rows", limits.size()}};
   }
 
   void fit() {
@@ -219,16 +231,16 @@ void add_bench(CLI::App& app, Context& context) {
       .add_option(
           "WHAT", options->what,
           "model: integrators, the table of extremes, what the plan saves, many runs at once, the paper's "
-          "claims (a minute); vision: sub-pixel methods on rendered "
-          "scenes (a minute); fit: exact derivatives against differences, and how often the intervals of "
-          "a thousand campaigns hold (some minutes, on all cores); all")
+          "claims (a minute); vision: sub-pixel methods on rendered scenes, and the tracker against the "
+          "physical limit (ten minutes); fit: exact derivatives against differences, and how often the "
+          "intervals of a thousand campaigns hold (some minutes, on all cores); all")
       ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
       ->required();
   command
       .add_option("-o,--output", options->output,
                   "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
-                  "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_fit.csv, "
-                  "bench_fit_coverage.csv, their "
+                  "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
+                  "bench_fit.csv, bench_fit_coverage.csv, their "
                   "plots (.svg) and bench.json (CPU, compiler flags, how the references were made)")
       ->type_name("DIR")
       ->required();

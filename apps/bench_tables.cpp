@@ -203,6 +203,27 @@ BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows) {
   return table;
 }
 
+BenchTable table_of(const std::vector<vision::VisionLimitRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
+      "standardised_rms,noise_found_levels,time_s\n";
+  table.text = fmt::format(
+      "\nhow close to the limit `track` is, and how true its standard deviations\n"
+      "  {:>8} {:>8} {:>6} {:>8} {:>9} {:>8} {:>13} {:>11} {:>5}\n",
+      "R, px", "texture", "noise", "plan", "rms, px", "x bound", "standardised", "time/frame", "lost");
+  for (const auto& row : rows) {
+    table.csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", exact(row.radius), exact(row.texture),
+                             exact(row.noise), yes(row.layered), row.components, row.lost, compact(row.rms),
+                             compact(row.bound), compact(row.rms / row.bound), compact(row.standardised),
+                             compact(row.noise_found), compact(row.time));
+    table.text += fmt::format("  {:>8g} {:>8g} {:>6g} {:>8} {:>9.5f} {:>8.3f} {:>13.3f} {:>11} {:>5}\n",
+                              row.radius, row.texture, row.noise, row.layered ? "layered" : "plain", row.rms,
+                              row.rms / row.bound, row.standardised, duration(row.time), row.lost);
+  }
+  return table;
+}
+
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows) {
   BenchTable table;
   table.csv = "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd";

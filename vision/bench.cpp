@@ -9,13 +9,11 @@
 #include <optional>
 
 #include "vision/bench_peers.h"
-#include "vision/frame_source.h"
+#include "vision/bench_recording.h"
 #include "vision/registration.h"
 #include "vision/scene.h"
 #include "vision/scene_bound.h"
-#include "vision/scene_noise.h"
 #include "vision/tracker.h"
-#include "vision/window.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -61,39 +59,6 @@ Shot shot_of(double radius, bool brushed) {
   shot.middle = {s.width / 2.0 - 0.3, s.height / 2.0 - 0.6};
   return shot;
 }
-
-/// White noise, then whole levels of 8 bits.
-Picture recorded(const Picture& exact, double noise, std::uint64_t frame) {
-  const CounterRandom random(20210, frame);
-  Picture out = exact;
-  std::uint64_t counter = 0;
-  for (float& level : out.levels())
-    level =
-        std::clamp(std::round(level + static_cast<float>(noise) * random.gaussian(counter++)), 0.0F, 255.0F);
-  return out;
-}
-
-class FramesInMemory : public FrameSource {
- public:
-  explicit FramesInMemory(const std::vector<Picture>& frames) : frames_(frames) {
-    info_.path = "rendered scene";
-    info_.format = "memory";
-    info_.width = frames.front().width();
-    info_.height = frames.front().height();
-    info_.bits = 8;
-    info_.frame_count = static_cast<std::int64_t>(frames.size());
-    info_.time_base = choose_time_base({user_rate(1000)});
-  }
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
-    const Picture& frame = frames_[static_cast<std::size_t>(index)];
-    for (int y = 0; y < window.height; ++y)
-      std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
-  }
-
- private:
-  const std::vector<Picture>& frames_;
-};
 
 /// Our registration by itself, from the last position, with the mask `track` would choose.
 class Registered : public PositionMethod {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+
+#include "vision/spline_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -77,17 +78,44 @@ std::array<double, 6> quintic_slopes(double t) {
   return slopes;
 }
 
+SplineTaps spline_taps(double fraction_x, double fraction_y) {
+  const auto narrow = [](const std::array<double, 6>& from) {
+    std::array<float, 6> to{};
+    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
+    return to;
+  };
+  return {narrow(quintic_weights(fraction_x)), narrow(quintic_slopes(fraction_x)),
+          narrow(quintic_weights(fraction_y)), narrow(quintic_slopes(fraction_y))};
+}
+
 QuinticSpline::QuinticSpline(const Picture& picture)
     : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
-  std::vector<double> c(picture.levels().begin(), picture.levels().end());
-  for (int y = 0; y < height_; ++y) prefilter(c.data() + static_cast<std::ptrdiff_t>(y) * width_, width_, 1);
-  for (int x = 0; x < width_; ++x) prefilter(c.data() + x, height_, width_);
+  // Sixteen lines at a time, first along the rows, then along the columns.
+  Picture c = picture;
+  std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
+  for (int y0 = 0; y0 < height_; y0 += kPanel) {
+    const int lines = std::min(kPanel, height_ - y0);
+    for (int j = 0; j < lines; ++j)
+      for (int x = 0; x < width_; ++x) panel[static_cast<std::size_t>(x * kPanel + j)] = c.at(x, y0 + j);
+    spline_kernels().prefilter(panel.data(), width_);
+    for (int j = 0; j < lines; ++j)
+      for (int x = 0; x < width_; ++x) c.at(x, y0 + j) = panel[static_cast<std::size_t>(x * kPanel + j)];
+  }
+  for (int x0 = 0; x0 < width_; x0 += kPanel) {
+    const int lines = std::min(kPanel, width_ - x0);
+    for (int y = 0; y < height_; ++y) std::copy_n(c.row(y).begin() + x0, lines, panel.begin() + y * kPanel);
+    spline_kernels().prefilter(panel.data(), height_);
+    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, c.row(y).begin() + x0);
+  }
   coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
   for (int y = -kPad; y < height_ + kPad; ++y) {
-    const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(mirrored(y, height_)) * width_;
-    float* to = coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_;
-    for (int x = -kPad; x < width_ + kPad; ++x)
-      to[x + kPad] = static_cast<float>(c[static_cast<std::size_t>(from + mirrored(x, width_))]);
+    const auto from = c.row(mirrored(y, height_));
+    float* to = coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
+    std::copy(from.begin(), from.end(), to);
+    for (int x = 1; x <= kPad; ++x) {
+      to[-x] = from[static_cast<std::size_t>(mirrored(-x, width_))];
+      to[width_ - 1 + x] = from[static_cast<std::size_t>(mirrored(width_ - 1 + x, width_))];
+    }
   }
 }
 
@@ -124,43 +152,16 @@ void QuinticSpline::sample_window(double x0, double y0, int width, int height, f
                                   float* slope_y) const {
   const int ix = static_cast<int>(std::floor(x0));
   const int iy = static_cast<int>(std::floor(y0));
-  std::array<float, 6> wx{}, sx{}, wy{}, sy{};
-  const auto narrow = [](const std::array<double, 6>& from, std::array<float, 6>& to) {
-    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
-  };
-  narrow(quintic_weights(x0 - ix), wx);
-  narrow(quintic_slopes(x0 - ix), sx);
-  narrow(quintic_weights(y0 - iy), wy);
-  narrow(quintic_slopes(y0 - iy), sy);
-  const auto line = static_cast<std::size_t>(width);
-  const std::size_t rows = static_cast<std::size_t>(height) + 5;
-  rows_.resize(2 * rows * line);
-  float* smooth = rows_.data();
-  float* slanted = rows_.data() + rows * line;
-  for (std::size_t j = 0; j < rows; ++j) {
-    const float* c = coefficient_row(iy + static_cast<int>(j) - 2) + ix - 2;
-    float* a = smooth + j * line;
-    for (std::size_t i = 0; i < line; ++i)
-      a[i] = wx[0] * c[i] + wx[1] * c[i + 1] + wx[2] * c[i + 2] + wx[3] * c[i + 3] + wx[4] * c[i + 4] +
-             wx[5] * c[i + 5];
-    if (!slope_x) continue;
-    float* b = slanted + j * line;
-    for (std::size_t i = 0; i < line; ++i)
-      b[i] = sx[0] * c[i] + sx[1] * c[i + 1] + sx[2] * c[i + 2] + sx[3] * c[i + 3] + sx[4] * c[i + 4] +
-             sx[5] * c[i + 5];
-  }
-  const auto combine = [&](const float* from, const std::array<float, 6>& w, float* to) {
-    for (std::size_t j = 0; j < static_cast<std::size_t>(height); ++j) {
-      const float* r = from + j * line;
-      float* o = to + j * line;
-      for (std::size_t i = 0; i < line; ++i)
-        o[i] = w[0] * r[i] + w[1] * r[i + line] + w[2] * r[i + 2 * line] + w[3] * r[i + 3 * line] +
-               w[4] * r[i + 4 * line] + w[5] * r[i + 5 * line];
-    }
-  };
-  combine(smooth, wy, value);
-  if (slope_x) combine(slanted, wy, slope_x);
-  if (slope_y) combine(smooth, sy, slope_y);
+  spline_kernels().window(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows_,
+                          value, slope_x, slope_y);
+}
+
+void QuinticSpline::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                                 std::vector<const float*>& corners, bool slopes, TileArrays& arrays) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  for (std::size_t t = 0; t < tiles.size(); ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
+  tile_kernels().sample(corners, stride_, spline_taps(x0 - ix, y0 - iy), 0, slopes, arrays);
 }
 
 namespace {

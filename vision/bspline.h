@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vision/picture.h"
+#include "vision/tile_kernels.h"
 
 namespace tribotrack::vision {
 
@@ -17,6 +18,9 @@ namespace tribotrack::vision {
 std::array<double, 6> quintic_weights(double t);
 /// Their derivatives with respect to t.
 std::array<double, 6> quintic_slopes(double t);
+
+/// Both, along both axes, in the kernels' precision.
+SplineTaps spline_taps(double fraction_x, double fraction_y);
 
 /// Value and gradient of a spline at one place.
 struct SplineSample {
@@ -47,6 +51,11 @@ class QuinticSpline {
   /// lie within the picture grown by 5 px.
   void sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
                      float* slope_y) const;
+
+  /// The same over tiles whose first pixels are `tiles` pixels from (x0, y0), which must lie within the
+  /// picture grown by kPad - 3 px. `corners` is scratch of the tiles' number.
+  void sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                    std::vector<const float*>& corners, bool slopes, TileArrays& arrays) const;
 
  private:
   const float* coefficient_row(int y) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vision/picture.h"
+#include "vision/tile_kernels.h"
 
 namespace tribotrack::vision {
 
@@ -22,9 +23,6 @@ Picture informative_pixels(const Picture& slope_x, const Picture& slope_y, const
                            const InformativeOptions& options);
 
 /// The first pixels of tiles of 8 x 8 that cover a mask.
-struct TilePlace {
-  int x = 0, y = 0;
-};
 std::vector<TilePlace> cover_with_tiles(const Picture& mask);
 
 }  // namespace tribotrack::vision

@@ -14,11 +14,6 @@ constexpr double kTurnBytes = 48e6;  ///< for these averages
 constexpr double kTextureSd = 20;    ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
 
-/// Whether a place of the camera lies in the window, where it may be interpolated.
-bool inside(const KeptWindow& w, double x, double y) {
-  return x >= w.x && y >= w.y && x <= w.x + w.picture.width() - 1 && y <= w.y + w.picture.height() - 1;
-}
-
 }  // namespace
 
 LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
@@ -37,6 +32,22 @@ void LayeredDisc::make_share() {
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
       share_.at(x, y) = static_cast<float>(rim_.at(std::hypot(x - half_, y - half_)));
+  share_x_ = share_y_ = Picture(size, size);
+  Picture value(size, size);
+  QuinticSpline(share_).sample_window(0, 0, size, size, value.levels().data(), share_x_.levels().data(),
+                                      share_y_.levels().data());
+}
+
+void LayeredDisc::set_standing(const Standing& known) {
+  parts_.standing = known.picture;
+  rim_.set_knots(known.knots);
+  make_share();
+}
+
+void LayeredDisc::shift_standing(const Point& by) {
+  Picture& p = parts_.standing;
+  const QuinticSpline before(p);
+  before.sample_window(by.x, by.y, p.width(), p.height(), p.levels().data(), nullptr, nullptr);
 }
 
 Picture LayeredDisc::at(double theta, Picture* slope) const {
@@ -67,64 +78,125 @@ Picture LayeredDisc::on_plain(double level) const {
 }
 
 /// Per pixel of the disc, over the frames: y what the disc shows in its own light, z the ground beneath in
-/// the same light.
+/// the same light, less its mean.
 struct LayeredDisc::Sums {
-  double n = 0, y = 0, z = 0, yz = 0, zz = 0;
+  std::vector<float> n, y, z, yz, zz;
+  explicit Sums(std::size_t pixels)
+      : n(pixels, 0), y(pixels, 0), z(pixels, 0), yz(pixels, 0), zz(pixels, 0) {}
 };
 
-void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
-                                 double noise_variance) {
+/// Where the disc's grid lies in a kept window: its first pixel, and the columns and rows inside.
+struct LayeredDisc::Place {
+  double left, top;
+  int first_column, last_column, first_row, last_row;
+};
+
+LayeredDisc::Place LayeredDisc::place(const KeptWindow& w) const {
   const int size = 2 * half_ + 1;
-  const auto pixels = static_cast<std::size_t>(size) * size;
-  std::vector<Sums> sums(pixels);
-  std::vector<float> level(pixels), below(pixels), known(pixels);
-  for (const KeptWindow& w : windows) {
-    const LayeredState& s = w.state;
-    const double left = s.centre.x - half_;
-    const double top = s.centre.y - half_;
-    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
-    ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
-    Picture turned;
-    if (turning_) {
-      turned = at(s.theta);
-      for (std::size_t i = 0; i < pixels; ++i) turned.levels()[i] -= parts_.standing.levels()[i];
-    }
+  const double left = w.state.centre.x - half_, top = w.state.centre.y - half_;
+  const auto within = [size](double x) { return std::clamp(static_cast<int>(x), 0, size); };
+  return {left,
+          top,
+          within(std::ceil(w.x - left)),
+          within(std::floor(w.x + w.picture.width() - 1 - left) + 1),
+          within(std::ceil(w.y - top)),
+          within(std::floor(w.y + w.picture.height() - 1 - top) + 1)};
+}
+
+/// Tiles over the rim and what is not 0 in `where`; over the whole grid without it.
+std::vector<TilePlace> LayeredDisc::tiles_about_rim(const Picture* where) const {
+  const int size = 2 * half_ + 1;
+  Picture mask(size, size, 1);
+  if (where)
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
-        const auto k = static_cast<std::size_t>(j) * size + i;
-        if (!inside(w, left + i, top + j)) continue;
-        if (share_.levels()[k] > 0 && known[k] == 0) continue;
-        const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
-        const double y = level[k] / light - (turning_ ? turned.levels()[k] : 0.0F);
-        const double z = s.ground_gain * below[k] / light;
-        Sums& sum = sums[k];
-        sum.n += 1;
-        sum.y += y;
-        sum.z += z;
-        sum.yz += y * z;
-        sum.zz += z * z;
+        const double x = i - half_, y = j - half_, square = x * x + y * y;
+        const bool rim = square >= rim_.inner() * rim_.inner() && square <= rim_.outer() * rim_.outer();
+        if (!rim && where->at(i, j) == 0) mask.at(i, j) = 0;
       }
+  return cover_with_tiles(mask);
+}
+
+void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
+                                 double noise_variance, const std::vector<TilePlace>& tiles) {
+  const std::size_t pixels = tiles.size() * kTilePixels;
+  Sums sums(pixels);
+  TileArrays level, below;
+  for (TileArrays* a : {&level, &below}) {
+    a->tiles = tiles.size();
+    for (auto* v : {&a->value, &a->slope_x, &a->slope_y}) v->resize(pixels);
   }
-  for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i) {
-      const Sums& sum = sums[static_cast<std::size_t>(j) * size + i];
-      if (sum.n < 3) continue;
-      rim_.add(std::hypot(i - half_, j - half_), sum.yz - sum.y * sum.z / sum.n,
-               sum.zz - sum.z * sum.z / sum.n);
+  std::vector<float> inside(pixels), known(pixels);
+  std::vector<const float*> corners(tiles.size());
+  const auto blend = static_cast<float>(blend_);
+  const auto ground_mean = static_cast<float>(ground.mean());
+  const auto on_grid = [&](const Picture& picture) {
+    std::vector<float> out(pixels, 0);
+    for (std::size_t t = 0; t < tiles.size(); ++t)
+      for (int j = 0; j < std::min(kTile, picture.height() - tiles[t].y); ++j)
+        std::copy_n(picture.row(tiles[t].y + j).begin() + tiles[t].x,
+                    std::min(kTile, picture.width() - tiles[t].x),
+                    out.begin() + static_cast<std::ptrdiff_t>(t * kTilePixels) + j * kTile);
+    return out;
+  };
+  const std::vector<float> share = on_grid(share_), share_x = on_grid(share_x_), share_y = on_grid(share_y_);
+  std::vector<float> u(pixels), v(pixels), turn(pixels, 0);
+  for (std::size_t k = 0; k < pixels; ++k) {
+    u[k] = static_cast<float>(tiles[k / kTilePixels].x - half_ + static_cast<int>(k % kTile));
+    v[k] = static_cast<float>(tiles[k / kTilePixels].y - half_ + static_cast<int>(k % kTilePixels) / kTile);
+  }
+  for (const KeptWindow& w : windows) {
+    const LayeredState& s = w.state;
+    const Place at = place(w);
+    w.spline.sample_tiles(at.left - w.x, at.top - w.y, tiles, corners, false, level);
+    ground.sample_tiles(at.left - s.ground.x, at.top - s.ground.y, tiles, corners, below, known);
+    if (turning_) {
+      Picture turned = this->at(s.theta);
+      for (std::size_t i = 0; i < turned.levels().size(); ++i)
+        turned.levels()[i] -= parts_.standing.levels()[i];
+      turn = on_grid(turned);
     }
+    // Where the window ends.
+    const bool whole = at.first_column == 0 && at.first_row == 0 && at.last_column == 2 * half_ + 1 &&
+                       at.last_row == 2 * half_ + 1;
+    if (!whole)
+      for (std::size_t k = 0; k < pixels; ++k) {
+        const int i = static_cast<int>(u[k]) + half_, j = static_cast<int>(v[k]) + half_;
+        inside[k] = i >= at.first_column && i < at.last_column && j >= at.first_row && j < at.last_row;
+      }
+    const auto gain = static_cast<float>(s.gain), slope_x = static_cast<float>(s.gain * s.slope_x),
+               slope_y = static_cast<float>(s.gain * s.slope_y), under = static_cast<float>(s.ground_gain);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const float use = (share[k] > 0 ? known[k] : 1.0F) * (whole ? 1.0F : inside[k]);
+      const float light = 1 / (gain + slope_x * u[k] + slope_y * v[k]);
+      const float blended = under * blend * (share_x[k] * below.slope_x[k] + share_y[k] * below.slope_y[k]);
+      const float y = (level.value[k] - blended) * light - turn[k];
+      const float z = under * below.value[k] * light - ground_mean;
+      sums.n[k] += use;
+      sums.y[k] += use * y;
+      sums.z[k] += use * z;
+      sums.yz[k] += use * y * z;
+      sums.zz[k] += use * z * z;
+    }
+  }
+  for (std::size_t k = 0; k < pixels; ++k) {
+    const double n = sums.n[k], rho = std::hypot(u[k], v[k]);
+    if (n < 3 || rho <= rim_.inner() || rho >= rim_.outer()) continue;
+    const double y = sums.y[k], z = sums.z[k];
+    rim_.add(rho, sums.yz[k] - y * z / n, sums.zz[k] - z * z / n);
+  }
   rim_.solve(noise_variance);
   make_share();
-  for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i) {
-      const auto k = static_cast<std::size_t>(j) * size + i;
-      const Sums& sum = sums[k];
-      const bool beyond = std::hypot(i - half_, j - half_) >= rim_.outer();
-      if (beyond) {
-        parts_.standing.levels()[k] = 0;
-      } else if (sum.n > 0) {
-        parts_.standing.levels()[k] = static_cast<float>((sum.y - share_.levels()[k] * sum.z) / sum.n);
-      }
+  for (std::size_t k = 0; k < pixels; ++k) {
+    const int i = static_cast<int>(u[k]) + half_, j = static_cast<int>(v[k]) + half_;
+    if (i > 2 * half_ || j > 2 * half_) continue;
+    if (std::hypot(u[k], v[k]) >= rim_.outer()) {
+      parts_.standing.at(i, j) = 0;
+    } else if (sums.n[k] > 0) {
+      const float mean = sums.z[k] / sums.n[k] + ground_mean;
+      parts_.standing.at(i, j) = sums.y[k] / sums.n[k] - share_.at(i, j) * mean;
     }
+  }
 }
 
 /// Frames of nearly the same rotation are averaged before the disc's picture is split: a quarter of a pixel
@@ -153,18 +225,19 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
     const LayeredState& s = w.state;
     const double left = s.centre.x - half_;
     const double top = s.centre.y - half_;
-    QuinticSpline(w.picture).sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    w.spline.sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
     ground.sample(left - s.ground.x, top - s.ground.y, size, size, below.data(), known.data());
+    const Place inside = place(w);
     const auto bin = static_cast<std::int64_t>(std::floor((s.theta - low) / step));
     TurnedPicture& turned = bins[bin];
     if (turned.level.empty()) turned = {0, Picture(size, size), Picture(size, size)};
     turned.theta += s.theta;
     count[bin] += 1;
-    for (int j = 0; j < size; ++j)
-      for (int i = 0; i < size; ++i) {
+    for (int j = inside.first_row; j < inside.last_row; ++j)
+      for (int i = inside.first_column; i < inside.last_column; ++i) {
         const auto k = static_cast<std::size_t>(j) * size + i;
         const float share = share_.levels()[k];
-        if (share >= 1 || !inside(w, left + i, top + j) || (share > 0 && known[k] == 0)) continue;
+        if (share >= 1 || (share > 0 && known[k] == 0)) continue;
         const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
         turned.level.levels()[k] += static_cast<float>((level[k] - s.ground_gain * share * below[k]) / light);
         turned.weight.levels()[k] += 1;
@@ -184,7 +257,8 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   texture_spline_ = QuinticSpline(parts_.turning);
 }
 
-void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance) {
+void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+                        const Picture* where) {
   double gain = 0;
   double slope_x = 0;
   double slope_y = 0;
@@ -199,7 +273,7 @@ void LayeredDisc::learn(std::span<KeptWindow> windows, const GroundPicture& grou
     w.state.slope_x -= slope_x;
     w.state.slope_y -= slope_y;
   }
-  learn_standing(windows, ground, noise_variance);
+  learn_standing(windows, ground, noise_variance, tiles_about_rim(turning_ ? nullptr : where));
   if (turning_) learn_turning(windows, ground, noise_variance);
 }
 

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "vision/bspline.h"
+#include "vision/informative_pixels.h"
 #include "vision/layered_ground.h"
 #include "vision/layered_rim.h"
 #include "vision/layered_split.h"
@@ -21,6 +23,7 @@ struct KeptWindow {
   Picture picture;
   int x = 0, y = 0;
   LayeredState state;
+  QuinticSpline spline;  ///< of the picture
 };
 
 class LayeredDisc {
@@ -30,7 +33,19 @@ class LayeredDisc {
 
   /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
   /// is 1, the mean of g_k is 0, which changes the states accordingly.
-  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance);
+  /// `where` (on the grid, null: everywhere) and about the rim: what is not 0 there stays as it was.
+  void learn(std::span<KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+             const Picture* where = nullptr);
+
+  /// The standing picture and the rim, to go back to or to go on from.
+  struct Standing {
+    Picture picture;
+    std::vector<double> knots;
+  };
+  Standing standing() const { return {parts_.standing, rim_.knots()}; }
+  void set_standing(const Standing& known);
+  /// The standing picture taken about a place off the middle of the grid.
+  void shift_standing(const Point& by);
 
   int half() const { return half_; }
   double radius() const { return radius_; }
@@ -38,6 +53,9 @@ class LayeredDisc {
   const RimProfile& rim() const { return rim_; }
   /// w on the grid -half .. half.
   const Picture& share() const { return share_; }
+  /// kappa of layered_state.h, px^2.
+  double blend() const { return blend_; }
+  void set_blend(double kappa) { blend_ = kappa; }
   /// S on the grid at a rotation, and its derivative with respect to it (null where not wanted).
   Picture at(double theta, Picture* slope = nullptr) const;
   /// The disc on a plain ground of this level, at a rotation midway through what it has learnt from.
@@ -45,8 +63,11 @@ class LayeredDisc {
 
  private:
   struct Sums;
-  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground,
-                      double noise_variance);
+  struct Place;
+  Place place(const KeptWindow& window) const;
+  void learn_standing(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance,
+                      const std::vector<TilePlace>& tiles);
+  std::vector<TilePlace> tiles_about_rim(const Picture* where) const;
   void learn_turning(std::span<const KeptWindow> windows, const GroundPicture& ground, double noise_variance);
   void make_share();
 
@@ -54,7 +75,8 @@ class LayeredDisc {
   bool turning_ = false;
   RimProfile rim_;
   int half_ = 0;
-  Picture share_;
+  double blend_ = 1.0 / 12;
+  Picture share_, share_x_, share_y_;
   StandingAndTurning parts_;
   QuinticSpline texture_spline_;
   double middle_theta_ = 0;

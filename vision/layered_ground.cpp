@@ -47,7 +47,10 @@ GroundPicture::GroundPicture(const Rect& region)
       sum_(region.width, region.height),
       squares_(region.width, region.height),
       count_(region.width, region.height),
-      known_(region.width, region.height) {}
+      through_(region.width, region.height),
+      squares_through_(region.width, region.height),
+      known_(region.width, region.height),
+      variance_(region.width, region.height) {}
 
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
                         const Circle& hidden) {
@@ -64,69 +67,113 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
   Picture moved(width, height);
   QuinticSpline(picture).sample_window(u0 + displacement.x - x, v0 + displacement.y - y, width, height,
                                        moved.levels().data(), nullptr, nullptr);
-  const double reach = hidden.radius * hidden.radius;
-  const auto uncovered = [&](int u, int v) {
-    const double dx = u + displacement.x - hidden.x;
-    const double dy = v + displacement.y - hidden.y;
-    return dx * dx + dy * dy > reach;
+  // Spans of each row beside the hidden circle: act(row of `moved`, first column, last + 1, place in sums).
+  const auto uncovered = [&](const auto& act) {
+    for (int j = 0; j < height; ++j) {
+      const double dy = v0 + j + displacement.y - hidden.y;
+      const double square = hidden.radius * hidden.radius - dy * dy;
+      const auto at = static_cast<std::size_t>(v0 + j - region_.y) * region_.width + (u0 - region_.x);
+      const float* row = moved.row(j).data();
+      if (square < 0) {
+        act(row, 0, width, at);
+        continue;
+      }
+      const double middle = hidden.x - displacement.x - u0, half = std::sqrt(square);
+      act(row, 0, std::clamp(static_cast<int>(std::ceil(middle - half)), 0, width), at);
+      act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
+    }
   };
+  float* sums = sum_.levels().data();
+  float* squares = squares_.levels().data();
+  float* counts = count_.levels().data();
   double here = 0;
   double before = 0;
-  for (int v = v0; v <= v1; ++v)
-    for (int u = u0; u <= u1; ++u) {
-      const float n = count_.at(u - region_.x, v - region_.y);
-      if (n == 0 || !uncovered(u, v)) continue;
-      here += moved.at(u - u0, v - v0);
-      before += sum_.at(u - region_.x, v - region_.y) / n;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    float level = 0, mean = 0;
+    for (int i = from; i < to; ++i) {
+      const float n = counts[at + i];
+      level += n > 0 ? row[i] : 0.0F;
+      mean += sums[at + i] / std::max(n, 1.0F);
     }
+    here += level;
+    before += mean;
+  });
   const auto light = static_cast<float>(here > 0 && before > 0 ? before / here : 1);
-  for (int v = v0; v <= v1; ++v)
-    for (int u = u0; u <= u1; ++u) {
-      if (!uncovered(u, v)) continue;
-      const float level = light * moved.at(u - u0, v - v0);
-      sum_.at(u - region_.x, v - region_.y) += level;
-      squares_.at(u - region_.x, v - region_.y) += level * level;
-      count_.at(u - region_.x, v - region_.y) += 1;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; ++i) {
+      const float level = light * row[i];
+      sums[at + i] += level;
+      squares[at + i] += level * level;
+      counts[at + i] += 1;
     }
+  });
 }
 
-void GroundPicture::finish() {
-  Picture enough(region_.width, region_.height);
+void GroundPicture::forget_rim() {
+  std::fill(through_.levels().begin(), through_.levels().end(), 0.0F);
+  std::fill(squares_through_.levels().begin(), squares_through_.levels().end(), 0.0F);
+}
+
+/// Mean, texture and unrest of the places uncovered often enough.
+void GroundPicture::summarise(const Picture& enough, double noise_variance) {
   std::vector<float> variances;
-  double sum = 0;
+  double sum = 0, square = 0;
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
+    if (enough.levels()[i] == 0) continue;
     const double n = count_.levels()[i];
-    if (n >= kFramesNeeded) {
-      const double mean = sum_.levels()[i] / n;
-      variances.push_back(static_cast<float>((squares_.levels()[i] / n - mean * mean) * n / (n - 1)));
-      sum += mean;
-    }
-    enough.levels()[i] = count_.levels()[i] >= kFramesNeeded ? 1.0F : 0.0F;
-    sum_.levels()[i] = enough.levels()[i] > 0 ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
+    const double mean = sum_.levels()[i] / n;
+    variances.push_back(static_cast<float>((squares_.levels()[i] / n - mean * mean) * n / (n - 1)));
+    sum += mean;
+    square += mean * mean;
   }
-  if (!variances.empty()) {
-    mean_ = sum / static_cast<double>(variances.size());
-    const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-    std::nth_element(variances.begin(), middle, variances.end());
-    unrest_ = *middle;
+  if (variances.empty()) return;
+  const auto places = static_cast<double>(variances.size());
+  mean_ = sum / places;
+  texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_ - noise_variance / kFramesNeeded));
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  unrest_ = *middle;
+}
+
+void GroundPicture::finish(double noise_variance) {
+  Picture enough(region_.width, region_.height), level(region_.width, region_.height);
+  for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
+    const bool known = count_.levels()[i] >= kFramesNeeded;
+    enough.levels()[i] = known ? 1.0F : 0.0F;
+    level.levels()[i] = known ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
   }
-  continue_smoothly(sum_, enough);
-  // A place is known where its neighbours, which the interpolation leans on, are known too.
+  summarise(enough, noise_variance);
+  continue_smoothly(level, enough);
+  const double texture = std::max(texture_ * texture_, 0.01 * noise_variance);
+  const auto prior = static_cast<float>(noise_variance / texture);
+  const auto noise = static_cast<float>(noise_variance);
+  Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);
+  for (std::size_t i = 0; i < level.levels().size(); ++i) {
+    const float seen = count_.levels()[i] + squares_through_.levels()[i];
+    // A place uncovered often enough owes nothing to the prior.
+    const float held = enough.levels()[i] > 0 ? 0 : prior;
+    level.levels()[i] = (sum_.levels()[i] + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
+    own.levels()[i] = noise / (seen + prior);
+    seen_enough.levels()[i] = seen >= kFramesNeeded ? 1.0F : 0.0F;
+  }
+  // The interpolation leans on the neighbours.
   for (int y = 0; y < region_.height; ++y)
     for (int x = 0; x < region_.width; ++x) {
-      float least = 1;
+      float least = 1, sum = 0, n = 0;
       for (int v = std::max(0, y - 1); v <= std::min(region_.height - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(region_.width - 1, x + 1); ++u)
-          least = std::min(least, enough.at(u, v));
+        for (int u = std::max(0, x - 1); u <= std::min(region_.width - 1, x + 1); ++u) {
+          least = std::min(least, seen_enough.at(u, v));
+          sum += own.at(u, v);
+          n += 1;
+        }
       known_.at(x, y) = least;
+      variance_.at(x, y) = sum / n;
     }
-  spline_ = QuinticSpline(sum_);
-  sum_ = Picture();
-  count_ = Picture();
-  squares_ = Picture();
+  spline_ = QuinticSpline(level);
 }
 
-void GroundPicture::sample(double x0, double y0, int width, int height, float* value, float* known) const {
+void GroundPicture::sample(double x0, double y0, int width, int height, float* value, float* known,
+                           float* slope_x, float* slope_y) const {
   const double left = x0 - region_.x;
   const double top = y0 - region_.y;
   const int near_x = static_cast<int>(std::lround(left));
@@ -134,19 +181,41 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* v
   const bool inside = near_x >= -4 && near_y >= -4 && near_x + width <= region_.width + 4 &&
                       near_y + height <= region_.height + 4;
   if (inside) {
-    spline_.sample_window(left, top, width, height, value, nullptr, nullptr);
+    spline_.sample_window(left, top, width, height, value, slope_x, slope_y);
   } else {
     for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i)
-        value[j * width + i] = static_cast<float>(spline_.value(left + i, top + j));
+      for (int i = 0; i < width; ++i) {
+        const SplineSample at = spline_.sample(left + i, top + j);
+        value[j * width + i] = static_cast<float>(at.value);
+        if (slope_x) slope_x[j * width + i] = static_cast<float>(at.slope_x);
+        if (slope_y) slope_y[j * width + i] = static_cast<float>(at.slope_y);
+      }
   }
-  for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width; ++i) {
-      const int x = near_x + i;
-      const int y = near_y + j;
-      known[j * width + i] =
-          x >= 0 && y >= 0 && x < region_.width && y < region_.height ? known_.at(x, y) : 0.0F;
-    }
+  const int first = std::clamp(-near_x, 0, width), last = std::clamp(region_.width - near_x, first, width);
+  std::fill_n(known, static_cast<std::size_t>(width) * height, 0.0F);
+  for (int j = std::max(0, -near_y); j < std::min(height, region_.height - near_y); ++j)
+    std::copy_n(known_.row(near_y + j).begin() + near_x + first, last - first,
+                known + static_cast<std::ptrdiff_t>(j) * width + first);
+}
+
+void GroundPicture::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                                 std::vector<const float*>& corners, TileArrays& arrays,
+                                 std::vector<float>& known) const {
+  const double left = x0 - region_.x, top = y0 - region_.y;
+  const int ix = static_cast<int>(std::floor(left)), iy = static_cast<int>(std::floor(top));
+  const int near_x = static_cast<int>(std::lround(left)), near_y = static_cast<int>(std::lround(top));
+  std::fill(known.begin(), known.end(), 0.0F);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    // Far outside, where nothing is known, the spline is that of the border.
+    corners[t] = spline_.coefficient(std::clamp(ix + tiles[t].x, -8, region_.width),
+                                     std::clamp(iy + tiles[t].y, -8, region_.height));
+    const int x = near_x + tiles[t].x, y = near_y + tiles[t].y;
+    const int first = std::clamp(-x, 0, kTile), last = std::clamp(region_.width - x, first, kTile);
+    for (int j = std::max(0, -y); j < std::min(kTile, region_.height - y); ++j)
+      std::copy_n(known_.row(y + j).begin() + x + first, last - first,
+                  known.begin() + static_cast<std::ptrdiff_t>(t * kTilePixels) + j * kTile + first);
+  }
+  tile_kernels().sample(corners, spline_.stride(), spline_taps(left - ix, top - iy), 0, true, arrays);
 }
 
 }  // namespace tribotrack::vision

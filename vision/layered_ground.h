@@ -1,5 +1,8 @@
-// The platform's picture in its own frame, averaged over the frames in which it is uncovered.
+// The platform's picture in its own frame, averaged over the frames in which it is uncovered or seen through
+// the disc's rim.
 #pragma once
+
+#include <vector>
 
 #include "vision/bspline.h"
 #include "vision/picture.h"
@@ -16,21 +19,47 @@ class GroundPicture {
   /// `picture` is a window of the frame whose first pixel is pixel (x, y). What lies in `hidden` (camera px)
   /// is not the ground.
   void add(const Picture& picture, int x, int y, const Point& displacement, const Circle& hidden);
-  /// To be called once, after the last frame. Places never uncovered are filled smoothly and marked unknown.
-  void finish();
+
+  /// What is seen of place (u, v) through the rim, where the ground's share is w: adds w (I - S) and w^2.
+  void add_through_rim(int u, int v, float weighted, float square) {
+    if (u < region_.x || v < region_.y || u >= region_.x + region_.width || v >= region_.y + region_.height)
+      return;
+    through_.at(u - region_.x, v - region_.y) += weighted;
+    squares_through_.at(u - region_.x, v - region_.y) += square;
+  }
+  void forget_rim();
+
+  /// To be called after the last frame, and again when the rim has told more. A place seen too seldom is held
+  /// to a smooth continuation of its neighbours, by a prior of the texture's own variance.
+  void finish(double noise_variance);
 
   const Rect& region() const { return region_; }
-  /// B at places (x0 + i, y0 + j); known 1 where it was uncovered in enough frames, else 0.
-  void sample(double x0, double y0, int width, int height, float* value, float* known) const;
+  /// B at places (x0 + i, y0 + j); known 1 where it was uncovered in enough frames, else 0. Slopes may
+  /// be null.
+  void sample(double x0, double y0, int width, int height, float* value, float* known,
+              float* slope_x = nullptr, float* slope_y = nullptr) const;
+  /// The same with slopes over tiles whose first places are `tiles` places from (x0, y0); `corners` is
+  /// scratch.
+  void sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                    std::vector<const float*>& corners, TileArrays& arrays, std::vector<float>& known) const;
+  /// B's spline; its first pixel is region()'s first place.
+  const QuinticSpline& spline() const { return spline_; }
+  /// Variance of B at the places of the region: the noise's over the number of frames, up to the texture's
+  /// where a place was never seen.
+  const Picture& variance() const { return variance_; }
   double mean() const { return mean_; }
   /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
   /// right.
   double unrest() const { return unrest_; }
+  /// Grey levels rms beyond the noise, over all places that are known.
+  double texture() const { return texture_; }
 
  private:
+  void summarise(const Picture& enough, double noise_variance);
+
   Rect region_;
-  Picture sum_, squares_, count_, known_;
-  double mean_ = 0, unrest_ = 0;
+  Picture sum_, squares_, count_, through_, squares_through_, known_, variance_;
+  double mean_ = 0, unrest_ = 0, texture_ = 0;
   QuinticSpline spline_;
 };
 

@@ -4,17 +4,19 @@
 #include <cmath>
 #include <span>
 
-#include "vision/disc_detection.h"
+#include "vision/layered_learning.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kEarlySweeps = 7;  ///< over every kEarlyStride-th window
-constexpr std::size_t kEarlyStride = 4;
-constexpr int kSweeps = 2;             ///< over all of them
+constexpr std::size_t kEarly = 32;     ///< windows of most sweeps
 constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
-constexpr double kGroundPixels = 6e7;  ///< of all frames the platform's picture is averaged from
+constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
+constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
+/// Learnt pictures err alike where the disc stands alike on the platform; measured on rendered scenes: as if
+/// so many of the windows' own numbers were fitted.
+constexpr double kLearntCost = 4;
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
@@ -58,65 +60,6 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
   return clipped(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
 }
 
-NoiseLaw noise_law(const LayeredRegistration::LevelSums& s) {
-  NoiseLaw law;
-  const double mean = s.level / s.n;
-  const double spread = s.level_level / s.n - mean * mean;
-  const double square = s.square / s.n;
-  if (spread > 1) law.per_level = std::max(0.0, (s.level_square / s.n - mean * square) / spread);
-  law.constant = square - law.per_level * mean;
-  if (law.constant < 1.0 / 12) {
-    law.constant = 1.0 / 12;
-    law.per_level = mean > 0 ? std::max(0.0, (square - law.constant) / mean) : 0;
-  }
-  return law;
-}
-
-/// Learns the disc from windows, and measures these again over what was learnt.
-struct Learning {
-  LayeredDisc& disc;
-  const GroundPicture& ground;
-  LayeredRegistration& registration;
-  const LayeredOptions& options;
-  LayeredResult& out;
-  Point offset;  ///< of the rim's centre from the pivot in the disc's picture
-  std::vector<LayeredFix> fixes;
-
-  /// The disc's picture turns about the middle of its grid: its rim's centre is brought there first.
-  void learn(std::span<KeptWindow> windows) {
-    for (KeptWindow& w : windows) {
-      w.state.centre.x += offset.x;
-      w.state.centre.y += offset.y;
-    }
-    disc.learn(windows, ground, options.noise_variance);
-    registration.disc_changed();
-    registration.set_noise(out.noise);
-    const auto middle = static_cast<double>(disc.half());
-    offset = {};
-    if (const auto fit = fit_disc(disc.on_plain(ground.mean()), {middle, middle, options.disc.radius}, 2.0)) {
-      offset = {fit->circle.x - middle, fit->circle.y - middle};
-      out.disc_radius = fit->circle.radius;
-      out.disc_radius_sd = fit->radius_sd;
-    }
-  }
-
-  /// False where most windows are not explained.
-  bool measure(std::span<KeptWindow> windows) {
-    LayeredRegistration::LevelSums sums;
-    fixes.clear();
-    for (KeptWindow& w : windows)
-      if (const auto fix = registration.refine(w.picture, w.x, w.y, w.state)) {
-        w.state = fix->state;
-        fixes.push_back(*fix);
-        registration.add_residuals(sums);
-      }
-    if (fixes.size() < std::max(kFewest, windows.size() / 2)) return false;
-    out.noise = noise_law(sums);
-    registration.set_noise(out.noise);
-    return true;
-  }
-};
-
 }  // namespace
 
 LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
@@ -131,14 +74,15 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   const Rect region = swath(frames, reach, source.bounds());
 
   // Keep windows, average the ground.
-  const double window_bytes = 4 * std::pow(2 * reach + 2, 2);
+  const double window_bytes =
+      4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
   const auto windows =
       std::min(frames.size(),
                static_cast<std::size_t>(std::max(
                    16.0, std::min<double>(options.max_windows, options.max_kept_bytes / window_bytes))));
   const double area = static_cast<double>(region.width) * region.height;
   const auto ground_stride = static_cast<std::size_t>(
-      std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(16.0, kGroundPixels / area))));
+      std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(kGroundFrames, kGroundPixels / area))));
   GroundPicture ground(region);
   std::vector<KeptWindow> kept;
   Picture frame;
@@ -149,54 +93,49 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     const bool whole = k % ground_stride == 0;
     const Rect part = whole ? region : about;
     source.read(f.index, part, frame);
-    kept.push_back({cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}});
+    KeptWindow window{cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    window.spline = QuinticSpline(window.picture);
+    kept.push_back(std::move(window));
     if (whole) ground.add(frame, part.x, part.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
   }
-  ground.finish();
+  ground.finish(options.noise_variance);
   if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
     out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
     return out;
   }
   out.windows = static_cast<int>(windows);
+  out.ground_texture = ground.texture();
 
   // A part of the windows first, spread over the recording: most sweeps need no more.
-  std::stable_partition(kept.begin(), kept.end(), [&, n = 0](const KeptWindow&) mutable {
-    return windows < kEarlyStride * kFewest || n++ % kEarlyStride == 0;
+  const std::size_t few = std::min(kEarly, windows);
+  std::stable_partition(kept.begin(), kept.end(), [&, n = std::size_t{0}](const KeptWindow&) mutable {
+    const std::size_t k = n++;
+    return k * few / windows != (k + 1) * few / windows;
   });
   LayeredRegistration registration(disc, ground);
-  out.noise.constant = options.noise_variance;
-  Learning learning{disc, ground, registration, options, out, {}, {}};
+  LayeredLearning learning(disc, ground, registration, options.disc.radius, {options.noise_variance, 0});
   const std::span<KeptWindow> all(kept);
-  const auto early =
-      all.first(windows < kEarlyStride * kFewest ? windows : (windows + kEarlyStride - 1) / kEarlyStride);
-  bool explained = true;
-  for (int sweep = 0; sweep < kEarlySweeps && explained; ++sweep) {
-    learning.learn(early);
-    explained = learning.measure(sweep + 1 < kEarlySweeps ? early : all);
-  }
-  for (int sweep = 0; sweep < kSweeps && explained; ++sweep) {
-    learning.learn(all);
-    explained = learning.measure(all);
-  }
-  if (!explained) {
+  const auto early = all.first(few);
+  if (!learning.run(early, all)) {
     out.why_not = "the layers do not explain most of the kept frames";
     return out;
   }
-  const Point offset = learning.offset;
-  const std::vector<LayeredFix>& learnt = learning.fixes;
+  const Point offset = learning.offset();
+  out.noise = learning.noise();
+  out.disc_radius = learning.disc_radius();
+  out.disc_radius_sd = learning.disc_radius_sd();
+  out.rim_excess = learning.rim_chi_squared() - 1;
 
-  double rim_chi = 0;
-  for (const LayeredFix& fix : learnt) rim_chi += fix.rim_chi_squared / static_cast<double>(learnt.size());
-  out.rim_excess = rim_chi - 1;
-
-  const double widened = std::max(1.0, rim_chi) * (1 + 1 / static_cast<double>(windows));
+  const double widened =
+      std::max(1.0, learning.rim_chi_squared()) * (1 + kLearntCost / static_cast<double>(windows));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,
                                 f.centre.x + registration.reach() + 1, f.centre.y + registration.reach() + 1,
                                 source.bounds());
     source.read(f.index, window, frame);
-    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground});
+    auto fix =
+        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning.light());
     if (fix) {
       fix->covariance *= widened;
       fix->state.centre.x += offset.x;

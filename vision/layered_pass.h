@@ -33,7 +33,7 @@ struct LayeredOptions {
   double noise_variance = 1;  ///< a start
   bool motion_known = false;  ///< else the pass looks whether the platform rests
   int max_windows = 128;      ///< kept for learning: the layers' own noise adds 1 / windows to the variance
-  double max_kept_bytes = 64e6;
+  double max_kept_bytes = 110e6;
   std::function<void(std::int64_t done)> progress;  ///< frames measured
 };
 
@@ -45,10 +45,9 @@ struct LayeredResult {
   NoiseLaw noise;
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0;
-  double ground_texture = 0;  ///< of the platform's picture about the path, grey levels rms
+  double ground_texture = 0;  ///< of the platform's picture, grey levels rms
   double rim_excess =
       0;  ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
-  bool light_known = false;  ///< the light's slope follows from the place; else it is free in every frame
 };
 
 /// Never throws for what the scene is like; InputError for a recording that cannot be read.

@@ -1,16 +1,24 @@
 // Where exactly is the disc in a frame, both layers known?
 //
-// Weighted Gauss-Newton on  sum_x (I(x) - [a (1 + g . u) S(u; theta) + b w(u) B(x - p)])^2 / (n0 + n1 I)
+// Weighted Gauss-Newton on  sum_x (I(x) - [a (1 + g . u) S(u; theta) + b G(x)])^2 / var(x),
+//   G = w(u) B(x - p) + kappa grad w . grad B,   var = n0 + n1 I + (b w)^2 var_B,
 // over c, theta, a, g and b, u = x - c. The gradient with respect to c is -(a (1 + g . u) grad S + b B grad
-// w). Layers are quintic splines shifted against the untouched picture, whose noise stays white. The
-// covariance of c is its block of the inverse of the Fisher information, the other unknowns being unknown.
+// w). Layers are quintic splines shifted against the untouched picture, whose noise stays white; var_B is
+// what is not known of the ground, which at places never uncovered is its whole texture. The covariance of c
+// is its block of the inverse of the Fisher information, the other unknowns being unknown.
+//
+// Only pixels that tell something about c take part one by one, in tiles of 8 x 8 (informative_pixels.h). The
+// disc's even middle tells about the light alone: it is summed against the disc's picture at whole pixels.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
+#include "vision/informative_pixels.h"
 #include "vision/layered_disc.h"
+#include "vision/layered_kernels.h"
 
 namespace tribotrack::vision {
 
@@ -27,7 +35,7 @@ struct LayeredFix {
   double chi_squared = 0;                                ///< per pixel, all that count
   double rim_chi_squared = 0;                            ///< per pixel of the rim
   double trimmed_share = 0;
-  double ncc = 0;  ///< picture against model
+  double ncc = 0;  ///< picture against model, where it tells something
 };
 
 class LayeredRegistration {
@@ -35,17 +43,22 @@ class LayeredRegistration {
   /// Keeps references: disc and ground must outlive it.
   LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground);
 
-  void set_noise(const NoiseLaw& noise) { noise_ = noise; }
-  /// To be called when the disc has learnt something new.
-  void disc_changed();
+  void set_noise(const NoiseLaw& noise);
+  /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
+  /// picture is not information.
+  void disc_changed(int frames);
 
   /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the
   /// rim lies in the window over known ground, or where the fit does not converge within 2 px.
   std::optional<LayeredFix> refine(const Picture& picture, int x, int y, const LayeredState& start,
                                    const LightPrior& prior = {});
 
+  /// Which pixels of the disc's grid take part one by one: 1, else 0.
+  const Picture& chosen() const { return chosen_; }
   /// Pixels about the centre that refine() looks at.
   int reach() const { return reach_; }
+  /// Share of the pixels about the disc that take part one by one.
+  double pixel_share() const { return pixel_share_; }
 
   /// Residuals of the last refine(), for the noise law: levels predicted and squared residuals of the pixels
   /// away from the rim are added up.
@@ -54,21 +67,69 @@ class LayeredRegistration {
   };
   void add_residuals(LevelSums& sums) const;
 
+  /// The last refine() on kappa: sums of weight q r and weight q^2 over the rim, q = b grad w . grad B; and
+  /// on a shift of w alone, all else following: normal equations with q = -b (B - mean B) grad w, the frame's
+  /// own unknowns eliminated.
+  struct RimSums {
+    double qr = 0, qq = 0;
+    Eigen::Matrix2d shift_normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d shift_force = Eigen::Vector2d::Zero();
+  };
+  void add_rim(RimSums& sums) const;
+
  private:
+  using Matrix =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLayerColumns, kLayerColumns>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLayerColumns, 1>;
+  /// Light over the disc's even middle: sums against its three columns.
+  struct Plateau {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< at light (1, 0, 0)
+    double squares = 0, pixels = 0;
+    Eigen::Vector3d force_at(const LayerLight& light) const;
+    double squares_at(const LayerLight& light) const;
+  };
+  void choose_pixels(int frames);
+  void make_plateau();
   void turn_to(double theta);
-  void form(const LayeredState& state, bool slopes);
+  bool take_picture(const Picture& picture, int x, int y, const Point& ground);
+  Plateau take_plateau(const Picture& picture, int x, int y) const;
+  Plateau trimmed_plateau(const Picture& picture, int x, int y, const LayerLight& light) const;
+  void sample(const Point& centre, bool slopes);
+  Matrix normal_matrix(const LayerLight& light, const Plateau& plateau, double hold);
+  std::size_t trim(const LayerLight& light);
+  float residual(std::size_t i, const LayerLight& light) const;
+  int columns() const { return disc_.turning() ? 7 : 6; }
 
   const LayeredDisc& disc_;
   const GroundPicture& ground_;
   NoiseLaw noise_;
   int reach_ = 0;
+  double pixel_share_ = 1;
   double cached_theta_ = 1e9;
+  Picture shown_;  ///< S at the angle it was last formed for
   QuinticSpline standing_, slope_theta_, share_;
-  // The window: one entry per pixel.
-  int x0_ = 0, y0_ = 0;
-  std::vector<float> level_, weight_, below_, known_, disc_level_, disc_x_, disc_y_, disc_theta_,
-      see_through_, see_x_, see_y_, residual_, predicted_, u_, v_, rho_;
-  Eigen::MatrixXf jacobian_;
+
+  std::vector<TilePlace> places_;  ///< px from the centre's pixel
+  Picture chosen_;
+  std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
+  double rim_pixels_ = 0, rim_counted_ = 0;
+  Picture plateau_weight_;  ///< on the disc's grid
+  Eigen::Matrix3d plateau_normal_ = Eigen::Matrix3d::Zero();
+  double plateau_pixels_ = 0;
+  struct Run {
+    int y = 0, first = 0, count = 0;  ///< on the disc's grid
+  };
+  std::vector<Run> runs_;
+  std::vector<float> ramp_;  ///< -half .. half
+
+  // The frame at hand.
+  int x0_ = 0, y0_ = 0;  ///< the centre's pixel
+  LayerArrays arrays_;
+  std::vector<float> counts_;  ///< mask_ less what lies outside the picture or is trimmed
+  std::vector<const float*> corners_;
+  LayerLight light_;  ///< of the last refine()
+  Matrix normal_;     ///< likewise
 };
 
 }  // namespace tribotrack::vision

@@ -16,6 +16,8 @@ class RimProfile {
   double at(double rho) const;
   double inner() const { return inner_; }  ///< w = 0 up to here
   double outer() const { return outer_; }  ///< w = 1 from here
+  const std::vector<double>& knots() const { return value_; }
+  void set_knots(const std::vector<double>& values) { value_ = values; }
 
   /// One pixel of the disc at a distance rho: its covariance of levels with the ground's, and the ground's
   /// variance, each summed over the frames.

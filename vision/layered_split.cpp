@@ -12,7 +12,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kPad = 4;            ///< coefficients beyond the grid
-constexpr int kRounds = 10;         ///< overlapping rings share what they take out: one round leaves a part
+constexpr int kRounds = 10;        ///< overlapping rings share what they take out: one round leaves a part
 constexpr double kEnough = 1e-10;  ///< of the first residual's square
 
 using Vector = Eigen::VectorXf;

@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "vision/layered_pass.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTextureShare = 0.6;  ///< of the noise: the least ground texture that is told from noise
+constexpr double kTextureShare = 0.3;  ///< of the noise: the least ground texture that costs accuracy
+constexpr double kScatter = 4;         ///< sd of a variance's estimate that are not a texture
 constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
 constexpr const char* kName = "layers: disc over platform";
 
@@ -71,22 +73,24 @@ void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& 
 
 }  // namespace
 
-bool layers_wanted(const FirstPass& first, Layers layers) {
+bool layers_wanted(const FirstPass& first, double radius, Layers layers) {
   if (layers == Layers::off || first.blur <= 0) return false;
   const double noise = std::sqrt(first.noise_variance);
-  return layers == Layers::on || first.ground_texture > kTextureShare * noise ||
-         first.excess > kExcessShare * noise;
+  // The ring that the texture was measured in has this many pixels or more: noise alone scatters that much.
+  const double pixels = std::numbers::pi * (std::pow(radius + 8, 2) - std::pow(radius + 4, 2));
+  const double told = std::max(kTextureShare, std::sqrt(kScatter * std::sqrt(2 / pixels)));
+  return layers == Layers::on || first.ground_texture > told * noise || first.excess > kExcessShare * noise;
 }
 
 bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
                    TrackSummary& summary, const std::function<void(std::int64_t)>& progress) {
   const auto off = [&](const std::string& reason) {
-    summary.plan.push_back({kName, false, reason, 0.5, 0});
+    summary.plan.push_back({kName, false, reason, 0, 0, first.layers_cost});
     return false;
   };
   if (layers == Layers::off) return off("switched off; " + finding(first));
   if (first.blur <= 0) return off("the part has no measured round rim");
-  if (!layers_wanted(first, layers)) return off(finding(first));
+  if (!layers_wanted(first, summary.disc.radius, layers)) return off(finding(first));
 
   std::vector<std::size_t> places;
   const std::vector<FirstPassFrame> frames = seen_frames(track, first, places);
@@ -103,9 +107,12 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   std::vector<bool> changed(track.points.size(), false);
   std::vector<double> limits;
   Point moved;
+  double square = 0;
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (!result.fixes[k]) continue;
     TrackPoint& p = track.points[places[k]];
+    square += std::pow(result.fixes[k]->state.centre.x - p.x, 2) +
+              std::pow(result.fixes[k]->state.centre.y - p.y, 2);
     moved.x += result.fixes[k]->state.centre.x - p.x;
     moved.y += result.fixes[k]->state.centre.y - p.y;
     change(p, *result.fixes[k]);
@@ -114,6 +121,9 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   }
   if (limits.empty()) return off("the layers explain no frame; " + finding(first));
   const auto count = static_cast<double>(limits.size());
+  // What it bought: how far, the mean not counted, the single template was from here.
+  const double bought =
+      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
   keep_the_rest(track, changed, {moved.x / count, moved.y / count});
   std::nth_element(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(limits.size() / 2),
                    limits.end());
@@ -136,8 +146,9 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
        finding(first) +
            format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
                   result.windows, result.noise.constant, result.noise.per_level,
-                  100 * std::max(0.0, result.rim_excess)),
-       0, 0});
+                  100 * std::max(0.0, result.rim_excess)) +
+           format("; positions moved by %.4f px rms", bought),
+       0, bought, first.layers_cost});
   return true;
 }
 

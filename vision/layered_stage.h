@@ -20,6 +20,7 @@ struct FirstPass {
   double ground_texture = 0;  ///< about the part in the first frame, grey levels rms beyond the noise
   double excess = 0;          ///< median residual beyond the noise, grey levels rms
   double blur = 0;            ///< of the part's rim, px; 0 where the part is not a disc
+  double layers_cost = 0;     ///< see plan_costs.h
 };
 
 /// Measures every frame again over the platform's own picture where the plan says that it pays: positions,
@@ -29,7 +30,7 @@ struct FirstPass {
 bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
                    TrackSummary& summary, const std::function<void(std::int64_t)>& progress);
 
-/// Whether layered_stage() would try, as far as this is known after the first pass.
-bool layers_wanted(const FirstPass& first, Layers layers);
+/// Whether layered_stage() would try, as far as this is known after the first pass; radius of the part, px.
+bool layers_wanted(const FirstPass& first, double radius, Layers layers);
 
 }  // namespace tribotrack::vision

@@ -1,8 +1,10 @@
 // The layered model of a frame:
-//   I_k(x) = a_k (1 + g_k . u) S(u) + b_k w(u) B(x - p_k),   u = x - c_k
+//   I_k(x) = a_k (1 + g_k . u) S(u) + b_k [w(u) B(x - p_k) + kappa grad w . grad B],   u = x - c_k
 // with S the disc's premultiplied picture, w = 1 - alpha the share of the ground seen through its rim, B the
-// platform's picture. What differs from frame to frame stands here. The light's slope g_k absorbs vignetting
-// and uneven lamps, a_k and b_k flicker.
+// platform's picture. A pixel shows the mean of the product of the sharp share and the sharp ground, which is
+// not the product of their means: to first order the difference is kappa grad w . grad B, with kappa the
+// variance of what blurs both together: 1/12 px^2 for a square pixel, and the optics' s^2. What differs from
+// frame to frame stands here. The light's slope g_k absorbs vignetting and uneven lamps, a_k and b_k flicker.
 #pragma once
 
 #include "vision/picture.h"

@@ -6,7 +6,8 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBlock = 16;
+constexpr int kBlock = 16;     ///< of a single picture
+constexpr int kPairBlock = 8;  ///< of a difference of two: small, so that few of them hold something moving
 constexpr double kRounding = 1.0 / 12;
 
 double median_of(std::vector<double>& values) {
@@ -14,6 +15,25 @@ double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// Mean over the blocks about the median that noise alone explains: what moves raises a block far beyond the
+/// scatter of such an estimate, and the median of all with it.
+double usual_of(std::vector<double>& blocks) {
+  constexpr double kScatter = 0.178;  // sqrt(2 / (64 - 1))
+  constexpr double kCut = 0.0177;     // phi(2.5) / Phi(2.5): the mean below 2.5 sd, in sd
+  double estimate = median_of(blocks);
+  for (int round = 0; round < 10; ++round) {
+    double sum = 0, count = 0;
+    for (const double b : blocks)
+      if (b < (1 + 2.5 * kScatter) * estimate && b > (1 - 4 * kScatter) * estimate) {
+        sum += b;
+        ++count;
+      }
+    if (count == 0) break;
+    estimate = sum / count / (1 - kCut * kScatter);
+  }
+  return estimate;
 }
 
 }  // namespace
@@ -25,22 +45,22 @@ double noise_variance(const std::vector<Picture>& consecutive) {
     const Picture& a = consecutive[k];
     const Picture& b = consecutive[k + 1];
     std::vector<double> blocks;
-    for (int y0 = 0; y0 + kBlock <= a.height(); y0 += kBlock)
-      for (int x0 = 0; x0 + kBlock <= a.width(); x0 += kBlock) {
+    for (int y0 = 0; y0 + kPairBlock <= a.height(); y0 += kPairBlock)
+      for (int x0 = 0; x0 + kPairBlock <= a.width(); x0 += kPairBlock) {
         double s = 0;
         double q = 0;
-        for (int y = y0; y < y0 + kBlock; ++y)
-          for (int x = x0; x < x0 + kBlock; ++x) {
+        for (int y = y0; y < y0 + kPairBlock; ++y)
+          for (int x = x0; x < x0 + kPairBlock; ++x) {
             const double d = static_cast<double>(a.at(x, y)) - b.at(x, y);
             s += d;
             q += d * d;
           }
-        constexpr double n = kBlock * kBlock;
+        constexpr double n = kPairBlock * kPairBlock;
         const double variance = (q - s * s / n) / (n - 1) / 2;
         if (variance > 0) blocks.push_back(variance);  // 0: black, clipped, or a repeated frame
       }
     if (blocks.empty()) continue;
-    sum += median_of(blocks);
+    sum += usual_of(blocks);
     ++pairs;
   }
   double variance = pairs > 0 ? sum / pairs : 0;

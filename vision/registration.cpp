@@ -120,13 +120,7 @@ void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
   const double y = pattern_.window.y - spline_y_ - fraction.dy;
   const int ix = static_cast<int>(std::floor(x));
   const int iy = static_cast<int>(std::floor(y));
-  const auto narrow = [](const std::array<double, 6>& from) {
-    std::array<float, 6> to{};
-    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
-    return to;
-  };
-  const SplineTaps taps{narrow(quintic_weights(x - ix)), narrow(quintic_slopes(x - ix)),
-                        narrow(quintic_weights(y - iy)), narrow(quintic_slopes(y - iy))};
+  const SplineTaps taps = spline_taps(x - ix, y - iy);
   for (std::size_t t = 0; t < places_.size(); ++t)
     corners_[t] = spline_.coefficient(ix + places_[t].x, iy + places_[t].y);
   tile_kernels().sample(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);

@@ -11,6 +11,11 @@ namespace tribotrack::vision {
 inline constexpr int kTile = 8;
 inline constexpr std::size_t kTilePixels = 64;
 
+/// A tile's first pixel.
+struct TilePlace {
+  int x = 0, y = 0;
+};
+
 /// Weights and slopes of the six B-spline coefficients around a place, per axis; the same for every pixel
 /// when the template only moves.
 struct SplineTaps {

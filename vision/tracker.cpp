@@ -11,6 +11,7 @@
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
+#include "vision/plan_costs.h"
 #include "vision/rim_watch.h"
 #include "vision/template_average.h"
 #include "vision/texture_patch.h"
@@ -19,10 +20,10 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kNoiseFrames = 6;
-constexpr double kGivenCapture = 3;      ///< px a user's click may be wrong
-constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
-constexpr double kClickSd = 0.5;         ///< sd of a radius that no rim confirms, px
-constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
+constexpr double kGivenCapture = 3;       ///< px a user's click may be wrong
+constexpr std::int64_t kRimFrames = 16;   ///< in which the disc's radius is measured
+constexpr double kClickSd = 0.5;          ///< sd of a radius that no rim confirms, px
+constexpr double kRotationLimit = 0.05;   ///< rad: a texture that shows less does not show rotation
 constexpr double kQuietTemplate = 0.002;  ///< added variance that is not worth averaging frames for
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
 
@@ -160,7 +161,18 @@ struct Setup {
   FollowOptions follow;
   double ground_texture = 0;
   double template_noise_cost = 0;
+  PlanCosts costs;
 };
+
+/// Pixels of the template, those that take part, and the window that is read about a prediction.
+PlanCosts costs_of(const Pattern& pattern, const TemplateRegistration& registration) {
+  constexpr int kMargin = 10;
+  PlanCosts costs;
+  for (const float weight : pattern.weights.levels()) costs.mask_pixels += weight > 0;
+  costs.part_pixels = costs.mask_pixels * registration.pixel_share();
+  costs.window_pixels = (pattern.window.width + kMargin) * (pattern.window.height + kMargin);
+  return costs;
+}
 
 Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
                 double noise_variance, TrackSummary& summary) {
@@ -198,20 +210,21 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
                             format("the ground around the disc has a texture of %.1f grey levels rms against "
                                    "noise of %.1f",
                                    texture, std::sqrt(noise_variance)),
-                            0, 0});
+                            0, 0, 0});
   }
   RegistrationOptions probe;
   probe.noise_variance = noise_variance;
   const TemplateRegistration trial(first, setup.pattern, probe);
   setup.follow.rotation = trial.limit_theta() < kRotationLimit;
   setup.template_noise_cost = trial.template_noise_cost();
+  setup.costs = costs_of(setup.pattern, trial);
   summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
   summary.plan.push_back(
       {"rotation", setup.follow.rotation,
        trial.limit_theta() < 10
            ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
            : std::string("the part has no texture above the noise that shows rotation"),
-       0, 0});
+       0, 0, setup.costs.rotation()});
   return setup;
 }
 
@@ -231,9 +244,9 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const
     reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
                     average.frames);
   }
-  summary.plan.push_back(
-      {"template averaged over the first frames", average.frames > 1, reason, 0,
-       average.frames > 1 ? 0 : summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1)});
+  summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
+                          summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),
+                          setup.costs.averaging(TemplateAverageOptions{}.frames)});
   return average;
 }
 
@@ -241,7 +254,9 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
                                            const TrackOptions& options, double noise_variance,
                                            TrackSummary& summary) {
   if (options.marker.kind == MarkerChoice::Kind::none) {
-    summary.plan.push_back({"marker", false, "none asked for: positions are the camera's", 0, 0});
+    constexpr double kUsualRadius = 12;
+    summary.plan.push_back({"marker", false, "none asked for: positions are the camera's", 0, 0,
+                            PlanCosts().marker(kUsualRadius)});
     return std::nullopt;
   }
   if (options.marker.kind == MarkerChoice::Kind::texture) return std::nullopt;  // once the path is known
@@ -276,7 +291,7 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
   summary.plan.push_back({"marker", true,
                           format("at (%.1f, %.1f) px, radius %.1f px: its motion is subtracted",
                                  summary.marker.x, summary.marker.y, summary.marker.radius),
-                          0, 0});
+                          0, 0, PlanCosts().marker(summary.marker.radius)});
   return PatternFollower(average.picture, range.first, pattern, follow);
 }
 
@@ -341,7 +356,7 @@ void follow_texture(FrameSource& source, const Picture& first, std::int64_t firs
        format("none: a patch of the platform's texture at (%d, %d), %d px wide, that the part never covers "
               "locates it to %.2g px a frame",
               patch->window.x, patch->window.y, patch->window.width, patch->limit_px),
-       0, 0});
+       0, 0, PlanCosts().marker(summary.marker.radius)});
   if (const auto lost = static_cast<std::int64_t>(result.track.points.size()) - seen; lost > 0)
     summary.warnings.push_back(
         format("the platform's texture was not found again in %lld frames", static_cast<long long>(lost)));
@@ -379,16 +394,20 @@ void count(const Track& track, double max_lost_share, TrackSummary& summary) {
                         max_lost_share * static_cast<double>(std::max<std::int64_t>(1, summary.frames));
 }
 
-void note_effort(const FollowEffort& effort, TrackSummary& summary) {
+void note_effort(const FollowEffort& effort, const PlanCosts& costs, const Rect& picture,
+                 TrackSummary& summary) {
   const auto frames = static_cast<double>(std::max<std::int64_t>(1, summary.frames));
+  // A stage that is on works in some of the frames; one that is off would have worked in all.
+  const auto share = [&](std::int64_t used) { return used > 0 ? static_cast<double>(used) / frames : 1; };
+  constexpr double kMargin = 5;
   summary.plan.push_back({"correlation over the predicted window", effort.window_searches > 0,
                           format("refinement from the prediction proved the match in %.1f %% of the frames",
                                  100 * static_cast<double>(effort.proved_by_refinement) / frames),
-                          0, 0});
+                          0, 0, share(effort.window_searches) * costs.window_search(kMargin)});
   summary.plan.push_back({"search of the whole frame", effort.whole_frame_searches > 0,
                           format("needed in %lld frames, where the part was lost",
                                  static_cast<long long>(effort.whole_frame_searches)),
-                          0, 0});
+                          0, 0, share(effort.whole_frame_searches) * costs.whole_search(picture)});
 }
 
 /// Grey levels rms beyond the noise, of the median frame.
@@ -437,6 +456,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   leading.clear();
 
   Setup setup = plan_part(first, source, options, noise, summary);
+  setup.costs.frames = static_cast<double>(range.last - range.first + 1);
   const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
   PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
   std::optional<PatternFollower> marker = plan_marker(first, range, source, options, noise, summary);
@@ -491,8 +511,9 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   if (wants_texture(options, marker.has_value()))
     follow_texture(source, first, range.first, options, noise, setup.pattern, result);
   count(result.track, options.max_lost_share, summary);
-  note_effort(part.effort(), summary);
+  note_effort(part.effort(), setup.costs, source.bounds(), summary);
   pass.excess = median_excess(excess);
+  pass.layers_cost = setup.costs.layers(summary.disc.radius, std::min(128.0, setup.costs.frames));
   summary.layered =
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);
@@ -502,6 +523,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
     summary.disc_radius_sd = mean->sd;
   }
   if (!summary.layered) note_excess(pass.excess, summary.noise_levels, summary);
+  predict_savings(summary.plan, setup.costs.base());
   return result;
 }
 

@@ -55,8 +55,9 @@ struct PlanStage {
   std::string name;
   bool on = false;
   std::string reason;           ///< with its figure
-  double predicted_saving = 0;  ///< share of run time saved by leaving it out, 0 .. 1
+  double predicted_saving = 0;  ///< share of run time that leaving it out saves (on) or saved (off), 0 .. 1
   double error_bound_px = 0;    ///< what leaving it out can add
+  double cost = 0;              ///< predicted, see plan_costs.h
 };
 
 struct TrackSummary {

@@ -36,7 +36,7 @@ TEST(GroundPicture, IsThePlatformInItsOwnFrameWhateverTheLight) {
         if (std::hypot(x - hidden.x, y - hidden.y) < 5) picture.at(x, y) = 200;
     ground.add(picture, 0, 0, p, hidden);
   }
-  ground.finish();
+  ground.finish(1);
   constexpr int n = 30;
   std::vector<float> value(n * n), known(n * n);
   const double x0 = 30.37;
@@ -54,7 +54,7 @@ TEST(GroundPicture, IsThePlatformInItsOwnFrameWhateverTheLight) {
 TEST(GroundPicture, WhatWasNeverUncoveredIsUnknown) {
   GroundPicture ground({0, 0, 60, 60});
   for (int k = 0; k < 5; ++k) ground.add(Picture(60, 60, 70), 0, 0, {}, {30, 30, 10});
-  ground.finish();
+  ground.finish(1);
   std::vector<float> value(60 * 60), known(60 * 60);
   ground.sample(0, 0, 60, 60, value.data(), known.data());
   EXPECT_EQ(known[30 * 60 + 30], 0);
@@ -69,7 +69,7 @@ TEST(GroundPicture, WrongDisplacementsShowAsUnrest) {
   GroundPicture ground({0, 0, 80, 60});
   for (int k = 0; k < 12; ++k)
     ground.add(frame_of(texture, {2.7 * std::cos(0.5 * k), 0}, 80, 60), 0, 0, {}, {40, 30, 5});
-  ground.finish();
+  ground.finish(1);
   EXPECT_GT(ground.unrest(), 5);
 }
 

@@ -33,6 +33,26 @@ TEST(NoiseVariance, IsThatOfNoiseAndRoundingWhateverMoves) {
   }
 }
 
+TEST(NoiseVariance, SmallPictureHalfFullOfAMovingDisc) {
+  std::mt19937 random(16);
+  for (const double sigma : {1.0, 3.0}) {
+    SCOPED_TRACE(testing::Message() << "sigma " << sigma);
+    test::TestScene scene;
+    scene.width = scene.height = 64;
+    double sum = 0;
+    constexpr int kRuns = 8;
+    for (int run = 0; run < kRuns; ++run) {
+      std::vector<Picture> frames;
+      for (int k = 0; k < 6; ++k) {
+        scene.discs = {{28.0 + 1.3 * k, 31, 15, 0, 170, {}}};
+        frames.push_back(test::noisy(scene.render(), sigma, random));
+      }
+      sum += noise_variance(frames) / kRuns;
+    }
+    EXPECT_NEAR(sum / (sigma * sigma + 1.0 / 12), 1, 0.02);
+  }
+}
+
 TEST(NoiseVariance, ChangeOfLightCancels) {
   auto frames = frames_with(2, 13, 0);
   for (std::size_t k = 0; k < frames.size(); ++k)

@@ -1,0 +1,49 @@
+// Rendered recordings in memory, for the benchmarks.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/scene_noise.h"
+#include "vision/window.h"
+
+namespace tribotrack::vision {
+
+/// White noise, then whole levels of 8 bits.
+inline Picture recorded(const Picture& exact, double noise, std::uint64_t frame) {
+  const CounterRandom random(20210, frame);
+  Picture out = exact;
+  std::uint64_t counter = 0;
+  for (float& level : out.levels())
+    level =
+        std::clamp(std::round(level + static_cast<float>(noise) * random.gaussian(counter++)), 0.0F, 255.0F);
+  return out;
+}
+
+/// Keeps a reference to the frames.
+class FramesInMemory : public FrameSource {
+ public:
+  explicit FramesInMemory(const std::vector<Picture>& frames) : frames_(frames) {
+    info_.path = "rendered scene";
+    info_.format = "memory";
+    info_.width = frames.front().width();
+    info_.height = frames.front().height();
+    info_.bits = 8;
+    info_.frame_count = static_cast<std::int64_t>(frames.size());
+    info_.time_base = choose_time_base({user_rate(1000)});
+  }
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    prepare_window(info_, index, window, picture);
+    const Picture& frame = frames_[static_cast<std::size_t>(index)];
+    for (int y = 0; y < window.height; ++y)
+      std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+  }
+
+ private:
+  const std::vector<Picture>& frames_;
+};
+
+}  // namespace tribotrack::vision

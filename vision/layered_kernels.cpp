@@ -1,0 +1,207 @@
+#include "vision/layered_kernels.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace tribotrack::vision {
+namespace {
+
+// Eight floats. The compiler makes two SSE registers or one AVX register of it, as the function's target has.
+using Lanes [[gnu::vector_size(32)]] = float;
+
+#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
+
+// References, not values: vectors are never passed between functions of different targets.
+TRIBOTRACK_KERNEL void load(const float* from, Lanes& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+TRIBOTRACK_KERNEL void store(const Lanes& from, float* to) {
+  std::memcpy(to, &from, sizeof from);
+}
+TRIBOTRACK_KERNEL double sum(const Lanes& v) {
+  double s = 0;
+  for (int i = 0; i < kTile; ++i) s += static_cast<double>(v[i]);
+  return s;
+}
+
+struct FloatLight {
+  float gain, slope_x, slope_y, ground, turn, blend;
+  explicit FloatLight(const LayerLight& l)
+      : gain(static_cast<float>(l.gain)),
+        slope_x(static_cast<float>(l.slope_x)),
+        slope_y(static_cast<float>(l.slope_y)),
+        ground(static_cast<float>(l.ground)),
+        turn(static_cast<float>(l.turn)),
+        blend(static_cast<float>(l.blend)) {}
+};
+
+template <int columns>
+TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask, const LayerLight& at,
+                                        const NoiseLaw& noise) {
+  constexpr int kSums = columns * (columns + 1) / 2;
+  const FloatLight light(at);
+  const auto n0 = static_cast<float>(noise.constant), n1 = static_cast<float>(noise.per_level);
+  Lanes total[kSums] = {};
+  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+    Lanes s, sx, sy, w, wx, wy, b, bx, by, u, v, unsure, counts, st{};
+    load(a.disc.value.data() + i, s);
+    load(a.disc.slope_x.data() + i, sx);
+    load(a.disc.slope_y.data() + i, sy);
+    load(a.share.value.data() + i, w);
+    load(a.share.slope_x.data() + i, wx);
+    load(a.share.slope_y.data() + i, wy);
+    load(a.ground.value.data() + i, b);
+    load(a.ground.slope_x.data() + i, bx);
+    load(a.ground.slope_y.data() + i, by);
+    load(a.u.data() + i, u);
+    load(a.v.data() + i, v);
+    load(a.ground_variance.data() + i, unsure);
+    load(mask.data() + i, counts);
+    if constexpr (columns == 7) {
+      load(a.turn.value.data() + i, st);
+      s += light.turn * st;
+    }
+    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
+    const Lanes under = light.ground * b, seen = light.ground * w;
+    const Lanes blended = light.blend * (wx * bx + wy * by), below = w * b + blended;
+    const Lanes model = shine * s + light.ground * below;
+    const Lanes level = model > 0 ? model : Lanes{};
+    const Lanes weight = counts / (n0 + n1 * level + seen * seen * unsure);
+    Lanes column[columns];
+    column[kStepX] = -(shine * sx + under * wx);
+    column[kStepY] = -(shine * sy + under * wy);
+    column[kGain] = s;
+    column[kSlopeX] = u * s;
+    column[kSlopeY] = v * s;
+    column[kGround] = below;
+    if constexpr (columns == 7) column[kTurn] = shine * st;
+    store(weight, a.weight.data() + i);
+    store(blended, a.blended.data() + i);
+    store(column[kStepX], a.step_x.data() + i);
+    store(column[kStepY], a.step_y.data() + i);
+    for (int c = 0, k = 0; c < columns; ++c) {
+      const Lanes weighted = weight * column[c];
+      for (int d = c; d < columns; ++d, ++k) total[k] += weighted * column[d];
+    }
+  }
+  LayerNormal out{};
+  for (int k = 0; k < kSums; ++k) out[static_cast<std::size_t>(k)] = sum(total[k]);
+  return out;
+}
+
+template <bool turns>
+TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& at) {
+  const FloatLight light(at);
+  Lanes force[kLayerColumns] = {}, squares{}, rim_squares{}, largest{};
+  Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
+  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+    Lanes s, w, b, u, v, level, weight, rim, x, y, blended, st{};
+    load(a.disc.value.data() + i, s);
+    load(a.share.value.data() + i, w);
+    load(a.ground.value.data() + i, b);
+    load(a.u.data() + i, u);
+    load(a.v.data() + i, v);
+    load(a.level.data() + i, level);
+    load(a.weight.data() + i, weight);
+    load(a.rim.data() + i, rim);
+    load(a.blended.data() + i, blended);
+    load(a.step_x.data() + i, x);
+    load(a.step_y.data() + i, y);
+    if constexpr (turns) {
+      load(a.turn.value.data() + i, st);
+      s += light.turn * st;
+    }
+    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
+    const Lanes below = w * b + blended, model = shine * s + light.ground * below;
+    const Lanes r = level - model, wr = weight * r, square = wr * r;
+    force[kStepX] += wr * x;
+    force[kStepY] += wr * y;
+    const Lanes on_disc = wr * s;
+    force[kGain] += on_disc;
+    force[kSlopeX] += on_disc * u;
+    force[kSlopeY] += on_disc * v;
+    force[kGround] += wr * below;
+    if constexpr (turns) force[kTurn] += wr * shine * st;
+    squares += square;
+    rim_squares += square * rim;
+    largest = square > largest ? square : largest;
+    const Lanes counts = weight > 0 ? Lanes{} + 1.0F : Lanes{};
+    const Lanes m = counts * model, l = counts * level;
+    n += counts;
+    sum_m += m;
+    sum_i += l;
+    sum_mm += m * m;
+    sum_ii += l * l;
+    sum_mi += m * l;
+  }
+  LayerForce out;
+  for (std::size_t c = 0; c < kLayerColumns; ++c) out.force[c] = sum(force[c]);
+  out.squares = sum(squares);
+  out.rim_squares = sum(rim_squares);
+  for (int i = 0; i < kTile; ++i) out.largest = std::fmax(out.largest, static_cast<double>(largest[i]));
+  out.correlation = {sum(n), sum(sum_m), sum(sum_i), sum(sum_mm), sum(sum_ii), sum(sum_mi)};
+  return out;
+}
+
+TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
+  Lanes even{}, sloped{}, squares{};
+  int i = 0;
+  for (; i + kTile <= row.count; i += kTile) {
+    Lanes level, disc, weight, u;
+    load(row.level + i, level);
+    load(row.disc + i, disc);
+    load(row.weight + i, weight);
+    load(row.u + i, u);
+    const Lanes r = level - disc, wr = weight * r, on_disc = wr * disc;
+    even += on_disc;
+    sloped += on_disc * u;
+    squares += wr * r;
+  }
+  PlateauSums out{sum(even), sum(sloped), sum(squares)};
+  for (; i < row.count; ++i) {
+    const float r = row.level[i] - row.disc[i], wr = row.weight[i] * r, on_disc = wr * row.disc[i];
+    out[0] += static_cast<double>(on_disc);
+    out[1] += static_cast<double>(on_disc * row.u[i]);
+    out[2] += static_cast<double>(wr * r);
+  }
+  return out;
+}
+
+#undef TRIBOTRACK_KERNEL
+
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
+  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
+                                        const LayerLight& light, const NoiseLaw& noise) {                  \
+    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light, noise)                            \
+                                     : form_with<7>(arrays, mask, light, noise);                           \
+  }                                                                                                        \
+  __VA_ARGS__ LayerForce force_##suffix(const LayerArrays& arrays, const LayerLight& light) {              \
+    return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light); \
+  }                                                                                                        \
+  __VA_ARGS__ PlateauSums plateau_##suffix(const PlateauRow& row) {                                        \
+    return plateau_of(row);                                                                                \
+  }                                                                                                        \
+  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, plateau_##suffix};
+
+TRIBOTRACK_VARIANT(baseline)
+#if defined(__x86_64__)
+TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
+#endif
+#undef TRIBOTRACK_VARIANT
+
+}  // namespace
+
+std::vector<LayerKernels> all_layer_kernels() {
+  std::vector<LayerKernels> list{k_baseline};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list.push_back(k_avx2);
+#endif
+  return list;
+}
+
+const LayerKernels& layer_kernels() {
+  static const LayerKernels fastest = all_layer_kernels().back();
+  return fastest;
+}
+
+}  // namespace tribotrack::vision

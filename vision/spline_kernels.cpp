@@ -1,0 +1,135 @@
+#include "vision/spline_kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+
+namespace tribotrack::vision {
+namespace {
+
+// One sample of all signals of a panel; the compiler makes as many registers of it as the function's target
+// needs.
+using Lanes [[gnu::vector_size(4 * kPanel)]] = float;
+
+#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
+
+// References, not values: vectors are never passed between functions of different targets.
+TRIBOTRACK_KERNEL void load(const float* from, Lanes& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+TRIBOTRACK_KERNEL void store(const Lanes& from, float* to) {
+  std::memcpy(to, &from, sizeof from);
+}
+
+constexpr std::array<float, 2> kPoles = {-0.43057534709997379F, -0.04309628820326465F};
+constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
+
+/// Unser, Aldroubi, Eden (1993), box 2, with whole-sample mirrors.
+TRIBOTRACK_KERNEL void prefilter_panel(float* panel, int n) {
+  if (n < 2) return;
+  for (const float z : kPoles) {
+    const float gain = (1 - z) * (1 - 1 / z);
+    Lanes sum{};
+    float power = 1;
+    const int period = 2 * (n - 1);
+    const int reach = std::min(period, kMemory);
+    for (int k = 0; k < reach; ++k, power *= z) {
+      Lanes v;
+      load(panel + static_cast<std::ptrdiff_t>(kPanel) * (k < n ? k : period - k), v);
+      sum += power * v;
+    }
+    if (reach == period) sum /= 1 - power;
+    Lanes before = gain * sum;
+    store(before, panel);
+    for (int k = 1; k < n; ++k) {
+      float* at = panel + static_cast<std::ptrdiff_t>(kPanel) * k;
+      Lanes v;
+      load(at, v);
+      before = gain * v + z * before;
+      store(before, at);
+    }
+    Lanes last, other;
+    load(panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 1), last);
+    load(panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 2), other);
+    Lanes after = z / (z * z - 1) * (last + z * other);
+    store(after, panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 1));
+    for (int k = n - 2; k >= 0; --k) {
+      float* at = panel + static_cast<std::ptrdiff_t>(kPanel) * k;
+      Lanes v;
+      load(at, v);
+      after = z * (after - v);
+      store(after, at);
+    }
+  }
+}
+
+TRIBOTRACK_KERNEL void along_rows(const float* c, std::ptrdiff_t stride, const std::array<float, 6>& w,
+                                  std::size_t rows, std::size_t line, float* out) {
+  for (std::size_t j = 0; j < rows; ++j, c += stride, out += line)
+    for (std::size_t i = 0; i < line; ++i)
+      out[i] = w[0] * c[i] + w[1] * c[i + 1] + w[2] * c[i + 2] + w[3] * c[i + 3] + w[4] * c[i + 4] +
+               w[5] * c[i + 5];
+}
+
+TRIBOTRACK_KERNEL void along_columns(const float* r, const std::array<float, 6>& w, std::size_t rows,
+                                     std::size_t line, float* out) {
+  for (std::size_t j = 0; j < rows; ++j, r += line, out += line)
+    for (std::size_t i = 0; i < line; ++i)
+      out[i] = w[0] * r[i] + w[1] * r[i + line] + w[2] * r[i + 2 * line] + w[3] * r[i + 3 * line] +
+               w[4] * r[i + 4 * line] + w[5] * r[i + 5 * line];
+}
+
+TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps,
+                                     int width, int height, std::vector<float>& scratch, float* value,
+                                     float* slope_x, float* slope_y) {
+  const auto line = static_cast<std::size_t>(width);
+  const auto lines = static_cast<std::size_t>(height);
+  const std::size_t rows = lines + 5;
+  if (scratch.size() < 2 * rows * line) scratch.resize(2 * rows * line);
+  float* smooth = scratch.data();
+  float* slanted = smooth + rows * line;
+  const float* first = corner - 2 * stride - 2;
+  along_rows(first, stride, taps.weight_x, rows, line, smooth);
+  along_columns(smooth, taps.weight_y, lines, line, value);
+  if (slope_y) along_columns(smooth, taps.slope_y, lines, line, slope_y);
+  if (!slope_x) return;
+  along_rows(first, stride, taps.slope_x, rows, line, slanted);
+  along_columns(slanted, taps.weight_y, lines, line, slope_x);
+}
+
+#undef TRIBOTRACK_KERNEL
+
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                \
+  __VA_ARGS__ void prefilter_##suffix(float* panel, int samples) {                                     \
+    prefilter_panel(panel, samples);                                                                   \
+  }                                                                                                    \
+  __VA_ARGS__ void window_##suffix(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps, \
+                                   int width, int height, std::vector<float>& scratch, float* value,   \
+                                   float* slope_x, float* slope_y) {                                   \
+    sample_window(corner, stride, taps, width, height, scratch, value, slope_x, slope_y);              \
+  }                                                                                                    \
+  constexpr SplineKernels k_##suffix{#suffix, prefilter_##suffix, window_##suffix};
+
+TRIBOTRACK_VARIANT(baseline)
+#if defined(__x86_64__)
+TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
+#endif
+#undef TRIBOTRACK_VARIANT
+
+}  // namespace
+
+std::vector<SplineKernels> all_spline_kernels() {
+  std::vector<SplineKernels> list{k_baseline};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list.push_back(k_avx2);
+#endif
+  return list;
+}
+
+const SplineKernels& spline_kernels() {
+  static const SplineKernels fastest = all_spline_kernels().back();
+  return fastest;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,30 @@
+// The arithmetic of quintic splines over whole windows, compiled for several instruction sets and chosen at
+// run time.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "vision/tile_kernels.h"
+
+namespace tribotrack::vision {
+
+inline constexpr int kPanel = 16;
+
+struct SplineKernels {
+  const char* name;
+  /// Samples to coefficients (mirrored about the first and the last sample) of 16 signals at once, in place:
+  /// panel[16 k + i] is sample k of signal i.
+  void (*prefilter)(float* panel, int samples);
+  /// out[j * width + i] for a window whose first place lies in the cell of the coefficient at `corner`; rows
+  /// of coefficients are `stride` apart. Slopes may be null; `scratch` keeps its memory between calls.
+  void (*window)(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps, int width, int height,
+                 std::vector<float>& scratch, float* value, float* slope_x, float* slope_y);
+};
+
+/// The fastest this processor can run.
+const SplineKernels& spline_kernels();
+/// All it can run, slowest first: what tests compare.
+std::vector<SplineKernels> all_spline_kernels();
+
+}  // namespace tribotrack::vision
