@@ -47,6 +47,8 @@ std::vector<Entry> for_displacements(int campaigns, bool quick) {
        descent_by_differences(BenchSolver::segmented_dormand_prince, 50)},
       {"one descent, differences through the paper's recipe", false, slow,
        descent_by_differences(BenchSolver::paper_recipe, quick ? 4 : 15)},
+      {"the same with differences of 1 %, above its noise", false, slow,
+       descent_by_differences(BenchSolver::paper_recipe, quick ? 4 : 40, 0.01)},
   };
 }
 

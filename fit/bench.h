@@ -50,8 +50,9 @@ struct FitBenchRow {
 /// Ours: estimate() as `fit` calls it (8 starts and the search for the next run), with profiles, and from one
 /// start. Beside it one Levenberg-Marquardt from the same start with exact derivatives, with central
 /// differences (relative step 1e-6) through our solver, through a segmented Dormand-Prince at 1e-8
-/// (displacements only), and through the paper's recipe (few campaigns: it is slow). 40 campaigns of
-/// displacements, three of tracks with 2000 points a run.
+/// (displacements only), and through the paper's recipe (few campaigns: it is slow), there also with steps of
+/// 1 %: with finer ones its derivatives are noise and it does not arrive. 40 campaigns of displacements,
+/// three of tracks with 2000 points a run.
 std::vector<FitBenchRow> bench_fit(const FitBenchOptions& options = {});
 
 }  // namespace tribotrack::fit

@@ -107,17 +107,16 @@ Eigen::VectorXd residuals_by(BenchSolver solver, const Problem& problem, const V
   return r;
 }
 
-PlainResiduals by_differences(const Problem& problem, BenchSolver solver, long& solves) {
-  return [&problem, solver, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
+PlainResiduals by_differences(const Problem& problem, BenchSolver solver, double step, long& solves) {
+  return [&problem, solver, step, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
     const Eigen::VectorXd r = residuals_by(solver, problem, z, solves);
     if (jacobian) {
       jacobian->resize(r.size(), 3);
       for (Eigen::Index i = 0; i < 3; ++i) {
-        constexpr double kStep = 1e-6;  // relative for mu1 and mu2, whose logarithms these are
-        const Vector3d h = kStep * Vector3d::Unit(i);
+        const Vector3d h = step * Vector3d::Unit(i);  // relative for mu1 and mu2: logarithms
         jacobian->col(i) =
             (residuals_by(solver, problem, z + h, solves) - residuals_by(solver, problem, z - h, solves)) /
-            (2 * kStep);
+            (2 * step);
       }
     }
     return r;
@@ -215,10 +214,10 @@ BenchMethod descent_with_exact_derivatives() {
   };
 }
 
-BenchMethod descent_by_differences(BenchSolver solver, int max_iterations) {
-  return [solver, max_iterations](const Problem& problem) {
+BenchMethod descent_by_differences(BenchSolver solver, int max_iterations, double step) {
+  return [solver, max_iterations, step](const Problem& problem) {
     long solves = 0;
-    BenchAnswer answer = plain(by_differences(problem, solver, solves), max_iterations);
+    BenchAnswer answer = plain(by_differences(problem, solver, step, solves), max_iterations);
     answer.solves = solves;
     return answer;
   };

@@ -30,8 +30,8 @@ BenchMethod descent_with_exact_derivatives();
 
 enum class BenchSolver { ours, segmented_dormand_prince, paper_recipe };
 
-/// The same with central differences, relative step 1e-6, through another solver. Tracks are solved from
+/// The same with central differences of that relative step through another solver. Tracks are solved from
 /// point to point, which costs none of the integrators a step more than its longest one asks for.
-BenchMethod descent_by_differences(BenchSolver solver, int max_iterations);
+BenchMethod descent_by_differences(BenchSolver solver, int max_iterations, double step = 1e-6);
 
 }  // namespace tribotrack::fit::internal
