@@ -65,6 +65,9 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_vision.csv"),
             "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
             "peak_locking_px,time_s,rms_over_ours,time_over_ours");
+  EXPECT_EQ(first_line(out / "bench_vision_limit.csv"),
+            "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
+            "standardised_rms,noise_found_levels,time_s");
   EXPECT_EQ(first_line(out / "bench_fit.csv"),
             "method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
             "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
