@@ -14,9 +14,9 @@ constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
-/// Learnt pictures err alike where the disc stands alike on the platform; measured on rendered scenes: as if
-/// so many of the windows' own numbers were fitted.
-constexpr double kLearntCost = 4;
+/// Learnt pictures err alike where the disc stands alike on the platform: as if so many of the windows' own
+/// numbers were fitted, per px of radius. Measured on rendered scenes (bench vision).
+constexpr double kLearntCost = 1.0 / 15;
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
@@ -126,8 +126,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.disc_radius_sd = learning.disc_radius_sd();
   out.rim_excess = learning.rim_chi_squared() - 1;
 
-  const double widened =
-      std::max(1.0, learning.rim_chi_squared()) * (1 + kLearntCost / static_cast<double>(windows));
+  const double widened = std::max(1.0, learning.rim_chi_squared()) *
+                         (1 + kLearntCost * options.disc.radius / static_cast<double>(windows));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,

@@ -33,7 +33,7 @@ struct LayeredOptions {
   double noise_variance = 1;  ///< a start
   bool motion_known = false;  ///< else the pass looks whether the platform rests
   int max_windows = 128;      ///< kept for learning: the layers' own noise adds 1 / windows to the variance
-  double max_kept_bytes = 110e6;
+  double max_kept_bytes = 140e6;
   std::function<void(std::int64_t done)> progress;  ///< frames measured
 };
 

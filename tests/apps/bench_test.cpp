@@ -64,6 +64,9 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_vision.csv"),
             "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
             "peak_locking_px,time_s,rms_over_ours,time_over_ours");
+  EXPECT_EQ(first_line(out / "bench_vision_limit.csv"),
+            "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
+            "standardised_rms,noise_found_levels,time_s");
   EXPECT_EQ(
       first_line(out / "bench_fit.csv"),
       "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
@@ -76,8 +79,9 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
             "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
             "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
-  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
-                           "bench_model_claims", "bench_vision", "bench_fit", "bench_fit_coverage"})
+  for (const char* name :
+       {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch", "bench_model_claims",
+        "bench_vision", "bench_vision_limit", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
