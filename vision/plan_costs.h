@@ -1,8 +1,7 @@
 // What each stage of the plan costs, predicted from the scene: shares of the run time.
 //
 // Costs are in pixels that the part's plain registration visits per frame. What a stage does to a pixel is
-// weighed by what it takes beside that registration, measured once on AVX2 (a ratio of times, which hardly
-// depends on the processor).
+// weighed by what it takes beside that registration: rough estimates, good to a factor of two.
 #pragma once
 
 #include <cstdint>
