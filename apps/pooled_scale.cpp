@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace tribotrack::apps {
 
 namespace {
@@ -11,6 +14,15 @@ bool scaled_by_diameter(const AnalysedRun& run) {
   const auto scale = run.track->meta.find("scale");
   return scale != run.track->meta.end() && scale->is_object() &&
          scale->value("source", "") == "part's diameter";
+}
+
+/// What the rim's model leaves of a highlight: relative to the radius, the same in every recording.
+double common_of_rim(const AnalysedRun& run) {
+  const auto summary = run.track->meta.find("summary");
+  if (summary == run.track->meta.end() || !summary->is_object()) return 0;
+  const Json disc = summary->value("disc_px", Json());
+  const double radius = disc.is_array() && disc.size() == 3 ? disc[2].get<double>() : 0;
+  return radius > 0 ? summary->value("disc_radius_common_sd_px", 0.0) / radius : 0;
 }
 
 /// The same track at another scale.
@@ -29,11 +41,16 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
 
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
   std::vector<vision::Scale> scales;
+  double of_rim = 0;
   for (const AnalysedRun& run : runs)
-    if (scaled_by_diameter(run)) scales.push_back({*run.track->mm_per_px, *run.track->mm_per_px_sd, ""});
+    if (scaled_by_diameter(run)) {
+      scales.push_back({*run.track->mm_per_px, *run.track->mm_per_px_sd, ""});
+      of_rim = of_rim == 0 ? common_of_rim(run) : std::min(of_rim, common_of_rim(run));
+    }
   if (scales.size() < 2) return std::nullopt;
   SharedScale shared;
-  const double common = campaign.diameter_mm ? campaign.diameter_sd_mm / *campaign.diameter_mm : 0;
+  const double common =
+      std::hypot(campaign.diameter_mm ? campaign.diameter_sd_mm / *campaign.diameter_mm : 0, of_rim);
   shared.pooled = vision::pooled_scale(scales, common);
   shared.used = shared.pooled.one_scale;
   if (!shared.used) {

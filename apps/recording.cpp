@@ -132,6 +132,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"gate_passed", s.gate_passed},
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
+               {"disc_radius_common_sd_px", s.disc_radius_common_sd},
                {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
                {"limit_px", s.limit_px},

@@ -191,6 +191,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns, judged.values, judged.spread);
+  compare_with_profiles(unknowns, result.parameters, result.identifiability);
   tell_scatter(residuals, options.estimate_scatter, result);
   tell_runs(residuals, best, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);

@@ -8,6 +8,11 @@
 namespace tribotrack::fit::internal {
 namespace {
 
+constexpr double kBent = 2;  ///< how much farther a profile may reach than the covariance
+constexpr const char* kRotationLaw =
+    "All runs share one dtau and one drive: a sweep of phi alone only turns the picture (rotation law) and "
+    "averages noise; add runs at other dtau.";
+
 constexpr double kTradeOff = 0.95;
 constexpr double kWeak = 0.3;
 constexpr double kPulsesSeen = 3;
@@ -187,11 +192,29 @@ Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd&
       traded = true;
     }
   if ((traded || result.verdict != Verdict::identifiable) && only_phi_varies(problem))
-    result.weak_directions.push_back(
-        "All runs share one dtau and one drive: a sweep of phi alone only turns the picture (rotation law) "
-        "and "
-        "averages noise; add runs at other dtau.");
+    result.weak_directions.push_back(kRotationLaw);
   return result;
+}
+
+void compare_with_profiles(const Unknowns& unknowns, const std::vector<ParameterEstimate>& parameters,
+                           Identifiability& result) {
+  const bool was_identifiable = result.verdict == Verdict::identifiable;
+  const auto reach = [](const Interval& interval, double estimate) {
+    return std::max(interval.high - estimate, estimate - interval.low);
+  };
+  for (const ParameterEstimate& p : parameters) {
+    const double by_profile = reach(p.profile_ci95, p.estimate), by_covariance = reach(p.ci95, p.estimate);
+    if (!(by_profile > kBent * by_covariance)) continue;  // NaN: no profile
+    result.weak_directions.push_back(std::string(to_string(p.parameter)) +
+                                     ": the likelihood is far from a parabola, its profile reaches " +
+                                     (std::isfinite(by_profile)
+                                          ? number(by_profile / by_covariance, 2) + " times as far as"
+                                          : "beyond what") +
+                                     " the covariance says: quote the profile.");
+    worsen(result, Verdict::weak);
+  }
+  if (was_identifiable && result.verdict != Verdict::identifiable && only_phi_varies(unknowns.problem()))
+    result.weak_directions.push_back(kRotationLaw);
 }
 
 }  // namespace tribotrack::fit::internal

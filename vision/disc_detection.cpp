@@ -16,6 +16,9 @@ constexpr double kMinClarity = 2;               ///< contrast over residual: les
 constexpr double kClarityCap = 8;
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kSectors = 36;  ///< of the rim
+/// px of radius for an unevenness of one: by how much rendered discs with a highlight are measured too large
+/// or too small, whatever the noise.
+constexpr double kUnevenBias = 0.015;
 constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for them
 
 double level_at(const Picture& picture, double x, double y) {
@@ -315,24 +318,27 @@ bool whole(const Picture& picture, const Circle& c) {
          c.y + c.radius <= picture.height() - 1;
 }
 
-/// Variance of the sum of pulls that are alike all round, told by how they differ from sector to sector. Slow
-/// changes along the rim (a highlight that the model does not follow quite) pull one way here and the other
-/// way there: they do not reach the sum and are left out.
+/// Variance of the sum of pulls that are alike all round, told by how they differ from sector to sector: the
+/// power of their harmonics is that of the sum, were they white. A streaked ground pulls sectors alike over a
+/// good part of the rim: then the power of the slowest harmonics, the nearest to the sum, is larger and
+/// counts. The first one is taken up by the circle's centre.
 double scatter_of_sum(const std::vector<double>& pull) {
-  constexpr int slow = 4;  ///< harmonics
+  constexpr int first = 2, slow = 4;
   const auto count = static_cast<double>(pull.size());
-  double power = 0;
-  for (const double p : pull) power += p * p;
-  for (int m = 0; m <= slow; ++m) {
+  const int last = static_cast<int>(pull.size()) / 2 - 1;
+  double power_of_slow = 0, power = 0;
+  for (int m = first; m <= last; ++m) {
     double c = 0, s = 0;
     for (std::size_t k = 0; k < pull.size(); ++k) {
       const double angle = 2 * kPi * m * static_cast<double>(k) / count;
       c += pull[k] * std::cos(angle);
       s += pull[k] * std::sin(angle);
     }
-    power -= (m == 0 ? 1 : 2) * (c * c + s * s) / count;
+    power += c * c + s * s;
+    if (m <= slow) power_of_slow += c * c + s * s;
   }
-  return std::max(0.0, power) * count / (count - 1 - 2 * slow);
+  // White pulls of variance v: c^2 + s^2 is count v, the variance of their sum.
+  return std::max(power / (last - first + 1), power_of_slow / (slow - first + 1));
 }
 
 }  // namespace
@@ -346,13 +352,14 @@ MeanRadius mean_radius(std::span<const DiscFit> fits) {
   for (const DiscFit& fit : fits) {
     mean.radius += fit.circle.radius / count;
     white += std::pow(fit.white_radius_sd / count, 2);
+    mean.common_sd += kUnevenBias * fit.unevenness / count;
     sectors = sectors && fit.sector_pull.size() == kSectors;
   }
-  mean.sd = std::sqrt(white);
+  mean.sd = std::hypot(std::sqrt(white), mean.common_sd);
   if (!sectors) return mean;
   for (const DiscFit& fit : fits)
     for (std::size_t k = 0; k < kSectors; ++k) pull[k] += fit.sector_pull[k] / count;
-  mean.sd = std::sqrt(std::max(white, scatter_of_sum(pull)));
+  mean.sd = std::hypot(std::sqrt(std::max(white, scatter_of_sum(pull))), mean.common_sd);
   return mean;
 }
 
@@ -396,7 +403,8 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     if (!p.allFinite()) return std::nullopt;
     band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
     // A level that may curve needs pixels to tell its slope by.
-    if (p(2) >= kCurvedRadius) band = std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2)));
+    if (p(2) >= kCurvedRadius)
+      band = std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2)));
   }
   DiscFit result;
   result.circle = {p(0), p(1), p(2)};
@@ -405,6 +413,8 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     return std::nullopt;
   result.blur = p(3);
   result.contrast = p(4) + 0.5 * (p(7) + p(9)) - p(kOutside) - p(kOutside + 3);  // means along the rim
+  result.unevenness =
+      std::sqrt(p(7) * p(7) + p(8) * p(8) + p(9) * p(9)) / std::max(1e-9, std::abs(result.contrast));
   result.sector_pull = std::move(fit.sector_pull);
   result.white_radius_sd = std::sqrt(std::max(0.0, fit.covariance(2, 2)));
   result.radius_sd = mean_radius({&result, 1}).sd;

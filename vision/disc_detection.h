@@ -29,17 +29,21 @@ struct DiscFit {
   double score = 0;  ///< for comparing candidates
   /// What the residuals in each sector of the rim (about 5 px long) pulled the radius by, px.
   std::vector<double> sector_pull;
+  double unevenness = 0;       ///< second order of the level across the disc over the contrast: a highlight
   double white_radius_sd = 0;  ///< px, were all residuals independent of each other
 };
 
 /// Of one disc seen in several frames.
 struct MeanRadius {
   double radius = 0, sd = 0;  ///< px
+  /// Part of sd, px: what an uneven level inside (a highlight) does to the radius in all recordings alike.
+  double common_sd = 0;
 };
 
 /// The mean radius. Its sd comes from how differently the sectors of the rim pull at it, each sector's pull
 /// averaged over the frames: noise averages out, what belongs to the disc (a scratch across its rim) does not
-/// and stays in the sd, which is never less than that of the noise alone. `fits` must not be empty.
+/// and stays in the sd, which is never less than that of the noise alone. Where the level inside is uneven
+/// the sd holds what the rim's model leaves of it as well. `fits` must not be empty.
 MeanRadius mean_radius(std::span<const DiscFit> fits);
 
 /// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does

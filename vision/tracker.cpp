@@ -521,6 +521,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   if (const auto mean = rim.radius(); mean && summary.disc_radius_sd < kClickSd) {
     summary.disc.radius = mean->radius;
     summary.disc_radius_sd = mean->sd;
+    summary.disc_radius_common_sd = mean->common_sd;
   }
   if (!summary.layered) note_excess(pass.excess, summary.noise_levels, summary);
   predict_savings(summary.plan, setup.costs.base());

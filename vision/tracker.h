@@ -64,6 +64,8 @@ struct TrackSummary {
   Circle disc;                ///< as tracked in the first frame: given or found, px
   double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   double disc_radius_sd = 0;  ///< px, 0 where not measured
+  /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
+  double disc_radius_common_sd = 0;
   Circle marker;
   Rect texture_patch;             ///< where the platform's own texture serves as its marker; else of no width
   int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one

@@ -39,23 +39,30 @@ std::string said(const FitResult& result) {
 
 // The rotation law: the runs repeat one another, and real scatter drowns what little they differ by.
 TEST(Hopeless, ASweepOfPhiAloneWithRealScatter) {
-  const unsigned seed = 41;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> scatter(0, 3e-4);
-  auto scenarios = test::fourteen({});
-  scenarios.resize(8);
-  Problem problem = campaign(scenarios, random);
-  for (auto& run : problem.summary_runs)
-    run.measured.vector += Eigen::Vector2d(scatter(random), scatter(random));
-  const FitResult result = estimate(problem, quick());
-  EXPECT_GT(result.scatter, 1e-4);
-  EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
-  EXPECT_THAT(said(result), HasSubstr("mu1 up 1 % is hidden by phase_lag_rad down"));
-  EXPECT_THAT(said(result), HasSubstr(" deg)"));
-  EXPECT_THAT(said(result), HasSubstr("add runs at other dtau"));
-  ASSERT_TRUE(result.next_experiment);
-  EXPECT_GT(std::abs(result.next_experiment->dtau - pi / 3), 0.1);
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 41U}) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> scatter(0, 3e-4);
+    auto scenarios = test::fourteen({});
+    scenarios.resize(8);
+    Problem problem = campaign(scenarios, random);
+    for (auto& run : problem.summary_runs)
+      run.measured.vector += Eigen::Vector2d(scatter(random), scatter(random));
+    const FitResult result = estimate(problem, {});
+    EXPECT_GT(result.scatter, 1e-4);
+    EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
+    // Seed 41 drives the minimum into a bend of the flat valley, where mu2 is nearly 0: there only the
+    // profiles tell.
+    EXPECT_THAT(said(result), AnyOf(HasSubstr("mu1 up 1 % is hidden by phase_lag_rad down"),
+                                    HasSubstr("phase_lag_rad: the likelihood is far from a parabola")));
+    EXPECT_THAT(said(result), HasSubstr(" deg)"));
+    EXPECT_THAT(said(result), HasSubstr("add runs at other dtau"));
+    const Interval profile = result.parameters[0].profile_ci95;
+    EXPECT_LT(profile.low, 0.1);
+    EXPECT_GT(profile.high, 0.1);
+    ASSERT_TRUE(result.next_experiment);
+    EXPECT_GT(std::abs(result.next_experiment->dtau - pi / 3), 0.1);
+  }
 }
 
 TEST(Hopeless, OneRunOnly) {
