@@ -32,7 +32,10 @@ void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   if (x1 - x0 < 2 * disc_.radius || y1 - y0 < 2 * disc_.radius) return;
   Picture picture;
   source.read(index, {x0, y0, x1 - x0, y1 - y0}, picture);
-  const auto fit = fit_disc(picture, {centre.x - x0, centre.y - y0, disc_.radius}, kCapture);
+  const Point here{centre.x - x0, centre.y - y0};
+  std::optional<DiscFit> fit;
+  if (!fits_.empty()) fit = refit_disc(picture, fits_.back(), here, kCapture);
+  if (!fit || fit->coverage < kMinCoverage) fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);
   if (fit && fit->coverage >= kMinCoverage) fits_.push_back(*fit);
 }
 
