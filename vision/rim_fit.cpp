@@ -17,8 +17,6 @@ constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels
 constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for sectors
 constexpr int kRounds = 4;            ///< of weights
 constexpr int kSteps = 25;            ///< for given weights, at most
-constexpr double kTolerance = 1e-5;   ///< px
-constexpr double kOnTheWay = 1e-3;    ///< px: enough where the weights are to change yet
 constexpr double kTukey = 6;          ///< sd: what is further off does not count
 
 double median_of(std::vector<double>& values) {
@@ -143,14 +141,15 @@ double rim_band(const RimParameters& p) {
   return rim_curves(p) ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
 }
 
-RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved) {
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options) {
   RimFit fit;
   fit.p = start;
-  double damping = 1e-3;
+  double damping = options.damping;
   RimCovariance normal;
   Influence influence;
   for (int round = 0; round < kRounds; ++round) {
-    normal = settle(fit.p, pixels, curved, round + 1 < kRounds ? kOnTheWay : kTolerance, damping);
+    normal =
+        settle(fit.p, pixels, curved, round + 1 < kRounds ? options.on_the_way : options.tolerance, damping);
     influence = weigh(rim_residuals(fit.p, pixels), pixels);
   }
   fit.residual_rms = std::sqrt(influence.weighted_square / std::max(1.0, influence.weight - kRimParameters));

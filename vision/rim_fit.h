@@ -41,7 +41,13 @@ struct RimFit {
   std::vector<double> sector_pull;  ///< see DiscFit; empty for small discs
 };
 
+struct RimFitOptions {
+  double damping = 1e-3;     ///< to begin with
+  double on_the_way = 1e-3;  ///< px: a step below it is the last where the weights are to change yet
+  double tolerance = 1e-5;   ///< px: likewise at the end
+};
+
 /// Levenberg-Marquardt, first all pixels alike, then with Tukey's weights. Changes the pixels' weights.
-RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved);
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options = {});
 
 }  // namespace tribotrack::vision

@@ -13,9 +13,9 @@ constexpr std::size_t kBlock = 64;            ///< pixels that are summed togeth
 constexpr int kColumns = kRimParameters + 1;  ///< slopes, then the residual
 constexpr int kSums = kColumns * (kColumns + 1) / 2;
 
-/// Phi and phi at multiples of 1 / kPerUnit. Between them the Taylor series to the fourth order, whose
-/// remainder is below (1 / (2 kPerUnit))^5 / 5! times the largest fifth derivative, 1e-12.
-constexpr int kPerUnit = 64, kLimit = 8;
+/// Phi and phi at multiples of 1 / kPerUnit. Between them the Taylor series to the third order, whose
+/// remainder is below (1 / (2 kPerUnit))^4 / 4! times the largest fourth derivative, 2e-11.
+constexpr int kPerUnit = 128, kLimit = 8;
 constexpr int kEntries = 2 * kLimit * kPerUnit + 1;
 
 const std::array<NormalStep, kEntries>& table() {
@@ -40,9 +40,9 @@ TRIBOTRACK_KERNEL NormalStep step_from(const NormalStep* entries, double t) {
   const double a = static_cast<double>(k) / kPerUnit - kLimit, d = t - a, aa = a * a;
   const NormalStep& e = entries[k];
   // phi^(n) = (-1)^n He_n phi, Hermite's polynomials.
-  const double h2 = aa - 1, h3 = a * (aa - 3), h4 = aa * (aa - 6) + 3;
-  return {e.value + e.density * d * (1 - d * (a / 2 - d * (h2 / 6 - d * (h3 / 24 - d * h4 / 120)))),
-          e.density * (1 - d * (a - d * (h2 / 2 - d * (h3 / 6 - d * h4 / 24))))};
+  const double h2 = aa - 1, h3 = a * (aa - 3);
+  return {e.value + e.density * d * (1 - d * (a * 0.5 - d * (h2 * (1.0 / 6) - d * h3 * (1.0 / 24)))),
+          e.density * (1 - d * (a - d * (h2 * 0.5 - d * h3 * (1.0 / 6))))};
 }
 
 /// What of the parameters all pixels share.
@@ -144,24 +144,43 @@ TRIBOTRACK_KERNEL void sums_of(const RimConstants& c, const NormalStep* entries,
   if (filled > 0) add_block(column, weight, sums);
 }
 
+TRIBOTRACK_KERNEL void residuals_of(const RimConstants& c, const NormalStep* entries, const RimPixels& pixels,
+                                    double* out) {
+  for (std::size_t i = 0; i < pixels.x.size(); ++i)
+    out[i] = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], false, nullptr, 0);
+}
+
 #undef TRIBOTRACK_KERNEL
 
-// The same function for each instruction set.
-void sums_baseline(const RimConstants& c, const NormalStep* entries, const RimPixels& pixels, Sums& sums) {
-  sums_of(c, entries, pixels, sums);
-}
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void sums_avx2(const RimConstants& c, const NormalStep* entries,
-                                           const RimPixels& pixels, Sums& sums) {
-  sums_of(c, entries, pixels, sums);
-}
-#endif
+// The same functions for each instruction set.
+struct Kernels {
+  void (*sums)(const RimConstants&, const NormalStep*, const RimPixels&, Sums&);
+  void (*residuals)(const RimConstants&, const NormalStep*, const RimPixels&, double*);
+};
 
-auto fastest_sums() {
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                               \
+  __VA_ARGS__ void sums_##suffix(const RimConstants& c, const NormalStep* e, const RimPixels& p,      \
+                                 Sums& out) {                                                         \
+    sums_of(c, e, p, out);                                                                            \
+  }                                                                                                   \
+  __VA_ARGS__ void residuals_##suffix(const RimConstants& c, const NormalStep* e, const RimPixels& p, \
+                                      double* out) {                                                  \
+    residuals_of(c, e, p, out);                                                                       \
+  }                                                                                                   \
+  constexpr Kernels k_##suffix{sums_##suffix, residuals_##suffix};
+
+TRIBOTRACK_VARIANT(baseline)
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return sums_avx2;
+TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
 #endif
-  return sums_baseline;
+#undef TRIBOTRACK_VARIANT
+
+const Kernels& kernels() {
+#if defined(__x86_64__)
+  static const bool wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (wide) return k_avx2;
+#endif
+  return k_baseline;
 }
 
 }  // namespace
@@ -175,9 +194,8 @@ double rim_model(const RimParameters& p, double x, double y, RimParameters& slop
 }
 
 RimSums rim_sums(const RimParameters& p, const RimPixels& pixels) {
-  static const auto function = fastest_sums();
   Sums sums{};
-  function(RimConstants(p), table().data(), pixels, sums);
+  kernels().sums(RimConstants(p), table().data(), pixels, sums);
   RimSums out;
   std::size_t at = 0;
   for (int i = 0; i < kRimParameters; ++i)
@@ -188,11 +206,8 @@ RimSums rim_sums(const RimParameters& p, const RimPixels& pixels) {
 }
 
 std::vector<double> rim_residuals(const RimParameters& p, const RimPixels& pixels) {
-  const RimConstants c(p);
-  const NormalStep* entries = table().data();
   std::vector<double> out(pixels.x.size());
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], false, nullptr, 0);
+  kernels().residuals(RimConstants(p), table().data(), pixels, out.data());
   return out;
 }
 

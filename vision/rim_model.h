@@ -25,7 +25,7 @@ std::vector<double> rim_pulls(const RimParameters& p, const RimPixels& pixels, c
 /// Model and its slopes at one pixel.
 double rim_model(const RimParameters& p, double x, double y, RimParameters& slope);
 
-/// Phi and its derivative, the normal density, to 1e-12.
+/// Phi and its derivative, the normal density, to 1e-10.
 struct NormalStep {
   double value, density;
 };
