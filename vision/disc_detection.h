@@ -10,6 +10,7 @@
 // px).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,8 +30,9 @@ struct DiscFit {
   double score = 0;  ///< for comparing candidates
   /// What the residuals in each sector of the rim (about 5 px long) pulled the radius by, px.
   std::vector<double> sector_pull;
-  double unevenness = 0;       ///< second order of the level across the disc over the contrast: a highlight
-  double white_radius_sd = 0;  ///< px, were all residuals independent of each other
+  double unevenness = 0;         ///< second order of the level across the disc over the contrast: a highlight
+  double white_radius_sd = 0;    ///< px, were all residuals independent of each other
+  std::array<double, 14> rim{};  ///< all that was fitted, RimParameters: where refit_disc starts from
 };
 
 /// Of one disc seen in several frames.
@@ -49,6 +51,11 @@ MeanRadius mean_radius(std::span<const DiscFit> fits);
 /// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does
 /// not support a circle there (coverage below one half, or the fit walks away).
 std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture);
+
+/// The same disc in another frame, from what was fitted before: no search, `centre` must be known to a
+/// fraction of the blur.
+std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before, Point centre,
+                                  double capture);
 
 struct DiscSearch {
   double min_radius = 6;

@@ -15,6 +15,18 @@ namespace tribotrack::vision {
 /// pixels raises.
 double noise_variance(const std::vector<Picture>& consecutive);
 
+/// The same, pair by pair.
+class NoiseEstimate {
+ public:
+  /// Consecutive frames.
+  void add_pair(const Picture& a, const Picture& b);
+  double variance(const Picture& first) const;
+
+ private:
+  double sum_ = 0;
+  int pairs_ = 0;
+};
+
 /// From one picture (Immerkaer, "Fast noise variance estimation", CVIU 64, 1996), median over blocks.
 double noise_variance(const Picture& picture);
 

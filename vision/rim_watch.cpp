@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tribotrack::vision {
 namespace {
@@ -18,8 +19,8 @@ double median_of(std::vector<double> values) {
 
 }  // namespace
 
-RimWatch::RimWatch(const Circle& disc, std::int64_t stride)
-    : disc_(disc), stride_(std::max<std::int64_t>(1, stride)) {}
+RimWatch::RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFit> start)
+    : disc_(disc), stride_(std::max<std::int64_t>(1, stride)), last_(std::move(start)) {}
 
 void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   if (disc_.radius <= 0 || seen_++ % stride_ != 0) return;
@@ -32,8 +33,13 @@ void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   if (x1 - x0 < 2 * disc_.radius || y1 - y0 < 2 * disc_.radius) return;
   Picture picture;
   source.read(index, {x0, y0, x1 - x0, y1 - y0}, picture);
-  const auto fit = fit_disc(picture, {centre.x - x0, centre.y - y0, disc_.radius}, kCapture);
-  if (fit && fit->coverage >= kMinCoverage) fits_.push_back(*fit);
+  const Point here{centre.x - x0, centre.y - y0};
+  std::optional<DiscFit> fit;
+  if (last_) fit = refit_disc(picture, *last_, here, kCapture);
+  if (!fit || fit->coverage < kMinCoverage) fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);
+  if (!fit || fit->coverage < kMinCoverage) return;
+  last_ = fit;
+  fits_.push_back(std::move(*fit));
 }
 
 std::optional<MeanRadius> RimWatch::radius() const {

@@ -14,8 +14,8 @@ namespace tribotrack::vision {
 /// some gives it better, with an sd that keeps what belongs to the disc (mean_radius).
 class RimWatch {
  public:
-  /// Looks at every `stride`-th frame it is shown.
-  RimWatch(const Circle& disc, std::int64_t stride);
+  /// Looks at every `stride`-th frame it is shown, the first time from `start`, the rim in another frame.
+  RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFit> start = {});
 
   /// A frame in which the disc was tracked at `centre`. Reads a window of it.
   void see(FrameSource& source, std::int64_t index, Point centre);
@@ -28,6 +28,7 @@ class RimWatch {
   Circle disc_;
   std::int64_t stride_;
   std::int64_t seen_ = 0;
+  std::optional<DiscFit> last_;  ///< where the next fit starts
   std::vector<DiscFit> fits_;
 };
 

@@ -56,11 +56,17 @@ FrameRange resolve_range(const FrameSource& source, const TrackOptions& options)
   return {first - low, last - low};
 }
 
-std::vector<Picture> leading_frames(FrameSource& source, const FrameRange& range) {
-  std::vector<Picture> frames;
-  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k)
-    frames.push_back(source.read(k));
-  return frames;
+double leading_noise(FrameSource& source, const FrameRange& range, const Picture& first) {
+  NoiseEstimate estimate;
+  Picture turns[2];
+  const Picture* before = &first;
+  for (std::int64_t k = range.first + 1; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k) {
+    Picture& here = turns[k % 2];
+    source.read(k, source.bounds(), here);
+    estimate.add_pair(*before, here);
+    before = &here;
+  }
+  return estimate.variance(first);
 }
 
 bool whole_in(const Picture& picture, const Circle& c) {
@@ -68,21 +74,16 @@ bool whole_in(const Picture& picture, const Circle& c) {
          c.y + c.radius <= picture.height() - 0.5;
 }
 
-/// A click made exact by the rim where it supports it.
-Circle refined(const Picture& first, const Circle& given, const char* what, double& radius_sd, double& blur,
-               TrackSummary& summary) {
+/// A click made exact by the rim where it supports it; nothing, and a warning, where it does not.
+std::optional<DiscFit> refined(const Picture& first, const Circle& given, const char* what,
+                               TrackSummary& summary) {
   const double capture = std::max(kGivenCapture, 0.03 * given.radius);
-  if (const auto fit = fit_disc(first, given, capture); fit && whole_in(first, fit->circle)) {
-    radius_sd = fit->radius_sd;
-    blur = fit->blur;
-    return fit->circle;
-  }
-  radius_sd = kClickSd;
+  if (auto fit = fit_disc(first, given, capture); fit && whole_in(first, fit->circle)) return fit;
   summary.warnings.push_back(format(
       "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
       "as they are, and a scale from its diameter is as good as the given radius",
       what, given.x, given.y));
-  return given;
+  return std::nullopt;
 }
 
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
@@ -158,6 +159,7 @@ DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOp
 
 struct Setup {
   Pattern pattern;
+  std::optional<DiscFit> rim;  ///< in the first frame
   FollowOptions follow;
   double ground_texture = 0;
   double template_noise_cost = 0;
@@ -192,14 +194,13 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   } else {
     if (options.target.kind == Target::Kind::disc) {
       check_whole(first, options.target.disc, source, "disc");
-      summary.disc =
-          refined(first, options.target.disc, "disc", summary.disc_radius_sd, summary.disc_blur, summary);
+      setup.rim = refined(first, options.target.disc, "disc", summary);
     } else {
-      const DiscFit found = find_part(first, source, options);
-      summary.disc = found.circle;
-      summary.disc_radius_sd = found.radius_sd;
-      summary.disc_blur = found.blur;
+      setup.rim = find_part(first, source, options);
     }
+    summary.disc = setup.rim ? setup.rim->circle : options.target.disc;
+    summary.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
+    summary.disc_blur = setup.rim ? setup.rim->blur : 0;
     const double texture = ground_texture(first, summary.disc, noise_variance);
     setup.ground_texture = texture;
     const bool busy = texture > kTextureFactor * std::sqrt(noise_variance);
@@ -232,7 +233,7 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
 AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const FrameRange& range,
                                 Setup& setup, TrackSummary& summary) {
   const double cost = 100 * setup.template_noise_cost;
-  AveragedTemplate average{first, 1};
+  AveragedTemplate average;
   std::string reason;
   if (setup.follow.rotation) {
     reason = "the part may turn: frames are not laid on each other";
@@ -244,6 +245,7 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const
     reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
                     average.frames);
   }
+  if (average.picture.empty()) average.picture = first;
   summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
                           summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),
                           setup.costs.averaging(TemplateAverageOptions{}.frames)});
@@ -262,8 +264,8 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
   if (options.marker.kind == MarkerChoice::Kind::texture) return std::nullopt;  // once the path is known
   if (options.marker.kind == MarkerChoice::Kind::circle) {
     check_whole(first, options.marker.circle, source, "marker");
-    double radius_sd = 0, blur = 0;  // the marker sets no scale
-    summary.marker = refined(first, options.marker.circle, "marker", radius_sd, blur, summary);
+    const auto rim = refined(first, options.marker.circle, "marker", summary);
+    summary.marker = rim ? rim->circle : options.marker.circle;
   } else {
     DiscSearch search;
     search.min_radius = 3;
@@ -449,11 +451,9 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   TrackResult result;
   TrackSummary& summary = result.summary;
 
-  std::vector<Picture> leading = leading_frames(source, range);
-  const double noise = noise_variance(leading);
+  const Picture first = source.read(range.first);
+  const double noise = leading_noise(source, range, first);
   summary.noise_levels = std::sqrt(noise);
-  const Picture first = std::move(leading.front());
-  leading.clear();
 
   Setup setup = plan_part(first, source, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
@@ -471,14 +471,14 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   pass.turning = setup.follow.rotation;
   pass.noise_variance = noise;
   pass.ground_texture = setup.ground_texture;
-  if (setup.pattern.radius > 0)
-    if (const auto rim = fit_disc(first, summary.disc, 1)) pass.blur = rim->blur;
+  if (setup.pattern.radius > 0 && !setup.rim) setup.rim = fit_disc(first, summary.disc, 1);
+  if (setup.rim) pass.blur = setup.rim->blur;
   std::vector<double> excess;
   std::optional<Sighting> tentative;
   auto& points = result.track.points;
   const std::int64_t total = range.last - range.first + 1;
   points.reserve(static_cast<std::size_t>(total));
-  RimWatch rim(summary.disc, total / kRimFrames);
+  RimWatch rim(summary.disc, total / kRimFrames, setup.rim);
   for (std::int64_t index = range.first; index <= range.last; ++index) {
     TrackPoint point;
     point.frame = source.number(index);

@@ -1,0 +1,53 @@
+// The blurred rim of a disc fitted to the pixels near it:
+//   I(rho, phi) = O(phi) + (A(phi) - O(phi)) Phi((R - s^2 / (2 R) - rho) / s),
+// see disc_detection.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+constexpr std::size_t kSectors = 36;  ///< of the rim
+
+/// x, y, R, s, then the level inside as a quadratic in (u, v) = ((x, y) - centre) / R: 1, u, v, u^2, uv, v^2,
+/// and outside as 1, u, v, u^2 + v^2. A highlight's slope towards the rim would else be taken for a part of
+/// the rim; a slope on one side only would take up what the edge's profile differs from a Gaussian's.
+constexpr int kRimParameters = 14;
+constexpr int kRimInside = 4, kRimOutside = 10;
+using RimParameters = Eigen::Matrix<double, kRimParameters, 1>;
+using RimCovariance = Eigen::Matrix<double, kRimParameters, kRimParameters>;
+
+struct RimPixels {
+  std::vector<double> x, y, level, weight;
+};
+
+/// Those within `band` px of the circle, with weight 1.
+RimPixels rim_pixels(const Picture& picture, const Circle& circle, double band);
+
+/// The band that holds the blurred edge and enough of either side, px.
+double rim_band(const RimParameters& parameters);
+
+/// Large enough a disc for its levels to curve, and to tell that by.
+bool rim_curves(const RimParameters& parameters);
+
+struct RimFit {
+  RimParameters p = RimParameters::Zero();
+  RimCovariance covariance = RimCovariance::Zero();
+  double residual_rms = 0;
+  std::vector<double> sector_pull;  ///< see DiscFit; empty for small discs
+};
+
+struct RimFitOptions {
+  double damping = 1e-3;     ///< to begin with
+  double on_the_way = 1e-3;  ///< px: a step below it is the last where the weights are to change yet
+  double tolerance = 1e-5;   ///< px: likewise at the end
+};
+
+/// Levenberg-Marquardt, first all pixels alike, then with Tukey's weights. Changes the pixels' weights.
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options = {});
+
+}  // namespace tribotrack::vision
