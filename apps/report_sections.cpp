@@ -11,17 +11,6 @@
 namespace tribotrack::apps {
 namespace {
 
-std::string list(const std::vector<std::string>& sentences) {
-  std::string html = "<ul>";
-  for (const std::string& sentence : sentences) html += "<li>" + escape_html(sentence) + "</li>";
-  return html + "</ul>\n";
-}
-
-std::string interval(const ReportInterval& range, double sd) {
-  if (std::isnan(range.low) || std::isnan(range.high)) return "–";
-  return rounded_to_sd(range.low, sd) + " to " + rounded_to_sd(range.high, sd);
-}
-
 const char* css_class(Trust trust) {
   switch (trust) {
     case Trust::usable:
@@ -36,35 +25,74 @@ const char* css_class(Trust trust) {
   return "none";
 }
 
+/// One way to an interval, shown where any parameter has it.
+struct IntervalColumn {
+  const char* heading;
+  ReportInterval ReportParameter::*interval;
+};
+
+std::vector<IntervalColumn> interval_columns(const ReportData& data) {
+  std::vector<IntervalColumn> columns = {{"95 % covariance interval", &ReportParameter::ci95},
+                                         {"95 % profile interval", &ReportParameter::profile_ci95},
+                                         {"95 % bootstrap interval", &ReportParameter::bootstrap_ci95}};
+  std::erase_if(columns, [&](const IntervalColumn& column) {
+    return std::all_of(data.parameters.begin(), data.parameters.end(), [&](const ReportParameter& p) {
+      return std::isnan((p.*column.interval).low) || std::isnan((p.*column.interval).high);
+    });
+  });
+  return columns;
+}
+
+bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval ReportParameter::*interval) {
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const IntervalColumn& column) { return column.interval == interval; });
+}
+
+/// What each interval shown is, and which covariance stands behind the first.
+std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
+  std::string html =
+      "<p class=\"note\">The covariance interval comes from the fit’s covariance, as if the χ² valley were a "
+      "parabola";
+  const bool profile = has_column(columns, &ReportParameter::profile_ci95);
+  if (profile)
+    html +=
+        "; the profile interval walks along the real valley, re-fitting all other parameters at every step";
+  if (has_column(columns, &ReportParameter::bootstrap_ci95))
+    html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
+                        data.bootstrap_refits, data.bootstrap_seed);
+  html += profile ? ". Where they differ, trust the profile.</p>\n" : ".</p>\n";
+  if (!data.covariance_meaning.empty())
+    html += "<p class=\"note\"><b>Which covariance this is:</b> " + escape_html(data.covariance_meaning) +
+            "</p>\n";
+  return html;
+}
+
 std::string parameter_table(const ReportData& data) {
   const bool truth = std::any_of(data.parameters.begin(), data.parameters.end(),
                                  [](const ReportParameter& p) { return p.truth.has_value(); });
-  std::string html =
-      "<table class=\"parameters\"><thead><tr><th>Parameter</th><th class=\"n\">Value</th><th "
-      "class=\"n\">Standard deviation</th><th class=\"n\">95 % interval</th><th class=\"n\">95 % profile "
-      "interval</th>";
+  const std::vector<IntervalColumn> columns = interval_columns(data);
+  std::string html = fmt::format(
+      "<div class=\"wide\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
+      "class=\"n\">Value</th><th class=\"n\">Standard deviation</th>",
+      columns.size() > 2 ? " many" : "");
+  for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
   html += truth ? "<th class=\"n\">True value</th>" : "";
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
   for (const ReportParameter& p : data.parameters) {
     const ParameterWords words = parameter_words(p.name);
     html += "<tr><th>" + words.symbol + "</th>" + number_cell(rounded_to_sd(p.estimate, p.sd)) +
-            number_cell(number(p.sd, 2)) + number_cell(interval(p.ci95, p.sd)) +
-            number_cell(interval(p.profile_ci95, p.sd));
+            number_cell(number(p.sd, 2));
+    for (const IntervalColumn& column : columns)
+      html += fmt::format("<td class=\"n ends\">{}</td>", interval_words(p.*column.interval, p.sd));
     if (truth) html += number_cell(p.truth ? rounded_to_sd(*p.truth, p.sd) : "–");
     html += cell(words.unit.empty() ? "1" : words.unit) + cell(words.meaning) + "</tr>\n";
   }
-  html += "</tbody></table>\n";
-  html +=
-      "<p class=\"note\">The 95 % interval comes from the covariance, as if the χ² valley were a "
-      "parabola; the profile interval walks along the real valley, re-fitting all other parameters at "
-      "every step. Where the two differ, trust the profile.";
-  if (!data.covariance_meaning.empty()) html += fmt::format(" {}", escape_html(data.covariance_meaning));
-  return html + "</p>\n";
+  return html + "</tbody></table></div>\n" + interval_note(data, columns);
 }
 
 std::string given_table(const ReportData& data) {
   if (data.given.empty()) return "";
-  std::string html = "<h3>Taken as known</h3>\n<table class=\"compact\"><tbody>";
+  std::string html = "<h3>Taken as known</h3>\n<div class=\"wide\"><table class=\"compact\"><tbody>";
   for (const ReportGiven& given : data.given) {
     const ParameterWords words = parameter_words(given.name);
     const bool in_radians = words.unit == "rad";
@@ -72,7 +100,7 @@ std::string given_table(const ReportData& data) {
     html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
     html += cell(in_radians ? "" : words.unit) + cell(escape_html(given.source)) + "</tr>";
   }
-  return html + "</tbody></table>\n";
+  return html + "</tbody></table></div>\n";
 }
 
 /// Blue below, orange above: told apart by colour-blind eyes, and the number stands in the cell.
@@ -86,7 +114,8 @@ std::string correlation_table(const ReportData& data) {
   const std::size_t n = data.parameters.size();
   if (n < 2 || data.correlation.size() != n) return "";
   std::string html =
-      "<h3>Correlation of the parameters</h3>\n<table class=\"compact correlation\"><thead><tr><th></th>";
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table class=\"compact "
+      "correlation\"><thead><tr><th></th>";
   for (const ReportParameter& p : data.parameters)
     html += "<th class=\"n\">" + parameter_words(p.name).symbol + "</th>";
   html += "</tr></thead><tbody>";
@@ -101,7 +130,8 @@ std::string correlation_table(const ReportData& data) {
     html += "</tr>";
   }
   return html +
-         "</tbody></table>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for by "
+         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for "
+         "by "
          "the other: only their combination is known well.</p>\n";
 }
 
@@ -119,26 +149,30 @@ std::string identifiability_words(const ReportData& data) {
       break;
   }
   html += "</p>\n";
-  return data.weak_directions.empty() ? html : html + list(data.weak_directions);
+  if (!data.weak_directions.empty()) html += html_list(data.weak_directions);
+  const std::string remedy = !data.next_experiment.empty() ? data.next_experiment
+                             : !data.next_runs.empty()     ? data.next_runs.front().sentence
+                                                           : std::string();
+  if (data.identifiability != ReportVerdict::identifiable && !remedy.empty())
+    html += "<p><b>Remedy:</b> " + escape_html(remedy) + "</p>\n";
+  if (!data.other_minima.empty())
+    html +=
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals speak of the best "
+        "alone.</p>\n" +
+        html_list(data.other_minima);
+  return html;
 }
 
-std::string goodness(const ReportData& data) {
-  std::string html = "<h3>Does the model describe the data?</h3>\n<p>";
-  if (!std::isfinite(data.chi2)) return html + "χ² was not computed.</p>\n";
-  html += fmt::format("χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
-                      data.dof == 1 ? "" : "s");
-  if (data.dof > 0) {
-    const ReportInterval expected = expected_reduced_chi2(data.dof);
-    html += fmt::format(
-        ": {} per degree of freedom, where {} to {} is expected 99 times out of 100 if the model and the "
-        "stated errors are right",
-        number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
-  }
-  html += ".";
-  if (data.scatter_mm > 0)
-    html += fmt::format(" Scatter of {} mm per axis beyond the measurement errors is included.",
-                        number(data.scatter_mm, 2));
-  return html + "</p>\n";
+std::string systematics(const ReportData& data) {
+  if (data.systematics.empty()) return "";
+  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters move by this much, which "
+         "χ² may not show and no interval above holds.</p>\n" +
+         html_list(data.systematics);
+}
+
+std::string shared_scale(const ReportData& data) {
+  if (data.shared_scale.empty()) return "";
+  return "<h3>Scale of the recordings</h3>\n<p>" + escape_html(data.shared_scale) + ".</p>\n";
 }
 
 }  // namespace
@@ -152,17 +186,16 @@ std::string verdict_section(const ReportData& data) {
     html +=
         fmt::format("<section id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</section>\n",
                     data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
-                    list(data.warnings));
+                    html_list(data.warnings));
   return html;
 }
 
 std::string parameter_section(const ReportData& data) {
   if (!data.fitted || data.parameters.empty()) return "";
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + parameter_table(data);
-  html += "<div class=\"columns\">\n<div>" + goodness(data) + identifiability_words(data);
-  if (!data.next_experiment.empty())
-    html += "<h3>The run to record next</h3>\n<p>" + escape_html(data.next_experiment) + "</p>\n";
-  html += "</div>\n<div>" + correlation_table(data) + given_table(data) + "</div>\n</div>\n";
+  html += "<div class=\"columns\">\n<div>" + identifiability_words(data) + systematics(data) +
+          shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
+          "</div>\n</div>\n";
   return html + "</section>\n";
 }
 

@@ -56,7 +56,18 @@ Agreement agreement(const ReportData& data) {
   return Agreement::good;
 }
 
+/// Scatter was read off the residuals because chance does not explain them without it: then chi-square is
+/// about 1 per degree of freedom by construction.
+bool scatter_is_from_residuals(const ReportData& data) {
+  return data.scatter_mm > 0 && data.p_value < 1e-3;
+}
+
 std::string agreement_words(const ReportData& data) {
+  if (scatter_is_from_residuals(data))
+    return fmt::format(
+        "The measurements miss the model by more than their own errors. Scatter of {} mm per axis was added "
+        "so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is right.",
+        number(data.scatter_mm, 2));
   const ReportInterval expected = expected_reduced_chi2(data.dof);
   switch (agreement(data)) {
     case Agreement::unknown:
@@ -89,6 +100,11 @@ std::string reasons_for_care(const ReportData& data) {
   if (agreement(data) == Agreement::poor) reasons.push_back("the model misses the data");
   if (agreement(data) == Agreement::too_good) reasons.push_back("the stated errors look too large");
   if (agreement(data) == Agreement::unknown) reasons.push_back("nothing checks the model");
+  if (!data.outliers.empty())
+    reasons.push_back(data.outliers.size() == 1
+                          ? "one run contradicts the others"
+                          : fmt::format("{} runs contradict the others", data.outliers.size()));
+  if (!data.other_minima.empty()) reasons.push_back("other values fit nearly as well");
   const std::size_t failed = failed_runs(data);
   if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
   std::string words;
@@ -138,7 +154,7 @@ Verdict verdict_in_words(const ReportData& data) {
                     weak ? ", but the data hold some combination of the parameters only weakly."
                          : ", and the data determine every parameter.",
                     agreement_words(data));
-    if (data.scatter_mm > 0)
+    if (data.scatter_mm > 0 && !scatter_is_from_residuals(data))
       verdict.paragraph += fmt::format(
           " Runs scatter more than their own errors explain; {} mm per axis was added to each, and the "
           "intervals include it.",
