@@ -19,8 +19,9 @@ std::string how_often(double probability) {
                             : fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
 }
 
-std::string p_words(double p) {
-  return p > 0 ? "p = " + number(p, 2) : "p &lt; 1e-300";
+/// Of a table. What underflows is said to be small, not to be nothing.
+std::string chance(double probability) {
+  return probability == 0 ? "&lt; 1e-300" : number(probability, 1);
 }
 
 std::string goodness(const ReportData& data) {
@@ -34,26 +35,29 @@ std::string goodness(const ReportData& data) {
         "stated errors are right",
         number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
   }
-  html += ".";
+  html += data.dof > 0 ? "." : ": there are no more data than unknowns, and nothing checks the model.";
   if (data.scatter_mm > 0)
     html += fmt::format(" Scatter of {} mm per axis beyond the measurement errors is included.",
                         number(data.scatter_mm, 2));
   html += "</p>\n";
   if (std::isfinite(data.p_value) && data.dof > 0)
-    html += fmt::format(
-        "<p><b>{}</b>: {}chance alone would make χ² so large {}.</p>\n", p_words(data.p_value),
-        data.scatter_mm > 0 ? "without scatter read off the residuals, " : "", how_often(data.p_value));
+    html += fmt::format("<p><b>p {}</b>: {}chance alone would make χ² so large {}.</p>\n",
+                        data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
+                        data.scatter_mm > 0 ? "without scatter read off the residuals, " : "",
+                        how_often(data.p_value));
   return html;
 }
 
 std::string runs_test(const ReportData& data) {
-  if (!std::isfinite(data.runs_test_p_value)) return "";
-  return fmt::format(
-      "<p><b>Runs test: p = {}</b>: {}</p>\n", number(data.runs_test_p_value, 2),
-      data.runs_test_p_value < few_runs_alike
-          ? "neighbouring runs err to the same side, more often than chance lets them. That is the mark of a "
-            "wrong model, not of scatter."
-          : "no sign that neighbouring runs err to the same side, as they would under a wrong model.");
+  const double p = data.runs_test_p_value;
+  if (!std::isfinite(p)) return "";
+  const char* words =
+      p < few_runs_alike
+          ? "neighbouring runs err to the same side, more often than chance lets them. That is "
+            "the mark of a wrong model, not of scatter."
+      : p < 1 ? "no sign that neighbouring runs err to the same side, as they would under a wrong model."
+              : "nothing to object, as also where there are too few runs (under eight) to ask.";
+  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), words);
 }
 
 std::string phi_or_dash(double phi) {
@@ -73,7 +77,7 @@ std::string outlier_table(const ReportData& data) {
   html += "</tr></thead><tbody>";
   for (const ReportOutlier& outlier : data.outliers) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
-            number_cell(number(outlier.deviation, 2) + " σ") + number_cell(number(outlier.chance, 1));
+            number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
     if (mislabelled) {
       const auto run = std::find_if(data.runs.begin(), data.runs.end(),
                                     [&](const ReportRun& r) { return r.name == outlier.run; });

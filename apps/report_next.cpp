@@ -60,10 +60,15 @@ std::string next_table(const ReportData& data) {
       html += number_cell(i < row.run.predicted_ci95.size() ? interval(row.run.predicted_ci95[i]) : "–");
     html += "</tr>\n";
   }
-  return html +
-         "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
-         "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
-         "so.</p>\n";
+  html +=
+      "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
+      "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
+      "so.";
+  if (data.identifiability == ReportVerdict::not_identifiable)
+    html +=
+        " The prediction is made at the values above, which these runs do not tell: read how wide the "
+        "intervals are, not where they lie.";
+  return html + "</p>\n";
 }
 
 }  // namespace

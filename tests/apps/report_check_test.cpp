@@ -26,10 +26,22 @@ TEST(CheckSection, ChiSquareIsReadAgainstWhatChanceAllows) {
                 "χ² so large in fewer than one of 1000 campaigns."));
 }
 
+TEST(CheckSection, WithoutSpareDataNothingChecksTheModel) {
+  ReportData data = sample::campaign();
+  data.dof = 0;
+  data.p_value = 1;
+  EXPECT_THAT(check_section(data),
+              HasSubstr("with 0 degrees of freedom: there are no more data than unknowns"));
+  EXPECT_THAT(check_section(data), Not(HasSubstr("p = ")));
+}
+
 TEST(CheckSection, TheRunsTestSaysWhatItMeans) {
   ReportData data = sample::campaign();
   data.runs_test_p_value = 0.4;
   EXPECT_THAT(check_section(data), HasSubstr("<b>Runs test: p = 0.4</b>: no sign"));
+  EXPECT_THAT(check_section(data), Not(HasSubstr("too few")));
+  data.runs_test_p_value = 1;  // what a fit to fewer than eight runs says
+  EXPECT_THAT(check_section(data), HasSubstr("<b>Runs test: p = 1</b>: nothing to object, as also where"));
   data.runs_test_p_value = 0.002;
   EXPECT_THAT(check_section(data),
               HasSubstr("<b>Runs test: p = 0.002</b>: neighbouring runs err to the same"));
@@ -37,13 +49,14 @@ TEST(CheckSection, TheRunsTestSaysWhatItMeans) {
 
 TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   ReportData data = sample::campaign();
-  data.outliers = {{"phi90_dtau60", 12.3, 3e-8, sample::pi}, {"elsewhere", 5.0, 0.002, no_value}};
+  data.outliers = {{"phi90_dtau60", 12.3, 3e-8, sample::pi}, {"elsewhere", 5.0, 0, no_value}};
   const std::string html = check_section(data);
   EXPECT_THAT(html,
               HasSubstr("<td><b>phi90_dtau60</b></td><td class=\"n\">12 σ</td><td class=\"n\">3e-08</td>"
                         "<td class=\"n\">π/2</td><td class=\"n\">π</td>"));
-  EXPECT_THAT(html, HasSubstr("<td><b>elsewhere</b></td><td class=\"n\">5 σ</td><td class=\"n\">0.002</td>"
-                              "<td class=\"n\">–</td><td class=\"n\">–</td>"));
+  EXPECT_THAT(html,
+              HasSubstr("<td><b>elsewhere</b></td><td class=\"n\">5 σ</td><td class=\"n\">&lt; 1e-300</td>"
+                        "<td class=\"n\">–</td><td class=\"n\">–</td>"));
   data.outliers[0].looks_like_phi_rad = no_value;
   EXPECT_THAT(check_section(data), Not(HasSubstr("moved as if")));
 }

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "apps/meta_file.h"
+#include "apps/program.h"
 #include "apps/report_check.h"
 #include "apps/report_next.h"
 #include "apps/report_sections.h"
@@ -139,6 +141,38 @@ TEST(ReportFit, RunsToFilmNextReadAsPredicted) {
   EXPECT_EQ(data.next_runs[0].predicted_ci95[0].high, 0.101);
   EXPECT_TRUE(std::isinf(data.next_runs[0].predicted_ci95[1].high));
   EXPECT_THAT(next_section(data), HasSubstr("<p>Film next.</p>"));
+}
+
+/// What `fit` itself writes, where one run cannot tell three parameters.
+class ReportOfAFit : public ProgramTest {};
+
+TEST_F(ReportOfAFit, OneRunAloneIsAnsweredOnThePage) {
+  put(in_folder("c.toml"), R"(
+[platform]
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+phase_shift_rad = "pi/2"
+[fit]
+parameters = ["mu1", "mu2", "phase_lag_rad"]
+cycles = 20
+[[run]]
+name = "alone"
+phi_rad = 0
+dtau_rad = "pi/3"
+alpha_rad = 5.61313
+alpha_sd_rad = 0.003
+v_mm_s = 3.93063
+v_sd_mm_s = 0.012
+)");
+  ASSERT_EQ(run("fit c.toml -o fit.json -q").exit_code, 5);
+  const ReportData data = collected(read_json(in_folder("fit.json")));
+  EXPECT_FALSE(data.other_minima.empty()) << "quite different values reach chi2 = 0 too";
+  ASSERT_FALSE(data.next_runs.empty());
+  EXPECT_GT(data.next_runs[0].predicted_ci95.at(0).low, 0);
+  const std::string page = page_text(data);
+  for (const char* words : {"Do not use these values", "hidden by", "<b>Remedy:</b> Film next",
+                            "Other minima", "nothing checks the model", "read how wide the intervals are"})
+    EXPECT_THAT(page, HasSubstr(words));
 }
 
 TEST(ReportFit, AFileWithoutItsKeysIsRefused) {
