@@ -37,7 +37,7 @@ std::string goodness(const ReportData& data) {
   }
   html += data.dof > 0 ? "." : ": there are no more data than unknowns, and nothing checks the model.";
   if (data.scatter_mm > 0)
-    html += fmt::format(" Scatter of {} mm per axis beyond the measurement errors is included.",
+    html += fmt::format(" Scatter of up to {} mm per axis beyond the measurement errors is included.",
                         number(data.scatter_mm, 2));
   html += "</p>\n";
   if (std::isfinite(data.p_value) && data.dof > 0)

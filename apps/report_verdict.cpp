@@ -65,8 +65,9 @@ bool scatter_is_from_residuals(const ReportData& data) {
 std::string agreement_words(const ReportData& data) {
   if (scatter_is_from_residuals(data))
     return fmt::format(
-        "The measurements miss the model by more than their own errors. Scatter of {} mm per axis was added "
-        "so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is right.",
+        "The measurements miss the model by more than their own errors. Scatter, up to {} mm per axis, was "
+        "added so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is "
+        "right.",
         number(data.scatter_mm, 2));
   const ReportInterval expected = expected_reduced_chi2(data.dof);
   switch (agreement(data)) {
