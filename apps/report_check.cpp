@@ -29,11 +29,10 @@ std::string goodness(const ReportData& data) {
   std::string html = fmt::format("<p>χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
                                  data.dof == 1 ? "" : "s");
   if (data.dof > 0) {
-    const ReportInterval expected = expected_reduced_chi2(data.dof);
     html += fmt::format(
-        ": {} per degree of freedom, where {} to {} is expected 99 times out of 100 if the model and the "
+        ": {} per degree of freedom, where {} is expected 99 times out of 100 if the model and the "
         "stated errors are right",
-        number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+        number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
   }
   html += data.dof > 0 ? "." : ": there are no more data than unknowns, and nothing checks the model.";
   if (data.scatter_mm > 0)

@@ -69,26 +69,25 @@ std::string agreement_words(const ReportData& data) {
         "added so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is "
         "right.",
         number(data.scatter_mm, 2));
-  const ReportInterval expected = expected_reduced_chi2(data.dof);
   switch (agreement(data)) {
     case Agreement::unknown:
       return "There are no more data than parameters, so the model could not be checked against them.";
     case Agreement::good:
       return fmt::format(
           "The model describes the measurements within their errors: χ² per degree of freedom is {}, and "
-          "{} to {} is what chance allows.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          "{} is what chance allows.",
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
     case Agreement::poor:
       return fmt::format(
           "The model misses the measurements by more than their errors: χ² per degree of freedom is {}, "
-          "where chance allows {} to {}. Look at the residuals for the run or the trend that does not fit.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          "where chance allows {}. Look at the residuals for the run or the trend that does not fit.",
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
     case Agreement::too_good:
       return fmt::format(
           "The measurements scatter less about the model than their errors say (χ² per degree of freedom "
-          "{}, where chance allows {} to {}): the stated errors, and so the intervals, are probably too "
+          "{}, where chance allows {}): the stated errors, and so the intervals, are probably too "
           "wide.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
   }
   return "";
 }
@@ -122,6 +121,11 @@ ReportInterval expected_reduced_chi2(int dof) {
     return std::pow(std::max(1 - spread + z * std::sqrt(spread), 0.0), 3);
   };
   return {.low = quantile(-2.576), .high = quantile(2.576)};
+}
+
+std::string expected_chi2_words(int dof) {
+  const ReportInterval expected = expected_reduced_chi2(dof);
+  return interval_words(expected, 0.3 * (expected.high - expected.low));
 }
 
 Verdict verdict_in_words(const ReportData& data) {
