@@ -10,7 +10,9 @@
 
 #include "apps/errors.h"
 #include "apps/meta_file.h"
+#include "apps/report_fit.h"
 #include "apps/report_groups.h"
+#include "apps/report_json.h"
 #include "apps/report_page.h"
 #include "apps/report_platform.h"
 #include "apps/scenario_file.h"
@@ -23,68 +25,6 @@ namespace tribotrack::apps {
 namespace fs = std::filesystem;
 
 namespace {
-
-double number(const Json& object, const std::string& key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : no_value;
-}
-
-std::string word(const Json& object, const std::string& key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-std::vector<double> list(const Json& object, const std::string& key) {
-  std::vector<double> values;
-  if (const auto found = object.find(key); found != object.end())
-    for (const Json& item : *found) values.push_back(item.is_number() ? item.get<double>() : no_value);
-  return values;
-}
-
-std::vector<std::string> sentences(const Json& object, const std::string& key) {
-  std::vector<std::string> values;
-  if (const auto found = object.find(key); found != object.end() && found->is_array())
-    for (const Json& item : *found) values.push_back(item.get<std::string>());
-  return values;
-}
-
-/// [low, high] of fit.json; null is an open end.
-ReportInterval interval(const Json& parameter, const std::string& key) {
-  constexpr double open = std::numeric_limits<double>::infinity();
-  const auto found = parameter.find(key);
-  if (found == parameter.end() || !found->is_array()) return {};
-  return {found->at(0).is_number() ? found->at(0).get<double>() : -open,
-          found->at(1).is_number() ? found->at(1).get<double>() : open};
-}
-
-void collect_fit(const Json& fit, ReportData& data) {
-  data.converged = fit.at("converged").get<bool>();
-  std::vector<std::string> names;
-  for (const auto& [name, p] : fit.at("parameters").items()) {
-    names.push_back(name);
-    data.parameters.push_back(
-        {name, number(p, "estimate"), number(p, "sd"), interval(p, "ci95"), interval(p, "profile_ci95"), {}});
-  }
-  for (const std::string& row : names) {
-    data.correlation.emplace_back();
-    for (const std::string& column : names)
-      data.correlation.back().push_back(number(fit.at("correlation").at(row), column));
-  }
-  data.chi2 = number(fit, "chi2");
-  data.dof = fit.at("dof").get<int>();
-  data.scatter_mm = number(fit, "scatter_mm");
-  data.covariance_meaning = word(fit, "covariance_meaning");
-  const Json& identifiability = fit.at("identifiability");
-  const std::string verdict = word(identifiability, "verdict");
-  data.identifiability = verdict == "identifiable" ? ReportVerdict::identifiable
-                         : verdict == "weak"       ? ReportVerdict::weak
-                                                   : ReportVerdict::not_identifiable;
-  data.weak_directions = sentences(identifiability, "weak_directions");
-  if (const Json& next = fit.at("next_experiment"); next.is_object())
-    data.next_experiment = word(next, "sentence");
-  data.warnings = sentences(fit, "warnings");
-  data.phase_reference = word(fit, "phase_reference");
-}
 
 void collect_track(const RunFolder& folder, ReportRun& run) {
   const fs::path csv = folder.track(run.name);
@@ -109,21 +49,21 @@ void collect_track(const RunFolder& folder, ReportRun& run) {
   if (track.meta.is_object()) {
     const Json& meta = track.meta;
     run.video = fs::path(meta.at("inputs").at(0).at("path").get<std::string>()).filename().string();
-    run.frame_rate_hz = number(meta.at("time_base"), "rate_hz");
-    run.time_base = word(meta.at("time_base"), "source");
+    run.frame_rate_hz = number_at(meta.at("time_base"), "rate_hz");
+    run.time_base = word_at(meta.at("time_base"), "source");
     run.frame_width_px = meta.at("recording").at("width").get<int>();
     run.frame_height_px = meta.at("recording").at("height").get<int>();
     if (const Json& scale = meta.at("scale"); scale.is_object()) {
-      run.mm_per_px = number(scale, "mm_per_px");
-      run.scale_source = word(scale, "source");
+      run.mm_per_px = number_at(scale, "mm_per_px");
+      run.scale_source = word_at(scale, "source");
     }
-    if (word(meta, "frame_of_reference") == "camera" && run.kind != "free_slide")
+    if (word_at(meta, "frame_of_reference") == "camera" && run.kind != "free_slide")
       run.notes.push_back("measured in the camera's frame: no marker");
-    for (const std::string& note : sentences(meta.at("summary"), "warnings")) run.notes.push_back(note);
+    for (const std::string& note : sentences_at(meta.at("summary"), "warnings")) run.notes.push_back(note);
     for (const Json& stage : meta.at("plan"))
-      run.plan.push_back({word(stage, "stage"), stage.at("on").get<bool>(), word(stage, "reason"),
-                          number(stage, "predicted_saving"),
-                          fmt::format("{:.2g} px", number(stage, "error_bound_px"))});
+      run.plan.push_back({word_at(stage, "stage"), stage.at("on").get<bool>(), word_at(stage, "reason"),
+                          number_at(stage, "predicted_saving"),
+                          fmt::format("{:.2g} px", number_at(stage, "error_bound_px"))});
   }
   if (fs::exists(folder.first_frame(run.name))) {
     std::ifstream picture(folder.first_frame(run.name), std::ios::binary);
@@ -134,15 +74,15 @@ void collect_track(const RunFolder& folder, ReportRun& run) {
 void collect_measurement(const RunFolder& folder, ReportRun& run) {
   if (!fs::exists(folder.measurement(run.name))) return;
   const Json m = read_json(folder.measurement(run.name));
-  run.alpha_rad = number(m, "alpha_rad");
-  run.alpha_sd_rad = number(m, "alpha_rad_sd");
-  run.v_mm_s = number(m, "v_mm_s");
-  run.v_sd_mm_s = number(m, "v_mm_s_sd");
+  run.alpha_rad = number_at(m, "alpha_rad");
+  run.alpha_sd_rad = number_at(m, "alpha_rad_sd");
+  run.v_mm_s = number_at(m, "v_mm_s");
+  run.v_sd_mm_s = number_at(m, "v_mm_s_sd");
   run.cycles = m.value("cycles", 0);
   ReportPlatform& p = run.platform;
   const auto take = [&](const char* name, double& value, double& sd) {
-    value = number(m, name);
-    sd = number(m, std::string(name) + "_sd");
+    value = number_at(m, name);
+    sd = number_at(m, std::string(name) + "_sd");
   };
   take("amplitude_mm", p.amplitude_mm, p.amplitude_sd_mm);
   take("amplitude_y_mm", p.amplitude_y_mm, p.amplitude_y_sd_mm);
@@ -151,50 +91,53 @@ void collect_measurement(const RunFolder& folder, ReportRun& run) {
   take("angular_frequency_drift_rad_s2", p.drift_rad_s2, p.drift_sd_rad_s2);
   take("phi_rad", p.phi_rad, p.phi_sd_rad);
   take("dtau_rad", p.dtau_rad, p.dtau_sd_rad);
-  if (const auto gate = m.find("gate"); gate != m.end()) p.gate_source = word(*gate, "source");
+  if (const auto gate = m.find("gate"); gate != m.end()) p.gate_source = word_at(*gate, "source");
   if (const auto harmonics = m.find("harmonics"); harmonics != m.end())
     for (const Json& h : *harmonics)
       if (h.value("seen", false))
         p.harmonics.push_back(fmt::format("{}ω: {:.3g} ± {:.1g} mm along x, {:.3g} ± {:.1g} mm along y",
-                                          h.value("order", 0), number(h, "amplitude_mm"),
-                                          number(h, "amplitude_mm_sd"), number(h, "amplitude_y_mm"),
-                                          number(h, "amplitude_y_mm_sd")));
+                                          h.value("order", 0), number_at(h, "amplitude_mm"),
+                                          number_at(h, "amplitude_mm_sd"), number_at(h, "amplitude_y_mm"),
+                                          number_at(h, "amplitude_y_mm_sd")));
 }
 
 ReportSlide slide_of(const Json& run) {
   const Json& slide = run.at("slide");
   ReportSlide report;
-  report.name = word(run, "name");
-  report.time_s = list(slide, "time_s");
-  report.position_mm = list(slide, "position_mm");
-  report.sigma_mm = list(slide, "sigma_mm");
-  report.fitted_mm = list(slide, "fitted_mm");
-  report.sentence = word(slide, "sentence");
+  report.name = word_at(run, "name");
+  report.time_s = numbers_at(slide, "time_s");
+  report.position_mm = numbers_at(slide, "position_mm");
+  report.sigma_mm = numbers_at(slide, "sigma_mm");
+  report.fitted_mm = numbers_at(slide, "fitted_mm");
+  report.sentence = word_at(slide, "sentence");
   return report;
 }
 
 ReportRun run_of(const Json& entry, const Json& configuration, const RunFolder& folder) {
   ReportRun run;
-  run.name = word(entry, "name");
-  run.kind = word(entry, "kind") == "free_slide" ? "free_slide" : "displacement";
-  run.failure = word(entry, "failure");
-  run.phi_rad = number(entry, "phi_rad");
-  run.dtau_rad = number(entry, "dtau_rad");
+  run.name = word_at(entry, "name");
+  run.kind = word_at(entry, "kind") == "free_slide" ? "free_slide" : "displacement";
+  run.failure = word_at(entry, "failure");
+  run.phi_rad = number_at(entry, "phi_rad");
+  run.dtau_rad = number_at(entry, "dtau_rad");
   collect_track(folder, run);
   collect_measurement(folder, run);
   if (run.video.empty() && !std::isfinite(run.alpha_rad)) {  // measured elsewhere
-    run.alpha_rad = number(configuration, "alpha_rad");
-    run.alpha_sd_rad = number(configuration, "alpha_sd_rad");
-    run.v_mm_s = number(configuration, "v_mm_s");
-    run.v_sd_mm_s = number(configuration, "v_sd_mm_s");
+    run.alpha_rad = number_at(configuration, "alpha_rad");
+    run.alpha_sd_rad = number_at(configuration, "alpha_sd_rad");
+    run.v_mm_s = number_at(configuration, "v_mm_s");
+    run.v_sd_mm_s = number_at(configuration, "v_sd_mm_s");
     run.cycles = configuration.value("cycles", 0);
   }
+  run.points = entry.value("points", std::size_t{0});
+  if (const auto nuisance = entry.find("nuisance"); nuisance != entry.end())
+    run.outlying_points = static_cast<std::size_t>(nuisance->value("outliers", 0.0));
   if (const auto residuals = entry.find("observables"); residuals != entry.end())
     for (const Json& r : *residuals) {
-      run.residuals.push_back({word(r, "observable"), number(r, "measured"), number(r, "modelled"),
-                               number(r, "sd"), number(r, "standardised")});
-      if (run.residuals.back().observable == "alpha_rad") run.modelled_alpha_rad = number(r, "modelled");
-      if (run.residuals.back().observable == "v_mm_s") run.modelled_v_mm_s = number(r, "modelled");
+      run.residuals.push_back({word_at(r, "observable"), number_at(r, "measured"), number_at(r, "modelled"),
+                               number_at(r, "sd"), number_at(r, "standardised")});
+      if (run.residuals.back().observable == "alpha_rad") run.modelled_alpha_rad = number_at(r, "modelled");
+      if (run.residuals.back().observable == "v_mm_s") run.modelled_v_mm_s = number_at(r, "modelled");
     }
   return run;
 }
@@ -258,15 +201,15 @@ ReportData collect_report(const RunFolder& folder) {
       if (runs[k].contains("slide")) data.slides.push_back(slide_of(runs[k]));
     }
     collect_curves(scenarios, data);
-    data.program_version = word(meta, "version");
+    data.program_version = word_at(meta, "version");
     for (const Json& input : meta.at("inputs"))
       data.inputs.push_back(
-          {fs::path(word(input, "path")).filename().string(), "xxh3-128:" + word(input, "xxh3_128")});
+          {fs::path(word_at(input, "path")).filename().string(), "xxh3-128:" + word_at(input, "xxh3_128")});
     for (const ReportRun& run : data.runs)
       if (fs::exists(folder.track(run.name)))
         for (const Json& input : read_json(folder.track(run.name).string() + ".meta.json").at("inputs"))
-          data.inputs.push_back(
-              {fs::path(word(input, "path")).filename().string(), "xxh3-128:" + word(input, "xxh3_128")});
+          data.inputs.push_back({fs::path(word_at(input, "path")).filename().string(),
+                                 "xxh3-128:" + word_at(input, "xxh3_128")});
     data.configuration = configuration.dump(2);
   } catch (const Json::exception& error) {
     throw InvalidInput(

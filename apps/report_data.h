@@ -22,9 +22,10 @@ struct ReportParameter {
   std::string name;  ///< campaign key: "mu1", "phase_lag_rad", "amplitude_mm", ...
   double estimate = no_value;
   double sd = no_value;
-  ReportInterval ci95;          ///< from the covariance
-  ReportInterval profile_ci95;  ///< from the profile likelihood
-  std::optional<double> truth;  ///< known only for rendered recordings
+  ReportInterval ci95;                 ///< from the covariance
+  ReportInterval profile_ci95;         ///< from the profile likelihood
+  std::optional<double> truth;         ///< known only for rendered recordings
+  ReportInterval bootstrap_ci95 = {};  ///< from refits to simulated data; only where asked for
 };
 
 /// A value that was given, not fitted.
@@ -101,6 +102,7 @@ struct ReportRun {
   std::vector<double> x_mm, y_mm;
 
   std::vector<ReportResidual> residuals;
+  std::size_t points = 0, outlying_points = 0;  ///< trajectory fits: used, and of them beyond 6 sigma
   std::vector<ReportStage> plan;
   ReportPlatform platform;
 };
@@ -124,6 +126,31 @@ struct ReportSlide {
   std::vector<double> fitted_mm;  ///< the model at the fitted parameters, same times
   std::string
       sentence;  ///< what it gave, in words: "Initial speed 812 mm/s; mu1 = 0.15 alone from this run."
+};
+
+/// A run that contradicts the others.
+struct ReportOutlier {
+  std::string run;
+  double deviation = no_value;           ///< standard deviations from what the others say
+  double chance = no_value;              ///< that the largest of so many runs lies as far
+  double looks_like_phi_rad = no_value;  ///< where a wrong phi alone explains it
+};
+
+/// One friction model among those compared.
+struct ReportModel {
+  std::string name;
+  int unknowns = 0;
+  double chi2 = no_value, aic = no_value, bic = no_value;
+  std::string finding;  ///< its own parameters, in words
+};
+
+/// A run worth filming, and the intervals to expect with it.
+struct ReportNextRun {
+  double phi_rad = no_value, dtau_rad = no_value;
+  double amplitude_mm = no_value, w_rad_s = no_value;
+  std::string aim;  ///< campaign key of the parameter it is for; empty: all of them
+  std::vector<ReportInterval> predicted_ci95;  ///< in the order of parameters
+  std::string sentence;
 };
 
 enum class ReportVerdict { identifiable, weak, not_identifiable };
@@ -150,7 +177,19 @@ struct ReportData {
   std::string covariance_meaning;  ///< in words
   ReportVerdict identifiability = ReportVerdict::identifiable;
   std::vector<std::string> weak_directions;
-  std::string next_experiment;
+  std::vector<std::string> other_minima;  ///< that fit nearly as well, each in words
+  std::string next_experiment;            ///< in words
+  std::vector<ReportNextRun> next_runs;   ///< the best for all parameters first
+
+  int bootstrap_refits = 0;  ///< 0: none asked for
+  unsigned bootstrap_seed = 0;
+  std::string shared_scale;              ///< what the recordings' scales say together, in words
+  double p_value = no_value;             ///< of chi-square before scatter seen in the residuals was added
+  double runs_test_p_value = no_value;   ///< small: neighbouring runs err alike
+  std::vector<ReportOutlier> outliers;   ///< farthest first
+  std::vector<ReportModel> models;       ///< the one fitted first; empty where none was compared
+  std::vector<std::string> left_out;     ///< what the data did not ask for, and why
+  std::vector<std::string> systematics;  ///< what an error in a given value would do, in words
 
   std::vector<ReportRun> runs;
   std::vector<ReportGroup> over_phi;   ///< figures 9a and v against phi

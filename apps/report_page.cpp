@@ -5,7 +5,9 @@
 #include <stdexcept>
 
 #include "apps/embedded_assets.h"
+#include "apps/report_check.h"
 #include "apps/report_figures.h"
+#include "apps/report_next.h"
 #include "apps/report_platform.h"
 #include "apps/report_runs.h"
 #include "apps/report_sections.h"
@@ -43,10 +45,10 @@ std::string trajectory_section(const ReportData& data) {
 
 std::string render_report(const ReportData& data) {
   const std::string title = escape_html(data.title);
-  const std::string body = verdict_section(data) + parameter_section(data) + dependence_section(data) +
-                           trajectory_section(data) + platform_section(data) + residual_section(data) +
-                           slide_section(data) + run_section(data) + plan_section(data) +
-                           provenance_section(data);
+  const std::string body = verdict_section(data) + parameter_section(data) + check_section(data) +
+                           next_section(data) + dependence_section(data) + trajectory_section(data) +
+                           platform_section(data) + residual_section(data) + slide_section(data) +
+                           run_section(data) + plan_section(data) + provenance_section(data);
   const std::string figures = figures_json(data);
   const EmbeddedAssets& assets = embedded_assets();
   return fill_template(assets.page_template, {{"title", title},

@@ -5,22 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report_intervals.h"
 #include "apps/report_text.h"
 #include "apps/report_verdict.h"
 
 namespace tribotrack::apps {
 namespace {
-
-std::string list(const std::vector<std::string>& sentences) {
-  std::string html = "<ul>";
-  for (const std::string& sentence : sentences) html += "<li>" + escape_html(sentence) + "</li>";
-  return html + "</ul>\n";
-}
-
-std::string interval(const ReportInterval& range, double sd) {
-  if (std::isnan(range.low) || std::isnan(range.high)) return "–";
-  return rounded_to_sd(range.low, sd) + " to " + rounded_to_sd(range.high, sd);
-}
 
 const char* css_class(Trust trust) {
   switch (trust) {
@@ -36,35 +26,9 @@ const char* css_class(Trust trust) {
   return "none";
 }
 
-std::string parameter_table(const ReportData& data) {
-  const bool truth = std::any_of(data.parameters.begin(), data.parameters.end(),
-                                 [](const ReportParameter& p) { return p.truth.has_value(); });
-  std::string html =
-      "<table class=\"parameters\"><thead><tr><th>Parameter</th><th class=\"n\">Value</th><th "
-      "class=\"n\">Standard deviation</th><th class=\"n\">95 % interval</th><th class=\"n\">95 % profile "
-      "interval</th>";
-  html += truth ? "<th class=\"n\">True value</th>" : "";
-  html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
-  for (const ReportParameter& p : data.parameters) {
-    const ParameterWords words = parameter_words(p.name);
-    html += "<tr><th>" + words.symbol + "</th>" + number_cell(rounded_to_sd(p.estimate, p.sd)) +
-            number_cell(number(p.sd, 2)) + number_cell(interval(p.ci95, p.sd)) +
-            number_cell(interval(p.profile_ci95, p.sd));
-    if (truth) html += number_cell(p.truth ? rounded_to_sd(*p.truth, p.sd) : "–");
-    html += cell(words.unit.empty() ? "1" : words.unit) + cell(words.meaning) + "</tr>\n";
-  }
-  html += "</tbody></table>\n";
-  html +=
-      "<p class=\"note\">The 95 % interval comes from the covariance, as if the χ² valley were a "
-      "parabola; the profile interval walks along the real valley, re-fitting all other parameters at "
-      "every step. Where the two differ, trust the profile.";
-  if (!data.covariance_meaning.empty()) html += fmt::format(" {}", escape_html(data.covariance_meaning));
-  return html + "</p>\n";
-}
-
 std::string given_table(const ReportData& data) {
   if (data.given.empty()) return "";
-  std::string html = "<h3>Taken as known</h3>\n<table class=\"compact\"><tbody>";
+  std::string html = "<h3>Taken as known</h3>\n<div class=\"wide\"><table class=\"compact\"><tbody>";
   for (const ReportGiven& given : data.given) {
     const ParameterWords words = parameter_words(given.name);
     const bool in_radians = words.unit == "rad";
@@ -72,7 +36,7 @@ std::string given_table(const ReportData& data) {
     html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
     html += cell(in_radians ? "" : words.unit) + cell(escape_html(given.source)) + "</tr>";
   }
-  return html + "</tbody></table>\n";
+  return html + "</tbody></table></div>\n";
 }
 
 /// Blue below, orange above: told apart by colour-blind eyes, and the number stands in the cell.
@@ -86,7 +50,8 @@ std::string correlation_table(const ReportData& data) {
   const std::size_t n = data.parameters.size();
   if (n < 2 || data.correlation.size() != n) return "";
   std::string html =
-      "<h3>Correlation of the parameters</h3>\n<table class=\"compact correlation\"><thead><tr><th></th>";
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table class=\"compact "
+      "correlation\"><thead><tr><th></th>";
   for (const ReportParameter& p : data.parameters)
     html += "<th class=\"n\">" + parameter_words(p.name).symbol + "</th>";
   html += "</tr></thead><tbody>";
@@ -101,7 +66,8 @@ std::string correlation_table(const ReportData& data) {
     html += "</tr>";
   }
   return html +
-         "</tbody></table>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for by "
+         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for "
+         "by "
          "the other: only their combination is known well.</p>\n";
 }
 
@@ -119,26 +85,30 @@ std::string identifiability_words(const ReportData& data) {
       break;
   }
   html += "</p>\n";
-  return data.weak_directions.empty() ? html : html + list(data.weak_directions);
+  if (!data.weak_directions.empty()) html += html_list(data.weak_directions);
+  const std::string remedy = !data.next_experiment.empty() ? data.next_experiment
+                             : !data.next_runs.empty()     ? data.next_runs.front().sentence
+                                                           : std::string();
+  if (data.identifiability != ReportVerdict::identifiable && !remedy.empty())
+    html += "<p><b>Remedy:</b> " + escape_html(remedy) + "</p>\n";
+  if (!data.other_minima.empty())
+    html +=
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals speak of the best "
+        "alone.</p>\n" +
+        html_list(data.other_minima);
+  return html;
 }
 
-std::string goodness(const ReportData& data) {
-  std::string html = "<h3>Does the model describe the data?</h3>\n<p>";
-  if (!std::isfinite(data.chi2)) return html + "χ² was not computed.</p>\n";
-  html += fmt::format("χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
-                      data.dof == 1 ? "" : "s");
-  if (data.dof > 0) {
-    const ReportInterval expected = expected_reduced_chi2(data.dof);
-    html += fmt::format(
-        ": {} per degree of freedom, where {} to {} is expected 99 times out of 100 if the model and the "
-        "stated errors are right",
-        number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
-  }
-  html += ".";
-  if (data.scatter_mm > 0)
-    html += fmt::format(" Scatter of {} mm per axis beyond the measurement errors is included.",
-                        number(data.scatter_mm, 2));
-  return html + "</p>\n";
+std::string systematics(const ReportData& data) {
+  if (data.systematics.empty()) return "";
+  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters move by this much, which "
+         "χ² may not show and no interval above holds.</p>\n" +
+         html_list(data.systematics);
+}
+
+std::string shared_scale(const ReportData& data) {
+  if (data.shared_scale.empty()) return "";
+  return "<h3>Scale of the recordings</h3>\n<p>" + escape_html(data.shared_scale) + ".</p>\n";
 }
 
 }  // namespace
@@ -152,17 +122,16 @@ std::string verdict_section(const ReportData& data) {
     html +=
         fmt::format("<section id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</section>\n",
                     data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
-                    list(data.warnings));
+                    html_list(data.warnings));
   return html;
 }
 
 std::string parameter_section(const ReportData& data) {
   if (!data.fitted || data.parameters.empty()) return "";
-  std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + parameter_table(data);
-  html += "<div class=\"columns\">\n<div>" + goodness(data) + identifiability_words(data);
-  if (!data.next_experiment.empty())
-    html += "<h3>The run to record next</h3>\n<p>" + escape_html(data.next_experiment) + "</p>\n";
-  html += "</div>\n<div>" + correlation_table(data) + given_table(data) + "</div>\n</div>\n";
+  std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
+  html += "<div class=\"columns\">\n<div>" + identifiability_words(data) + systematics(data) +
+          shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
+          "</div>\n</div>\n";
   return html + "</section>\n";
 }
 

@@ -8,8 +8,8 @@
 namespace tribotrack::apps {
 
 std::string verdict_section(const ReportData& data);  ///< what was found, whether to believe it; warnings
-std::string parameter_section(
-    const ReportData& data);  ///< values, intervals, correlation, chi-square, next run
+/// Values, intervals, identifiability, correlation, what was taken as known and what an error in it does.
+std::string parameter_section(const ReportData& data);
 std::string provenance_section(const ReportData& data);  ///< version, inputs, configuration
 
 }  // namespace tribotrack::apps

@@ -72,6 +72,17 @@ std::string rounded_to_sd(double value, double sd) {
   return with_minus_sign(fmt::format("{:.{}f}", value, std::max(decimals, 0)));
 }
 
+std::string interval_words(const ReportInterval& range, double sd) {
+  if (std::isnan(range.low) || std::isnan(range.high)) return "–";
+  return rounded_to_sd(range.low, sd) + " to " + rounded_to_sd(range.high, sd);
+}
+
+std::string html_list(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>";
+  for (const std::string& sentence : sentences) html += "<li>" + escape_html(sentence) + "</li>";
+  return html + "</ul>\n";
+}
+
 std::string value_and_sd(double value, double sd) {
   if (!std::isfinite(value) || !usable(sd)) return number(value);
   return rounded_to_sd(value, sd) + " ± " + rounded_to_sd(sd, sd);
@@ -104,6 +115,7 @@ ParameterWords parameter_words(const std::string& key) {
       {"angular_frequency_rad_s", {"ω", "rad/s", "angular frequency of the platform"}},
       {"phase_shift_rad", {"ε", "rad", "phase shift between the platform’s two axes"}},
       {"diameter_mm", {"diameter", "mm", "diameter of the part"}},
+      {"diameter_sd_mm", {"sd of diameter", "mm", "standard deviation of the part’s diameter"}},
       {"height_mm", {"height", "mm", "height of the part"}},
       {"gravity_m_s2", {"g", "m/s²", "acceleration of gravity"}},
       {"mm_per_px", {"scale", "mm/px", "millimetres per pixel"}},

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/report_data.h"
+
 namespace tribotrack::apps {
 
 /// Text made safe for HTML, in elements and in quoted attributes.
@@ -21,6 +23,12 @@ std::string number(double value, int digits = 4);
 /// A value rounded where its sd says: decimals such that sd keeps two significant digits: (0.100123, 0.00031)
 /// gives "0.10012". Without a usable sd: number(value).
 std::string rounded_to_sd(double value, double sd);
+
+/// "0.09952 to 0.10073", rounded where sd says; an en dash where there is no interval.
+std::string interval_words(const ReportInterval& range, double sd);
+
+/// Sentences as a list.
+std::string html_list(const std::vector<std::string>& sentences);
 
 /// "0.10012 ± 0.00031"; the value alone without a usable sd.
 std::string value_and_sd(double value, double sd);

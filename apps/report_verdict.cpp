@@ -56,27 +56,38 @@ Agreement agreement(const ReportData& data) {
   return Agreement::good;
 }
 
+/// Scatter was read off the residuals because chance does not explain them without it: then chi-square is
+/// about 1 per degree of freedom by construction.
+bool scatter_is_from_residuals(const ReportData& data) {
+  return data.scatter_mm > 0 && data.p_value < 1e-3;
+}
+
 std::string agreement_words(const ReportData& data) {
-  const ReportInterval expected = expected_reduced_chi2(data.dof);
+  if (scatter_is_from_residuals(data))
+    return fmt::format(
+        "The measurements miss the model by more than their own errors. Scatter, up to {} mm per axis, was "
+        "added so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is "
+        "right.",
+        number(data.scatter_mm, 2));
   switch (agreement(data)) {
     case Agreement::unknown:
       return "There are no more data than parameters, so the model could not be checked against them.";
     case Agreement::good:
       return fmt::format(
           "The model describes the measurements within their errors: χ² per degree of freedom is {}, and "
-          "{} to {} is what chance allows.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          "{} is what chance allows.",
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
     case Agreement::poor:
       return fmt::format(
           "The model misses the measurements by more than their errors: χ² per degree of freedom is {}, "
-          "where chance allows {} to {}. Look at the residuals for the run or the trend that does not fit.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          "where chance allows {}. Look at the residuals for the run or the trend that does not fit.",
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
     case Agreement::too_good:
       return fmt::format(
           "The measurements scatter less about the model than their errors say (χ² per degree of freedom "
-          "{}, where chance allows {} to {}): the stated errors, and so the intervals, are probably too "
+          "{}, where chance allows {}): the stated errors, and so the intervals, are probably too "
           "wide.",
-          number(data.chi2 / data.dof, 3), number(expected.low, 2), number(expected.high, 2));
+          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
   }
   return "";
 }
@@ -89,6 +100,11 @@ std::string reasons_for_care(const ReportData& data) {
   if (agreement(data) == Agreement::poor) reasons.push_back("the model misses the data");
   if (agreement(data) == Agreement::too_good) reasons.push_back("the stated errors look too large");
   if (agreement(data) == Agreement::unknown) reasons.push_back("nothing checks the model");
+  if (!data.outliers.empty())
+    reasons.push_back(data.outliers.size() == 1
+                          ? "one run contradicts the others"
+                          : fmt::format("{} runs contradict the others", data.outliers.size()));
+  if (!data.other_minima.empty()) reasons.push_back("other values fit nearly as well");
   const std::size_t failed = failed_runs(data);
   if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
   std::string words;
@@ -105,6 +121,11 @@ ReportInterval expected_reduced_chi2(int dof) {
     return std::pow(std::max(1 - spread + z * std::sqrt(spread), 0.0), 3);
   };
   return {.low = quantile(-2.576), .high = quantile(2.576)};
+}
+
+std::string expected_chi2_words(int dof) {
+  const ReportInterval expected = expected_reduced_chi2(dof);
+  return interval_words(expected, 0.3 * (expected.high - expected.low));
 }
 
 Verdict verdict_in_words(const ReportData& data) {
@@ -138,7 +159,7 @@ Verdict verdict_in_words(const ReportData& data) {
                     weak ? ", but the data hold some combination of the parameters only weakly."
                          : ", and the data determine every parameter.",
                     agreement_words(data));
-    if (data.scatter_mm > 0)
+    if (data.scatter_mm > 0 && !scatter_is_from_residuals(data))
       verdict.paragraph += fmt::format(
           " Runs scatter more than their own errors explain; {} mm per axis was added to each, and the "
           "intervals include it.",

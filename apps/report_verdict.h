@@ -24,4 +24,7 @@ Verdict verdict_in_words(const ReportData& data);
 /// at any dof. NaN for dof < 1.
 ReportInterval expected_reduced_chi2(int dof);
 
+/// The same as "0.42 to 1.88", with digits enough to see its width at any dof.
+std::string expected_chi2_words(int dof);
+
 }  // namespace tribotrack::apps

@@ -69,7 +69,7 @@ struct Browsed {
 
 /// `what` is e.g. "--dump-dom" or "--screenshot=file.png". Gives up after two minutes (dom is empty then).
 inline Browsed browse(const std::string& program, const std::string& html,
-                      const std::string& what = "--dump-dom") {
+                      const std::string& what = "--dump-dom", int width_px = 1200) {
   const TemporaryFolder folder;
   const std::string place = folder.path().string();
   std::ofstream(folder.path() / "page.html", std::ios::binary) << html;
@@ -79,9 +79,10 @@ inline Browsed browse(const std::string& program, const std::string& html,
       "' --headless --no-sandbox --disable-gpu --disable-quic --disable-dev-shm-usage --no-first-run"
       " --disable-background-networking --disable-component-update --disable-sync"
       " --disable-default-apps --disable-extensions --host-resolver-rules='MAP * ~NOTFOUND'"
-      " --window-size=1200,6000 --virtual-time-budget=20000 --user-data-dir='" +
-      place + "/profile' --log-net-log='" + place + "/net.json' " + what + " 'file://" + place +
-      "/page.html' 2>'" + place + "/stderr'"));
+      " --window-size=" +
+      std::to_string(width_px) + ",6000 --virtual-time-budget=20000 --user-data-dir='" + place +
+      "/profile' --log-net-log='" + place + "/net.json' " + what + " 'file://" + place + "/page.html' 2>'" +
+      place + "/stderr'"));
   std::ifstream log(folder.path() / "net.json", std::ios::binary);
   browsed.net_log.assign(std::istreambuf_iterator<char>(log), {});
   return browsed;

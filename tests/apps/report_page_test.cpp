@@ -35,7 +35,11 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   const std::string hostile = "<script>boom()</script>{{plotly}}\"'&";
   ReportData data = sample::campaign();
   data.title = data.next_experiment = data.configuration = data.covariance_meaning = hostile;
-  data.warnings = data.weak_directions = {hostile};
+  data.shared_scale = hostile;
+  data.warnings = data.weak_directions = data.other_minima = data.left_out = data.systematics = {hostile};
+  data.outliers = {{hostile, 5, 0.001, 1}};
+  data.models = {{hostile, 3, 1, 1, 1, hostile}};
+  data.next_runs = {{0, 1, 0.28, 62.8, hostile, {}, hostile}};
   data.parameters[0].name = data.given[0].name = data.given[0].source = hostile;
   data.inputs = {{hostile, hostile}};
   data.plan[0] = {hostile, false, hostile, 0.1, hostile};
@@ -54,8 +58,8 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
 
 TEST(ReportPage, HoldsEverySectionOfTheSample) {
   const std::string page = render_report(sample::campaign());
-  for (const char* id : {"verdict", "warnings", "parameters", "dependences", "trajectories", "residuals",
-                         "slides", "runs", "plan", "provenance"})
+  for (const char* id : {"verdict", "warnings", "parameters", "check", "next", "dependences", "trajectories",
+                         "residuals", "slides", "runs", "plan", "provenance"})
     EXPECT_EQ(occurrences(page, std::string("<section id=\"") + id + "\""), 1u) << id;
   EXPECT_EQ(occurrences(page, "data:image/png;base64,"), 13u);
   EXPECT_TRUE(holds(page, "phi90_dtau90.cine ends after 212 of 500 images"));
@@ -123,6 +127,32 @@ TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutErrorOrRequest) {
   EXPECT_EQ(occurrences(browsed.dom, "data-title=\"Download plot\""),
             static_cast<std::size_t>(figures_of_the_sample));
   EXPECT_FALSE(holds(browsed.dom, "Share chart"));
+}
+
+/// All that a fit can tell, in its widest words.
+ReportData with_every_table() {
+  ReportData data = sample::campaign();
+  for (ReportParameter& p : data.parameters) {
+    p.sd = 1e-6;  // many digits
+    p.bootstrap_ci95 = p.ci95;
+  }
+  data.outliers = {{"a run with quite a long name of its own", 12.3, 3e-8, 1.234}};
+  data.models = {{"Coulomb friction", 3, 531936124.9, 493.0, 498.5, ""},
+                 {"Stribeck", 4, 531936124.8, 494.0, 499.5, "friction at rest higher by 0.0157 +- 0.011 %"}};
+  data.next_runs = {{0.123456, 1, 0.28, 62.8, "", {{0.0999, 0.1001}, {0.0125, 0.0126}, {0.29, 0.31}}, ""}};
+  return data;
+}
+
+TEST_F(ReportInChromium, TablesKeepWithinANarrowPage) {
+  std::string page = render_report(with_every_table());
+  page.insert(page.rfind("</body>"),
+              "<script>(function (d) { d.dataset.over = String(d.scrollWidth - d.clientWidth); "
+              "d.dataset.width = String(d.clientWidth); })(document.documentElement)</script>");
+  for (const int width : {1200, 1000, 700}) {
+    const Browsed browsed = test::browse(*program_, page, "--hide-scrollbars --dump-dom", width);
+    EXPECT_EQ(root_data(browsed.dom, "width"), std::to_string(width));
+    EXPECT_EQ(root_data(browsed.dom, "over"), "0") << "at " << width;
+  }
 }
 
 TEST_F(ReportInChromium, AReportWithoutAnyDataIsAPageToo) {

@@ -34,6 +34,11 @@ TEST(ReportVerdict, TheExpectedRangeOfChiSquareIsTheTables) {
   EXPECT_TRUE(std::isnan(expected_reduced_chi2(0).low));
 }
 
+TEST(ReportVerdict, TheExpectedRangeIsWrittenSoThatItsWidthIsSeen) {
+  EXPECT_EQ(expected_chi2_words(25), "0.42 to 1.88");
+  EXPECT_EQ(expected_chi2_words(13315), "0.969 to 1.032");
+}
+
 TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysItsValues) {
   const Verdict verdict = verdict_in_words(all_well());
   EXPECT_EQ(verdict.trust, Trust::usable);
