@@ -18,7 +18,7 @@ constexpr std::size_t kFewestPixels = 30;  ///< near a rim, to fit it
 constexpr double kPi = std::numbers::pi;
 /// px of radius for an unevenness of one: by how much rendered discs with a highlight are measured too large,
 /// whatever the noise.
-constexpr double kUnevenBias = 0.015;
+constexpr double kUnevenBias = 0.02;
 
 double level_at(const Picture& picture, double x, double y) {
   x = std::clamp(x, 0.0, picture.width() - 1.001);
