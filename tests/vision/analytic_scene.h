@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -128,21 +129,26 @@ class RenderedSource : public FrameSource {
     ASSERT_GE(index, 0);
     ASSERT_LT(index, info_.frame_count);
     ASSERT_TRUE(bounds().contains(window));
-    if (index != current_) {
-      frame_ = render_(index);
-      current_ = index;
-    }
+    const Picture& frame = rendered(index);
     if (picture.width() != window.width || picture.height() != window.height)
       picture = Picture(window.width, window.height);
     for (int y = 0; y < window.height; ++y)
-      std::copy_n(frame_.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+      std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
   }
   using FrameSource::read;
 
  private:
+  /// Several passes see the same frames: up to kKept pixels are kept.
+  const Picture& rendered(std::int64_t index) {
+    if (const auto it = frames_.find(index); it != frames_.end()) return it->second;
+    const std::int64_t pixels = static_cast<std::int64_t>(info_.width) * info_.height;
+    if (static_cast<std::int64_t>(frames_.size() + 1) * pixels > kKept) frames_.clear();
+    return frames_.emplace(index, render_(index)).first->second;
+  }
+
+  static constexpr std::int64_t kKept = 25'000'000;
   std::function<Picture(std::int64_t)> render_;
-  std::int64_t current_ = -1;
-  Picture frame_;
+  std::map<std::int64_t, Picture> frames_;
 };
 
 }  // namespace tribotrack::vision::test
