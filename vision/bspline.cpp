@@ -128,7 +128,7 @@ QuinticSpline::QuinticSpline(const Picture& picture)
   const auto row = [&](int y) {
     return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
   };
-  // Sixteen lines at a time, first along the rows, then along the columns.
+  // kPanel lines at a time, first along the rows, then along the columns.
   std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
   for (int y0 = 0; y0 < height_; y0 += kPanel) {
     const int lines = std::min(kPanel, height_ - y0);
