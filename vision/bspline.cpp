@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "vision/spline_kernels.h"
 
@@ -44,6 +45,39 @@ int mirrored(int k, int n) {
   const int period = 2 * (n - 1);
   k = std::abs(k) % period;
   return k < n ? k : period - k;
+}
+
+/// to(i, j) = from(j, i) of `rows` x `columns` values whose rows are so many values apart.
+void transpose(const float* from, std::ptrdiff_t from_step, int rows, int columns, float* to,
+               std::ptrdiff_t to_step) {
+  using Four [[gnu::vector_size(16)]] = float;
+  const auto load = [](const float* at) {
+    Four v;
+    std::memcpy(&v, at, sizeof v);
+    return v;
+  };
+  const auto store = [](const Four& v, float* at) { std::memcpy(at, &v, sizeof v); };
+  const auto one = [&](int j, int i) { to[i * to_step + j] = from[j * from_step + i]; };
+  const int whole_rows = rows - rows % 4, whole_columns = columns - columns % 4;
+  for (int i = 0; i < whole_columns; i += 4)
+    for (int j = 0; j < whole_rows; j += 4) {
+      const float* at = from + j * from_step + i;
+      const Four a = load(at), b = load(at + from_step), c = load(at + 2 * from_step),
+                 d = load(at + 3 * from_step);
+      const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                 cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+      const Four ba = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                 dc = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+      float* out = to + i * to_step + j;
+      store(__builtin_shufflevector(ab, cd, 0, 1, 4, 5), out);
+      store(__builtin_shufflevector(ab, cd, 2, 3, 6, 7), out + to_step);
+      store(__builtin_shufflevector(ba, dc, 0, 1, 4, 5), out + 2 * to_step);
+      store(__builtin_shufflevector(ba, dc, 2, 3, 6, 7), out + 3 * to_step);
+    }
+  for (int j = whole_rows; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) one(j, i);
+  for (int j = 0; j < whole_rows; ++j)
+    for (int i = whole_columns; i < columns; ++i) one(j, i);
 }
 
 /// In place: samples to coefficients, one line of n values `step` apart.
@@ -90,32 +124,33 @@ SplineTaps spline_taps(double fraction_x, double fraction_y) {
 
 QuinticSpline::QuinticSpline(const Picture& picture)
     : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
-  // Sixteen lines at a time, first along the rows, then along the columns.
-  Picture c = picture;
+  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
+  const auto row = [&](int y) {
+    return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
+  };
+  // kPanel lines at a time, first along the rows, then along the columns.
   std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
   for (int y0 = 0; y0 < height_; y0 += kPanel) {
     const int lines = std::min(kPanel, height_ - y0);
-    for (int j = 0; j < lines; ++j)
-      for (int x = 0; x < width_; ++x) panel[static_cast<std::size_t>(x * kPanel + j)] = c.at(x, y0 + j);
+    transpose(picture.row(y0).data(), picture.width(), lines, width_, panel.data(), kPanel);
     spline_kernels().prefilter(panel.data(), width_);
-    for (int j = 0; j < lines; ++j)
-      for (int x = 0; x < width_; ++x) c.at(x, y0 + j) = panel[static_cast<std::size_t>(x * kPanel + j)];
+    transpose(panel.data(), kPanel, width_, lines, row(y0), stride_);
   }
   for (int x0 = 0; x0 < width_; x0 += kPanel) {
     const int lines = std::min(kPanel, width_ - x0);
-    for (int y = 0; y < height_; ++y) std::copy_n(c.row(y).begin() + x0, lines, panel.begin() + y * kPanel);
+    for (int y = 0; y < height_; ++y) std::copy_n(row(y) + x0, lines, panel.begin() + y * kPanel);
     spline_kernels().prefilter(panel.data(), height_);
-    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, c.row(y).begin() + x0);
+    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, row(y) + x0);
   }
-  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
-  for (int y = -kPad; y < height_ + kPad; ++y) {
-    const auto from = c.row(mirrored(y, height_));
-    float* to = coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
-    std::copy(from.begin(), from.end(), to);
+  for (int y = 0; y < height_; ++y)
     for (int x = 1; x <= kPad; ++x) {
-      to[-x] = from[static_cast<std::size_t>(mirrored(-x, width_))];
-      to[width_ - 1 + x] = from[static_cast<std::size_t>(mirrored(width_ - 1 + x, width_))];
+      row(y)[-x] = row(y)[mirrored(-x, width_)];
+      row(y)[width_ - 1 + x] = row(y)[mirrored(width_ - 1 + x, width_)];
     }
+  const auto copy_row = [&](int from, int to) { std::copy_n(row(from) - kPad, stride_, row(to) - kPad); };
+  for (int k = 1; k <= kPad; ++k) {
+    copy_row(mirrored(-k, height_), -k);
+    copy_row(mirrored(height_ - 1 + k, height_), height_ - 1 + k);
   }
 }
 

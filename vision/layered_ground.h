@@ -56,6 +56,7 @@ class GroundPicture {
 
  private:
   void summarise(const Picture& enough, double noise_variance);
+  void lean_on_neighbours(const Picture& seen, const Picture& own);
 
   Rect region_;
   Picture sum_, squares_, count_, through_, squares_through_, known_, variance_;

@@ -17,6 +17,8 @@ constexpr std::size_t kFewest = 12;    ///< frames to learn from
 /// Learnt pictures err alike where the disc stands alike on the platform: as if so many of the windows' own
 /// numbers were fitted, per px of radius. Measured on rendered scenes (bench vision).
 constexpr double kLearntCost = 1.0 / 15;
+constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
+constexpr double kTurnBytes = 48e6;    ///< a turning disc's pictures
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
@@ -76,27 +78,32 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   // Keep windows, average the ground.
   const double window_bytes =
       4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
-  const auto windows =
-      std::min(frames.size(),
-               static_cast<std::size_t>(std::max(
-                   16.0, std::min<double>(options.max_windows, options.max_kept_bytes / window_bytes))));
   const double area = static_cast<double>(region.width) * region.height;
+  // The platform's pictures and a turning disc's live beside the windows.
+  const double room = options.max_kept_bytes - kGroundBytes * area - (disc.turning() ? kTurnBytes : 0);
+  const auto windows = std::min(
+      frames.size(),
+      static_cast<std::size_t>(std::max(16.0, std::min<double>(options.max_windows, room / window_bytes))));
   const auto ground_stride = static_cast<std::size_t>(
       std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(kGroundFrames, kGroundPixels / area))));
   GroundPicture ground(region);
   std::vector<KeptWindow> kept;
-  Picture frame;
+  Picture frame, wide;
   for (std::size_t k = 0; k < windows; ++k) {
     const FirstPassFrame& f = frames[k * (frames.size() - 1) / (windows - 1)];
     const Rect about = clipped(f.centre.x - reach, f.centre.y - reach, f.centre.x + reach, f.centre.y + reach,
                                source.bounds());
     const bool whole = k % ground_stride == 0;
-    const Rect part = whole ? region : about;
-    source.read(f.index, part, frame);
-    KeptWindow window{cut(frame, part, about), about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    if (whole) {
+      source.read(f.index, region, wide);
+      window.picture = cut(wide, region, about);
+      ground.add(wide, region.x, region.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
+    } else {
+      source.read(f.index, about, window.picture);
+    }
     window.spline = QuinticSpline(window.picture);
     kept.push_back(std::move(window));
-    if (whole) ground.add(frame, part.x, part.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
   }
   ground.finish(options.noise_variance);
   if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {

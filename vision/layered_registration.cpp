@@ -429,11 +429,12 @@ void LayeredRegistration::add_rim(RimSums& sums) const {
 
 /// Pixels of the tiles on either side of the rim.
 void LayeredRegistration::add_residuals(LevelSums& sums) const {
+  const double inner = disc_.rim().inner(), outer = disc_.rim().outer();
   for (std::size_t i = 0; i < mask_.size(); ++i) {
     if (!(arrays_.level[i] > 0) || (mask_[i] > 0 && counts_[i] == 0)) continue;
-    const double rho = std::hypot(arrays_.u[i], arrays_.v[i]);
-    const bool outside = rho >= disc_.rim().outer();
-    if (rho > disc_.rim().inner() && !outside) continue;
+    const double u = arrays_.u[i], v = arrays_.v[i], rho_squared = u * u + v * v;
+    const bool outside = rho_squared >= outer * outer;
+    if (rho_squared > inner * inner && !outside) continue;
     if (outside && static_cast<double>(arrays_.ground_variance[i]) > kSureGround * noise_.constant) continue;
     const double r = residual(i, light_);
     const double level = arrays_.level[i] - r;

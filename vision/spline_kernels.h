@@ -9,7 +9,7 @@
 
 namespace tribotrack::vision {
 
-inline constexpr int kPanel = 16;
+inline constexpr int kPanel = 32;
 
 struct SplineKernels {
   const char* name;
