@@ -178,7 +178,7 @@ bool whole(const Picture& picture, const Circle& c) {
 double scatter_of_sum(const std::vector<double>& pull) {
   constexpr int first = 2, slow = 4;
   const auto count = static_cast<double>(pull.size());
-  const int last = static_cast<int>(pull.size()) / 2 - 1;
+  const int last = static_cast<int>(pull.size()) / 2;
   double power_of_slow = 0, power = 0;
   for (int m = first; m <= last; ++m) {
     double c = 0, s = 0;
@@ -187,11 +187,12 @@ double scatter_of_sum(const std::vector<double>& pull) {
       c += pull[k] * std::cos(angle);
       s += pull[k] * std::sin(angle);
     }
-    power += c * c + s * s;
+    power += (c * c + s * s) * (2 * m == static_cast<int>(pull.size()) ? 0.5 : 1);  // no sine there
     if (m <= slow) power_of_slow += c * c + s * s;
   }
-  // White pulls of variance v: c^2 + s^2 is count v, the variance of their sum.
-  return std::max(power / (last - first + 1), power_of_slow / (slow - first + 1));
+  // White pulls of variance v: c^2 + s^2 is count v on average, the variance of their sum.
+  const double degrees = count - 1 - 2 * (first - 1);
+  return std::max(2 * power / degrees, power_of_slow / (slow - first + 1));
 }
 
 /// Nothing where the fit has walked away from the guess or the rim does not support it.
