@@ -61,8 +61,7 @@ model::BatchOutcome solve(std::size_t total, const std::function<model::Scenario
   };
   model::BatchOutcome outcome = model::solve_batch(total, scenario_at, options);
   for (std::size_t k = 0; k < total; ++k) {
-    if (outcome.ends[k].status == model::BatchStatus::failed)
-      throw std::runtime_error(outcome.reasons.at(k));
+    if (outcome.ends[k].status == model::BatchStatus::failed) throw std::runtime_error(outcome.reasons.at(k));
     if (outcome.ends[k].status != model::BatchStatus::done)
       throw model::InvalidParameter(outcome.reasons.at(k));
   }

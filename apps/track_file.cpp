@@ -111,8 +111,8 @@ TrackFile read_track_file(const std::filesystem::path& path) {
     file.has_marker_columns = csv.has_column("marker_x_px");
     const bool placed = csv.has_column("rho_xy_mm");
     const char *frame = "", *time = "", *status = "", *x = "", *y = "", *sx = "", *sy = "", *rho = "0",
-               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "", *gate = "", *rho_mm = "",
-               *mx_mm = "", *my_mm = "", *ms_mm = "";
+               *mx = "", *my = "", *ms = "", *xp = "", *yp = "", *sxp = "", *syp = "", *gate = "",
+               *rho_mm = "", *mx_mm = "", *my_mm = "", *ms_mm = "";
     while (csv.read_row(frame, time, status, x, y, sx, sy, rho, mx, my, ms, xp, yp, sxp, syp, gate, rho_mm,
                         mx_mm, my_mm, ms_mm)) {
       ++file.frames;

@@ -150,7 +150,9 @@ void add_start_extremes(ExtremeList& list) {
   for (const double speed : {1e-17, 1e-8})
     list.add_both(
         "initial speed " + number(speed) + " m/s",
-        [speed](Scenario& s) { s.initial_velocity = {speed, speed / 3}; },
+        [speed](Scenario& s) {
+          s.initial_velocity = {speed, speed / 3};
+        },
         [](const Scenario& base, const Scenario&) { return never_separates_from(base); });
   list.add_both(
       "initial speed 1e3 m/s",

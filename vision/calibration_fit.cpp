@@ -7,8 +7,8 @@
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
-#include "vision/internal/calibration_corners.h"
 #include "vision/in_quotes.h"
+#include "vision/internal/calibration_corners.h"
 
 namespace tribotrack::vision {
 namespace {

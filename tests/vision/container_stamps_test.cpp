@@ -83,7 +83,8 @@ TEST(ContainerStamps, AVariableRateIsTakenStampByStamp) {
   EXPECT_TRUE(stamps.check.variable);
   const std::vector<double> times = frame_times(stamps, choose_time_base({stamps.candidate}));
   ASSERT_EQ(times.size(), ticks.size());
-  for (std::size_t k = 0; k < ticks.size(); ++k) EXPECT_NEAR(times[k], 1e-6 * static_cast<double>(ticks[k]), 1e-12);
+  for (std::size_t k = 0; k < ticks.size(); ++k)
+    EXPECT_NEAR(times[k], 1e-6 * static_cast<double>(ticks[k]), 1e-12);
   // A camera's tag of ten times the rate: slowed for playback, the spacing stays.
   const auto tagged = frame_times(
       stamps, choose_time_base({{"tag", 10 * stamps.candidate.rate_hz, true, "written by the camera"}}));
