@@ -1,28 +1,13 @@
 #include "vision/layered_kernels.h"
 
 #include <cmath>
-#include <cstring>
+
+#include "vision/internal/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
 
-// Eight floats. The compiler makes two SSE registers or one AVX register of it, as the function's target has.
-using Lanes [[gnu::vector_size(32)]] = float;
-
-#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
-
-// References, not values: vectors are never passed between functions of different targets.
-TRIBOTRACK_KERNEL void load(const float* from, Lanes& to) {
-  std::memcpy(&to, from, sizeof to);
-}
-TRIBOTRACK_KERNEL void store(const Lanes& from, float* to) {
-  std::memcpy(to, &from, sizeof from);
-}
-TRIBOTRACK_KERNEL double sum(const Lanes& v) {
-  double s = 0;
-  for (int i = 0; i < kTile; ++i) s += static_cast<double>(v[i]);
-  return s;
-}
+using Lanes = VectorOf<float, kTile>::type;  // a row of a tile
 
 struct FloatLight {
   float gain, slope_x, slope_y, ground, turn, blend;
@@ -167,8 +152,6 @@ TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
   return out;
 }
 
-#undef TRIBOTRACK_KERNEL
-
 #define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
   __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
                                         const LayerLight& light, const NoiseLaw& noise) {                  \
@@ -184,19 +167,13 @@ TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
   constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, plateau_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
-#if defined(__x86_64__)
-TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
-#endif
+TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
 #undef TRIBOTRACK_VARIANT
 
 }  // namespace
 
 std::vector<LayerKernels> all_layer_kernels() {
-  std::vector<LayerKernels> list{k_baseline};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list.push_back(k_avx2);
-#endif
-  return list;
+  return runnable(k_baseline, k_avx2);
 }
 
 const LayerKernels& layer_kernels() {

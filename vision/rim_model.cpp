@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <numbers>
+
+#include "vision/internal/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -30,8 +31,6 @@ const std::array<NormalStep, kEntries>& table() {
   }();
   return entries;
 }
-
-#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
 
 TRIBOTRACK_KERNEL NormalStep step_from(const NormalStep* entries, double t) {
   if (!(t > -kLimit)) return {0, 0};
@@ -95,12 +94,7 @@ TRIBOTRACK_KERNEL double model_at(const RimConstants& c, const NormalStep* entri
   return level_out + (level_in - level_out) * step.value;
 }
 
-// Four doubles. The compiler makes two SSE registers or one AVX register of it, as the function's target has.
-using Lanes [[gnu::vector_size(32)]] = double;
-
-TRIBOTRACK_KERNEL void load(const double* from, Lanes& to) {
-  std::memcpy(&to, from, sizeof to);
-}
+using Lanes = VectorOf<double, 4>::type;
 
 using Sums = std::array<double, kSums>;
 
@@ -150,8 +144,6 @@ TRIBOTRACK_KERNEL void residuals_of(const RimConstants& c, const NormalStep* ent
     out[i] = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], false, nullptr, 0);
 }
 
-#undef TRIBOTRACK_KERNEL
-
 // The same functions for each instruction set.
 struct Kernels {
   void (*sums)(const RimConstants&, const NormalStep*, const RimPixels&, Sums&);
@@ -170,17 +162,12 @@ struct Kernels {
   constexpr Kernels k_##suffix{sums_##suffix, residuals_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
-#if defined(__x86_64__)
-TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
-#endif
+TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
 #undef TRIBOTRACK_VARIANT
 
 const Kernels& kernels() {
-#if defined(__x86_64__)
-  static const bool wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (wide) return k_avx2;
-#endif
-  return k_baseline;
+  static const Kernels& fastest = runs_avx2() ? k_avx2 : k_baseline;
+  return fastest;
 }
 
 }  // namespace

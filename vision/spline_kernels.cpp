@@ -3,24 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <cstring>
+
+#include "vision/internal/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
 
-// One sample of all signals of a panel; the compiler makes as many registers of it as the function's target
-// needs.
-using Lanes [[gnu::vector_size(4 * kPanel)]] = float;
-
-#define TRIBOTRACK_KERNEL [[gnu::always_inline]] static inline
-
-// References, not values: vectors are never passed between functions of different targets.
-TRIBOTRACK_KERNEL void load(const float* from, Lanes& to) {
-  std::memcpy(&to, from, sizeof to);
-}
-TRIBOTRACK_KERNEL void store(const Lanes& from, float* to) {
-  std::memcpy(to, &from, sizeof from);
-}
+using Lanes = VectorOf<float, kPanel>::type;  // one sample of all signals of a panel
 
 constexpr std::array<float, 2> kPoles = {-0.43057534709997379F, -0.04309628820326465F};
 constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
@@ -98,8 +87,6 @@ TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride,
   along_columns(slanted, taps.weight_y, lines, line, slope_x);
 }
 
-#undef TRIBOTRACK_KERNEL
-
 #define TRIBOTRACK_VARIANT(suffix, ...)                                                                \
   __VA_ARGS__ void prefilter_##suffix(float* panel, int samples) {                                     \
     prefilter_panel(panel, samples);                                                                   \
@@ -112,19 +99,13 @@ TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride,
   constexpr SplineKernels k_##suffix{#suffix, prefilter_##suffix, window_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
-#if defined(__x86_64__)
-TRIBOTRACK_VARIANT(avx2, [[gnu::target("avx2,fma")]])
-#endif
+TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
 #undef TRIBOTRACK_VARIANT
 
 }  // namespace
 
 std::vector<SplineKernels> all_spline_kernels() {
-  std::vector<SplineKernels> list{k_baseline};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) list.push_back(k_avx2);
-#endif
-  return list;
+  return runnable(k_baseline, k_avx2);
 }
 
 const SplineKernels& spline_kernels() {

@@ -9,12 +9,12 @@
 
 namespace tribotrack::vision {
 
-inline constexpr int kPanel = 32;
+inline constexpr int kPanel = 32;  ///< signals filtered side by side
 
 struct SplineKernels {
   const char* name;
-  /// Samples to coefficients (mirrored about the first and the last sample) of 16 signals at once, in place:
-  /// panel[16 k + i] is sample k of signal i.
+  /// Samples to coefficients (mirrored about the first and the last sample) of kPanel signals at once, in
+  /// place: panel[kPanel k + i] is sample k of signal i.
   void (*prefilter)(float* panel, int samples);
   /// out[j * width + i] for a window whose first place lies in the cell of the coefficient at `corner`; rows
   /// of coefficients are `stride` apart. Slopes may be null; `scratch` keeps its memory between calls.
