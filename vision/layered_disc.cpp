@@ -8,10 +8,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kContext = 2;          ///< px of grid beyond the rim's reach
-constexpr double kTurnStep = 0.25;   ///< px at the rim: frames turned by less are averaged
-constexpr double kTurnBytes = 48e6;  ///< for these averages
-constexpr double kTextureSd = 20;    ///< grey levels a disc's texture may have
+constexpr int kContext = 2;         ///< px of grid beyond the rim's reach
+constexpr double kTurnStep = 0.25;  ///< px at the rim: frames turned by less are averaged
+constexpr double kTextureSd = 20;   ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
 
 }  // namespace
@@ -213,7 +212,7 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   }
   middle_theta_ = 0.5 * (low + high);
   const double step = kTurnStep / radius_;
-  const double room = std::max(8.0, kTurnBytes / (8.0 * static_cast<double>(pixels)));
+  const double room = std::max(8.0, kTurningBytes / (8.0 * static_cast<double>(pixels)));
   const auto wanted = std::min(static_cast<double>(windows.size()), std::floor((high - low) / step) + 1);
   const auto stride = static_cast<std::size_t>(std::ceil(wanted / room));
 

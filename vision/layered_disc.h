@@ -28,6 +28,8 @@ struct KeptWindow {
 
 class LayeredDisc {
  public:
+  static constexpr double kTurningBytes = 48e6;  ///< that the pictures of a turning disc may take
+
   /// Pictures reach `half` px beyond the centre in every direction.
   LayeredDisc(double radius, double blur, bool turning);
 

@@ -18,7 +18,6 @@ constexpr std::size_t kFewest = 12;    ///< frames to learn from
 /// numbers were fitted, per px of radius. Measured on rendered scenes (bench vision).
 constexpr double kLearntCost = 1.0 / 15;
 constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
-constexpr double kTurnBytes = 48e6;    ///< a turning disc's pictures
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
@@ -80,7 +79,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
       4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
   const double area = static_cast<double>(region.width) * region.height;
   // The platform's pictures and a turning disc's live beside the windows.
-  const double room = options.max_kept_bytes - kGroundBytes * area - (disc.turning() ? kTurnBytes : 0);
+  const double room =
+      options.max_kept_bytes - kGroundBytes * area - (disc.turning() ? LayeredDisc::kTurningBytes : 0);
   const auto windows = std::min(
       frames.size(),
       static_cast<std::size_t>(std::max(16.0, std::min<double>(options.max_windows, room / window_bytes))));

@@ -33,7 +33,6 @@ class DiscLayer {
   const BlurredCircle& edge() const { return edge_; }
   /// Outermost first.
   const std::vector<Scratch>& scratches() const { return scratches_; }
-  double scratch_blur() const { return scratch_blur_; }
   /// Of the disc alone, as if it had no edge.
   double colour(double dx, double dy, double cos_theta, double sin_theta) const;
 

@@ -44,20 +44,10 @@ struct Scale {
   std::string source;  ///< "given", "part's diameter"
 };
 
-/// A track point in millimetres: x right, y up, turned by -xi_axis_rad, relative to the first tracked point,
-/// in the platform's frame where a marker is followed, else in the camera's.
-struct MillimetrePoint {
-  double x_mm = 0, y_mm = 0;
-  double sigma_x_mm = 0, sigma_y_mm = 0,
-         rho_xy = 0;  ///< of this point's own noise (the first point's is common to all)
-};
-
 struct Track {
   std::vector<TrackPoint> points;  ///< one per analysed frame, in order
   bool has_marker = false;
   bool has_gate = false;
-  /// One per point; nullopt where not ok (or the marker was not found in that frame).
-  std::vector<std::optional<MillimetrePoint>> to_millimetres(const Scale& scale, double xi_axis_rad) const;
 };
 
 }  // namespace tribotrack::vision

@@ -72,7 +72,6 @@ class Residuals {
   /// The run's covariance with the scatter between runs added.
   Eigen::Matrix2d covariance(std::size_t summary_run) const;
   PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
-  std::size_t first_point(std::size_t trajectory_run) const { return first_point_[trajectory_run]; }
   std::size_t point_count(std::size_t trajectory_run) const;
 
  private:

@@ -21,12 +21,7 @@ class CampaignTest : public ProgramTest {
     return read_campaign(in_folder("c.toml"));
   }
   std::string complaint(const std::string& text) {
-    try {
-      read(text);
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "no complaint";
+    return complaint_of([&] { read(text); });
   }
 };
 

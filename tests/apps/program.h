@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/errors.h"
+
 namespace tribotrack::apps {
 
 struct Outcome {
@@ -29,6 +31,17 @@ inline std::string content_of(const std::filesystem::path& file) {
 
 inline void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
+}
+
+/// What `read` complains of as InvalidInput.
+template <class Read>
+std::string complaint_of(const Read& read) {
+  try {
+    read();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "no complaint";
 }
 
 /// A folder of its own for each test, gone afterwards; relative paths on command lines are relative to it.

@@ -19,12 +19,7 @@ class ScopeFiles : public ProgramTest {
     return read_scope_file(in_folder("s.csv"));
   }
   std::string complaint(const std::string& text) {
-    try {
-      read(text);
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "no complaint";
+    return complaint_of([&] { read(text); });
   }
 };
 

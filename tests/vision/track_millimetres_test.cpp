@@ -30,17 +30,28 @@ Track example() {
   return track;
 }
 
-TEST(PlaceTrack, WithOneScaleIsWhatTheTrackItselfSays) {
+TEST(PlaceTrack, WithOneScaleIsATurnAndAFactor) {
   const Track track = example();
   const Scale scale{0.02, 1e-5, "given"};
-  const auto plain = track.to_millimetres(scale, 0.7);
+  // From pixels (x right, y down) to millimetres (y up, turned by -xi).
+  Eigen::Matrix2d to_mm;
+  to_mm << std::cos(0.7), -std::sin(0.7), -std::sin(0.7), -std::cos(0.7);
+  to_mm *= scale.mm_per_px;
   const auto placed = place_track(track, {scale, ScalePlane::part_top, std::nullopt}, 0.7);
-  for (std::size_t k = 0; k < plain.size(); ++k) {
+  ASSERT_EQ(placed.size(), track.points.size());
+  const TrackPoint& first = track.points.front();
+  for (std::size_t k = 0; k < placed.size(); ++k) {
     ASSERT_TRUE(placed[k]);
-    EXPECT_NEAR(placed[k]->mm.x(), plain[k]->x_mm, 1e-12);
-    EXPECT_NEAR(placed[k]->mm.y(), plain[k]->y_mm, 1e-12);
-    EXPECT_NEAR(std::sqrt(placed[k]->covariance(0, 0)), plain[k]->sigma_x_mm, 1e-12);
-    EXPECT_NEAR(std::sqrt(placed[k]->covariance(1, 1)), plain[k]->sigma_y_mm, 1e-12);
+    const TrackPoint& p = track.points[k];
+    const Eigen::Vector2d moved(p.x - first.x - (p.marker->x - first.marker->x),
+                                p.y - first.y - (p.marker->y - first.marker->y));
+    Eigen::Matrix2d spread;
+    spread << p.sigma_x * p.sigma_x, p.rho_xy * p.sigma_x * p.sigma_y, p.rho_xy * p.sigma_x * p.sigma_y,
+        p.sigma_y * p.sigma_y;
+    spread.diagonal().array() += p.marker->sigma * p.marker->sigma;
+    EXPECT_LT((placed[k]->mm - to_mm * moved).norm(), 1e-12);
+    const Eigen::Matrix2d expected = to_mm * spread * to_mm.transpose();
+    EXPECT_LT((placed[k]->covariance - expected).norm(), 1e-12 * expected.norm());
   }
 }
 

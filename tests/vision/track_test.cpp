@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "vision/millimetres.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -22,7 +24,7 @@ TrackPoint at(double x, double y) {
 TEST(Track, MillimetresHaveYUp) {
   Track track;
   track.points = {at(100, 50), at(110, 45)};
-  const auto mm = track.to_millimetres({0.1, 0, "given"}, 0);
+  const auto mm = test::in_millimetres(track, 0.1, 0);
   ASSERT_TRUE(mm[0] && mm[1]);
   EXPECT_DOUBLE_EQ(mm[0]->x_mm, 0);
   EXPECT_DOUBLE_EQ(mm[1]->x_mm, 1);
@@ -37,11 +39,11 @@ TEST(Track, XiAxisBecomesTheXAxis) {
   const double xi = 0.7;
   Track track;
   track.points = {at(0, 0), at(10 * std::cos(xi), -10 * std::sin(xi))};
-  const auto mm = track.to_millimetres({0.1, 0, "given"}, xi);
+  const auto mm = test::in_millimetres(track, 0.1, xi);
   EXPECT_NEAR(mm[1]->x_mm, 1, 1e-14);
   EXPECT_NEAR(mm[1]->y_mm, 0, 1e-14);
   // A quarter turn swaps the standard deviations and the sign of the correlation.
-  const auto quarter = track.to_millimetres({0.1, 0, "given"}, std::numbers::pi / 2);
+  const auto quarter = test::in_millimetres(track, 0.1, std::numbers::pi / 2);
   EXPECT_NEAR(quarter[1]->sigma_x_mm, 0.001, 1e-15);
   EXPECT_NEAR(quarter[1]->sigma_y_mm, 0.003, 1e-15);
   EXPECT_NEAR(quarter[1]->rho_xy, 0.5, 1e-12);
@@ -55,7 +57,7 @@ TEST(Track, MarkersMotionIsSubtractedAndItsSigmaAdded) {
   track.points[1].marker = MarkerPoint{20, 20, 0.04, 1};
   track.points[2].marker = MarkerPoint{21, 18, 0.04, 1};
   track.points[3].status = TrackStatus::lost;
-  const auto mm = track.to_millimetres({1, 0, "given"}, 0);
+  const auto mm = test::in_millimetres(track, 1, 0);
   EXPECT_FALSE(mm[0]);
   EXPECT_FALSE(mm[3]);
   EXPECT_DOUBLE_EQ(mm[1]->x_mm, 0);

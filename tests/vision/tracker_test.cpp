@@ -9,6 +9,7 @@
 #include <random>
 
 #include "vision/analytic_scene.h"
+#include "vision/millimetres.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -200,7 +201,7 @@ TEST(Tracker, MarkerIsFollowedAndSubtracted) {
     const TrackResult result = track(source, options);
     ASSERT_EQ(result.summary.ok, 150);
     ASSERT_TRUE(result.track.has_marker);
-    const auto mm = result.track.to_millimetres({1, 0, "given"}, 0);
+    const auto mm = test::in_millimetres(result.track, 1, 0);
     for (std::size_t k = 0; k < mm.size(); ++k) {
       ASSERT_TRUE(mm[k]) << k;
       EXPECT_NEAR(mm[k]->x_mm, 0.1 * static_cast<double>(k), 0.06) << k;
