@@ -15,9 +15,12 @@ constexpr int kSplitIterations = 30;
 
 }  // namespace
 
+int LayeredDisc::half_of(double radius, double blur) {
+  return static_cast<int>(std::ceil(RimProfile(radius, blur).outer())) + kContext;
+}
+
 LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
-    : radius_(radius), turning_(turning), rim_(radius, blur) {
-  half_ = static_cast<int>(std::ceil(rim_.outer())) + kContext;
+    : radius_(radius), turning_(turning), rim_(radius, blur), half_(half_of(radius, blur)) {
   const int size = 2 * half_ + 1;
   parts_.standing = Picture(size, size);
   parts_.turning = Picture(size, size);

@@ -8,6 +8,8 @@
 
 #include "vision/disc_detection.h"
 #include "vision/gate_lamp.h"
+#include "vision/kept_frames.h"
+#include "vision/layered_keeping.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
@@ -67,6 +69,13 @@ double leading_noise(FrameSource& source, const FrameRange& range, const Picture
     before = &here;
   }
   return estimate.variance(first);
+}
+
+/// The frames that are read several times before the tracking begins.
+void keep_leading(KeptFrames& source, const FrameRange& range) {
+  constexpr int kFrames = std::max(kNoiseFrames, TemplateAverageOptions{}.frames);
+  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kFrames - 1); ++k)
+    source.keep(k, source.bounds());
 }
 
 bool whole_in(const Picture& picture, const Circle& c) {
@@ -444,10 +453,12 @@ void TrackOptions::validate() const {
   if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
 }
 
-TrackResult track(FrameSource& source, const TrackOptions& options) {
+TrackResult track(FrameSource& recording, const TrackOptions& options) {
   options.validate();
-  if (!source.info().time_base.known()) throw InputError(source.info().time_base.why_unknown());
-  const FrameRange range = resolve_range(source, options);
+  if (!recording.info().time_base.known()) throw InputError(recording.info().time_base.why_unknown());
+  const FrameRange range = resolve_range(recording, options);
+  KeptFrames source(recording);
+  keep_leading(source, range);
   TrackResult result;
   TrackSummary& summary = result.summary;
 
@@ -473,10 +484,15 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
   pass.ground_texture = setup.ground_texture;
   if (setup.pattern.radius > 0 && !setup.rim) setup.rim = fit_disc(first, summary.disc, 1);
   if (setup.rim) pass.blur = setup.rim->blur;
+  pass.total = range.last - range.first + 1;
+  std::optional<LayeredKeeping> keeping;
+  if (options.layers != Layers::off && pass.blur > 0)
+    keeping.emplace(source, range.first, pass.total, summary.disc.radius, pass.blur,
+                    layers_wanted(pass, summary.disc.radius, options.layers));
   std::vector<double> excess;
   std::optional<Sighting> tentative;
   auto& points = result.track.points;
-  const std::int64_t total = range.last - range.first + 1;
+  const std::int64_t total = pass.total;
   points.reserve(static_cast<std::size_t>(total));
   RimWatch rim(summary.disc, total / kRimFrames, setup.rim);
   for (std::int64_t index = range.first; index <= range.last; ++index) {
@@ -504,6 +520,7 @@ TrackResult track(FrameSource& source, const TrackOptions& options) {
       point.gate = light.level;
       summary.gate_clipped_share = std::max(summary.gate_clipped_share, light.clipped_share);
     }
+    if (keeping && step.sighting) keeping->seen(index, step.sighting->position);
     points.push_back(point);
     pass.theta.push_back(step.status == TrackStatus::ok ? step.sighting->pose.theta : 0);
     if (options.progress) options.progress(index - range.first + 1, total);
