@@ -15,28 +15,36 @@
 namespace tribotrack::vision {
 namespace {
 
+#if defined(__x86_64__)
+#define TRIBOTRACK_WIDEST [[gnu::target_clones("arch=haswell", "default")]]
+#else
+#define TRIBOTRACK_WIDEST
+#endif
+
 /// The fewest bytes that hold these levels exactly.
-int bytes_for(std::span<const float> levels) {
+TRIBOTRACK_WIDEST int bytes_for(std::span<const float> levels) {
   float largest = 0, off = 0;
   for (const float level : levels) {
     // Out of an integer's range no level is whole here.
-    const float nearby = std::clamp(level, 0.0F, 65535.0F);
-    const auto whole = static_cast<float>(static_cast<std::int32_t>(nearby));
-    off = std::max(off, std::abs(level - whole));
-    largest = std::max(largest, level);
+    const float nearby = level < 0 ? 0.0F : level > 65535 ? 65535.0F : level;
+    const float beside = std::abs(level - static_cast<float>(static_cast<std::int32_t>(nearby)));
+    off = beside > off ? beside : off;
+    largest = level > largest ? level : largest;
   }
   if (!(off == 0)) return 4;
   return largest <= 255 ? 1 : 2;
 }
 
-template <class Stored>
-void narrow(std::span<const float> levels, std::vector<std::uint8_t>& bytes) {
-  bytes.resize(levels.size() * sizeof(Stored));
+TRIBOTRACK_WIDEST void narrow(std::span<const float> levels, std::uint8_t* to) {
+  for (std::size_t i = 0; i < levels.size(); ++i) to[i] = static_cast<std::uint8_t>(levels[i]);
+}
+TRIBOTRACK_WIDEST void narrow_16(std::span<const float> levels, std::uint8_t* to) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const auto level = static_cast<Stored>(levels[i]);
-    std::memcpy(bytes.data() + i * sizeof level, &level, sizeof level);
+    const auto level = static_cast<std::uint16_t>(levels[i]);
+    std::memcpy(to + 2 * i, &level, sizeof level);
   }
 }
+#undef TRIBOTRACK_WIDEST
 
 bool write_all(int descriptor, const std::vector<std::uint8_t>& bytes, std::int64_t offset) {
   for (std::size_t done = 0; done < bytes.size();) {
@@ -90,17 +98,13 @@ void KeptFrames::keep(std::int64_t index, const Rect& window) {
   if (!keeping_ || window.width <= 0 || window.height <= 0 || find(index, window)) return;
   source_.read(index, window, picture_);
   Place place{window, end_, bytes_for(picture_.levels())};
-  switch (place.bytes) {
-    case 1:
-      narrow<std::uint8_t>(picture_.levels(), bytes_);
-      break;
-    case 2:
-      narrow<std::uint16_t>(picture_.levels(), bytes_);
-      break;
-    default:
-      narrow<float>(picture_.levels(), bytes_);
-      break;
-  }
+  bytes_.resize(picture_.levels().size() * static_cast<std::size_t>(place.bytes));
+  if (place.bytes == 1)
+    narrow(picture_.levels(), bytes_.data());
+  else if (place.bytes == 2)
+    narrow_16(picture_.levels(), bytes_.data());
+  else
+    std::memcpy(bytes_.data(), picture_.levels().data(), bytes_.size());
   if (!open_file() || end_ + static_cast<std::int64_t>(bytes_.size()) > most_bytes_ ||
       !write_all(descriptor_, bytes_, end_)) {
     keeping_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "vision/layered_learning.h"
@@ -153,27 +154,31 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     return k * few / windows != (k + 1) * few / windows;
   });
   LayeredRegistration registration(disc, ground);
-  LayeredLearning learning(disc, ground, registration, options.disc.radius, {options.noise_variance, 0});
-  const std::span<KeptWindow> all(kept);
-  const auto early = all.first(few);
-  if (!learning.run(early, all)) {
+  std::optional<LayeredLearning> learning;
+  const auto learn = [&](double noise_variance) {
+    learning.emplace(disc, ground, registration, options.disc.radius, NoiseLaw{noise_variance, 0});
+    const std::span<KeptWindow> all(kept);
+    return learning->run(all.first(few), all);
+  };
+  // A coder that drops the noise leaves errors that the noise between frames does not tell of.
+  if (!learn(options.noise_variance) && !learn(options.noise_variance + options.excess * options.excess)) {
     out.why_not = "the layers do not explain most of the kept frames";
     return out;
   }
-  const Point offset = learning.offset();
-  out.noise = learning.noise();
-  out.disc_radius = learning.disc_radius();
-  out.disc_radius_sd = learning.disc_radius_sd();
-  out.rim_excess = learning.rim_chi_squared() - 1;
+  const Point offset = learning->offset();
+  out.noise = learning->noise();
+  out.disc_radius = learning->disc_radius();
+  out.disc_radius_sd = learning->disc_radius_sd();
+  out.rim_excess = learning->rim_chi_squared() - 1;
 
-  const double widened = std::max(1.0, learning.rim_chi_squared()) *
+  const double widened = std::max(1.0, learning->rim_chi_squared()) *
                          (1 + kLearntCost * options.disc.radius / static_cast<double>(windows));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = layered_window(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
     auto fix =
-        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning.light());
+        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());
     if (fix) {
       fix->covariance *= widened;
       fix->state.centre.x += offset.x;

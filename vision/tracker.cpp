@@ -17,6 +17,7 @@
 #include "vision/rim_watch.h"
 #include "vision/template_average.h"
 #include "vision/texture_patch.h"
+#include "vision/texture_proof.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -185,8 +186,8 @@ PlanCosts costs_of(const Pattern& pattern, const TemplateRegistration& registrat
   return costs;
 }
 
-Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
-                double noise_variance, TrackSummary& summary) {
+Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& range,
+                const TrackOptions& options, double noise_variance, TrackSummary& summary) {
   Setup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
@@ -225,13 +226,19 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   RegistrationOptions probe;
   probe.noise_variance = noise_variance;
   const TemplateRegistration trial(first, setup.pattern, probe);
-  setup.follow.rotation = trial.limit_theta() < kRotationLimit;
+  const bool shown = trial.limit_theta() < kRotationLimit;
+  setup.follow.rotation =
+      shown && (setup.pattern.radius == 0 ||
+                texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.template_noise_cost = trial.template_noise_cost();
   setup.costs = costs_of(setup.pattern, trial);
   summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
   summary.plan.push_back(
       {"rotation", setup.follow.rotation,
-       trial.limit_theta() < 10
+       shown && !setup.follow.rotation
+           ? std::string(
+                 "what looks like a texture of the part does not come again in the frames that follow")
+       : trial.limit_theta() < 10
            ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
            : std::string("the part has no texture above the noise that shows rotation"),
        0, 0, setup.costs.rotation()});
@@ -466,7 +473,7 @@ TrackResult track(FrameSource& recording, const TrackOptions& options) {
   const double noise = leading_noise(source, range, first);
   summary.noise_levels = std::sqrt(noise);
 
-  Setup setup = plan_part(first, source, options, noise, summary);
+  Setup setup = plan_part(first, source, range, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
   const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
   PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);

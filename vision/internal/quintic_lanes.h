@@ -9,6 +9,11 @@ namespace tribotrack::vision {
 
 using TapLanes = VectorOf<float, 8>::type;  ///< weights of the coefficients -2 .. 3, then two zeros
 
+TRIBOTRACK_KERNEL float whole_below(float x) {
+  const auto cut = static_cast<float>(static_cast<int>(x));
+  return cut > x ? cut - 1 : cut;
+}
+
 /// b(t - k), t in [0, 1), each a polynomial of t: all six at once by Horner's rule.
 TRIBOTRACK_KERNEL void quintic_lanes(float t, TapLanes& weight) {
   constexpr float u = 1.0F / 120;
