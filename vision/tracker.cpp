@@ -10,6 +10,8 @@
 #include "vision/bad_pixels.h"
 #include "vision/disc_detection.h"
 #include "vision/gate_lamp.h"
+#include "vision/kept_frames.h"
+#include "vision/layered_keeping.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/pattern_follower.h"
@@ -17,6 +19,7 @@
 #include "vision/rim_watch.h"
 #include "vision/template_average.h"
 #include "vision/texture_patch.h"
+#include "vision/texture_proof.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -73,6 +76,13 @@ Camera look_at_camera(FrameSource& source, const FrameRange& range) {
   }
   const double variance = estimate.variance(frames.front());
   return {variance, find_bad_pixels(frames, variance)};
+}
+
+/// The frames that are read several times before the tracking begins.
+void keep_leading(KeptFrames& source, const FrameRange& range) {
+  constexpr int kFrames = std::max(kNoiseFrames, TemplateAverageOptions{}.frames);
+  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kFrames - 1); ++k)
+    source.keep(k, source.bounds());
 }
 
 bool whole_in(const Rect& picture, const Circle& c) {
@@ -214,8 +224,8 @@ PlanCosts costs_of(const Pattern& pattern, const TemplateRegistration& registrat
   return costs;
 }
 
-Setup plan_part(const Picture& first, const FrameSource& source, const TrackOptions& options,
-                double noise_variance, TrackSummary& summary) {
+Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& range,
+                const TrackOptions& options, double noise_variance, TrackSummary& summary) {
   Setup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
@@ -254,13 +264,19 @@ Setup plan_part(const Picture& first, const FrameSource& source, const TrackOpti
   RegistrationOptions probe;
   probe.noise_variance = noise_variance;
   const TemplateRegistration trial(first, setup.pattern, probe);
-  setup.follow.rotation = trial.limit_theta() < kRotationLimit;
+  const bool shown = trial.limit_theta() < kRotationLimit;
+  setup.follow.rotation =
+      shown && (setup.pattern.radius == 0 ||
+                texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.template_noise_cost = trial.template_noise_cost();
   setup.costs = costs_of(setup.pattern, trial);
   summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
   summary.plan.push_back(
       {"rotation", setup.follow.rotation,
-       trial.limit_theta() < 10
+       shown && !setup.follow.rotation
+           ? std::string(
+                 "what looks like a texture of the part does not come again in the frames that follow")
+       : trial.limit_theta() < 10
            ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
            : std::string("the part has no texture above the noise that shows rotation"),
        0, 0, setup.costs.rotation()});
@@ -501,9 +517,10 @@ void prepend_absence(const FrameSource& source, const FrameRange& range, TrackRe
   result.summary.absent_at_first = absent;
 }
 
-/// Follows the part from a frame in which it is there.
-TrackResult follow(FrameSource& source, const FrameRange& range, const Camera& camera,
+/// Follows the part from a frame in which it is there. `kept` is what `source` reads from.
+TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& range, const Camera& camera,
                    const TrackOptions& options) {
+  keep_leading(kept, range);
   TrackResult result;
   TrackSummary& summary = result.summary;
 
@@ -519,7 +536,7 @@ TrackResult follow(FrameSource& source, const FrameRange& range, const Camera& c
                     camera.bad_pixels.size()),
        0, 0, 0});
 
-  Setup setup = plan_part(first, source, options, noise, summary);
+  Setup setup = plan_part(first, source, range, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
   const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
   PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
@@ -537,10 +554,15 @@ TrackResult follow(FrameSource& source, const FrameRange& range, const Camera& c
   pass.ground_texture = setup.ground_texture;
   if (setup.pattern.radius > 0 && !setup.rim) setup.rim = fit_disc(first, summary.disc, 1);
   if (setup.rim) pass.blur = setup.rim->blur;
+  pass.total = range.last - range.first + 1;
+  std::optional<LayeredKeeping> keeping;
+  if (options.layers != Layers::off && pass.blur > 0)
+    keeping.emplace(kept, range.first, pass.total, summary.disc.radius, pass.blur,
+                    layers_wanted(pass, summary.disc.radius, options.layers));
   std::vector<double> excess;
   std::optional<Sighting> tentative;
   auto& points = result.track.points;
-  const std::int64_t total = range.last - range.first + 1;
+  const std::int64_t total = pass.total;
   points.reserve(static_cast<std::size_t>(total));
   RimWatch rim(summary.disc, total / kRimFrames, setup.rim);
   for (std::int64_t index = range.first; index <= range.last; ++index) {
@@ -568,6 +590,7 @@ TrackResult follow(FrameSource& source, const FrameRange& range, const Camera& c
       point.gate = light.level;
       summary.gate_clipped_share = std::max(summary.gate_clipped_share, light.clipped_share);
     }
+    if (keeping && step.sighting) keeping->seen(index, step.sighting->position);
     points.push_back(point);
     pass.theta.push_back(step.status == TrackStatus::ok ? step.sighting->pose.theta : 0);
     if (options.progress) options.progress(index - range.first + 1, total);
@@ -594,16 +617,18 @@ TrackResult follow(FrameSource& source, const FrameRange& range, const Camera& c
 
 }  // namespace
 
-TrackResult track(FrameSource& source, const TrackOptions& options) {
+TrackResult track(FrameSource& recording, const TrackOptions& options) {
   options.validate();
-  if (!source.info().time_base.known()) throw InputError(source.info().time_base.why_unknown());
-  const FrameRange range = resolve_range(source, options);
-  const Camera camera = look_at_camera(source, range);
+  if (!recording.info().time_base.known()) throw InputError(recording.info().time_base.why_unknown());
+  const FrameRange range = resolve_range(recording, options);
+  KeptFrames kept(recording);
+  keep_leading(kept, range);
+  const Camera camera = look_at_camera(kept, range);
   std::optional<MendedSource> mended;
-  if (!camera.bad_pixels.empty()) mended.emplace(source, camera.bad_pixels);
-  FrameSource& frames = mended ? static_cast<FrameSource&>(*mended) : source;
+  if (!camera.bad_pixels.empty()) mended.emplace(kept, camera.bad_pixels);
+  FrameSource& frames = mended ? static_cast<FrameSource&>(*mended) : kept;
   const std::int64_t start = arrival(frames, range, options);
-  TrackResult result = follow(frames, {start, range.last}, camera, options);
+  TrackResult result = follow(frames, kept, {start, range.last}, camera, options);
   if (start > range.first) prepend_absence(frames, {range.first, start - 1}, result);
   return result;
 }
