@@ -500,6 +500,25 @@ void TrackOptions::validate() const {
 
 namespace {
 
+/// What nobody pointed at and never moves may be a mark on the table.
+void note_stillness(const Track& track, TrackSummary& summary) {
+  constexpr double kStill = 0.5;  // px
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  for (const TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
+  }
+  const double range = std::hypot(right - left, bottom - top);
+  if (summary.ok < 2 || range > kStill) return;
+  summary.warnings.push_back(
+      format("the disc that was found at (%.1f, %.1f) px stays within %.2f px: if that is not the part, give "
+             "the part with --disc X,Y,R",
+             summary.disc.x, summary.disc.y, range));
+}
+
 /// Frames before the part was there: they say so, and no gate counts them.
 void prepend_absence(const FrameSource& source, const FrameRange& range, TrackResult& result) {
   std::vector<TrackPoint> before;
@@ -598,6 +617,7 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
   if (wants_texture(options, marker.has_value()))
     follow_texture(source, first, range.first, options, noise, setup.pattern, result);
   count(result.track, options.max_lost_share, summary);
+  if (options.target.kind == Target::Kind::find_disc) note_stillness(result.track, summary);
   note_effort(part.effort(), setup.costs, source.bounds(), summary);
   pass.excess = median_excess(excess);
   pass.layers_cost = setup.costs.layers(summary.disc.radius, std::min(128.0, setup.costs.frames));

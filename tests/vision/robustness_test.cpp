@@ -313,6 +313,20 @@ TEST_P(Robustness, DiscsOf8And400Pixels) {
 INSTANTIATE_TEST_SUITE_P(PlatformTexture, Robustness, testing::Values(0.0, 8.0),
                          [](const auto& texture) { return texture.param > 0 ? "Brushed" : "Plain"; });
 
+TEST(FoundByItself, AndNeverMovingIsSaid) {
+  for (const bool moves : {false, true}) {
+    Recording r;
+    r.frames = 40;
+    if (!moves) r.pose = [](double) { return ScenePose{{60.3, 60.2}, 0, {0, 0}}; };
+    RenderedSource source = r.source();
+    const auto warnings = track(source, {}).summary.warnings;
+    const bool said = std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
+      return w.find("stays within") != std::string::npos;
+    });
+    EXPECT_EQ(said, !moves);
+  }
+}
+
 TEST(BadPixels, AreFoundAndNothingElseIs) {
   Recording r;
   r.scene.platform.texture_rms = 8;
