@@ -23,7 +23,7 @@ constexpr double kSure = 1e-6;
 
 }  // namespace
 
-Need OrbitRun::begin(const Scenario& scenario) {
+Need OrbitRun::begin(const Scenario& scenario, const BatchOptions&) {
   const auto frame = turning_frame(scenario);
   if (!frame) return give_up(ScalarReason::drive);
   frame_ = *frame;
