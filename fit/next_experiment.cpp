@@ -9,7 +9,6 @@
 #include "fit/internal/display.h"
 #include "fit/internal/forecast.h"
 #include "fit/internal/identifiability.h"
-#include "fit/internal/parallel.h"
 #include "fit/internal/results.h"
 
 namespace tribotrack::fit::internal {
@@ -64,9 +63,10 @@ class Search {
     for (const auto& [a, w] : kDrives)
       for (int j = 1; j <= kWidths; ++j)
         places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
-    parallel_for(places_.size(), threads, [&](std::size_t k) {
-      places_[k].at_zero = forecaster_.forecast(places_[k].seed, kTolerance);
-    });
+    std::vector<Candidate> seeds;
+    for (const Place& place : places_) seeds.push_back(place.seed);
+    const auto forecasts = forecaster_.forecasts(seeds, kTolerance, threads);
+    for (std::size_t k = 0; k < places_.size(); ++k) places_[k].at_zero = forecasts[k];
   }
 
   std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
@@ -108,21 +108,19 @@ class Search {
   };
 
   double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
-    double smallest = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < kPhases; ++i)
+    double smallest = size(after(forecast), aim);
+    if (!unknowns_.find(FitParameter::tilt_x) || !unknowns_.find(FitParameter::tilt_y)) return smallest;
+    for (int i = 1; i < kPhases; ++i)
       smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kStep)), aim));
     return smallest;
   }
 
   const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
     if (!place.good.empty()) return place.good;
-    place.good.resize(kPhases);
-    place.good[0] = place.at_zero;
-    parallel_for(place.good.size() - 1, threads_, [&](std::size_t i) {
-      Candidate candidate = place.seed;
-      candidate.phi = static_cast<double>(i + 1) * kStep;
-      place.good[i + 1] = forecaster_.forecast(candidate, kTolerance);
-    });
+    std::vector<Candidate> turned(kPhases - 1, place.seed);
+    for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kStep;
+    place.good = forecaster_.forecasts(turned, kTolerance, threads_);
+    place.good.insert(place.good.begin(), place.at_zero);
     return place.good;
   }
 

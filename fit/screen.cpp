@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "fit/internal/end_point.h"
 #include "fit/internal/parallel.h"
+#include "model/batch.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -15,6 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::size_t kRunsLookedAt = 6, kFewestRuns = 4;
+constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
 
 /// The k-th number of van der Corput's sequence.
 double halton(int k, int base) {
@@ -120,32 +121,36 @@ std::vector<Look> looks(const Problem& problem) {
   return chosen;
 }
 
-/// chi^2 at `values`, about. With a free lag (or delay) `values` get the one that turns the modelled
-/// displacements onto the measured ones, and the turned displacements are judged: one simulation a run.
-double judge(const Unknowns& unknowns, const std::vector<Look>& looks, Eigen::VectorXd& values) {
+/// The unknown that turns the pulses, if there is one.
+std::optional<Eigen::Index> turning(const Unknowns& unknowns) {
   const auto lag = unknowns.find(FitParameter::lag);
-  const auto index = lag ? lag : unknowns.find(FitParameter::delay);
-  if (index) values(*index) = 0;
-  constexpr double kTolerance = 1e-3;
+  return lag ? lag : unknowns.find(FitParameter::delay);
+}
+
+/// chi^2 at `values`, about, from where the looks' motions end there, the lag (or delay) being 0. With it
+/// free `values` get the one that turns the modelled displacements onto the measured ones, and the turned
+/// displacements are judged: one simulation a run.
+double judge(const Unknowns& unknowns, const std::vector<Look>& looks, const model::BatchEnd* ends,
+             Eigen::VectorXd& values) {
   std::vector<Complex> measured, modelled;
   Complex sum = 0;
-  for (const Look& look : looks) {
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const Look& look = looks[i];
+    if (ends[i].status != model::BatchStatus::done) return std::numeric_limits<double>::infinity();
     // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag. Conjugates where it is the
     // other way round.
     const bool clockwise = std::sin(look.scenario.drive.phase_shift) >= 0;
-    const auto applied = unknowns.apply(values, look.scenario, look.amplitude_from_track, false);
-    Complex x = 0;
-    try {
-      x = complex(end_point(applied.scenario, {}, kTolerance).position / applied.scale);
-    } catch (const std::exception&) {
-      return std::numeric_limits<double>::infinity();
-    }
+    const double scale = unknowns.apply(values, look.scenario, look.amplitude_from_track, false).scale;
+    const Complex x = complex(ends[i].position / scale);
     measured.push_back(clockwise ? std::conj(look.measured) : look.measured);
     modelled.push_back(clockwise ? std::conj(x) : x);
     sum += measured.back() * std::conj(modelled.back()) / look.variance;
   }
-  const double angle = index ? std::arg(sum) : 0;
-  if (index) values(*index) = lag ? angle : angle / unknowns.reference_frequency();
+  const auto turns = turning(unknowns);
+  const double angle = turns ? std::arg(sum) : 0;
+  if (turns)
+    values(*turns) =
+        unknowns.parameter(*turns) == FitParameter::lag ? angle : angle / unknowns.reference_frequency();
   double chi2 = 0;
   for (std::size_t i = 0; i < looks.size(); ++i)
     chi2 += std::norm(measured[i] - modelled[i] * std::polar(1.0, angle)) / looks[i].variance;
@@ -159,11 +164,27 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int count, int thr
   const Eigen::VectorXd guess = unknowns.first_guess();
   const std::vector<Look> seen = looks(unknowns.problem());
   std::vector<ScreenedPoint> points(static_cast<std::size_t>(count));
-  parallel_for(points.size(), threads, [&](std::size_t k) {
-    Eigen::VectorXd values = k == 0 ? guess : box_point(unknowns, guess, static_cast<int>(k));
-    points[k].chi2 = seen.empty() ? residuals.chi2(values) : judge(unknowns, seen, values);
-    points[k].z = unknowns.z(values);
-  });
+  std::vector<Eigen::VectorXd> values;
+  for (int k = 0; k < count; ++k) values.push_back(k == 0 ? guess : box_point(unknowns, guess, k));
+  if (seen.empty()) {
+    parallel_for(points.size(), threads, [&](std::size_t k) { points[k].chi2 = residuals.chi2(values[k]); });
+  } else {
+    // All motions together: what differs between them does not matter to the lanes they travel in.
+    if (const auto turns = turning(unknowns))
+      for (auto& point : values) point(*turns) = 0;
+    model::BatchOptions batch;
+    batch.threads = threads;
+    batch.tolerance = kTolerance;
+    const auto scenario_at = [&](std::size_t index) {
+      const Look& look = seen[index % seen.size()];
+      return unknowns.apply(values[index / seen.size()], look.scenario, look.amplitude_from_track, false)
+          .scenario;
+    };
+    const model::BatchOutcome outcome = model::solve_batch(points.size() * seen.size(), scenario_at, batch);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      points[k].chi2 = judge(unknowns, seen, &outcome.ends[k * seen.size()], values[k]);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) points[k].z = unknowns.z(values[k]);
   return points;
 }
 

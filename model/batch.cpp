@@ -21,9 +21,10 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// One run by the scalar integrator.
-BatchEnd scalar_solution(const Scenario& scenario, const EndRun*, std::string&) {
+BatchEnd scalar_solution(const Scenario& scenario, const BatchOptions& asked, const EndRun*, std::string&) {
   IntegrationOptions options;
   options.dense = false;
+  if (asked.tolerance > kLaneTolerance) options.tolerance = asked.tolerance;
   const Trajectory trajectory = integrate(scenario, options);
   BatchEnd end;
   end.status = BatchStatus::done;
@@ -33,7 +34,8 @@ BatchEnd scalar_solution(const Scenario& scenario, const EndRun*, std::string&) 
   return end;
 }
 
-BatchSteady scalar_solution(const Scenario& scenario, const OrbitRun*, std::string& why) {
+BatchSteady scalar_solution(const Scenario& scenario, const BatchOptions&, const OrbitRun*,
+                            std::string& why) {
   BatchSteady steady;
   const auto orbit = steady_orbit(scenario);
   if (!orbit) {
@@ -119,7 +121,7 @@ class Crew {
       try {
         const Scenario scenario = work_.scenario_at(number);
         scenario.validate();
-        return run.begin(scenario);
+        return run.begin(scenario, work_.options);
       } catch (const std::exception& invalid) {
         solutions_[number].status = BatchStatus::invalid;
         tally.reasons.emplace_back(number, invalid.what());
@@ -161,7 +163,7 @@ class Crew {
       const Scenario scenario = work_.scenario_at(number);
       scenario.validate();
       try {
-        solution = scalar_solution(scenario, static_cast<const Run*>(nullptr), why);
+        solution = scalar_solution(scenario, work_.options, static_cast<const Run*>(nullptr), why);
       } catch (const InvalidParameter& no_orbit) {
         refused(BatchStatus::no_steady_motion, no_orbit);
       } catch (const std::exception& failure) {

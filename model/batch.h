@@ -46,6 +46,9 @@ struct BatchOptions {
   bool ends = true;     ///< wanted: the end point of each run
   bool steady = false;  ///< wanted: each scenario's steady motion with pulses
   int threads = 1;      ///< results do not depend on it
+  /// Of the velocity at every step of an end's run, in units of A w: 1e-14 leaves some 1e-13 of the path.
+  /// Looser ones are for who asks for less; steady motions are always told in full.
+  double tolerance = 1e-14;
   /// False: every scenario by the scalar integrator, one at a time (to compare with).
   bool lanes = true;
   /// Told how many solutions are ready of how many, every now and then, by one thread at a time.

@@ -5,13 +5,13 @@
 
 namespace tribotrack::model::internal {
 
-Need EndRun::begin(const Scenario& scenario) {
+Need EndRun::begin(const Scenario& scenario, const BatchOptions& options) {
   if (scenario.start == Start::steady) return give_up(ScalarReason::start);
   const auto frame = turning_frame(scenario);
   if (!frame) return give_up(ScalarReason::drive);
   frame_ = *frame;
   end_time_ = scenario.end_time();
-  lane.tolerance = kLaneTolerance;
+  lane.tolerance = options.tolerance;
   for (int i = 0; i < 2; ++i) turn_[i] = {std::cos(frame_.edges.edge[i].s), std::sin(frame_.edges.edge[i].s)};
   turn_[2] = {std::cos(frame_.rest), std::sin(frame_.rest)};
   reduced_ = frame_.edges.open_at_start && !frame_.circling;
@@ -77,7 +77,7 @@ void EndRun::leave_out_copies() {
   const double ratio = before.count > 1 && before.gap > 0 ? seen_.gap / before.gap : 1;
   const bool settled =
       before.count > 1 && shrinking_.settled(seen_.gap, before.gap, steps - before.steps, at_rest());
-  const bool close = copying_error(seen_.gap, ratio, copies) <= 2e-15 * kTwoPi * frame_.cycles;
+  const bool close = copying_error(seen_.gap, ratio, copies) <= 0.2 * lane.tolerance * kTwoPi * frame_.cycles;
   if (copies < 1 || !(settled || close)) return;
   position_ = position_ + copies * (position_ - before.position);
   cycle_ += copies;

@@ -4,6 +4,7 @@
 
 #include "model/displacement_angle.h"
 #include "model/internal/lane_run.h"
+#include "model/internal/matrix2.h"
 
 namespace tribotrack::model::internal {
 namespace {
@@ -20,25 +21,9 @@ constexpr double kHardlyContracts = 0.98;
 /// Newton steps shorter than this are sure to lead nearer.
 constexpr double kSure = 1e-6;
 
-struct Matrix {
-  double xx, xy, yx, yy;
-  Pair<double> operator*(const Pair<double>& a) const { return {xx * a.x + xy * a.y, yx * a.x + yy * a.y}; }
-};
-
-double spectral_radius(const Matrix& m) {
-  const double half = 0.5 * (m.xx + m.yy), det = m.xx * m.yy - m.xy * m.yx, square = half * half - det;
-  return square < 0 ? std::sqrt(det) : std::fabs(half) + std::sqrt(square);
-}
-
-/// (1 - m)^-1 b
-Pair<double> newton_step(const Matrix& m, const Pair<double>& b) {
-  const double a = 1 - m.xx, d = 1 - m.yy, det = a * d - m.xy * m.yx;
-  return {(d * b.x + m.xy * b.y) / det, (m.yx * b.x + a * b.y) / det};
-}
-
 }  // namespace
 
-Need OrbitRun::begin(const Scenario& scenario) {
+Need OrbitRun::begin(const Scenario& scenario, const BatchOptions&) {
   const auto frame = turning_frame(scenario);
   if (!frame) return give_up(ScalarReason::drive);
   frame_ = *frame;
@@ -109,8 +94,8 @@ Need OrbitRun::end_cycle() {
     velocity_ = end;
     return begin_cycle();
   }
-  const Matrix jacobian{lane.ux[0], lane.ux[1], lane.uy[0], lane.uy[1]};
-  const Matrix slope{lane.yx[0], lane.yx[1], lane.yy[0], lane.yy[1]};
+  const Matrix2 jacobian{lane.ux[0], lane.ux[1], lane.uy[0], lane.uy[1]};
+  const Matrix2 slope{lane.yx[0], lane.yx[1], lane.yy[0], lane.yy[1]};
   if (lane.tolerance < kLoosest && spectral_radius(jacobian) > kHardlyContracts)
     return give_up(ScalarReason::weak_friction);
   const Pair<double> step = newton_step(jacobian, gap);

@@ -7,6 +7,7 @@
 #include "model/displacement_angle.h"
 #include "model/internal/orbit.h"
 #include "model/internal/set_up.h"
+#include "model/internal/shooting.h"
 
 namespace tribotrack::model {
 namespace internal {
@@ -94,6 +95,12 @@ bool attracts(const Scenario& s, bool with_pulses) {
   return mean > 0 && std::hypot(std::sin(s.drive.tilt_x), std::sin(s.drive.tilt_y)) < mean;
 }
 
+Scenario without_start(Scenario scenario) {
+  scenario.start = Start::rest;
+  scenario.initial_velocity.setZero();
+  return scenario;
+}
+
 /// Whether friction holds a part at rest through the whole cycle.
 bool always_held(const SolverInput<Jet<2>>& in) {
   const auto held = [&](const Jet<2>& kappa) {
@@ -101,6 +108,24 @@ bool always_held(const SolverInput<Jet<2>>& in) {
     return excess.holds(0) && excess.release(0, kTwoPi) >= kTwoPi;
   };
   return held(in.problem.kappa_nominal) && (in.edges.count == 0 || held(in.problem.kappa_reduced));
+}
+
+/// Where a cycle and the one after it stop and end alike: nothing is remembered, the derivatives are 0.
+std::optional<Orbit> from_stop_to_stop(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& start) {
+  const double kappa = std::fmax(in.problem.kappa_nominal.v, in.problem.kappa_reduced.v);
+  if (!Excess(in.problem.drive, kappa).may_hold()) return std::nullopt;
+  const auto plain = lifted<double>(in);
+  Pair<double> u{start.x(), start.y()};
+  for (int i = 1; i <= 2; ++i) {
+    ArcMemory memory;
+    Solver<double> solver(plain);
+    const Motion<double> end = solver.run_one_cycle(plain.edges.open_at_start && !plain.circling, u, memory);
+    if (!(solver.stick_phase > 0)) return std::nullopt;
+    if (i == 2 && length(end.velocity - u) <= 4 * in.tolerance * std::fmax(0.25, length(u)))
+      return Orbit{{u.x, u.y}, {end.position.x, end.position.y}, Eigen::Matrix2d::Zero(), i};
+    u = end.velocity;
+  }
+  return std::nullopt;
 }
 
 /// U = P(U) to the tolerance of `in`, with a Jacobian good to `jacobian_error`: Newton's method, its step cut
@@ -181,23 +206,27 @@ std::optional<Orbit> polish(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, do
 std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
                                 double jacobian_error) {
   if (!attracts(scenario, with_pulses)) return std::nullopt;
-  Scenario free = scenario;
-  free.start = Start::rest;
-  free.initial_velocity.setZero();
+  const Scenario free = without_start(scenario);
   auto in = set_up<Jet<2>>(free, {}, with_pulses);
   in.tolerance = tolerance;
   in.max_steps = 1'000'000;
   if (always_held(in))
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
-  // Cheap cycles first: what they leave is squared by the next Newton step.
+  // Cheap ways first: what they leave is squared by the next Newton step.
   int iterations = 0;
-  Eigen::Vector2d u =
-      with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
-  if (kLoose > tolerance) {
-    in.tolerance = kLoose;
-    if (const auto orbit = solve_cycle(in, u, 1)) {
-      u = orbit->velocity;
-      iterations += orbit->iterations;
+  Eigen::Vector2d u;
+  if (const auto shot = with_pulses ? shoot(free) : std::nullopt) {
+    u = shot->velocity / velocity_unit(free);
+    iterations = shot->newton_iterations;
+  } else {
+    u = with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
+    if (auto orbit = from_stop_to_stop(in, u)) return orbit;
+    if (kLoose > tolerance) {
+      in.tolerance = kLoose;
+      if (const auto orbit = solve_cycle(in, u, 1)) {
+        u = orbit->velocity;
+        iterations = orbit->iterations;
+      }
     }
   }
   in.tolerance = tolerance;
@@ -211,6 +240,8 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
 
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
   scenario.validate();
+  if (with_pulses && internal::attracts(scenario, true))
+    if (auto shot = internal::shoot(internal::without_start(scenario))) return shot;
   const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-5);
   if (!found) return std::nullopt;
   const double unit = internal::velocity_unit(scenario);

@@ -30,6 +30,9 @@ class Forecaster {
   Candidate drive_so_far() const;
   /// nullopt where the model cannot be evaluated or nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
+  /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
+  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
+                                                 int threads) const;
   /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
   /// good to some degrees from rest. The information on everything but a tilt, which stays where it is, is
   /// then the same.

@@ -26,7 +26,7 @@ struct LaneState {
   double ux[2] = {}, uy[2] = {}, yx[2] = {}, yy[2] = {};
 };
 
-/// The tolerance of each step that leaves end points good to some 1e-13.
+/// The tolerance of each step that leaves drifts good to some 1e-13.
 inline constexpr double kLaneTolerance = 1e-14;
 /// Below the first speed a step in sigma carries farther; above the second no more.
 inline constexpr double kCreepBelow = 0.06, kSlideAbove = 0.09;
@@ -68,7 +68,7 @@ class LaneRun {
 /// To the end of a scenario's run.
 class EndRun : public LaneRun {
  public:
-  Need begin(const Scenario& scenario);
+  Need begin(const Scenario& scenario, const BatchOptions& options);
   Need pass_edge();
   BatchEnd result() const;
 
@@ -98,7 +98,7 @@ class EndRun : public LaneRun {
 /// To the steady motion: Newton on the one-cycle map from the edge to the lower friction.
 class OrbitRun : public LaneRun {
  public:
-  Need begin(const Scenario& scenario);
+  Need begin(const Scenario& scenario, const BatchOptions&);
   Need pass_edge();
   BatchSteady result() const;
 

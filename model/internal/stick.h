@@ -15,6 +15,8 @@ class Excess {
 
   double operator()(double s) const;
   double slope(double s) const;
+  /// Whether it could be anywhere.
+  bool may_hold() const { return c0_ <= std::hypot(c1_, s1_) + std::hypot(c2_, s2_); }
   /// Whether friction holds at s and just after. Excesses below rounding do not count.
   bool holds(double s) const;
   /// The first phase in [from, to] at which the part comes loose; `to` if it never does.
