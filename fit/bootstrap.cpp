@@ -62,6 +62,13 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
     }
+    const SlowShapes slow = residuals_.shapes(i, {true, true, true, true});
+    for (std::size_t j = 0; j < slow.count(); ++j) {
+      const Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
+      for (std::size_t k = 0; k < points.row.size(); ++k)
+        track.position[points.row[k]] +=
+            size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+    }
   }
 
   const Residuals& residuals_;
@@ -101,7 +108,7 @@ Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatte
     if (refit.size() != residuals.size()) return;  // a free slide whose strike moved by a frame
     Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
     if (options.loss != Loss::squares && std::isfinite(minimum.chi2))
-      settle(refit, minimum, false, options.loss);
+      settle(refit, minimum, {.loss = options.loss});
     if (minimum.converged) estimates[k] = own.values(minimum.z);
   });
 
