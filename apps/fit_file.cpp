@@ -45,6 +45,30 @@ Json parameters_json(const fit::FitResult& result, double mm_per_px) {
   return json;
 }
 
+Json minima_json(const fit::FitResult& result, double mm_per_px) {
+  Json json = Json::array();
+  for (const fit::OneMinimum& minimum : result.minima) {
+    Json values = Json::object();
+    for (const auto& [parameter, value] : minimum.values)
+      values[fit::to_string(parameter)] = finite(
+          value * (parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter)));
+    json.push_back({{"parameters", values},
+                    {"chi2_above_best", finite(minimum.chi2_above)},
+                    {"sentence", minimum.sentence}});
+  }
+  return json;
+}
+
+/// Null where no driven track was fitted.
+Json slow_json(const fit::SlowErrors& slow) {
+  if (!(slow.time > 0)) return {};
+  return {{"time_s", slow.time},
+          {"drift_mm", slow.drift * 1e3},
+          {"walk_mm", slow.walk * 1e3},
+          {"circle_mm", slow.circle * 1e3},
+          {"overtones_mm", slow.overtones * 1e3}};
+}
+
 Json correlation_json(const fit::FitResult& result) {
   Json json = Json::object();
   for (std::size_t i = 0; i < result.parameters.size(); ++i)
@@ -189,6 +213,10 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["converged"] = result.converged;
   json["usable"] = result.usable();
   json["scatter_mm"] = result.scatter * 1e3;
+  json["scatter_along_m"] = result.scatter_along;
+  json["scatter_across_m"] = result.scatter_across;
+  json["slow_errors"] = slow_json(result.slow_errors);
+  json["minima"] = minima_json(result, reference_mm_per_px(runs));
   json["covariance_meaning"] = result.covariance_meaning;
   json["identifiability"] = {{"verdict", word_for(result.identifiability.verdict)},
                              {"weak_directions", result.identifiability.weak_directions},

@@ -1,7 +1,5 @@
 #include "apps/report_fit.h"
 
-#include <algorithm>
-
 #include "apps/report_json.h"
 
 namespace tribotrack::apps {
@@ -30,9 +28,10 @@ void collect_parameters(const Json& fit, ReportData& data) {
     data.shared_scale = word_at(*shared, "finding");
 }
 
-/// The fit tells another minimum among its warnings, beginning so.
-bool tells_another_minimum(const std::string& warning) {
-  return warning.starts_with("Another minimum");
+/// All minima but the best.
+void collect_other_minima(const Json& fit, ReportData& data) {
+  const Json minima = fit.value("minima", Json::array());
+  for (std::size_t i = 1; i < minima.size(); ++i) data.other_minima.push_back(word_at(minima[i], "sentence"));
 }
 
 void collect_identifiability(const Json& fit, ReportData& data) {
@@ -42,8 +41,6 @@ void collect_identifiability(const Json& fit, ReportData& data) {
                          : verdict == "weak"       ? ReportVerdict::weak
                                                    : ReportVerdict::not_identifiable;
   data.weak_directions = sentences_at(identifiability, "weak_directions");
-  std::copy_if(data.warnings.begin(), data.warnings.end(), std::back_inserter(data.other_minima),
-               tells_another_minimum);
 }
 
 void collect_checks(const Json& fit, ReportData& data) {
@@ -95,6 +92,7 @@ void collect_fit(const Json& fit, ReportData& data) {
   data.phase_reference = word_at(fit, "phase_reference");
   collect_parameters(fit, data);
   collect_identifiability(fit, data);
+  collect_other_minima(fit, data);
   collect_checks(fit, data);
   collect_next_runs(fit, data);
 }

@@ -45,13 +45,17 @@ std::string runs_used(const ReportData& data) {
   return text;
 }
 
+constexpr double surprise = 1e-3;  // p below which the fit, too, says that chance does not explain chi-square
+
 enum class Agreement { good, poor, too_good, unknown };
 
 Agreement agreement(const ReportData& data) {
   const ReportInterval expected = expected_reduced_chi2(data.dof);
   if (!std::isfinite(data.chi2) || data.dof < 1) return Agreement::unknown;
   const double reduced = data.chi2 / data.dof;
-  if (reduced > expected.high) return Agreement::poor;
+  // The fit's own judgement where it is told, so that page and fit never differ; scatter answers it.
+  const bool too_far = std::isfinite(data.p_value) ? data.p_value < surprise : reduced > expected.high;
+  if (too_far && !(data.scatter_mm > 0)) return Agreement::poor;
   if (reduced < expected.low) return Agreement::too_good;
   return Agreement::good;
 }
@@ -59,7 +63,7 @@ Agreement agreement(const ReportData& data) {
 /// Scatter was read off the residuals because chance does not explain them without it: then chi-square is
 /// about 1 per degree of freedom by construction.
 bool scatter_is_from_residuals(const ReportData& data) {
-  return data.scatter_mm > 0 && data.p_value < 1e-3;
+  return data.scatter_mm > 0 && data.p_value < surprise;
 }
 
 std::string agreement_words(const ReportData& data) {

@@ -65,6 +65,13 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
     }
+    const SlowShapes slow = residuals_.shapes(i, {true, true, true, true});
+    for (std::size_t j = 0; j < slow.count(); ++j) {
+      const Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
+      for (std::size_t k = 0; k < points.row.size(); ++k)
+        track.position[points.row[k]] +=
+            size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+    }
   }
 
   const Residuals& residuals_;
@@ -111,7 +118,7 @@ class Refits {
       refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
       Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
       if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
-        settle(refit, minimum, false, options_.loss);
+        settle(refit, minimum, {.loss = options_.loss});
       if (minimum.converged) estimates[k] = own.values(minimum.z);
     });
     return estimates;

@@ -6,6 +6,7 @@
 
 #include "fit/internal/bootstrap.h"
 #include "fit/internal/display.h"
+#include "fit/internal/error_words.h"
 #include "fit/internal/identifiability.h"
 #include "fit/internal/model_check.h"
 #include "fit/internal/multi_start.h"
@@ -25,72 +26,32 @@ namespace {
 
 using namespace internal;
 
-constexpr double kSurprise = 1e-3;
-
 /// Of the integrator, relative to the path: an error of 1e-12 m and less.
 constexpr double kFine = 1e-9;
 
-void warn_of_other_minima(const Residuals& residuals, const Search& search, double excess,
-                          FitResult& result) {
+/// All minima within a chi-square of the best, the lag folded, the best as it stands now first.
+void tell_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
+  result.minima.emplace_back();
+  for (const ParameterEstimate& p : result.parameters) result.minima.front().values[p.parameter] = p.estimate;
   for (std::size_t i = 1; i < search.minima.size(); ++i) {
     const Minimum& other = search.minima[i].minimum;
-    const double above = other.chi2 - search.minima.front().minimum.chi2;
-    if (above > 9 * excess) continue;
+    const double above = (other.chi2 - search.minima.front().minimum.chi2) / excess;
+    if (above > 9) continue;
     const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
-    std::string text =
-        "Another minimum fits nearly as well (chi2 higher by " + number(above / excess, 2) + "):";
-    for (Eigen::Index k = 0; k < unknowns.reported(); ++k)
-      text += std::string(k > 0 ? ", " : " ") + to_string(unknowns.parameter(k)) + " = " +
-              number(values(k) * display_factor(unknowns.parameter(k)), 4);
-    result.warnings.push_back(text + ".");
+    OneMinimum minimum;
+    minimum.chi2_above = above;
+    std::string text = "Another minimum fits nearly as well (chi2 higher by " + number(above, 2) + "):";
+    for (Eigen::Index k = 0; k < unknowns.reported(); ++k) {
+      const FitParameter parameter = unknowns.parameter(k);
+      minimum.values[parameter] = values(k);
+      text += std::string(k > 0 ? ", " : " ") + to_string(parameter) + " = " +
+              number(values(k) * display_factor(parameter), 4);
+    }
+    minimum.sentence = text + ".";
+    result.warnings.push_back(minimum.sentence);
+    result.minima.push_back(minimum);
   }
-}
-
-void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
-  const Problem& problem = residuals.unknowns().problem();
-  const Scatter& scatter = residuals.scatter();
-  result.scatter = scatter.runs();
-  result.scatter_along = scatter.along;
-  result.scatter_across = scatter.across;
-  for (const auto& run : scatter.trajectories) result.scatter = std::max(result.scatter, run.between_points);
-  if (!any(scatter)) {
-    result.covariance_meaning =
-        result.loss == Loss::squares
-            ? "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with 1.96 sd."
-            : std::string("95 % intervals with Student's t.") + robust_meaning(result.loss);
-    if (result.p_value < kSurprise && !allowed)
-      result.warnings.push_back("chi2 = " + number(result.chi2, 4) + " at " + std::to_string(result.dof) +
-                                " degrees of freedom (p = " + number(result.p_value, 2) +
-                                "): the model or the sigmas are wrong, and the sds too small.");
-    return;
-  }
-  const bool repeated = result.scatter_from_replicates;
-  result.covariance_meaning = std::string("sd from the data's own sigma and a scatter estimated from ") +
-                              (repeated ? "repeated runs" : "the residuals") +
-                              ", added in quadrature; 95 % intervals with Student's t." +
-                              robust_meaning(result.loss);
-  const std::string size = scatter.along == scatter.across
-                               ? number(1e3 * scatter.runs()) + " mm per axis"
-                               : number(1e3 * scatter.along) + " mm along (v) and " +
-                                     number(1e3 * scatter.across) + " mm across their displacement (alpha)";
-  if (repeated)
-    result.warnings.push_back("Repeated runs scatter by " + size +
-                              " more than their own sigma; with that the "
-                              "fit agrees with all runs (p = " +
-                              number(result.p_value, 2) + ").");
-  else if (scatter.runs() > 0)
-    result.warnings.push_back(
-        "The runs scatter by " + size + " more than their own sigma (chi2 " +
-        number(result.chi2_before_scatter, 4) + ", p = " + number(result.p_value, 2) + ")" +
-        (result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or ") +
-        "something in A, w, tilt or the model is wrong.");
-  for (std::size_t i = 0; i < scatter.trajectories.size(); ++i)
-    if (const auto& run = scatter.trajectories[i]; run.between_points > 0)
-      result.warnings.push_back("Run '" + problem.trajectory_runs[i].name + "': its points scatter by " +
-                                number(1e3 * run.between_points) +
-                                " mm per axis more than their own sigma and are correlated over " +
-                                number(run.correlation_time, 2) + " points; the sd counts both.");
 }
 
 void add_scatter_of_replicates(Residuals& residuals, const FitOptions& options, Minimum& minimum,
@@ -158,8 +119,14 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.outliers = find_outliers(residuals, minimum);
   check_model(residuals, minimum, options, result);
   const bool surprised = result.p_value < kSurprise;
-  if (surprised || options.loss != Loss::squares)
-    settle(residuals, minimum, options.estimate_scatter && surprised, options.loss);
+  const bool driven = std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
+                                  [](const auto& run) { return !run.free_slide; });
+  const bool told = problem.summary_runs.empty() || result.scatter_from_replicates;
+  const bool asks = result.p_value < (told ? kSurprise : kDoubt);
+  const Settling settling{options.estimate_scatter && driven, options.estimate_scatter && asks, options.loss};
+  SlowEstimate slow;
+  if (settling.slow_errors || settling.scatter || options.loss != Loss::squares)
+    slow = settle(residuals, minimum, settling);
   if (surprised) result.scatter_from_replicates = false;  // the residuals say more than the repetitions
   minimum.z = fold_lag(unknowns, minimum.z);
 
@@ -168,13 +135,19 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   const double dof = residuals.degrees_of_freedom();
   const bool from_residuals = any(residuals.scatter()) || options.loss != Loss::squares;
   const double told_by = result.scatter_from_replicates ? result.replicate_dof : std::max(1.0, dof);
-  const double t =
-      two_sided_quantile(0.95, from_residuals ? told_by : std::numeric_limits<double>::infinity());
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::vector<double> t, rises;  // of each parameter
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    const double by_slow = slow.degrees_of_freedom.size() > 0 ? slow.degrees_of_freedom(i) : infinite;
+    t.push_back(
+        two_sided_quantile(0.95, std::max(1.0, std::min(from_residuals ? told_by : infinite, by_slow))));
+    rises.push_back(t.back() * t.back());
+  }
   std::vector<Interval> intervals;
   if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
     const double found = judged.best.minimum.chi2;
     intervals =
-        profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), t * t, options.threads);
+        profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), rises, options.threads);
     if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
   }
 
@@ -193,16 +166,17 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.identifiability = identifiability(unknowns, judged.values, judged.spread);
   compare_with_profiles(unknowns, result.parameters, result.identifiability);
   tell_scatter(residuals, options.estimate_scatter, result);
+  tell_slow_errors(residuals, result);
   tell_runs(residuals, best, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   tell_systematics(residuals, best, judged.spread, result);
-  warn_of_other_minima(residuals, search, excess, result);
+  tell_minima(residuals, search, excess, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
   if (options.next_experiment) {
-    const NextExperiments next =
-        next_experiments(residuals, judged.values, best.jacobian, t, options.threads);
+    const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian,
+                                                  *std::max_element(t.begin(), t.end()), options.threads);
     result.next_experiment = next.best;
     result.other_next_experiments = next.others;
   }

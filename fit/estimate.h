@@ -21,9 +21,9 @@ struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
   double sd = 0;
-  /// From the covariance; Student's t where a scatter was estimated. For mu1, A, w and scale on the axis of
-  /// their logarithm, for mu2 too while sd < 0.3 mu2, else linear and cut at 0. sd and interval are infinite
-  /// for a parameter that a flat direction moves.
+  /// From the covariance; Student's t where a scatter or slow errors were estimated. For mu1, A, w and scale
+  /// on the axis of their logarithm, for mu2 too while sd < 0.3 mu2, else linear and cut at 0. sd and
+  /// interval are infinite for a parameter that a flat direction moves.
   Interval ci95;
   /// From the profile likelihood, re-optimised at every point; infinite where open, 0 where mu is compatible
   /// with 0. NaN when profiles were not asked for.
@@ -106,13 +106,33 @@ struct FitOptions {
   bool profiles = true;
   bool next_experiment = true;  ///< look for the run to film next
   /// Scatter between points or runs beyond their own sigma is estimated from the residuals when chi-square
-  /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so.
+  /// asks for it (p < 0.001), and added to the covariance; FitResult::scatter says so. So are slow errors of
+  /// driven tracks, whatever chi-square says: it does not see them (FitResult::slow_errors).
   bool estimate_scatter = true;
   Loss loss = Loss::squares;
   bool rivals = false;          ///< compare tilt and rival friction laws even where the residuals do not ask
   int bootstrap = 0;            ///< refits to simulated data; 0: none, 400 give the ends to about 10 %
   unsigned bootstrap_seed = 1;  ///< of its noise; told in the result
   std::function<void(int done, int total)> progress;
+};
+
+/// A minimum of chi^2.
+struct OneMinimum {
+  std::map<FitParameter, double> values;  ///< of the fitted parameters
+  double chi2_above = 0;                  ///< the best one's, in units of the scatter about it
+  std::string sentence;                   ///< empty for the best
+};
+
+/// Errors that many points of a driven track share, one size for all runs of a fit: standard deviations per
+/// axis, m, told from the residuals beside the points' own noise (restricted maximum likelihood). 0 where the
+/// residuals do not ask.
+struct SlowErrors {
+  double drift = 0;      ///< of a straight drift over `time`, another in every run
+  double walk = 0;       ///< of a Brownian walk over `time`
+  double circle = 0;     ///< of each of cos wt and sin wt
+  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
+  double time = 0;       ///< s, of the longest run; 0 where no driven track was fitted
+  bool any() const { return drift > 0 || walk > 0 || circle > 0 || overtones > 0; }
 };
 
 struct FitResult {
@@ -135,12 +155,14 @@ struct FitResult {
   /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
   /// say that they differ.
   double scatter_along = 0, scatter_across = 0;
+  SlowErrors slow_errors;  ///< counted in the covariance
   /// Repeated runs tell the scatter by themselves: then chi2 counts it, and p_value still judges the model.
   bool scatter_from_replicates = false;
   int replicate_dof = 0;                ///< two for each repetition
   std::string covariance_meaning;       ///< which covariance is printed, in words
   double chi2_before_scatter = 0;       ///< with the data's own sigma alone
   double p_value = 1;                   ///< of chi^2 with the data's own sigma and the replicates' scatter
+  std::vector<OneMinimum> minima;       ///< all within chi-square 9 of the best, which is the first
   int starts_screened = 0;              ///< points of the box looked at
   int starts = 0;                       ///< descents made
   int starts_at_best = 0;               ///< of them, those that ended in the minimum told

@@ -137,7 +137,7 @@ Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Ind
 }
 
 std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               double rise, int threads) {
+                               const std::vector<double>& rises, int threads) {
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
   Residuals rough = residuals;
   rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
@@ -145,7 +145,7 @@ std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, c
     std::vector<Profile> sides(n);
     parallel_for(n, threads, [&](std::size_t i) {
       sides[i].interval = {-kInfinity, kInfinity};
-      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rise);
+      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rises[i]);
     });
     const Profile* better = nullptr;
     for (const Profile& side : sides)

@@ -28,6 +28,20 @@ Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threa
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
   rows_ += static_cast<Eigen::Index>(priors_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
+  slow_.resize(problem.trajectory_runs.size());
+  for (const auto& run : problem.trajectory_runs)
+    if (!run.free_slide)
+      slow_reference_time_ = std::max(slow_reference_time_, run.track.time.back() - run.track.time.front());
+}
+
+void Residuals::set_scatter(const Scatter& scatter) {
+  scatter_ = scatter;
+  prepare_slow();
+}
+
+void Residuals::set_weights(const Weights& weights) {
+  weights_ = weights;
+  prepare_slow();
 }
 
 std::size_t Residuals::point_count(std::size_t run) const {

@@ -69,9 +69,15 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   const std::size_t last = points.row.size() - 1;
   const Eigen::Vector2d measured = run.track.position[points.row[last]] - run.track.position[points.row[0]];
   const Eigen::Vector2d modelled = measured - points.residual[last] + points.residual[0];
+  double slow = 0;
+  const SlowShapes shapes = residuals.shapes(index, {true, true, true, true});
+  for (std::size_t j = 0; j < shapes.count(); ++j) {
+    const auto column = shapes.values.col(static_cast<Eigen::Index>(j));
+    slow += residuals.scatter().slow[shapes.part[j]] * std::pow(column(column.size() - 1) - column(0), 2);
+  }
   const char* names[] = {"dx_mm", "dy_mm"};
   for (int axis = 0; axis < 2; ++axis) {
-    const double variance = run.track.covariance[points.row[last]](axis, axis) +
+    const double variance = slow + run.track.covariance[points.row[last]](axis, axis) +
                             run.track.covariance[points.row[0]](axis, axis) +
                             2 * scatter.between_points * scatter.between_points;
     result.residuals.push_back({names[axis], 1e3 * measured(axis), 1e3 * modelled(axis),
@@ -141,7 +147,7 @@ Interval interval95(const Transform& transform, FitParameter parameter, double v
 }
 
 void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
-                     double t, FitResult& result) {
+                     const std::vector<double>& t, FitResult& result) {
   const Eigen::Index n = unknowns.reported();
   auto flat = moved_by_flat_direction(uncertainty);
   if (stuck_throughout(unknowns.problem())) flat.assign(flat.size(), true);  // noise told as motion
@@ -154,7 +160,8 @@ void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
     estimate.estimate = values(i);
     estimate.sd =
         flat[static_cast<std::size_t>(i)] ? kInfinity : std::sqrt(std::max(0.0, result.covariance(i, i)));
-    estimate.ci95 = interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd, t);
+    estimate.ci95 = interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd,
+                               t[static_cast<std::size_t>(i)]);
     estimate.profile_ci95 = estimate.bootstrap_ci95 = {std::nan(""), std::nan("")};
     result.parameters.push_back(estimate);
     for (Eigen::Index j = 0; j < n; ++j) {

@@ -9,7 +9,8 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kAsks = 1e-3;
+constexpr double kAsks = 1e-3;     ///< of points and of repeated runs
+constexpr double kRunsAsk = 0.05;  ///< of runs: see estimate_scatter
 constexpr int kFewestRepetitions =
     6;  ///< degrees of freedom: fewer tell their own scatter to a third at best
 
@@ -25,10 +26,11 @@ double chi2_with(const std::vector<Eigen::Vector2d>& residuals,
 
 /// s with chi^2(s) = expected; 0 where chi^2(0) is no surprise.
 double scatter_for(const std::vector<Eigen::Vector2d>& residuals,
-                   const std::vector<Eigen::Matrix2d>& covariances, double expected, bool already) {
+                   const std::vector<Eigen::Matrix2d>& covariances, double expected, bool already,
+                   double asks = kAsks) {
   if (!(expected > 0)) return 0;
   const double now = chi2_with(residuals, covariances, 0);
-  if (already ? now <= expected : chi2_survival(now, expected) >= kAsks) return 0;
+  if (already ? now <= expected : chi2_survival(now, expected) >= asks) return 0;
   double high = 0;
   for (const auto& r : residuals) high = std::max(high, r.norm());
   double low = 0;
@@ -52,7 +54,7 @@ Eigen::Matrix2d turn_of(const SummaryRun& run) {
 
 void between_runs(const Problem& problem, const std::vector<Eigen::Vector2d>& differences,
                   const std::vector<Eigen::Matrix2d>& covariances, double expected, Scatter& result) {
-  const double both = scatter_for(differences, covariances, expected, result.runs() > 0);
+  const double both = scatter_for(differences, covariances, expected, result.runs() > 0, kRunsAsk);
   result.along = result.across = both;
   if (!(both > 0)) return;
   std::vector<Eigen::Vector2d> parts[2];
@@ -152,17 +154,19 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
     auto& scatter = result.trajectories[i];
     covariances.clear();
     std::vector<double> x, y;
+    std::vector<Eigen::Vector2d> quick;  // slow errors are told apart
     for (std::size_t k = 0; k < run.row.size(); ++k) {
       covariances.push_back(problem.trajectory_runs[i].track.covariance[run.row[k]]);
-      x.push_back(run.residual[k].x());
-      y.push_back(run.residual[k].y());
+      quick.push_back(run.residual[k] - run.slow[k]);
+      x.push_back(quick.back().x());
+      y.push_back(quick.back().y());
     }
     // A fitted column takes as much of correlated noise as of that many independent points.
     const double along = problem.trajectory_runs[i].free_slide ? 3 : 1,
                  across = problem.trajectory_runs[i].free_slide ? 2 : 1;
-    const double rows = 2.0 * static_cast<double>(run.row.size());
+    const double rows = 2.0 * static_cast<double>(run.row.size()) - run.rows_taken;
     const double expected = std::max(0.4 * rows, rows - (along + across) * scatter.correlation_time);
-    scatter.between_points = scatter_for(run.residual, covariances, expected, scatter.between_points > 0);
+    scatter.between_points = scatter_for(quick, covariances, expected, scatter.between_points > 0);
     scatter.correlation_time = 1;
     if (scatter.between_points > 0) {
       double x_square = 0, y_square = 0;

@@ -36,6 +36,17 @@ double largest_change(const Weights& a, const Weights& b) {
   return change;
 }
 
+bool unchanged(const Scatter& was, const Scatter& is) {
+  bool same = std::abs(is.along - was.along) <= 1e-3 * was.along &&
+              std::abs(is.across - was.across) <= 1e-3 * was.across;
+  for (std::size_t i = 0; i < is.trajectories.size(); ++i)
+    same = same && std::abs(is.trajectories[i].between_points - was.trajectories[i].between_points) <=
+                       1e-2 * was.trajectories[i].between_points;
+  for (std::size_t part = 0; part < kSlowParts; ++part)
+    same = same && std::abs(is.slow[part] - was.slow[part]) <= 1e-2 * was.slow[part];
+  return same;
+}
+
 }  // namespace
 
 bool any(const Scatter& scatter) {
@@ -43,26 +54,33 @@ bool any(const Scatter& scatter) {
                                            [](const auto& run) { return run.between_points > 0; });
 }
 
-void settle(Residuals& residuals, Minimum& best, bool with_scatter, Loss loss) {
+SlowEstimate settle(Residuals& residuals, Minimum& best, const Settling& settling) {
   const Unknowns& unknowns = residuals.unknowns();
+  const bool squares = settling.loss == Loss::squares;
+  SlowEstimate slow;
   for (int round = 0; round < kRounds; ++round) {
     const Residuals before = residuals;
     if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
     const Eigen::VectorXd values = unknowns.values(best.z);
-    if (with_scatter)
-      residuals.set_scatter(loss == Loss::squares ? estimate_scatter(residuals, values, best.residuals)
-                                                  : robust_scatter(residuals, values, best.residuals));
-    if (loss != Loss::squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, loss));
-    if (loss == Loss::squares && !any(residuals.scatter())) return;
-    const double change = largest_change(residuals.weights(), before.weights());
+    if (settling.slow_errors) {
+      slow = estimate_slow_errors(residuals, values);
+      Scatter scatter = residuals.scatter();
+      scatter.slow = slow.variances;
+      residuals.set_scatter(scatter);
+    }
+    if (settling.scatter)
+      residuals.set_scatter(squares ? estimate_scatter(residuals, values, best.residuals)
+                                    : robust_scatter(residuals, values, best.residuals));
+    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, settling.loss));
     const Scatter &was = before.scatter(), &is = residuals.scatter();
+    if (squares && !any(is) && is.slow == SlowVariances{} && was.slow == is.slow) return slow;
+    const double change = largest_change(residuals.weights(), before.weights());
     MinimiseOptions options;
     if (reweigh(best, before, residuals)) options.evaluated = &best;
     best = minimise(residuals, best.z, options);
-    if (round > 1 && change < 1e-3 && std::abs(is.along - was.along) <= 1e-3 * was.along &&
-        std::abs(is.across - was.across) <= 1e-3 * was.across)
-      return;
+    if (round > (settling.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return slow;
   }
+  return slow;
 }
 
 }  // namespace tribotrack::fit::internal

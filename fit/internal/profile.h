@@ -23,6 +23,6 @@ Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Ind
 /// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
 /// minimum restarts them from there (three times at most); `best` is then the better minimum.
 std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               double rise, int threads);
+                               const std::vector<double>& rises, int threads);
 
 }  // namespace tribotrack::fit::internal

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fit/internal/point_model.h"
+#include "fit/internal/slow_errors.h"
 #include "fit/internal/unknowns.h"
 
 namespace tribotrack::fit::internal {
@@ -19,6 +20,7 @@ struct Scatter {
     double correlation_time = 1;  ///< points per independent point: weights are divided by it
   };
   std::vector<Trajectory> trajectories;
+  SlowVariances slow{};  ///< of driven trajectory runs, common to all
 };
 
 /// What a robust loss makes of each run and point: its rows are multiplied by the root. Empty: all count
@@ -32,12 +34,14 @@ struct Weights {
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
   std::vector<Eigen::Vector2d> residual;
+  std::vector<Eigen::Vector2d> slow;  ///< of the residual, what its own slow error is expected to be
+  double rows_taken = 0;              ///< by that expectation
   Eigen::Vector2d start_point = Eigen::Vector2d::Zero();
 };
 
 /// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-/// point, the run's unknown start point projected out; one a prior, (value - mean)/sd. Rows of data are
-/// multiplied by the root of their robust weight.
+/// point, the run's unknown start point projected out and its slow errors whitened; one a prior, (value -
+/// mean)/sd. Rows of data are multiplied by the root of their robust weight.
 class Residuals {
  public:
   /// Both must outlive the residuals.
@@ -50,9 +54,9 @@ class Residuals {
   /// max(1, chi^2/dof): by how much the residuals exceed their sigma.
   double excess(double chi2) const;
   const Scatter& scatter() const { return scatter_; }
-  void set_scatter(const Scatter& scatter) { scatter_ = scatter; }
+  void set_scatter(const Scatter& scatter);
   const Weights& weights() const { return weights_; }
-  void set_weights(const Weights& weights) { weights_ = weights; }
+  void set_weights(const Weights& weights);
   double run_weight(std::size_t run) const { return weights_.runs.empty() ? 1 : weights_.runs[run]; }
   double point_weight(std::size_t run, std::size_t point) const {
     return weights_.points.empty() ? 1 : weights_.points[run][point];
@@ -73,6 +77,12 @@ class Residuals {
   Eigen::Matrix2d covariance(std::size_t summary_run) const;
   PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
   std::size_t point_count(std::size_t trajectory_run) const;
+  Eigen::Index trajectory_row(std::size_t run) const;  ///< the run's first
+  /// Shapes of slow errors over the run's points; none for a free slide.
+  SlowShapes shapes(std::size_t trajectory_run, const std::array<bool, kSlowParts>& wanted) const;
+  /// L^-1 of every point, one above the other, times the roots of their weights.
+  Eigen::MatrixX2d white(std::size_t trajectory_run) const;
+  double slow_reference_time() const { return slow_reference_time_; }  ///< s, of the longest driven run
 
  private:
   void summary(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
@@ -80,7 +90,8 @@ class Residuals {
   void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
                   Eigen::MatrixXd* jacobian, Eigen::Index row) const;
   PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  Eigen::Index trajectory_row(std::size_t run) const;
+  void prepare_slow();
+  std::vector<double> times(std::size_t trajectory_run) const;  ///< s, of its points, from the first
 
   const Problem* problem_;
   const Unknowns* unknowns_;
@@ -91,6 +102,8 @@ class Residuals {
   Weights weights_;
   Eigen::Index rows_ = 0;
   Scatter scatter_;
+  std::vector<SlowWhitening> slow_;
+  double slow_reference_time_ = 0;
 };
 
 }  // namespace tribotrack::fit::internal

@@ -9,9 +9,9 @@ namespace tribotrack::fit::internal {
 
 /// From sd and the two-sided quantile t: on the logarithm's axis or linear, as ParameterEstimate::ci95 says.
 Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
-/// Estimates with sd and ci95 (`t`: the two-sided 95 % quantile), covariance, correlation.
+/// Estimates with sd and ci95 (`t`: the two-sided 95 % quantile of each), covariance, correlation.
 void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
-                     double t, FitResult& result);
+                     const std::vector<double>& t, FitResult& result);
 /// Residuals of every run; outlying points named in the warnings.
 void tell_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
 /// d parameters / d ln A and d ln w, in words.

@@ -9,7 +9,8 @@ namespace tribotrack::fit::internal {
 /// the present minimum: one between summary runs, the same along and across their displacements unless the
 /// two differ at the level of 1 % (then one for v and one for alpha); one between the points of each
 /// trajectory run, with the correlation time of its residuals (neighbouring points share their error: their
-/// number overstates what they tell). Zero where chi^2 does not ask (p >= 0.001).
+/// number overstates what they tell). Zero where chi^2 does not ask: p >= 0.001 of points; p >= 0.05 of runs,
+/// whose slow errors of tracking may be as large as their own sigma and are not seen sooner by so few.
 Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
                          const Eigen::VectorXd& whitened);
 

@@ -76,10 +76,12 @@ TEST(ReportFit, WithoutProfilesTheirColumnAndAdviceAreLeftOut) {
   EXPECT_THAT(parameter_section(collected(fit)), Not(HasSubstr("profile")));
 }
 
-TEST(ReportFit, AnotherMinimumAmongTheWarningsIsADoubtAndHasItsPlace) {
+TEST(ReportFit, AnotherMinimumIsADoubtAndHasItsPlace) {
   Json fit = bare();
-  fit["warnings"] = {"Something else.",
-                     "Another minimum fits nearly as well (chi2 higher by 1.2): mu1 = 0.154."};
+  const char* sentence = "Another minimum fits nearly as well (chi2 higher by 1.2): mu1 = 0.154.";
+  fit["warnings"] = {"Something else.", sentence};
+  fit["minima"] = {{{"parameters", {{"mu1", 0.1}}}, {"chi2_above_best", 0.0}, {"sentence", ""}},
+                   {{"parameters", {{"mu1", 0.154}}}, {"chi2_above_best", 1.2}, {"sentence", sentence}}};
   const ReportData data = collected(fit);
   EXPECT_THAT(data.other_minima, ElementsAre(HasSubstr("mu1 = 0.154")));
   EXPECT_EQ(data.warnings.size(), 2u) << "it stays a warning, too";

@@ -49,6 +49,17 @@ TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysItsValues) {
   EXPECT_THAT(verdict.paragraph, Not(HasSubstr("warning")));
 }
 
+// chi2 = 48.7 at 25 degrees of freedom, p = 0.003: the fit does not call it a surprise, nor may the page.
+TEST(ReportVerdict, TheFitsOwnThresholdDecidesWhetherTheModelMisses) {
+  ReportData data = all_well();
+  data.dof = 25;
+  data.chi2 = 48.7;
+  data.p_value = 0.003;
+  EXPECT_EQ(verdict_in_words(data).heading, "Can be used");
+  data.p_value = 0.0009;
+  EXPECT_THAT(verdict_in_words(data).heading, HasSubstr("misses the data"));
+}
+
 TEST(ReportVerdict, AFitThatDidNotConvergeMustNotBeUsed) {
   ReportData data = all_well();
   data.converged = false;

@@ -86,7 +86,8 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   KnownMinimum best = with_curvature(residuals, minimise(residuals, unknowns.z(truth)));
   const double lowest = best.minimum.chi2;
   const std::vector<bool> open(3, false);
-  const auto expected = profiles(residuals, best, open, 3.84, 1);
+  const std::vector<double> rises(3, 3.84);
+  const auto expected = profiles(residuals, best, open, rises, 1);
   EXPECT_EQ(best.minimum.chi2, lowest);
 
   Minimum mistaken;
@@ -94,7 +95,7 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   mistaken.chi2 = residuals.chi2(unknowns.values(mistaken.z));
   ASSERT_GT(mistaken.chi2, lowest + 1);
   KnownMinimum restarted = with_curvature(residuals, mistaken);
-  const auto found = profiles(residuals, restarted, open, 3.84, 2);
+  const auto found = profiles(residuals, restarted, open, rises, 2);
   EXPECT_NEAR(restarted.minimum.chi2, lowest, 1e-6);
   for (std::size_t i = 0; i < 3; ++i) {
     const double width = expected[i].high - expected[i].low;

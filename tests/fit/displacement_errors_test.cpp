@@ -1,0 +1,53 @@
+// Is the covariance told with a displacement that of its errors? White noise, ends anywhere between frames.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/measurement.h"
+#include "fit/slow_tracks.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using std::numbers::pi;
+
+TEST(DisplacementErrors, AreAsLargeAsTheirCovarianceSays) {
+  const unsigned seed = 8;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  // 10, 25 and 50 frames a cycle (at ten the error of interpolating is taken too large rather than too
+  // small); noise of 0.05 to 2 um: the error of interpolating weighs much and little.
+  for (const double rate : {100.0, 250.0, 500.0})
+    for (const double sigma : {0.05e-6, 0.5e-6, 2e-6}) {
+      const int runs = 400;
+      double square = 0;
+      for (int k = 0; k < runs; ++k) {
+        const test::Truth truth{uniform(0.07, 0.108), uniform(0.008, 0.03), uniform(-0.5, 0.5)};
+        model::Scenario scenario = test::scenario(truth, uniform(0, 2 * pi), uniform(0.5, 3.2), 21);
+        scenario.drive.angular_frequency = uniform(60, 65);
+        const TrajectoryRun run = test::slow_track(scenario, rate, sigma, {}, random);
+        const Displacement measured =
+            measure_displacement(run.track, {scenario.drive.angular_frequency, 0}, 20);
+        const auto motion = model::integrate(scenario, {});
+        const Eigen::Vector2d error =
+            measured.vector - (motion.at(measured.duration).position - motion.at(0).position);
+        square += error.dot(measured.covariance.ldlt().solve(error)) / (2 * runs);
+      }
+      std::printf("%3.0f frames/s, noise %.2f um: displacement errors / sd %.2f rms\n", rate, 1e6 * sigma,
+                  std::sqrt(square));
+      EXPECT_LT(std::sqrt(square), 1.08);  // 3 sd of 800 squares
+      EXPECT_GT(std::sqrt(square), rate < 200 ? 0.75 : 0.92);
+    }
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
