@@ -201,8 +201,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
   if (options.next_experiment) {
-    const NextExperiments next =
-        next_experiments(residuals, judged.values, best.jacobian, t, options.threads);
+    const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian, t, options);
     result.next_experiment = next.best;
     result.other_next_experiments = next.others;
   }
