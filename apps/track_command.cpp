@@ -241,7 +241,7 @@ void add_track(CLI::App& app, Context& context) {
   add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
   add_number(command, "--working-distance-mm", options->working_distance_mm,
              "From the lens to the marker's plane: with --height-mm it corrects the parallax");
-  command.add_option("--disc", options->disc, "The disc in the first analysed frame (default: found)")
+  command.add_option("--disc", options->disc, "The disc in the first analysed frame, or where it is first seen there (default: found)")
       ->type_name("X,Y,R");
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");
