@@ -12,7 +12,7 @@ namespace {
 class Refits {
  public:
   Refits(const Residuals& residuals, const Minimum& best, const CurvedResiduals& curved)
-      : residuals_(residuals), best_(best), curved_(curved), unknowns_(residuals.unknowns()) {
+      : best_(best), curved_(curved), unknowns_(residuals.unknowns()) {
     const auto& summary = unknowns_.problem().summary_runs;
     for (std::size_t i = 0; i < summary.size(); ++i) {
       factor_.emplace_back(residuals.covariance(i));
@@ -69,7 +69,6 @@ class Refits {
     return factor_[run].matrixL().solve(difference);
   }
 
-  const Residuals& residuals_;
   const Minimum& best_;
   const CurvedResiduals& curved_;
   const Unknowns& unknowns_;
