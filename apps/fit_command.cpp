@@ -99,7 +99,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
     }
 
   const std::optional<SharedScale> shared = share_scale(campaign, runs);
-  const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context), options.fit);
+  const fit::FitResult result = fit_campaign(campaign, runs, context, options.fit);
   Json json = fit_json(campaign, runs, result);
   add_to(json, shared);
   MetaFile meta;

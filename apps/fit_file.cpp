@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/progress.h"
+
 namespace tribotrack::apps {
 
 namespace {
@@ -250,9 +252,13 @@ std::string parameter_table(const Json& fit) {
   return table;
 }
 
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads,
-                            fit::FitOptions options) {
-  options.threads = threads;
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                            const Context& context, fit::FitOptions options) {
+  options.threads = threads_to_use(context);
+  StageProgress progress(context.quiet);
+  options.progress = [&progress](const char* stage, std::size_t done, std::size_t total) {
+    progress.update(std::string("fit, ") + stage, done, total);
+  };
   return fit::estimate(problem_of(campaign, runs), options);
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/analysis.h"
 #include "apps/campaign.h"
+#include "apps/command.h"
 #include "apps/meta_file.h"
 #include "fit/estimate.h"
 
@@ -18,9 +19,10 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 /// blank-separated.
 std::string parameter_table(const Json& fit);
 
-/// Threads and progress are the command's business; so is what was asked for beyond the campaign file.
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs, int threads,
-                            fit::FitOptions options = {});
+/// With the command's threads, telling its progress; `options` hold what was asked for beyond the campaign
+/// file.
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                            const Context& context, fit::FitOptions options = {});
 
 /// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
 /// to film next. Empty for a usable one.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace tribotrack::apps {
@@ -22,6 +24,18 @@ class Progress {
   bool shown_ = false;
   std::mutex mutex_;
   std::chrono::steady_clock::time_point begun_, last_;
+};
+
+/// The same for work of several stages, one after the other.
+class StageProgress {
+ public:
+  explicit StageProgress(bool quiet) : quiet_(quiet) {}
+  void update(const std::string& stage, std::size_t done, std::size_t total);
+
+ private:
+  bool quiet_;
+  std::string stage_;
+  std::optional<Progress> progress_;
 };
 
 /// A note for a person on stderr, unless quiet.

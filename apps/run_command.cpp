@@ -198,7 +198,7 @@ void run_command(const RunOptions& options, Context& context) {
       if (run.measurement && run.track)
         write_file(folder.measurement(run.run->name),
                    text_of(measurement_json(*run.measurement, *run.track)));
-  const fit::FitResult result = fit_campaign(campaign, runs, threads_to_use(context));
+  const fit::FitResult result = fit_campaign(campaign, runs, context);
   Json json = fit_json(campaign, runs, result);
   add_to(json, shared);
   MetaFile meta;

@@ -7,10 +7,10 @@
 #include <optional>
 #include <random>
 
-#include "fit/internal/curved_residuals.h"
+#include "fit/internal/displacement_refits.h"
 #include "fit/internal/parallel.h"
 #include "fit/internal/settle.h"
-#include "model/batch.h"
+#include "fit/internal/stage.h"
 #include "model/displacement_angle.h"
 
 namespace tribotrack::fit::internal {
@@ -91,51 +91,37 @@ class Refits {
         scatter_estimated_(scatter_estimated),
         options_(options),
         problem_(residuals.unknowns().problem()),
-        fine_(residuals) {
-    fine_.set_tolerance(residuals.tolerance_for(kFine, 1e-6));
+        fine_(residuals.tolerance_for(kRefitTolerance, 1e-6)) {
+    const auto n = static_cast<std::size_t>(residuals.unknowns().size());
+    const bool fits = static_cast<std::size_t>(residuals.size()) * n * n < kMostNumbers;
+    // Whitening is to be the same for all draws.
+    const bool alike =
+        options.loss == Loss::squares && residuals.scatter().along == residuals.scatter().across;
+    if (!alike || !fits || n >= static_cast<std::size_t>(options.bootstrap)) return;
+    Residuals fine = residuals;
+    fine.set_tolerance(fine_);
+    curved_ = CurvedResiduals::about(fine, best, options.threads);
   }
 
   /// Values of all unknowns, a draw each; empty where the refit did not converge.
-  std::vector<Eigen::VectorXd> all() {
+  std::vector<Eigen::VectorXd> all() const {
     const auto count = static_cast<std::size_t>(options_.bootstrap);
-    std::vector<Eigen::VectorXd> estimates(count), starts(count, best_.z);
-    if (options_.loss == Loss::squares && residuals_.scatter().along == residuals_.scatter().across &&
-        worth_a_second_order(count))
-      curved_ = CurvedResiduals::about(fine_, best_, options_.threads);
-    if (curved_ && problem_.trajectory_runs.empty()) side_by_side(estimates, starts);
-    parallel_for(count, options_.threads, [&](std::size_t k) {
-      if (estimates[k].size() > 0) return;
-      const Problem problem = drawn(k);
-      const Unknowns own(problem);
-      Residuals refit(problem, own);
-      refit.set_scatter(residuals_.scatter());
-      if (refit.size() != residuals_.size()) return;  // a free slide whose strike moved by a frame
-      Eigen::VectorXd& start = starts[k];
-      if (curved_ && !problem_.trajectory_runs.empty()) {
-        start = same_motion(problem, own);
-        if (refined(refit, start, estimates[k])) return;
-      }
-      refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
-      Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
-      if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
-        settle(refit, minimum, {.loss = options_.loss});
-      if (minimum.converged) estimates[k] = own.values(minimum.z);
-    });
+    std::vector<Eigen::VectorXd> estimates(count);
+    Stage stage(options_, "bootstrap", count);
+    const std::size_t many = curved_ && problem_.trajectory_runs.empty() ? kTogether : 1;
+    for (std::size_t begin = 0; many > 1 && begin < count; begin += many)
+      displacements(begin, std::min(begin + many, count), estimates, stage);
+    if (many == 1)
+      parallel_for(count, options_.threads, [&](std::size_t k) {
+        refit(drawn(k), estimates[k]);
+        stage.done();
+      });
     return estimates;
   }
 
  private:
-  static constexpr double kFine = 1e-3;  ///< share of the sigma that the integrator may err by
-  /// Misfit of the second order at its minimum, in sigma for each standard deviation gone: the derivatives
-  /// there are off by about three times as much.
-  static constexpr double kMisfit = 0.006;
-  static constexpr double kDecrement = 0.01;  ///< of the last step: a tenth of a standard deviation
-
-  /// 2 n Jacobians are to be fewer than what the draws save, and to fit into memory.
-  bool worth_a_second_order(std::size_t count) const {
-    const auto n = static_cast<std::size_t>(residuals_.unknowns().size());
-    return n < count && static_cast<std::size_t>(residuals_.size()) * n * n < 30'000'000;
-  }
+  static constexpr std::size_t kTogether = 256;            ///< draws of displacements
+  static constexpr std::size_t kMostNumbers = 30'000'000;  ///< in the second derivatives
 
   Problem drawn(std::size_t k) const {
     std::seed_seq seed{options_.bootstrap_seed, static_cast<unsigned>(k)};
@@ -144,6 +130,53 @@ class Refits {
     const double noise =
         scatter_estimated_ ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
     return Draw(residuals_, best_, noise, random).problem();
+  }
+
+  void displacements(std::size_t begin, std::size_t end, std::vector<Eigen::VectorXd>& estimates,
+                     Stage& stage) const {
+    std::vector<Problem> problems;
+    for (std::size_t k = begin; k < end; ++k) problems.push_back(drawn(k));
+    const auto refits = refit_displacements(residuals_, best_, *curved_, problems, options_.threads);
+    parallel_for(refits.size(), options_.threads, [&](std::size_t i) {
+      if (refits[i].found)
+        estimates[begin + i] = residuals_.unknowns().values(refits[i].z);
+      else
+        descend(problems[i], refits[i].z, estimates[begin + i]);
+      stage.done();
+    });
+  }
+
+  void refit(const Problem& problem, Eigen::VectorXd& estimate) const {
+    if (!curved_ || !from_second_order(problem, estimate)) descend(problem, best_.z, estimate);
+  }
+
+  void descend(const Problem& problem, const Eigen::VectorXd& start, Eigen::VectorXd& estimate) const {
+    const Unknowns own(problem);
+    Residuals refit(problem, own);
+    refit.set_scatter(residuals_.scatter());
+    refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
+    if (refit.size() != residuals_.size()) return;  // a free slide whose strike moved by a frame
+    Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
+    if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
+      settle(refit, minimum, {.loss = options_.loss});
+    if (minimum.converged) estimate = own.values(minimum.z);
+  }
+
+  /// Tracks: two evaluations without derivatives; false where a descent is to do it.
+  bool from_second_order(const Problem& problem, Eigen::VectorXd& estimate) const {
+    const Unknowns own(problem);
+    Residuals refit(problem, own);
+    refit.set_scatter(residuals_.scatter());
+    refit.set_tolerance(fine_);
+    if (refit.size() != residuals_.size()) return false;
+    const Eigen::VectorXd by = same_motion(problem, own) - best_.z;
+    Eigen::VectorXd r0, exact;
+    if (!refit.evaluate(own.values(best_.z + by), r0, nullptr)) return false;
+    const auto t = curved_->minimum(r0);
+    if (!t || !refit.evaluate(own.values(curved_->z(*t) + by), exact, nullptr)) return false;
+    const auto end = curved_->confirmed(r0, *t, exact);
+    if (end) estimate = own.values(curved_->z(*end) + by);
+    return end.has_value();
   }
 
   /// Where `own`'s motions are those of the best fit: a drawn run's phase holds what it was shifted by.
@@ -156,104 +189,12 @@ class Refits {
     return own.z(values);
   }
 
-  /// The second order's minimum `t` and the step from there that exact residuals ask for.
-  std::optional<Eigen::VectorXd> corrected(const Eigen::VectorXd& r0, const Eigen::VectorXd& t,
-                                           const Eigen::VectorXd& exact) const {
-    const double misfit = (exact - curved_->at(r0, t)).norm();
-    const Eigen::VectorXd step = curved_->step(exact, t);
-    if (!(misfit < kMisfit * std::max(1.0, t.norm())) || !(step.squaredNorm() < kDecrement))
-      return std::nullopt;
-    return t + step;
-  }
-
-  /// One refit of tracks by the second order; false where a descent is to do it.
-  bool refined(Residuals& refit, const Eigen::VectorXd& start, Eigen::VectorXd& estimate) const {
-    refit.set_tolerance(residuals_.tolerance_for(kFine, 1e-6));
-    const Unknowns& own = refit.unknowns();
-    const Eigen::VectorXd by = start - best_.z;
-    Eigen::VectorXd r0, exact;
-    if (!refit.evaluate(own.values(start), r0, nullptr)) return false;
-    const auto t = curved_->minimum(r0);
-    if (!t || !refit.evaluate(own.values(curved_->z(*t) + by), exact, nullptr)) return false;
-    const auto end = corrected(r0, *t, exact);
-    if (end) estimate = own.values(curved_->z(*end) + by);
-    return end.has_value();
-  }
-
-  /// Displacements: of all draws together, each solved once, at the second order's minimum.
-  void side_by_side(std::vector<Eigen::VectorXd>& estimates, std::vector<Eigen::VectorXd>& starts) const {
-    const Unknowns& unknowns = residuals_.unknowns();
-    const std::size_t runs = problem_.summary_runs.size();
-    const auto rows = 2 * static_cast<Eigen::Index>(runs), priors = residuals_.size() - rows;
-    const Eigen::VectorXd centre = unknowns.values(best_.z);
-    struct Refit {
-      Eigen::VectorXd r0, t, values;
-      std::vector<Eigen::Vector2d> measured;
-    };
-    std::vector<Refit> refits(estimates.size());
-    std::vector<Eigen::LLT<Eigen::Matrix2d>> sigma;
-    std::vector<Eigen::Vector2d> modelled;
-    for (std::size_t i = 0; i < runs; ++i) {
-      sigma.emplace_back(residuals_.covariance(i));
-      modelled.push_back(problem_.summary_runs[i].measured.vector -
-                         residuals_.difference(best_.residuals, i));
-    }
-    parallel_for(refits.size(), options_.threads, [&](std::size_t k) {
-      const Problem problem = drawn(k);
-      Refit& refit = refits[k];
-      refit.r0 = best_.residuals;
-      for (std::size_t i = 0; i < runs; ++i) {
-        refit.measured.push_back(problem.summary_runs[i].measured.vector);
-        refit.r0.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-            sigma[i].matrixL().solve(refit.measured[i] - modelled[i]);
-      }
-      for (const auto& [parameter, prior] : problem.prior)
-        if (const auto u = unknowns.find(parameter))
-          refit.r0.tail(priors) -=
-              best_.jacobian.col(*u).tail(priors) * (prior.mean - problem_.prior.at(parameter).mean);
-      if (const auto t = curved_->minimum(refit.r0)) {
-        refit.t = *t;
-        refit.values = unknowns.values(curved_->z(*t));
-      }
-    });
-    std::vector<std::size_t> order;  // of those that are solved
-    for (std::size_t k = 0; k < refits.size(); ++k)
-      if (refits[k].t.size() > 0) order.push_back(k);
-    model::BatchOptions batch;
-    batch.threads = options_.threads;
-    batch.tolerance = residuals_.tolerance_for(kFine, 1e-6);
-    const auto run_at = [&](std::size_t index) {
-      return unknowns.apply_summary(refits[order[index / runs]].values, problem_.summary_runs[index % runs],
-                                    false);
-    };
-    const model::BatchOutcome outcome = model::solve_batch(
-        order.size() * runs, [&](std::size_t index) { return run_at(index).scenario; }, batch);
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const Refit& refit = refits[order[k]];
-      Eigen::VectorXd exact = refit.r0;
-      bool solved = true;
-      for (std::size_t i = 0; i < runs; ++i) {
-        const model::BatchEnd& end = outcome.ends[k * runs + i];
-        solved = solved && end.status == model::BatchStatus::done;
-        const auto applied = run_at(k * runs + i);
-        exact.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-            sigma[i].matrixL().solve(refit.measured[i] - end.position * (applied.stretch / applied.scale));
-      }
-      exact.tail(priors) += best_.jacobian.bottomRows(priors) * (refit.values - centre);
-      const auto t = solved ? corrected(refit.r0, refit.t, exact) : std::nullopt;
-      if (t)
-        estimates[order[k]] = unknowns.values(curved_->z(*t));
-      else
-        starts[order[k]] = curved_->z(refit.t);
-    }
-  }
-
   const Residuals& residuals_;
   const Minimum& best_;
   bool scatter_estimated_;
   const FitOptions& options_;
   const Problem& problem_;
-  Residuals fine_;
+  double fine_;  ///< tolerance
   std::optional<CurvedResiduals> curved_;
 };
 

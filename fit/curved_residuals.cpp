@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <atomic>
 
 #include "fit/internal/parallel.h"
@@ -13,6 +14,10 @@ constexpr double kFlat = 1e-10;  ///< least eigenvalue of the scaled normal matr
 constexpr int kMostSteps = 12;
 constexpr double kArrived = 1e-4;  ///< standard deviations
 constexpr double kFarthest = 8;    ///< beyond, second order says nothing
+/// Misfit of the second order at its minimum, in sigma for each standard deviation gone: its derivatives are
+/// off by about three times as much.
+constexpr double kMisfit = 0.006;
+constexpr double kLastStep = 0.1;  ///< standard deviations
 
 /// Columns v_j with v_j' C v_k = delta_jk; nothing where C has a flat direction.
 std::optional<Eigen::MatrixXd> principal_axes(const Eigen::MatrixXd& curvature) {
@@ -85,6 +90,14 @@ std::optional<Eigen::VectorXd> CurvedResiduals::minimum(const Eigen::VectorXd& r
     if (by.norm() < kArrived) return t;
   }
   return std::nullopt;
+}
+
+std::optional<Eigen::VectorXd> CurvedResiduals::confirmed(const Eigen::VectorXd& r0, const Eigen::VectorXd& t,
+                                                          const Eigen::VectorXd& exact) const {
+  const double misfit = (exact - at(r0, t)).norm();
+  const Eigen::VectorXd last = step(exact, t);
+  if (!(misfit < kMisfit * std::max(1.0, t.norm())) || !(last.norm() < kLastStep)) return std::nullopt;
+  return t + last;
 }
 
 }  // namespace tribotrack::fit::internal

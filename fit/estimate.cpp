@@ -176,7 +176,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
         "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
   if (options.next_experiment) {
     const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian,
-                                                  *std::max_element(t.begin(), t.end()), options.threads);
+                                                  *std::max_element(t.begin(), t.end()), options);
     result.next_experiment = next.best;
     result.other_next_experiments = next.others;
   }

@@ -113,7 +113,8 @@ struct FitOptions {
   bool rivals = false;          ///< compare tilt and rival friction laws even where the residuals do not ask
   int bootstrap = 0;            ///< refits to simulated data; 0: none, 400 give the ends to about 10 %
   unsigned bootstrap_seed = 1;  ///< of its noise; told in the result
-  std::function<void(int done, int total)> progress;
+  /// Told how far each stage is ("starts", "bootstrap", ...), by one thread at a time.
+  std::function<void(const char* stage, std::size_t done, std::size_t total)> progress;
 };
 
 /// A minimum of chi^2.

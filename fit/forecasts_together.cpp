@@ -9,8 +9,9 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Steps of central differences in natural units, and the tolerance that leaves them good to some 1e-4.
-constexpr double kStep = 1e-4, kTolerance = 1e-8;
+/// Steps of central differences in natural units, and the tolerance that leaves them good to some 1e-4. A
+/// kink nearer than a step (a stop that comes or goes) shows half on each side.
+constexpr double kStep = 1e-4, kTolerance = 1e-10;
 
 /// Whether lanes carry it: a circle, and no start from rest next to the threshold of friction. Else exact
 /// derivatives are cheaper than differences.
@@ -26,7 +27,8 @@ bool for_lanes(const model::Scenario& scenario) {
 }  // namespace
 
 std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Candidate>& candidates,
-                                                           double tolerance, int threads) const {
+                                                           double tolerance, int threads,
+                                                           Stage& stage) const {
   std::vector<std::optional<Forecast>> all(candidates.size());
   const Unknowns& unknowns = residuals_.unknowns();
   const auto applied_at = [&](const Candidate& candidate, const Eigen::VectorXd& values, bool derivatives) {
@@ -38,8 +40,11 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
     const bool lanes = !track_ && !tilts && for_lanes(applied_at(candidates[k], values_, false).scenario);
     (lanes ? together : alone).push_back(k);
   }
-  parallel_for(alone.size(), threads,
-               [&](std::size_t i) { all[alone[i]] = forecast(candidates[alone[i]], tolerance); });
+  stage.expect(candidates.size());
+  parallel_for(alone.size(), threads, [&](std::size_t i) {
+    all[alone[i]] = forecast(candidates[alone[i]], tolerance);
+    stage.done();
+  });
   // Of each candidate the run itself, then one to either side for every unknown.
   const auto columns = static_cast<std::size_t>(unknowns.common()), runs = 1 + 2 * columns;
   const auto applied_to = [&](std::size_t index) {
@@ -55,6 +60,7 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
   batch.tolerance = kTolerance;
   const model::BatchOutcome outcome = model::solve_batch(
       together.size() * runs, [&](std::size_t index) { return applied_to(index).scenario; }, batch);
+  stage.done(together.size());
   for (std::size_t k = 0; k < together.size(); ++k) {
     const Candidate& candidate = candidates[together[k]];
     if (applied_at(candidate, values_, true).wanted.empty()) continue;

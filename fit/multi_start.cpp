@@ -5,6 +5,7 @@
 
 #include "fit/internal/parallel.h"
 #include "fit/internal/screen.h"
+#include "fit/internal/stage.h"
 #include "fit/internal/statistics.h"
 #include "model/displacement_angle.h"
 
@@ -67,27 +68,34 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   const std::size_t first = starts.size() > 1 && guessed ? 1 : 0;
   MinimiseOptions descent;
   descent.decrement = kRoughDecrement;
+  Stage stage(options, "starts", starts.size());
   keep(minimise(rough, starts[first], descent));
+  stage.done();
   starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
-  const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places) {
+  const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places, Stage& told) {
     std::vector<Minimum> found(places.size());
     const std::vector<KnownMinimum> known = search.minima;
     descent.known = known.empty() ? nullptr : &known;
-    parallel_for(places.size(), options.threads,
-                 [&](std::size_t i) { found[i] = minimise(rough, places[i], descent); });
+    parallel_for(places.size(), options.threads, [&](std::size_t i) {
+      found[i] = minimise(rough, places[i], descent);
+      told.done();
+    });
     for (const Minimum& minimum : found) keep(minimum);
   };
-  descend_from(starts);
+  descend_from(starts, stage);
   // While chi^2 says that the best minimum cannot be the truth, the next points are tried as well.
   const auto surprising = [&] {
     double lowest = HUGE_VAL;
     for (const KnownMinimum& known : search.minima) lowest = std::min(lowest, known.minimum.chi2);
     return !(chi2_survival(lowest, residuals.degrees_of_freedom()) >= kSurprise);
   };
+  Stage further(options, "further starts",
+                std::min(reserve.size(), wanted - std::min(wanted, starts.size() + 1)));
   for (std::size_t k = 0; k < reserve.size() && search.starts < static_cast<int>(wanted) && surprising();
        k += 2)
     descend_from({reserve.begin() + static_cast<std::ptrdiff_t>(k),
-                  reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size()))});
+                  reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size()))},
+                 further);
 
   std::vector<std::size_t> order(search.minima.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

@@ -42,12 +42,15 @@ double size(const Eigen::MatrixXd& covariance, std::optional<Eigen::Index> aim) 
 
 class Search {
  public:
-  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian, double t)
+  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian, double t,
+         const FitOptions& options)
       : unknowns_(residuals.unknowns()),
         values_(values),
         units_(unknowns_.natural_units(values)),
         t_(t),
-        forecaster_(residuals, values) {
+        forecaster_(residuals, values),
+        threads_(options.threads),
+        stage_(options, "next experiment") {
     information_ = units_.asDiagonal() * (jacobian.transpose() * jacobian) * units_.asDiagonal();
     for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
       const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
@@ -57,15 +60,14 @@ class Search {
   }
 
   /// Forecasts over the whole grid, at phi = 0.
-  void sample(int threads) {
-    threads_ = threads;
+  void sample() {
     const Candidate own = forecaster_.drive_so_far();
     for (const auto& [a, w] : kDrives)
       for (int j = 1; j <= kWidths; ++j)
         places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
     std::vector<Candidate> seeds;
     for (const Place& place : places_) seeds.push_back(place.seed);
-    const auto forecasts = forecaster_.forecasts(seeds, kTolerance, threads);
+    const auto forecasts = forecaster_.forecasts(seeds, kTolerance, threads_, stage_);
     for (std::size_t k = 0; k < places_.size(); ++k) places_[k].at_zero = forecasts[k];
   }
 
@@ -119,7 +121,7 @@ class Search {
     if (!place.good.empty()) return place.good;
     std::vector<Candidate> turned(kPhases - 1, place.seed);
     for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kStep;
-    place.good = forecaster_.forecasts(turned, kTolerance, threads_);
+    place.good = forecaster_.forecasts(turned, kTolerance, threads_, stage_);
     place.good.insert(place.good.begin(), place.at_zero);
     return place.good;
   }
@@ -162,20 +164,21 @@ class Search {
   Eigen::VectorXd values_, units_;
   double t_;
   Forecaster forecaster_;
+  int threads_;
+  Stage stage_;
   Eigen::MatrixXd information_, now_;
   std::vector<Place> places_;
-  int threads_ = 1;
 };
 
 }  // namespace
 
 NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
-                                 const Eigen::MatrixXd& jacobian, double t, int threads) {
+                                 const Eigen::MatrixXd& jacobian, double t, const FitOptions& options) {
   NextExperiments result;
   const Unknowns& unknowns = residuals.unknowns();
   if (!(unknowns.reference_amplitude() > 0)) return result;
-  Search search(residuals, values, jacobian, t);
-  search.sample(threads);
+  Search search(residuals, values, jacobian, t, options);
+  search.sample();
   result.best = search.best(std::nullopt, true);
   const auto same = [](const NextExperiment& a, const std::optional<NextExperiment>& b) {
     return b && a.phi == b->phi && a.dtau == b->dtau && a.amplitude == b->amplitude &&

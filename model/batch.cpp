@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "model/displacement_angle.h"
@@ -51,18 +52,25 @@ BatchSteady scalar_solution(const Scenario& scenario, const BatchOptions&, const
   return steady;
 }
 
-/// Whose turn it is, for all threads: a few at a time, so that they seldom meet and end together.
+/// Whose turn it is, for all threads: portions that shrink with what is left (guided self-scheduling,
+/// Polychronopoulos & Kuck 1987), so that threads seldom meet and end together with nothing to steal.
 class Counter {
  public:
-  Counter(std::size_t count, int threads)
-      : count_(count),
-        portion_(std::clamp<std::size_t>(count / (static_cast<std::size_t>(threads) * 16), 1, 64)) {}
-  std::size_t take() { return std::min(next_.fetch_add(portion_), count_); }
-  std::size_t end_of(std::size_t begin) const { return std::min(begin + portion_, count_); }
+  Counter(std::size_t count, int threads) : count_(count), shares_(static_cast<std::size_t>(threads) * 16) {}
+  /// [first, second) of the next portion; empty where none is left.
+  std::pair<std::size_t, std::size_t> take() {
+    std::size_t begin = next_, end = 0;
+    do {
+      if (begin >= count_) return {count_, count_};
+      end = begin + std::clamp<std::size_t>((count_ - begin) / shares_, 1, kMost);
+    } while (!next_.compare_exchange_weak(begin, end));
+    return {begin, end};
+  }
   void stop() { next_ = count_; }
 
  private:
-  std::size_t count_, portion_;
+  static constexpr std::size_t kMost = 64;
+  std::size_t count_, shares_;
   std::atomic<std::size_t> next_ = 0;
 };
 
@@ -109,8 +117,7 @@ class Crew {
     std::size_t next = 0, end = 0;
     const auto source = [&]() -> std::optional<std::size_t> {
       if (next == end) {
-        next = counter_.take();
-        end = counter_.end_of(next);
+        std::tie(next, end) = counter_.take();
         report(tally);
       }
       if (next == end) return std::nullopt;

@@ -45,6 +45,13 @@ Work cycle_by_cycle(const Scenario& s) {
   return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
 }
 
+/// The end alone, every cycle integrated.
+Work end_cycle_by_cycle(const Scenario& s) {
+  IntegrationOptions options;
+  options.reuse_repeating_cycles = options.dense = false;
+  return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
+}
+
 /// The end alone.
 Work end_of(const Scenario& s) {
   IntegrationOptions options;
@@ -135,6 +142,12 @@ void add_repetition(Pairs& pairs, double cycles) {
           return integrate(last).end().position;
         },
         run(steady));
+    std::snprintf(text, sizeof text, "mu1 = %g: steady alpha and v, by %g cycles or directly", mu1, cycles);
+    pairs.add(
+        "transient", text, steady, end_cycle_by_cycle(base(mu1, pi / 6, cycles)),
+        [steady]() -> Vector2d { return steady_orbit(steady)->drift; }, false);
+    pairs.all().back().row.predicted =
+        internal::plan_cost::saving(internal::plan_cost::kOrbitInCycles, cycles);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/internal/residuals.h"
+#include "fit/internal/stage.h"
 
 namespace tribotrack::fit::internal {
 
@@ -32,7 +33,7 @@ class Forecaster {
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
   /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
   std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
-                                                 int threads) const;
+                                                 int threads, Stage& stage) const;
   /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
   /// good to some degrees from rest. The information on everything but a tilt, which stays where it is, is
   /// then the same.

@@ -11,6 +11,7 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
@@ -266,6 +267,7 @@ TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
   Json fit = Json::parse(content_of(in_folder("fit.json")));
   EXPECT_EQ(fit["bootstrap"]["seed"], 7);
   EXPECT_TRUE(fit["parameters"]["mu1"]["bootstrap_ci95"].is_array());
+  EXPECT_THAT(run("fit c.toml -o fit.json --bootstrap 30").err, Not(HasSubstr("\r")));  // off a terminal
   EXPECT_GE(fit["models"].size(), 4U);
   EXPECT_NE(run("fit c.toml -o fit.json --loss cauchy -q").exit_code, 2);
   fit = Json::parse(content_of(in_folder("fit.json")));

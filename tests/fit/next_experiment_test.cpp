@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <atomic>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "fit/internal/forecast.h"
+#include "fit/internal/stage.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -55,6 +59,65 @@ model::Scenario advised(const NextExperiment& next) {
   scenario.drive.amplitude = scenario.drive.amplitude_y = next.amplitude;
   scenario.drive.angular_frequency = next.angular_frequency;
   return scenario;
+}
+
+/// Forecasts from differences of runs in lanes are those of exact derivatives, whatever is fitted.
+TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
+  for (const bool drive : {false, true}) {
+    Problem problem = sweep_of_phi();
+    if (drive) {
+      problem.free.push_back(FitParameter::amplitude);
+      problem.free.push_back(FitParameter::angular_frequency);
+      problem.free[2] = FitParameter::delay;
+      problem.start.erase(FitParameter::lag);
+      problem.start[FitParameter::delay] = 0.002;  // edges at the very start make a kink
+    }
+    const internal::Unknowns unknowns(problem);
+    internal::Residuals residuals(problem, unknowns);
+    const Eigen::VectorXd values = unknowns.first_guess();
+    const internal::Forecaster forecaster(residuals, values);
+    std::vector<internal::Candidate> candidates;
+    for (const double phi : {0.0, 2.0})
+      for (const double width : {0.6, 1.7, 2.9, 5.1})
+        for (const double share : {1.0, 0.8, 1.25}) {
+          candidates.push_back(forecaster.drive_so_far());
+          candidates.back().phi = phi;
+          candidates.back().dtau = width;
+          candidates.back().amplitude *= share;
+        }
+    const FitOptions options;
+    internal::Stage stage(options, "forecasts");
+    const auto together = forecaster.forecasts(candidates, 1e-9, 2, stage);
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const auto alone = forecaster.forecast(candidates[k], 1e-9);
+      ASSERT_TRUE(alone && together[k]) << k;
+      EXPECT_LT((together[k]->information - alone->information).norm(), 2e-3 * alone->information.norm())
+          << k;
+    }
+  }
+}
+
+/// Each stage counts up to all there is to do, and one thread at a time tells it.
+TEST(Fit, TellsHowFarItIs) {
+  FitOptions options = quick(true);
+  options.multi_starts = 4;
+  options.bootstrap = 30;
+  options.threads = 2;
+  std::map<std::string, std::pair<std::size_t, std::size_t>> told;
+  std::atomic<int> inside = 0;
+  options.progress = [&](const char* stage, std::size_t done, std::size_t total) {
+    EXPECT_EQ(++inside, 1);
+    EXPECT_GT(done, told[stage].first);
+    EXPECT_LE(done, total);
+    told[stage] = {done, total};
+    --inside;
+  };
+  std::vector<SummaryRun> runs;
+  for (int k = 1; k <= 5; ++k) runs.push_back(film(test::scenario(kTruth, 0.4 * k, k * pi / 6)));
+  estimate(with_runs(runs), options);
+  EXPECT_EQ(told.at("bootstrap"), std::make_pair(std::size_t{30}, std::size_t{30}));
+  EXPECT_TRUE(told.contains("starts"));
+  EXPECT_EQ(told.at("next experiment").first, told.at("next experiment").second);
 }
 
 TEST(NextExperiment, ThePredictedSdIsThatOfTheFitWithIt) {

@@ -242,6 +242,27 @@ TEST(Batch, SameBitsInAnyCompany) {
     expect_identical(together, solve_batch(std::span(scenarios).subspan(k, 1), both()), k);
 }
 
+/// Looser steps leave more, but no more than some hundred times what was asked for.
+TEST(Batch, TolerancesAreKept) {
+  auto scenarios = typical_sweep(200);
+  for (Scenario& s : scenarios) s.friction.nominal = std::min(s.friction.nominal, 0.1);
+  const auto tight = solve_batch(scenarios);
+  for (const double tolerance : {1e-5, 1e-8}) {
+    BatchOptions options;
+    options.tolerance = tolerance;
+    const auto loose = solve_batch(scenarios, options);
+    double largest = 0;
+    for (std::size_t k = 0; k < scenarios.size(); ++k) {
+      ASSERT_EQ(loose.ends[k].status, BatchStatus::done);
+      const double path = scenarios[k].drive.amplitude * 2 * kPi * 20;
+      largest = std::max(largest, (loose.ends[k].position - tight.ends[k].position).norm() / path);
+    }
+    EXPECT_LT(largest, 100 * tolerance);
+    EXPECT_GT(largest, 0.01 * tolerance);  // and time is not spent on what was not asked for
+    EXPECT_LT(loose.summary.lane_steps, 0.7 * static_cast<double>(tight.summary.lane_steps));
+  }
+}
+
 /// What lanes cannot carry comes from the scalar integrator, to the bit, and is counted.
 TEST(Batch, FallsBackOnTheScalarIntegratorAndSaysWhy) {
   Scenario base;
