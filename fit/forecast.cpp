@@ -1,5 +1,6 @@
 #include "fit/internal/forecast.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -103,16 +104,27 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
     times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
   const PointModel points =
       model_points(unknowns, applied, times, !like.track.platform_frame, tolerance, true);
+  const auto& scatter = residuals_.scatter().trajectories[*track_];
+  const double variance =
+      0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
+  // Of one of the n points, which stand for all that are seen.
+  const double white =
+      variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
+  SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, residuals_.slow_reference_time(),
+                                {true, true, true, true});
+  for (std::size_t j = 0; j < slow.count(); ++j)
+    slow.values.col(static_cast<Eigen::Index>(j)) *=
+        std::sqrt(residuals_.scatter().slow[slow.part[j]] / white);
+  slow.values.rowwise() -= slow.values.colwise().mean().eval();
+  const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd::Identity(slow.values.cols(), slow.values.cols()) +
+                                           slow.values.transpose() * slow.values);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(known + 1, known + 1);
   for (Eigen::Index axis = 0; axis < 2; ++axis) {  // its own start point: less the mean
     Eigen::MatrixXd rows = points.jacobian(Eigen::seqN(axis, n, 2), Eigen::all);
     rows.rowwise() -= rows.colwise().mean().eval();
-    information += rows.transpose() * rows;
+    const Eigen::MatrixXd hidden = factor.matrixL().solve(slow.values.transpose() * rows);
+    information += (rows.transpose() * rows - hidden.transpose() * hidden) / white;
   }
-  const auto& scatter = residuals_.scatter().trajectories[*track_];
-  const double variance =
-      0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
-  information *= static_cast<double>(seen) / (static_cast<double>(n) * scatter.correlation_time * variance);
   if (like.start_phase_sd > 0) {
     const Eigen::VectorXd by_phase = information.col(known).head(known);
     const double own = information(known, known) + 1 / (like.start_phase_sd * like.start_phase_sd);

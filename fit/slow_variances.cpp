@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kAsks = 4;  ///< of twice the log-likelihood
 constexpr int kRounds = 60;
-constexpr double kArrived = 1e-4;  ///< of the log-likelihood
+constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
 using Parts = Eigen::Matrix<double, static_cast<int>(kSlowParts), 1>;
 using PartsSquare = Eigen::Matrix<double, static_cast<int>(kSlowParts), static_cast<int>(kSlowParts)>;

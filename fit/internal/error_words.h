@@ -8,7 +8,7 @@ namespace tribotrack::fit::internal {
 
 constexpr double kSurprise = 1e-3;  ///< p below which chance does not explain chi^2
 
-constexpr double kDoubt = 0.05;     ///< p below which a scatter between runs is counted in the covariance
+constexpr double kDoubt = 0.05;  ///< p below which a scatter between runs is counted in the covariance
 
 /// Scatter of runs and points, and which covariance is printed. `allowed`: a scatter could have been
 /// estimated.

@@ -24,7 +24,7 @@ struct Forecast {
 /// Forecasts with the start, length and kind of the runs so far (displacements or whole tracks, whichever are
 /// more) and an error like theirs. A displacement's error is that of the run whose displacement is nearest in
 /// length, growing with the length as it does among them; a track has as many points per cycle as the first,
-/// its scatter and correlation, and a start point and phase of its own.
+/// its scatter, correlation and slow errors, and a start point and phase of its own.
 class Forecaster {
  public:
   Forecaster(const Residuals& residuals, const Eigen::VectorXd& values);

@@ -111,7 +111,7 @@ TEST(SlowCoverage, OfFewCampaignsIsWithinTheBinomialsBounds) {
   SCOPED_TRACE(seed);
   for (const std::size_t kind : {0u, 1u, 6u}) {
     int covered = 0, asked = 0;
-    for (const Row& row : coverage(kKinds[kind], seed, 16)) covered += row.covered, asked += row.campaigns;
+    for (const Row& row : coverage(kKinds[kind], seed, 10)) covered += row.covered, asked += row.campaigns;
     // Parameters of one campaign are correlated: as if every third counted. 1 in 1000.
     const double spread = 3.1 * std::sqrt(0.05 * 0.95 * 3 / asked);
     EXPECT_GT(covered, (0.95 - spread) * asked) << kKinds[kind].name;

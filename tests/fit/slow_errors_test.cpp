@@ -11,6 +11,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "fit/internal/forecast.h"
 #include "fit/internal/slow_variances.h"
 #include "fit/slow_tracks.h"
 
@@ -153,6 +154,41 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
       moved[part] = std::max(0.0, moved[part] + step * sd);
       EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
     }
+  }
+}
+
+// A track like one that is there is forecast to tell what that one tells.
+TEST(SlowErrors, AForecastCountsThem) {
+  const unsigned seed = 6;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  const model::Scenario scenario = test::scenario({}, 1, 1.2, 20);
+  problem.trajectory_runs = {test::slow_track(scenario, 250, 0.5e-6, {}, random)};
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
+  Scatter scatter = residuals.scatter();
+  double without = 0;
+  for (const bool slow : {false, true}) {
+    if (slow) scatter.slow = {1e-12, 0.3e-12, 0.1e-12, 0.05e-12};
+    residuals.set_scatter(scatter);
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian;
+    ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+    jacobian *= unknowns.natural_units(truth).asDiagonal();
+    const Eigen::MatrixXd told = jacobian.transpose() * jacobian;
+    const auto& drive = scenario.drive;
+    const auto forecast =
+        Forecaster(residuals, truth).forecast({1, 1.2, drive.amplitude, drive.angular_frequency}, 1e-10);
+    ASSERT_TRUE(forecast);
+    for (Eigen::Index i = 0; i < 3; ++i)
+      EXPECT_NEAR(forecast->information(i, i), told(i, i), 0.05 * told(i, i)) << i;
+    if (slow) {
+      EXPECT_LT(told(0, 0), 0.5 * without);
+    }
+    without = told(0, 0);
   }
 }
 
