@@ -14,9 +14,6 @@ constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
-/// Learnt pictures err alike where the disc stands alike on the platform: as if so many of the windows' own
-/// numbers were fitted, per px of radius. Measured on rendered scenes (bench vision).
-constexpr double kLearntCost = 1.0 / 15;
 constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
@@ -94,7 +91,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     const Rect about = clipped(f.centre.x - reach, f.centre.y - reach, f.centre.x + reach, f.centre.y + reach,
                                source.bounds());
     const bool whole = k % ground_stride == 0;
-    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}, f.index};
     if (whole) {
       source.read(f.index, region, wide);
       window.picture = cut(wide, region, about);
@@ -133,8 +130,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.disc_radius_sd = learning.disc_radius_sd();
   out.rim_excess = learning.rim_chi_squared() - 1;
 
-  const double widened = std::max(1.0, learning.rim_chi_squared()) *
-                         (1 + kLearntCost * options.disc.radius / static_cast<double>(windows));
+  out.slow_error = learning.slow_error();
+  const double widened = std::max(1.0, learning.rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,
