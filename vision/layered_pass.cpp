@@ -131,7 +131,10 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.rim_excess = learning.rim_chi_squared() - 1;
 
   out.slow_error = learning.slow_error();
-  const double widened = std::max(1.0, learning.rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
+  // Each pixel's pictures took one of the windows' numbers, which the residuals that tell the noise lack.
+  const double taken = static_cast<double>(windows) / static_cast<double>(windows - 1);
+  const double widened =
+      taken * std::max(1.0, learning.rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,

@@ -44,8 +44,9 @@ void LayeredRegistration::Plateau::add(double weight, const Eigen::Vector3d& col
   ++pixels;
 }
 
-LayeredRegistration::LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground)
-    : disc_(disc), ground_(ground) {
+LayeredRegistration::LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground,
+                                         const LayerKernels& layers, const TileKernels& tiles)
+    : disc_(disc), ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {
   reach_ = static_cast<int>(std::ceil(disc.rim().outer())) + kBorder;
   for (int i = -disc.half(); i <= disc.half(); ++i) ramp_.push_back(static_cast<float>(i));
 }
@@ -226,8 +227,8 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
     corners_[t] = ground_.spline().coefficient(cx, cy);
   }
   if (seen < kLeastRim * rim_pixels_) return false;
-  tile_kernels().sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
-                        arrays_.ground);
+  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
+                       arrays_.ground);
   return true;
 }
 
@@ -240,8 +241,8 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
       return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero());
     const auto first = static_cast<std::size_t>(run.first);
     const PlateauSums sums =
-        layer_kernels().plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
-                                 plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
+        layer_kernels_.plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
+                                plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
     out.force += Eigen::Vector3d(sums[0], sums[1], (run.y - disc_.half()) * sums[0]);
     out.squares += sums[2];
   }
@@ -282,7 +283,7 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   const auto each = [&](const QuinticSpline& spline, bool with, TileArrays& arrays) {
     for (std::size_t t = 0; t < places_.size(); ++t)
       corners_[t] = spline.coefficient(ix + places_[t].x, iy + places_[t].y);
-    tile_kernels().sample(corners_, spline.stride(), taps, 0, with, arrays);
+    tile_kernels_.sample(corners_, spline.stride(), taps, 0, with, arrays);
   };
   each(standing_, slopes, arrays_.disc);
   each(share_, slopes, arrays_.share);
@@ -291,7 +292,7 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LayerLight& light,
                                                                const Plateau& plateau, double hold) {
-  const LayerNormal sums = layer_kernels().form(arrays_, counts_, light, noise_);
+  const LayerNormal sums = layer_kernels_.form(arrays_, counts_, light, noise_);
   const int n = columns();
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
@@ -356,7 +357,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   bool converged = false;
   std::size_t strangers = 0;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
-    sums = layer_kernels().force(arrays_, light);
+    sums = layer_kernels_.force(arrays_, light);
     Vector force =
         Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
     force.segment<3>(kGain) += plateau.force_at(light, shift());
@@ -399,7 +400,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     }
   }
   if (!converged) return std::nullopt;
-  sums = layer_kernels().force(arrays_, light);
+  sums = layer_kernels_.force(arrays_, light);
   s.gain = light.gain + light.slope_x * (s.centre.x - x0_) + light.slope_y * (s.centre.y - y0_);
   s.slope_x = light.slope_x / s.gain;
   s.slope_y = light.slope_y / s.gain;

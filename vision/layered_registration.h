@@ -41,8 +41,10 @@ struct LayeredFix {
 
 class LayeredRegistration {
  public:
-  /// Keeps references: disc and ground must outlive it.
-  LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground);
+  /// Keeps references: disc and ground must outlive it. The kernels are the fastest, unless a test compares.
+  LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground,
+                      const LayerKernels& layers = layer_kernels(),
+                      const TileKernels& tiles = tile_kernels());
 
   void set_noise(const NoiseLaw& noise);
   /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
@@ -114,6 +116,8 @@ class LayeredRegistration {
 
   const LayeredDisc& disc_;
   const GroundPicture& ground_;
+  LayerKernels layer_kernels_;
+  TileKernels tile_kernels_;
   NoiseLaw noise_;
   int reach_ = 0;
   double pixel_share_ = 1;

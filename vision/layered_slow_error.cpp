@@ -9,7 +9,6 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kMostPairs = 3e6;  ///< of pulls at one place that are summed: more places are thinned out
-constexpr double kStiff = 10;       ///< of a window's information: holds the shift common to all
 
 using Eigen::Index;
 using Eigen::Matrix2d;
@@ -102,18 +101,13 @@ SlowError slow_error(const std::vector<GroundLean>& windows, const GroundPicture
   if (count < 3) return {};
   const MatrixXd c = shared(windows, ground);
   MatrixXd information = -c, own = MatrixXd::Zero(2 * count, 2 * count);
-  Matrix2d typical = Matrix2d::Zero();
   double told = 0;
   for (Index k = 0; k < count; ++k) {
     const Matrix2d& t = windows[static_cast<std::size_t>(k)].information;
     information.block<2, 2>(2 * k, 2 * k) = t;
     own.block<2, 2>(2 * k, 2 * k) = (t + c.block<2, 2>(2 * k, 2 * k)).inverse();
-    typical += t / static_cast<double>(count);
     told += 0.5 * t.inverse().trace() / static_cast<double>(count);
   }
-  const Matrix2d stiff = kStiff / static_cast<double>(count) * typical;
-  for (Index k = 0; k < count; ++k)
-    for (Index l = 0; l < count; ++l) information.block<2, 2>(2 * k, 2 * l) += stiff;
   const Eigen::LLT<MatrixXd> factor(information);
   if (factor.info() != Eigen::Success) return {};
   const MatrixXd slow = centred(factor.solve(MatrixXd::Identity(2 * count, 2 * count)) - own);

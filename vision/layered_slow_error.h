@@ -10,8 +10,8 @@
 // of a frame whose ground were known,
 //   Cov = (T - C)^-1 = D^-1 + slow,
 // slow being what a frame's error shares with the others': for a new frame at the place of a window, too,
-// whose own noise D^-1 is its own. A shift common to all windows is no error of a displacement: it is held.
-// The disc's picture errs alike in all frames, which is such a shift.
+// whose own noise D^-1 is its own. A shift common to all windows is no error of a displacement and is taken
+// out; the disc's picture, which errs alike in all frames, makes such a shift.
 #pragma once
 
 #include <Eigen/Core>
