@@ -183,6 +183,12 @@ SplineSample QuinticSpline::sample(double x, double y) const {
   return out;
 }
 
+void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value,
+                                  float* slope_x, float* slope_y) const {
+  spline_kernels().at({coefficient(0, 0), stride_, width_, height_, x.data(), y.data(), x.size()}, value,
+                      slope_x, slope_y);
+}
+
 void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
                                   float* slope_y) const {
   const int ix = static_cast<int>(std::floor(x0));

@@ -40,6 +40,10 @@ class QuinticSpline {
   double value(double x, double y) const;
   SplineSample sample(double x, double y) const;
 
+  /// The same at many places at once, in single precision. Slopes may be null, both together.
+  void sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value, float* slope_x,
+                     float* slope_y) const;
+
   /// The coefficient c_xy, for filters of their own; rows are `stride()` apart. Up to kPad px beyond the
   /// picture.
   const float* coefficient(int x, int y) const { return coefficient_row(y) + x; }

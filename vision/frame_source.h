@@ -22,6 +22,8 @@ struct SourceInfo {
   int height = 0;
   int bits = 0;         ///< significant bits of the grey levels handed out (after linearisation)
   bool colour = false;  ///< stored in colour and handed out as luma
+  /// Any window of a frame costs the decoding of the whole frame, out of order that of others too.
+  bool decoded = false;
   std::int64_t frame_count = 0;
   std::int64_t first_number =
       0;  ///< the recording's own number of its first stored image (0 unless it has numbers)

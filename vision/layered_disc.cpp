@@ -12,12 +12,16 @@ constexpr int kContext = 2;         ///< px of grid beyond the rim's reach
 constexpr double kTurnStep = 0.25;  ///< px at the rim: frames turned by less are averaged
 constexpr double kTextureSd = 20;   ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
+constexpr int kMoreIterations = 30;  ///< from where the last sweep ended
 
 }  // namespace
 
+int LayeredDisc::half_of(double radius, double blur) {
+  return static_cast<int>(std::ceil(RimProfile(radius, blur).outer())) + kContext;
+}
+
 LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
-    : radius_(radius), turning_(turning), rim_(radius, blur) {
-  half_ = static_cast<int>(std::ceil(rim_.outer())) + kContext;
+    : radius_(radius), turning_(turning), rim_(radius, blur), half_(half_of(radius, blur)) {
   const int size = 2 * half_ + 1;
   parts_.standing = Picture(size, size);
   parts_.turning = Picture(size, size);
@@ -54,18 +58,26 @@ Picture LayeredDisc::at(double theta, Picture* slope) const {
   if (slope) *slope = Picture(out.width(), out.height());
   if (!turning_) return out;
   // Counter-clockwise with y up is, in pixels with y down, (x, y) -> (c x + s y, -s x + c y).
-  const double c = std::cos(theta);
-  const double s = std::sin(theta);
-  for (int y = 0; y < out.height(); ++y)
-    for (int x = 0; x < out.width(); ++x) {
-      const float cover = 1 - share_.at(x, y);
-      if (cover <= 0) continue;
-      const double ux = c * (x - half_) - s * (y - half_);
-      const double uy = s * (x - half_) + c * (y - half_);
-      const SplineSample t = texture_spline_.sample(half_ + ux, half_ + uy);
-      out.at(x, y) += cover * static_cast<float>(t.value);
-      if (slope) slope->at(x, y) = cover * static_cast<float>(-t.slope_x * uy + t.slope_y * ux);
-    }
+  const auto c = static_cast<float>(std::cos(theta)), s = static_cast<float>(std::sin(theta));
+  const auto middle = static_cast<float>(half_);
+  std::vector<std::size_t> covered;
+  std::vector<float> x, y;
+  for (std::size_t k = 0; k < share_.levels().size(); ++k) {
+    if (share_.levels()[k] >= 1) continue;
+    const auto size = static_cast<std::size_t>(share_.width());
+    const float u = static_cast<float>(k % size) - middle, v = static_cast<float>(k / size) - middle;
+    covered.push_back(k);
+    x.push_back(middle + c * u - s * v);
+    y.push_back(middle + s * u + c * v);
+  }
+  std::vector<float> value(covered.size()), slope_x(covered.size()), slope_y(covered.size());
+  texture_spline_.sample_places(x, y, value.data(), slope ? slope_x.data() : nullptr, slope_y.data());
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    const float cover = 1 - share_.levels()[covered[i]];
+    out.levels()[covered[i]] += cover * value[i];
+    if (slope)
+      slope->levels()[covered[i]] = cover * (slope_y[i] * (x[i] - middle) - slope_x[i] * (y[i] - middle));
+  }
   return out;
 }
 
@@ -252,7 +264,7 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   Picture cover = share_;
   for (float& c : cover.levels()) c = std::max(0.0F, 1 - c);
   split_turning(pictures, cover, noise_variance / (kTextureSd * kTextureSd), rim_.inner() - 1,
-                kSplitIterations, parts_);
+                parts_.coefficients.empty() ? kSplitIterations : kMoreIterations, parts_);
   texture_spline_ = QuinticSpline(parts_.turning);
 }
 

@@ -34,6 +34,7 @@ class LayeredDisc {
 
   /// Pictures reach `half` px beyond the centre in every direction.
   LayeredDisc(double radius, double blur, bool turning);
+  static int half_of(double radius, double blur);
 
   /// One sweep: w, S0 and S1 from the windows in their present states. Light is normalised: the mean of a_k
   /// is 1, the mean of g_k is 0, which changes the states accordingly.

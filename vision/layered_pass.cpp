@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <span>
 
 #include "vision/layered_learning.h"
@@ -14,6 +16,7 @@ constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
+constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any frame will do
 constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
@@ -58,7 +61,37 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
   return clipped(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
 }
 
+/// Places in `frames` of those to learn from, `most` at most.
+std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most,
+                                        const LayeredOptions& options) {
+  std::vector<std::size_t> spread, chosen;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (is_learning_frame(frames[k].index - options.first_index, options.total)) spread.push_back(k);
+  if (static_cast<double>(spread.size()) < kEnoughSpread * static_cast<double>(most)) {
+    spread.resize(frames.size());
+    std::iota(spread.begin(), spread.end(), std::size_t{0});
+  }
+  const std::size_t count = std::min(most, spread.size());
+  for (std::size_t k = 0; k < count; ++k) chosen.push_back(spread[k * (spread.size() - 1) / (count - 1)]);
+  return chosen;
+}
+
 }  // namespace
+
+bool is_learning_frame(std::int64_t place, std::int64_t total) {
+  if (total <= kLearningFrames) return true;
+  const std::int64_t last = total - 1, parts = kLearningFrames - 1;
+  const std::int64_t next = (place * parts + last - 1) / last;  // the first that does not lie before it
+  return next * last / parts == place;
+}
+
+double layered_reach(double radius, double blur) {
+  return LayeredDisc::half_of(radius, blur) + kContext;
+}
+
+Rect layered_window(const Point& centre, double reach, const Rect& bounds) {
+  return clipped(centre.x - reach, centre.y - reach, centre.x + reach, centre.y + reach, bounds);
+}
 
 LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                            const LayeredOptions& options) {
@@ -68,7 +101,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     return out;
   }
   LayeredDisc disc(options.disc.radius, options.blur, turns(frames, options));
-  const double reach = disc.half() + kContext;
+  const double reach = layered_reach(options.disc.radius, options.blur);
   const Rect region = swath(frames, reach, source.bounds());
 
   // Keep windows, average the ground.
@@ -78,18 +111,19 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   // The platform's pictures and a turning disc's live beside the windows.
   const double room =
       options.max_kept_bytes - kGroundBytes * area - (disc.turning() ? LayeredDisc::kTurningBytes : 0);
-  const auto windows = std::min(
-      frames.size(),
-      static_cast<std::size_t>(std::max(16.0, std::min<double>(options.max_windows, room / window_bytes))));
+  const auto chosen = choose_windows(
+      frames,
+      static_cast<std::size_t>(std::max(16.0, std::min<double>(options.max_windows, room / window_bytes))),
+      options);
+  const std::size_t windows = chosen.size();
   const auto ground_stride = static_cast<std::size_t>(
       std::max(1.0, std::ceil(static_cast<double>(windows) / std::max(kGroundFrames, kGroundPixels / area))));
   GroundPicture ground(region);
   std::vector<KeptWindow> kept;
   Picture frame, wide;
   for (std::size_t k = 0; k < windows; ++k) {
-    const FirstPassFrame& f = frames[k * (frames.size() - 1) / (windows - 1)];
-    const Rect about = clipped(f.centre.x - reach, f.centre.y - reach, f.centre.x + reach, f.centre.y + reach,
-                               source.bounds());
+    const FirstPassFrame& f = frames[chosen[k]];
+    const Rect about = layered_window(f.centre, reach, source.bounds());
     const bool whole = k % ground_stride == 0;
     KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}, f.index};
     if (whole) {
@@ -117,32 +151,34 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     return k * few / windows != (k + 1) * few / windows;
   });
   LayeredRegistration registration(disc, ground);
-  LayeredLearning learning(disc, ground, registration, options.disc.radius, {options.noise_variance, 0});
-  const std::span<KeptWindow> all(kept);
-  const auto early = all.first(few);
-  if (!learning.run(early, all)) {
+  std::optional<LayeredLearning> learning;
+  const auto learn = [&](double noise_variance) {
+    learning.emplace(disc, ground, registration, options.disc.radius, NoiseLaw{noise_variance, 0});
+    const std::span<KeptWindow> all(kept);
+    return learning->run(all.first(few), all);
+  };
+  // A coder that drops the noise leaves errors that the noise between frames does not tell of.
+  if (!learn(options.noise_variance) && !learn(options.noise_variance + options.excess * options.excess)) {
     out.why_not = "the layers do not explain most of the kept frames";
     return out;
   }
-  const Point offset = learning.offset();
-  out.noise = learning.noise();
-  out.disc_radius = learning.disc_radius();
-  out.disc_radius_sd = learning.disc_radius_sd();
-  out.rim_excess = learning.rim_chi_squared() - 1;
+  const Point offset = learning->offset();
+  out.noise = learning->noise();
+  out.disc_radius = learning->disc_radius();
+  out.disc_radius_sd = learning->disc_radius_sd();
+  out.rim_excess = learning->rim_chi_squared() - 1;
 
-  out.slow_error = learning.slow_error();
+  out.slow_error = learning->slow_error();
   // Each pixel's pictures took one of the windows' numbers, which the residuals that tell the noise lack.
   const double taken = static_cast<double>(windows) / static_cast<double>(windows - 1);
   const double widened =
-      taken * std::max(1.0, learning.rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
+      taken * std::max(1.0, learning->rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
-    const Rect window = clipped(f.centre.x - registration.reach() - 1, f.centre.y - registration.reach() - 1,
-                                f.centre.x + registration.reach() + 1, f.centre.y + registration.reach() + 1,
-                                source.bounds());
+    const Rect window = layered_window(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
     auto fix =
-        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning.light());
+        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());
     if (fix) {
       fix->covariance *= widened;
       fix->state.centre.x += offset.x;

@@ -3,8 +3,8 @@
 // A first pass with a single template sees the platform through the rim and the light change along the path;
 // both look like motion. This pass keeps a bounded number of windows spread over the recording, learns from
 // them the platform's picture, the rim's profile and the disc's picture (see layered_state.h), and then
-// measures every frame again. Reads the recording at most twice, forwards; memory does not grow with its
-// length.
+// measures every frame again. Reads the recording at most twice, forwards, and of a recording that is decoded
+// mostly what the first pass has kept (layered_keeping.h); memory does not grow with its length.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +26,24 @@ struct FirstPassFrame {
   Point ground;  ///< the platform's displacement since the first frame
 };
 
+/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them.
+inline constexpr std::int64_t kLearningFrames = 128;
+/// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
+bool is_learning_frame(std::int64_t place, std::int64_t total);
+/// Px about the part's centre that are looked at in every frame.
+double layered_reach(double radius, double blur);
+Rect layered_window(const Point& centre, double reach, const Rect& bounds);
+
 struct LayeredOptions {
-  Circle disc;                ///< in the first frame
-  double blur = 1;            ///< of its rim, px
-  bool turning = false;       ///< its texture shows its rotation
-  double noise_variance = 1;  ///< a start
-  bool motion_known = false;  ///< else the pass looks whether the platform rests
-  int max_windows = 128;      ///< kept for learning: the layers' own noise adds 1 / windows to the variance
+  Circle disc;                              ///< in the first frame
+  double blur = 1;                          ///< of its rim, px
+  bool turning = false;                     ///< its texture shows its rotation
+  double noise_variance = 1;                ///< a start
+  double excess = 0;                        ///< residual of the first pass beyond it, grey levels rms
+  bool motion_known = false;                ///< else the pass looks whether the platform rests
+  std::int64_t first_index = 0, total = 0;  ///< of the frames analysed; 0: not known
+  /// Kept for learning: the layers' own noise adds 1 / windows to the variance.
+  int max_windows = kLearningFrames;
   double max_kept_bytes = 140e6;
   std::function<void(std::int64_t done)> progress;  ///< frames measured
 };

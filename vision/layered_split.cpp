@@ -2,11 +2,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "vision/bspline.h"
+#include "vision/split_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -17,10 +17,10 @@ constexpr double kEnough = 1e-10;  ///< of the first residual's square
 
 using Vector = Eigen::VectorXf;
 
-/// Where pixel u of the grid lies in the turning picture: its six by six coefficients and their weights.
-struct Taps {
+/// Neighbouring pixels of a row that something turning covers.
+struct Run {
   std::size_t first = 0;
-  std::array<float, 6> x{}, y{};
+  int count = 0;
 };
 
 class Problem {
@@ -31,21 +31,19 @@ class Problem {
     stride_ = size_ + 2 * kPad;
     pixels_ = static_cast<std::size_t>(size_) * size_;
     coefficients_ = static_cast<std::size_t>(stride_) * stride_;
-    for (std::size_t k = 0; k < pixels_; ++k)
-      if (cover_.levels()[k] > 0) covered_.push_back(k);
+    for (std::size_t k = 0; k < pixels_; ++k) {
+      if (cover_.levels()[k] <= 0) continue;
+      const bool goes_on = !covered_.empty() && k % static_cast<std::size_t>(size_) > 0 &&
+                           covered_.back().first + static_cast<std::size_t>(covered_.back().count) == k;
+      if (!goes_on) covered_.push_back({k, 0});
+      ++covered_.back().count;
+    }
   }
   std::size_t unknowns() const { return pixels_ + coefficients_; }
   std::size_t pixels() const { return pixels_; }
 
   /// out = A^T W A v.
-  void apply(const Vector& v, Vector& out) const {
-    accumulate(
-        out,
-        [&](const TurnedPicture&, std::size_t k, float turning) {
-          return v(static_cast<Eigen::Index>(k)) + turning;
-        },
-        v);
-  }
+  void apply(const Vector& v, Vector& out) const { accumulate(out, &v); }
   /// The same with the ridge.
   void normal(const Vector& v, Vector& out) const {
     apply(v, out);
@@ -55,11 +53,7 @@ class Problem {
     out.head(static_cast<Eigen::Index>(pixels_)) += 1e-3F * v.head(static_cast<Eigen::Index>(pixels_));
   }
   /// out = A^T W data.
-  void right(Vector& out) const {
-    const Vector none = Vector::Zero(static_cast<Eigen::Index>(unknowns()));
-    accumulate(
-        out, [](const TurnedPicture& p, std::size_t k, float) { return p.level.levels()[k]; }, none);
-  }
+  void right(Vector& out) const { accumulate(out, nullptr); }
 
   /// The standing picture that goes with the turning one: the mean of what is left.
   void fit_standing(Vector& v) const {
@@ -80,8 +74,15 @@ class Problem {
   /// The spline at the grid's own pixels.
   Picture at_pixels(const Vector& v) const {
     Picture out(size_, size_);
+    const SplineTaps whole = spline_taps(0, 0);
     for (int y = 0; y < size_; ++y)
-      for (int x = 0; x < size_; ++x) out.at(x, y) = gather(v, taps(x, y));
+      for (int x = 0; x < size_; ++x) {
+        const float* c = v.data() + coefficient(x - 2, y - 2);
+        for (std::size_t j = 0; j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i)
+            out.at(x, y) +=
+                whole.weight_y[j] * whole.weight_x[i] * c[j * static_cast<std::size_t>(stride_) + i];
+      }
     return out;
   }
 
@@ -119,57 +120,38 @@ class Problem {
   }
 
  private:
-  Taps taps(double x, double y) const {
-    const double fx = std::floor(x);
-    const double fy = std::floor(y);
-    Taps t;
-    const auto wx = quintic_weights(x - fx);
-    const auto wy = quintic_weights(y - fy);
-    for (std::size_t i = 0; i < 6; ++i) {
-      t.x[i] = static_cast<float>(wx[i]);
-      t.y[i] = static_cast<float>(wy[i]);
-    }
-    t.first = pixels_ + static_cast<std::size_t>(static_cast<int>(fy) - 2 + kPad) * stride_ +
-              static_cast<std::size_t>(static_cast<int>(fx) - 2 + kPad);
-    return t;
+  /// Where the coefficient of a pixel is among the unknowns.
+  std::ptrdiff_t coefficient(int x, int y) const {
+    return static_cast<std::ptrdiff_t>(pixels_) + static_cast<std::ptrdiff_t>(y + kPad) * stride_ +
+           (x + kPad);
   }
-  float gather(const Vector& v, const Taps& t) const {
-    float sum = 0;
-    for (std::size_t j = 0; j < 6; ++j) {
-      const float* row = v.data() + t.first + j * stride_;
-      float line = 0;
-      for (std::size_t i = 0; i < 6; ++i) line += t.x[i] * row[i];
-      sum += t.y[j] * line;
-    }
-    return sum;
-  }
-  void scatter(Vector& v, const Taps& t, float value) const {
-    for (std::size_t j = 0; j < 6; ++j) {
-      float* row = v.data() + t.first + j * stride_;
-      for (std::size_t i = 0; i < 6; ++i) row[i] += value * t.y[j] * t.x[i];
-    }
-  }
-  /// out = sum over pictures and pixels of A^T W value(picture, pixel, cover * turning(v) there).
-  template <typename Value>
-  void accumulate(Vector& out, const Value& value, const Vector& v) const {
+  /// out = sum over pictures and pixels of A^T W A v; of A^T W data without v.
+  void accumulate(Vector& out, const Vector* v) const {
     out.setZero(static_cast<Eigen::Index>(unknowns()));
     const double half = 0.5 * (size_ - 1);
     for (const TurnedPicture& p : pictures_) {
-      const double c = std::cos(p.theta);
-      const double s = std::sin(p.theta);
+      const float* given = v ? v->data() : p.level.levels().data();
+      const float* weight = p.weight.levels().data();
       for (std::size_t k = 0; k < pixels_; ++k)
-        if (cover_.levels()[k] <= 0)
-          out(static_cast<Eigen::Index>(k)) += p.weight.levels()[k] * value(p, k, 0.0F);
-      for (const std::size_t k : covered_) {
-        const float weight = p.weight.levels()[k];
-        if (weight == 0) continue;
-        const double x = static_cast<double>(k % static_cast<std::size_t>(size_)) - half;
-        const double y = static_cast<double>(k / static_cast<std::size_t>(size_)) - half;
-        const Taps t = taps(half + c * x - s * y, half + s * x + c * y);
-        const float cover = cover_.levels()[k];
-        const float g = weight * value(p, k, cover * gather(v, t));
-        out(static_cast<Eigen::Index>(k)) += g;
-        scatter(out, t, cover * g);
+        if (cover_.levels()[k] <= 0) out(static_cast<Eigen::Index>(k)) += weight[k] * given[k];
+      const double c = std::cos(p.theta), s = std::sin(p.theta);
+      SplitRow row;
+      row.origin = (v ? v->data() : out.data()) + coefficient(0, 0);
+      row.sums = out.data() + coefficient(0, 0);
+      row.stride = stride_;
+      row.c = static_cast<float>(c);
+      row.s = static_cast<float>(s);
+      for (const Run& run : covered_) {
+        const double x = static_cast<double>(run.first % static_cast<std::size_t>(size_)) - half;
+        const double y = static_cast<double>(run.first / static_cast<std::size_t>(size_)) - half;
+        row.x = static_cast<float>(half + c * x - s * y);
+        row.y = static_cast<float>(half + s * x + c * y);
+        row.cover = cover_.levels().data() + run.first;
+        row.weight = weight + run.first;
+        row.given = given + run.first;
+        row.standing = out.data() + run.first;
+        row.count = run.count;
+        split_kernels().add(row, v != nullptr);
       }
     }
   }
@@ -179,7 +161,7 @@ class Problem {
   float ridge_ = 0;
   int size_ = 0, stride_ = 0;
   std::size_t pixels_ = 0, coefficients_ = 0;
-  std::vector<std::size_t> covered_;
+  std::vector<Run> covered_;
 };
 
 }  // namespace

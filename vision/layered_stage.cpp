@@ -99,7 +99,10 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   options.blur = first.blur;
   options.turning = first.turning;
   options.noise_variance = first.noise_variance;
+  options.excess = first.excess;
   options.motion_known = track.has_marker;
+  options.first_index = first.first_index;
+  options.total = first.total;
   options.progress = progress;
   const LayeredResult result = layered_pass(source, frames, options);
   if (result.fixes.empty()) return off(result.why_not + "; " + finding(first));

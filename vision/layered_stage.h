@@ -14,6 +14,7 @@ namespace tribotrack::vision {
 /// What the first pass leaves behind.
 struct FirstPass {
   std::int64_t first_index = 0;  ///< of the track's first point in the source
+  std::int64_t total = 0;        ///< frames analysed
   std::vector<double> theta;     ///< the part's rotation, one per point
   bool turning = false;          ///< its texture shows its rotation
   double noise_variance = 0;

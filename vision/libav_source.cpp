@@ -286,6 +286,7 @@ class LibavSource : public FrameSource {
     place_.assign(packets_.size(), -1);
     for (std::size_t k = 0; k < shown_.size(); ++k) place_[shown_[k]] = static_cast<std::int64_t>(k);
     info_.format = input_->iformat->name;
+    info_.decoded = true;
     info_.codec = avcodec_get_name(stream().codecpar->codec_id);
     info_.frame_count = static_cast<std::int64_t>(shown_.size());
     if (!next_frame()) refuse("holds no frame that can be decoded; export the recording again");

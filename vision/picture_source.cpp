@@ -66,6 +66,7 @@ class DecodedPictures : public FrameSource {
 
   void describe(const SourceOptions& options) {
     const cv::Mat& first = decoded(0);
+    info_.decoded = true;
     info_.width = first.cols;
     info_.height = first.rows;
     info_.bits = first.depth() == CV_8U ? 8 : 16;

@@ -108,26 +108,33 @@ void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
 /// Every pixel has a fraction of its own.
 void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
   // Counter-clockwise with y up is, in pixels with y down, (x, y) -> (c x + s y, -s x + c y).
-  const double c = std::cos(fraction.theta);
-  const double s = std::sin(fraction.theta);
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (base_weight_[i] == 0) {
-      arrays_.value[i] = arrays_.slope_x[i] = arrays_.slope_y[i] = arrays_.slope_theta[i] = 0;
-      continue;
-    }
-    const TilePlace& place = places_[i / kTilePixels];
-    const int column = static_cast<int>(i % kTile), row = static_cast<int>(i % kTilePixels) / kTile;
-    const double rx = place.x + column + pattern_.window.x - pattern_.centre.x - fraction.dx;
-    const double ry = place.y + row + pattern_.window.y - pattern_.centre.y - fraction.dy;
-    const double ux = c * rx - s * ry;  // back into the template
-    const double uy = s * rx + c * ry;
-    const SplineSample t =
-        spline_.sample(pattern_.centre.x + ux - spline_x_, pattern_.centre.y + uy - spline_y_);
-    arrays_.value[i] = static_cast<float>(t.value - pivot_);
-    if (!slopes) continue;
-    arrays_.slope_x[i] = static_cast<float>(c * t.slope_x + s * t.slope_y);
-    arrays_.slope_y[i] = static_cast<float>(-s * t.slope_x + c * t.slope_y);
-    arrays_.slope_theta[i] = static_cast<float>(-t.slope_x * uy + t.slope_y * ux);
+  const auto c = static_cast<float>(std::cos(fraction.theta)),
+             s = static_cast<float>(std::sin(fraction.theta));
+  // From the pattern's centre, and where that is in the spline.
+  const double from_x = pattern_.window.x - pattern_.centre.x - fraction.dx,
+               from_y = pattern_.window.y - pattern_.centre.y - fraction.dy;
+  const auto centre_x = static_cast<float>(pattern_.centre.x - spline_x_),
+             centre_y = static_cast<float>(pattern_.centre.y - spline_y_);
+  turned_x_.resize(mask_.size());
+  turned_y_.resize(mask_.size());
+  for (std::size_t t = 0; t < places_.size(); ++t)
+    for (int j = 0; j < kTile; ++j)
+      for (int i = 0; i < kTile; ++i) {
+        const std::size_t k = t * kTilePixels + static_cast<std::size_t>(j * kTile + i);
+        const auto rx = static_cast<float>(from_x + places_[t].x + i);
+        const auto ry = static_cast<float>(from_y + places_[t].y + j);
+        turned_x_[k] = centre_x + (c * rx - s * ry);  // back into the template
+        turned_y_[k] = centre_y + (s * rx + c * ry);
+      }
+  spline_.sample_places(turned_x_, turned_y_, arrays_.value.data(), slopes ? arrays_.slope_x.data() : nullptr,
+                        arrays_.slope_y.data());
+  for (float& value : arrays_.value) value -= pivot_;
+  if (!slopes) return;
+  for (std::size_t k = 0; k < mask_.size(); ++k) {
+    const float tx = arrays_.slope_x[k], ty = arrays_.slope_y[k];
+    arrays_.slope_x[k] = c * tx + s * ty;
+    arrays_.slope_y[k] = c * ty - s * tx;
+    arrays_.slope_theta[k] = ty * (turned_x_[k] - centre_x) - tx * (turned_y_[k] - centre_y);
   }
 }
 

@@ -118,7 +118,8 @@ class TemplateRegistration {
   std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0
   // Work space.
   TileArrays arrays_;
-  std::vector<float> base_weight_;  ///< before trimming
+  std::vector<float> base_weight_;          ///< before trimming
+  std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 
+#include "vision/internal/quintic_lanes.h"
 #include "vision/internal/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -87,16 +88,43 @@ TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride,
   along_columns(slanted, taps.weight_y, lines, line, slope_x);
 }
 
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                \
-  __VA_ARGS__ void prefilter_##suffix(float* panel, int samples) {                                     \
-    prefilter_panel(panel, samples);                                                                   \
-  }                                                                                                    \
-  __VA_ARGS__ void window_##suffix(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps, \
-                                   int width, int height, std::vector<float>& scratch, float* value,   \
-                                   float* slope_x, float* slope_y) {                                   \
-    sample_window(corner, stride, taps, width, height, scratch, value, slope_x, slope_y);              \
-  }                                                                                                    \
-  constexpr SplineKernels k_##suffix{#suffix, prefilter_##suffix, window_##suffix};
+TRIBOTRACK_KERNEL void sample_at(const SplinePlaces& places, float* value, float* slope_x, float* slope_y) {
+  const float right = static_cast<float>(places.width) + 3.99F,
+              bottom = static_cast<float>(places.height) + 3.99F;
+  for (std::size_t k = 0; k < places.count; ++k) {
+    const float x = std::min(std::max(places.x[k], -5.0F), right);
+    const float y = std::min(std::max(places.y[k], -5.0F), bottom);
+    const float fx = whole_below(x), fy = whole_below(y);
+    const float* c = places.origin + (static_cast<std::ptrdiff_t>(fy) - 2) * places.stride +
+                     (static_cast<std::ptrdiff_t>(fx) - 2);
+    TapLanes wx, wy, columns;
+    quintic_lanes(x - fx, wx);
+    quintic_lanes(y - fy, wy);
+    weigh_rows(c, places.stride, wy, columns);
+    value[k] = sum_of_lanes(columns * wx);
+    if (!slope_x) continue;
+    TapLanes sx, sy, slanted;
+    quintic_slope_lanes(x - fx, sx);
+    quintic_slope_lanes(y - fy, sy);
+    weigh_rows(c, places.stride, sy, slanted);
+    slope_x[k] = sum_of_lanes(columns * sx);
+    slope_y[k] = sum_of_lanes(slanted * wx);
+  }
+}
+
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
+  __VA_ARGS__ void prefilter_##suffix(float* panel, int samples) {                                         \
+    prefilter_panel(panel, samples);                                                                       \
+  }                                                                                                        \
+  __VA_ARGS__ void window_##suffix(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps,     \
+                                   int width, int height, std::vector<float>& scratch, float* value,       \
+                                   float* slope_x, float* slope_y) {                                       \
+    sample_window(corner, stride, taps, width, height, scratch, value, slope_x, slope_y);                  \
+  }                                                                                                        \
+  __VA_ARGS__ void at_##suffix(const SplinePlaces& places, float* value, float* slope_x, float* slope_y) { \
+    sample_at(places, value, slope_x, slope_y);                                                            \
+  }                                                                                                        \
+  constexpr SplineKernels k_##suffix{#suffix, prefilter_##suffix, window_##suffix, at_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)

@@ -78,8 +78,10 @@ struct TrackSummary {
   /// in the points' standard deviations, which speak of one point: a mean over many points has this too.
   double slow_sd = 0, slow_time = 0;
   std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
-  std::int64_t lost_counted = 0;  ///< lost frames, those after it had left the picture for good not counted
-  bool gate_passed = true;        ///< lost_counted / frames <= max_lost_share
+  std::int64_t absent_at_first = 0;  ///< frames before the part was there; lost, too
+  /// Lost frames, those before it was there and after it had left the picture for good not counted.
+  std::int64_t lost_counted = 0;
+  bool gate_passed = true;  ///< lost_counted / frames <= max_lost_share
   bool left_for_good = false;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
@@ -91,9 +93,10 @@ struct TrackResult {
   TrackSummary summary;
 };
 
-/// Follows the target from the first analysed frame. The template is taken there and never replaced (a
-/// replaced template drifts). Where the plan says so, a second pass measures every frame again (Layers).
-/// Throws InputError (target outside the picture, frames not in the recording, no disc found, no time base).
+/// Follows the target from the first analysed frame, or from that in which a disc is first seen there. The
+/// template is taken there and never replaced (a replaced template drifts). Where the plan says so, a second
+/// pass measures every frame again (Layers). Throws InputError (target outside the picture, frames not in the
+/// recording, no disc found, no time base).
 TrackResult track(FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "vision/bspline.h"
 #include "vision/layered_kernels.h"
 #include "vision/spline_kernels.h"
+#include "vision/split_kernels.h"
 #include "vision/tile_kernels.h"
 
 namespace tribotrack::vision {
@@ -195,6 +197,85 @@ TEST(VectorKernels, SplineWindowsAreSeparableSums) {
         sy.expect(slope_y[at], "slope_y", at);
       }
   }
+}
+
+TEST(VectorKernels, SplineAtAnyPlaceIsTheSplineItself) {
+  std::mt19937 random(8);
+  constexpr int kWidth = 23, kHeight = 19;
+  Picture picture(kWidth, kHeight);
+  const auto levels = draw(random, 100, 50, kWidth * kHeight);
+  std::copy(levels.begin(), levels.end(), picture.levels().begin());
+  const QuinticSpline spline(picture);
+  std::vector<float> x = draw(random, 0.5 * kWidth, 0.5 * kWidth + 8, 500), y(x);
+  y = draw(random, 0.5 * kHeight, 0.5 * kHeight + 8, 500);
+  x[0] = y[0] = 7;  // whole
+  x[1] = -0.25F;
+  for (const SplineKernels& kernels : all_spline_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    std::vector<float> value(x.size()), slope_x(x), slope_y(x), alone(x);
+    const SplinePlaces places{
+        spline.coefficient(0, 0), spline.stride(), kWidth, kHeight, x.data(), y.data(), x.size()};
+    kernels.at(places, value.data(), slope_x.data(), slope_y.data());
+    kernels.at(places, alone.data(), nullptr, nullptr);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const bool clamped = x[k] < -5 || y[k] < -5 || x[k] > kWidth + 3.9F || y[k] > kHeight + 3.9F;
+      const SplineSample slow = spline.sample(x[k], y[k]);
+      // Beyond the border the spline still has its slope where the place is held at 4 - 0.01 or 0.001 px.
+      EXPECT_NEAR(value[k], slow.value, clamped ? 1.0 : 2e-3) << x[k] << ' ' << y[k];
+      EXPECT_EQ(alone[k], value[k]);
+      if (clamped) continue;
+      EXPECT_NEAR(slope_x[k], slow.slope_x, 2e-3) << x[k] << ' ' << y[k];
+      EXPECT_NEAR(slope_y[k], slow.slope_y, 2e-3) << x[k] << ' ' << y[k];
+    }
+  }
+}
+
+TEST(VectorKernels, SplitSumsAreThoseOfTheSixBySixWeights) {
+  std::mt19937 random(9);
+  constexpr int kSize = 30, kRow = 13;
+  const auto coefficients = draw(random, 0, 20, kSize * kSize), cover = draw(random, 0.5, 0.5, kRow),
+             given = draw(random, 50, 40, kRow);
+  auto weight = draw(random, 2, 2, kRow);
+  weight[4] = 0;
+  const double theta = 0.7, x0 = 9.3, y0 = 8.6;
+  for (const SplitKernels& kernels : all_split_kernels())
+    for (const bool turning : {false, true}) {
+      SCOPED_TRACE(kernels.name);
+      std::vector<float> sums(kSize * kSize, 0), standing(kRow, 1);
+      SplitRow row;
+      row.origin = coefficients.data();
+      row.sums = sums.data();
+      row.stride = kSize;
+      row.x = static_cast<float>(x0);
+      row.y = static_cast<float>(y0);
+      row.c = static_cast<float>(std::cos(theta));
+      row.s = static_cast<float>(std::sin(theta));
+      row.cover = cover.data();
+      row.weight = weight.data();
+      row.given = given.data();
+      row.standing = standing.data();
+      row.count = kRow;
+      kernels.add(row, turning);
+      std::vector<SlowSum> slow(kSize * kSize);
+      for (std::size_t k = 0; k < kRow; ++k) {
+        const double x = x0 + static_cast<double>(k) * std::cos(theta),
+                     y = y0 + static_cast<double>(k) * std::sin(theta);
+        const auto wx = quintic_weights(x - std::floor(x)), wy = quintic_weights(y - std::floor(y));
+        const auto at = [&](std::size_t i, std::size_t j) {
+          return (static_cast<std::size_t>(y) + j - 2) * kSize + static_cast<std::size_t>(x) + i - 2;
+        };
+        double value = given[k];
+        for (std::size_t j = 0; turning && j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i)
+            value += double{cover[k]} * wx[i] * wy[j] * double{coefficients[at(i, j)]};
+        const double g = weight[k] * value;
+        EXPECT_NEAR(standing[k], 1 + g, 1e-4 * std::abs(g) + 1e-6);
+        for (std::size_t j = 0; j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i) slow[at(i, j)].add(double{cover[k]} * g * wx[i] * wy[j]);
+      }
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        EXPECT_NEAR(sums[i], slow[i].value, 1e-4 * slow[i].size + 2e-4);
+    }
 }
 
 }  // namespace
