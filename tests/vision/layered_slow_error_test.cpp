@@ -39,7 +39,7 @@ struct Problem {
       joint.block<2, 2>(2 * k, 2 * k) = own;
       for (int i = 0; i < shared; ++i) {
         const int column = (k + i) % kPlaces, row = kPlaces / 2;
-        const Eigen::Vector2d a(2 * gauss(random), 2 * gauss(random));
+        const Eigen::Vector2d a(gauss(random), gauss(random));
         w.pulls.push_back({static_cast<std::uint32_t>(row * kPlaces + column), static_cast<float>(a.x()),
                            static_cast<float>(a.y())});
         joint.block<2, 1>(2 * k, n + column) += a;
@@ -85,7 +85,7 @@ TEST(SlowError, IsNothingWhereNoPlaceIsShared) {
 TEST(SlowError, ManyPairsAreThinnedWithoutBias) {
   // More windows and places than are summed in full: against the sum in full, by the joint problem.
   const GroundPicture ground = flat_ground();
-  const Problem few(ground, 60, 20, 5);
+  const Problem few(ground, 120, 24, 5);
   std::vector<GroundLean> many = few.windows;
   // The same pulls on 24 rows at once, each a 24th of the information: pairs 24 times as many.
   for (GroundLean& w : many) {
