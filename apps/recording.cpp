@@ -134,6 +134,8 @@ Json summary_json(const TrackedRecording& recording) {
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
                {"disc_radius_common_sd_px", s.disc_radius_common_sd},
+               {"slow_sd_px", s.slow_sd},
+               {"slow_time_s", s.slow_time},
                {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
                {"limit_px", s.limit_px},

@@ -5,6 +5,7 @@
 // it (scratches, print); see layered_split.h.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct KeptWindow {
   Picture picture;
   int x = 0, y = 0;
   LayeredState state;
-  QuinticSpline spline;  ///< of the picture
+  QuinticSpline spline;    ///< of the picture
+  std::int64_t frame = 0;  ///< in the source
 };
 
 class LayeredDisc {

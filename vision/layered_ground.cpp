@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kFramesNeeded = 3;  ///< fewer do not make a picture worth the name
 constexpr int kFillRings = 8;     ///< px of smooth continuation into what was never seen
+/// A texture that is not known pulls alike in all pixels of a patch: where it is not known it counts as so
+/// many times its variance in each, or the disc is drawn to what its leading rim would see on even ground.
+constexpr double kAlike = 10;
 
 /// Unknown pixels next to known ones take their mean; repeated, so that the spline does not ring.
 void continue_smoothly(Picture& levels, Picture known) {
@@ -182,8 +185,8 @@ void GroundPicture::finish(double noise_variance) {
   }
   summarise(enough, noise_variance);
   continue_smoothly(level, enough);
-  const double texture = std::max(texture_ * texture_, 0.01 * noise_variance);
-  const auto prior = static_cast<float>(noise_variance / texture);
+  unseen_variance_ = kAlike * std::max(texture_ * texture_, 0.01 * noise_variance);
+  const auto prior = static_cast<float>(noise_variance / unseen_variance_);
   const auto noise = static_cast<float>(noise_variance);
   Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {

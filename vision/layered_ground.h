@@ -30,7 +30,7 @@ class GroundPicture {
   void forget_rim();
 
   /// To be called after the last frame, and again when the rim has told more. A place seen too seldom is held
-  /// to a smooth continuation of its neighbours, by a prior of the texture's own variance.
+  /// to a smooth continuation of its neighbours, by a prior wide enough for a texture that errs in patches.
   void finish(double noise_variance);
 
   const Rect& region() const { return region_; }
@@ -44,9 +44,10 @@ class GroundPicture {
                     std::vector<const float*>& corners, TileArrays& arrays, std::vector<float>& known) const;
   /// B's spline; its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
-  /// Variance of B at the places of the region: the noise's over the number of frames, up to the texture's
-  /// where a place was never seen.
+  /// Variance of B at the places of the region: the noise's over the number of frames, up to
+  /// unseen_variance() where a place was never seen.
   const Picture& variance() const { return variance_; }
+  double unseen_variance() const { return unseen_variance_; }
   double mean() const { return mean_; }
   /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
   /// right.
@@ -60,7 +61,7 @@ class GroundPicture {
 
   Rect region_;
   Picture sum_, squares_, count_, through_, squares_through_, known_, variance_;
-  double mean_ = 0, unrest_ = 0, texture_ = 0;
+  double mean_ = 0, unrest_ = 0, texture_ = 0, unseen_variance_ = 1;
   QuinticSpline spline_;
 };
 

@@ -105,7 +105,7 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
 }
 
 /// False where most windows are not explained.
-bool LayeredLearning::measure(std::span<KeptWindow> windows) {
+bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans) {
   LayeredRegistration::LevelSums levels;
   LayeredRegistration::RimSums rim_sums;
   double explained = 0, rim = 0, variance = 0, slopes = 0, slope_variance = 0;
@@ -119,6 +119,10 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows) {
       slope_variance += fix->sigma_slope * fix->sigma_slope;
       registration_.add_residuals(levels);
       registration_.add_rim(rim_sums);
+      if (leans) {
+        leans->push_back(registration_.lean(*fix));
+        leans->back().frame = w.frame;
+      }
     }
   if (explained < static_cast<double>(std::max(kFewest, windows.size() / 2))) return false;
   rim_chi_squared_ = rim / explained;
@@ -162,7 +166,11 @@ bool LayeredLearning::run(std::span<KeptWindow> early, std::span<KeptWindow> all
   }
   if (!measure(all)) return false;
   learn(all, true);
-  return measure(early);
+  std::vector<GroundLean> leans;
+  if (!measure(all, &leans)) return false;
+  std::ranges::sort(leans, {}, &GroundLean::frame);
+  slow_error_ = vision::slow_error(leans, ground_);
+  return true;
 }
 
 }  // namespace tribotrack::vision

@@ -33,10 +33,12 @@ class LayeredLearning {
   const LightPrior& light() const { return light_; }
   /// Mean chi^2 per pixel of the rim.
   double rim_chi_squared() const { return rim_chi_squared_; }
+  /// Of the positions measured over what has been learnt.
+  const SlowError& slow_error() const { return slow_error_; }
 
  private:
   void learn(std::span<KeptWindow> windows, bool last);
-  bool measure(std::span<KeptWindow> windows);
+  bool measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans = nullptr);
   void centre_rim(std::span<KeptWindow> windows);
 
   LayeredDisc& disc_;
@@ -45,6 +47,7 @@ class LayeredLearning {
   double radius_;
   NoiseLaw noise_;
   LightPrior light_;
+  SlowError slow_error_;
   double start_noise_;
   int sweeps_ = 0, first_windows_ = 0;
   Point offset_;

@@ -17,9 +17,6 @@ constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
 constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any frame will do
-/// Learnt pictures err alike where the disc stands alike on the platform: as if so many of the windows' own
-/// numbers were fitted, per px of radius. Measured on rendered scenes (bench vision).
-constexpr double kLearntCost = 1.0 / 15;
 constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
@@ -128,7 +125,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     const FirstPassFrame& f = frames[chosen[k]];
     const Rect about = layered_window(f.centre, reach, source.bounds());
     const bool whole = k % ground_stride == 0;
-    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}};
+    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}, f.index};
     if (whole) {
       source.read(f.index, region, wide);
       window.picture = cut(wide, region, about);
@@ -171,8 +168,11 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   out.disc_radius_sd = learning->disc_radius_sd();
   out.rim_excess = learning->rim_chi_squared() - 1;
 
-  const double widened = std::max(1.0, learning->rim_chi_squared()) *
-                         (1 + kLearntCost * options.disc.radius / static_cast<double>(windows));
+  out.slow_error = learning->slow_error();
+  // Each pixel's pictures took one of the windows' numbers, which the residuals that tell the noise lack.
+  const double taken = static_cast<double>(windows) / static_cast<double>(windows - 1);
+  const double widened =
+      taken * std::max(1.0, learning->rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = layered_window(f.centre, registration.reach() + 1, source.bounds());

@@ -54,6 +54,7 @@ struct LayeredResult {
   std::vector<std::optional<LayeredFix>> fixes;
   std::string why_not;
   NoiseLaw noise;
+  SlowError slow_error;                        ///< what the errors of the fixes share; is in the covariances
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0;
   double ground_texture = 0;  ///< of the platform's picture, grey levels rms

@@ -17,21 +17,36 @@ constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dus
 constexpr double kMaxTrim = 0.2;
 constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
 constexpr double kSureGround = 0.1;   ///< variance of the ground that does not spoil the noise law
+constexpr double kLeastLean = 1e-4;   ///< of a rim pixel's share in the information: not worth a sum
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
 
-Eigen::Vector3d LayeredRegistration::Plateau::force_at(const LayerLight& light) const {
-  return force - normal * Eigen::Vector3d(light.gain - 1, light.slope_x, light.slope_y);
+/// With r = I - S(u) summed, the residual is r - q . column + gain grad S . shift.
+Eigen::Vector3d LayeredRegistration::Plateau::force_at(const LayerLight& light,
+                                                       const Eigen::Vector2d& shift) const {
+  return force - normal * Eigen::Vector3d(light.gain - 1, light.slope_x, light.slope_y) +
+         light.gain * (slope * shift);
 }
 
-double LayeredRegistration::Plateau::squares_at(const LayerLight& light) const {
+/// r is taken to hold -gain grad S . shift, which its sum against grad S would tell more exactly.
+double LayeredRegistration::Plateau::squares_at(const LayerLight& light, const Eigen::Vector2d& shift) const {
   const Eigen::Vector3d q(light.gain - 1, light.slope_x, light.slope_y);
-  return squares - 2 * q.dot(force) + q.dot(normal * q);
+  return squares - 2 * q.dot(force) + q.dot(normal * q) -
+         light.gain * light.gain * shift.dot(steepness * shift);
 }
 
-LayeredRegistration::LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground)
-    : disc_(disc), ground_(ground) {
+void LayeredRegistration::Plateau::add(double weight, const Eigen::Vector3d& column,
+                                       const Eigen::Vector2d& gradient) {
+  normal += weight * column * column.transpose();
+  slope += weight * column * gradient.transpose();
+  steepness += weight * gradient * gradient.transpose();
+  ++pixels;
+}
+
+LayeredRegistration::LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground,
+                                         const LayerKernels& layers, const TileKernels& tiles)
+    : disc_(disc), ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {
   reach_ = static_cast<int>(std::ceil(disc.rim().outer())) + kBorder;
   for (int i = -disc.half(); i <= disc.half(); ++i) ramp_.push_back(static_cast<float>(i));
 }
@@ -137,10 +152,18 @@ void LayeredRegistration::choose_pixels(int frames) {
     }
 }
 
+/// grad S between whole pixels: what a highlight's slope does to a sum over them does not hang on more.
+Eigen::Vector2d LayeredRegistration::shown_slope(int i, int j) const {
+  const int last = shown_.width() - 1;
+  return 0.5 * Eigen::Vector2d(static_cast<double>(shown_.at(std::min(i + 1, last), j)) -
+                                   static_cast<double>(shown_.at(std::max(i - 1, 0), j)),
+                               static_cast<double>(shown_.at(i, std::min(j + 1, last))) -
+                                   static_cast<double>(shown_.at(i, std::max(j - 1, 0))));
+}
+
 void LayeredRegistration::make_plateau() {
   if (shown_.empty()) return;
-  plateau_normal_.setZero();
-  plateau_pixels_ = 0;
+  plateau_ = {};
   for (const Run& run : runs_)
     for (int i = run.first; i < run.first + run.count; ++i) {
       float& weight = plateau_weight_.at(i, run.y);
@@ -148,8 +171,7 @@ void LayeredRegistration::make_plateau() {
       const double level = shown_.at(i, run.y);
       weight = static_cast<float>(1 / noise_.at(level));
       const Eigen::Vector3d column = level * Eigen::Vector3d(1, i - disc_.half(), run.y - disc_.half());
-      plateau_normal_ += static_cast<double>(weight) * column * column.transpose();
-      ++plateau_pixels_;
+      plateau_.add(static_cast<double>(weight), column, shown_slope(i, run.y));
     }
 }
 
@@ -192,7 +214,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
       for (int j = 0; j < kTile; ++j)
         std::copy_n(ground_.variance().row(v + j).data() + u, kTile, unsure + j * kTile);
     } else {
-      std::fill_n(unsure, kTilePixels, static_cast<float>(std::max(texture, 1.0)));
+      std::fill_n(unsure, kTilePixels, static_cast<float>(ground_.unseen_variance()));
     }
     for (std::size_t k = 0; k < kTilePixels; ++k)
       if (counts[k] > 0 && rim[k] > 0) {
@@ -205,33 +227,32 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
     corners_[t] = ground_.spline().coefficient(cx, cy);
   }
   if (seen < kLeastRim * rim_pixels_) return false;
-  tile_kernels().sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
-                        arrays_.ground);
+  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
+                       arrays_.ground);
   return true;
 }
 
 LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& picture, int x, int y) const {
-  Plateau out;
+  Plateau out = plateau_;
   const int left = x0_ - disc_.half() - x, top = y0_ - disc_.half() - y;
   for (const Run& run : runs_) {
     const int px = left + run.first, py = top + run.y;
     if (px < 0 || py < 0 || px + run.count > picture.width() || py >= picture.height())
-      return trimmed_plateau(picture, x, y, {});
+      return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero());
     const auto first = static_cast<std::size_t>(run.first);
     const PlateauSums sums =
-        layer_kernels().plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
-                                 plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
+        layer_kernels_.plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
+                                plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
     out.force += Eigen::Vector3d(sums[0], sums[1], (run.y - disc_.half()) * sums[0]);
     out.squares += sums[2];
   }
-  out.normal = plateau_normal_;
-  out.pixels = plateau_pixels_;
   return out;
 }
 
 /// The same pixel by pixel: without what lies outside the picture and what cannot be noise.
 LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture& picture, int x, int y,
-                                                                  const LayerLight& light) const {
+                                                                  const LayerLight& light,
+                                                                  const Eigen::Vector2d& shift) const {
   Plateau out;
   const int left = x0_ - disc_.half() - x, top = y0_ - disc_.half() - y;
   for (const Run& run : runs_)
@@ -241,14 +262,15 @@ LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture&
       if (weight == 0 || px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
       const double u = i - disc_.half(), v = run.y - disc_.half();
       const double level = shown_.at(i, run.y);
-      const double off = picture.at(px, py) - (light.gain + light.slope_x * u + light.slope_y * v) * level;
+      const Eigen::Vector2d gradient = shown_slope(i, run.y);
+      const double off = picture.at(px, py) -
+                         (light.gain + light.slope_x * u + light.slope_y * v) * (level - gradient.dot(shift));
       if (weight * off * off > kTrim * kTrim) continue;
       const double r = picture.at(px, py) - level;
       const Eigen::Vector3d column = level * Eigen::Vector3d(1, u, v);
-      out.normal += weight * column * column.transpose();
+      out.add(weight, column, gradient);
       out.force += weight * r * column;
       out.squares += weight * r * r;
-      out.pixels += 1;
     }
   return out;
 }
@@ -261,7 +283,7 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   const auto each = [&](const QuinticSpline& spline, bool with, TileArrays& arrays) {
     for (std::size_t t = 0; t < places_.size(); ++t)
       corners_[t] = spline.coefficient(ix + places_[t].x, iy + places_[t].y);
-    tile_kernels().sample(corners_, spline.stride(), taps, 0, with, arrays);
+    tile_kernels_.sample(corners_, spline.stride(), taps, 0, with, arrays);
   };
   each(standing_, slopes, arrays_.disc);
   each(share_, slopes, arrays_.share);
@@ -270,7 +292,7 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LayerLight& light,
                                                                const Plateau& plateau, double hold) {
-  const LayerNormal sums = layer_kernels().form(arrays_, counts_, light, noise_);
+  const LayerNormal sums = layer_kernels_.form(arrays_, counts_, light, noise_);
   const int n = columns();
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
@@ -323,6 +345,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   light.turn = s.theta - cached_theta_;
   light.blend = disc_.blend();
   const double hold = prior.sd > 0 ? 1 / (prior.sd * prior.sd) : 0;
+  const auto shift = [&] { return Eigen::Vector2d(s.centre.x - x0_, s.centre.y - y0_); };
 
   sample(s.centre, true);
   Point formed = s.centre;
@@ -334,10 +357,10 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   bool converged = false;
   std::size_t strangers = 0;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
-    sums = layer_kernels().force(arrays_, light);
+    sums = layer_kernels_.force(arrays_, light);
     Vector force =
         Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
-    force.segment<3>(kGain) += plateau.force_at(light);
+    force.segment<3>(kGain) += plateau.force_at(light, shift());
     force(kSlopeX) += hold * (light.gain * prior.slope_x - light.slope_x);
     force(kSlopeY) += hold * (light.gain * prior.slope_y - light.slope_y);
     const Vector step = factor.solve(force);
@@ -362,8 +385,8 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
         strangers = trim(light);
         if (static_cast<double>(strangers) > kMaxTrim * sums.correlation.w) return std::nullopt;
       }
-      const bool odd = plateau.squares_at(light) > kOddPlateau * plateau.pixels;
-      if (odd) plateau = trimmed_plateau(picture, x, y, light);
+      const bool odd = plateau.squares_at(light, shift()) > kOddPlateau * plateau.pixels;
+      if (odd) plateau = trimmed_plateau(picture, x, y, light, shift());
       converged = strangers == 0 && !odd;
       if (!converged) {
         if (!re_form) sample(formed = s.centre, true);
@@ -377,7 +400,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     }
   }
   if (!converged) return std::nullopt;
-  sums = layer_kernels().force(arrays_, light);
+  sums = layer_kernels_.force(arrays_, light);
   s.gain = light.gain + light.slope_x * (s.centre.x - x0_) + light.slope_y * (s.centre.y - y0_);
   s.slope_x = light.slope_x / s.gain;
   s.slope_y = light.slope_y / s.gain;
@@ -391,7 +414,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   const CorrelationSums& c = sums.correlation;
   fix.trimmed_share = static_cast<double>(strangers) / std::max(1.0, c.w + static_cast<double>(strangers));
   fix.chi_squared =
-      (sums.squares + plateau.squares_at(light)) / std::max(1.0, c.w + plateau.pixels - columns());
+      (sums.squares + plateau.squares_at(light, shift())) / std::max(1.0, c.w + plateau.pixels - columns());
   fix.rim_chi_squared = sums.rim_squares / std::max(1.0, rim_counted_);
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
@@ -425,6 +448,25 @@ void LayeredRegistration::add_rim(RimSums& sums) const {
       mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
   }
   sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
+}
+
+GroundLean LayeredRegistration::lean(const LayeredFix& fix) const {
+  GroundLean out;
+  out.information = fix.covariance.inverse();
+  const Rect& region = ground_.region();
+  const int left = static_cast<int>(std::lround(x0_ - fix.state.ground.x)) - region.x;
+  const int top = static_cast<int>(std::lround(y0_ - fix.state.ground.y)) - region.y;
+  const auto under = static_cast<float>(light_.ground);
+  const auto least = static_cast<float>(kLeastLean * out.information.trace() / std::max(1.0, rim_pixels_));
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    const float through = under * arrays_.share.value[i] * arrays_.weight[i];
+    const float x = through * arrays_.step_x[i], y = through * arrays_.step_y[i];
+    if ((x * x + y * y) * arrays_.ground_variance[i] < least) continue;
+    const int u = left + static_cast<int>(arrays_.u[i]), v = top + static_cast<int>(arrays_.v[i]);
+    if (u < 0 || v < 0 || u >= region.width || v >= region.height) continue;
+    out.pulls.push_back({static_cast<std::uint32_t>(v * region.width + u), x, y});
+  }
+  return out;
 }
 
 /// Pixels of the tiles on either side of the rim.

@@ -19,6 +19,7 @@
 #include "vision/informative_pixels.h"
 #include "vision/layered_disc.h"
 #include "vision/layered_kernels.h"
+#include "vision/layered_slow_error.h"
 
 namespace tribotrack::vision {
 
@@ -40,8 +41,10 @@ struct LayeredFix {
 
 class LayeredRegistration {
  public:
-  /// Keeps references: disc and ground must outlive it.
-  LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground);
+  /// Keeps references: disc and ground must outlive it. The kernels are the fastest, unless a test compares.
+  LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground,
+                      const LayerKernels& layers = layer_kernels(),
+                      const TileKernels& tiles = tile_kernels());
 
   void set_noise(const NoiseLaw& noise);
   /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
@@ -77,24 +80,34 @@ class LayeredRegistration {
   };
   void add_rim(RimSums& sums) const;
 
+  /// The last refine(): what of the ground the position leans on.
+  GroundLean lean(const LayeredFix& fix) const;
+
  private:
   using Matrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLayerColumns, kLayerColumns>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLayerColumns, 1>;
-  /// Light over the disc's even middle: sums against its three columns.
+  /// Light over the disc's even middle: sums against its three columns S (1, u, v). The middle is even but
+  /// not flat: half a pixel down a highlight's slope looks like a lamp from the side. So the sums hold grad
+  /// S, too, for a centre `shift` px off its pixel.
   struct Plateau {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< at light (1, 0, 0)
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< at light (1, 0, 0), shift 0
+    Eigen::Matrix<double, 3, 2> slope = Eigen::Matrix<double, 3, 2>::Zero();
+    Eigen::Matrix2d steepness = Eigen::Matrix2d::Zero();
     double squares = 0, pixels = 0;
-    Eigen::Vector3d force_at(const LayerLight& light) const;
-    double squares_at(const LayerLight& light) const;
+    void add(double weight, const Eigen::Vector3d& column, const Eigen::Vector2d& gradient);
+    Eigen::Vector3d force_at(const LayerLight& light, const Eigen::Vector2d& shift) const;
+    double squares_at(const LayerLight& light, const Eigen::Vector2d& shift) const;
   };
   void choose_pixels(int frames);
   void make_plateau();
   void turn_to(double theta);
   bool take_picture(const Picture& picture, int x, int y, const Point& ground);
   Plateau take_plateau(const Picture& picture, int x, int y) const;
-  Plateau trimmed_plateau(const Picture& picture, int x, int y, const LayerLight& light) const;
+  Plateau trimmed_plateau(const Picture& picture, int x, int y, const LayerLight& light,
+                          const Eigen::Vector2d& shift) const;
+  Eigen::Vector2d shown_slope(int i, int j) const;
   void sample(const Point& centre, bool slopes);
   Matrix normal_matrix(const LayerLight& light, const Plateau& plateau, double hold);
   std::size_t trim(const LayerLight& light);
@@ -103,6 +116,8 @@ class LayeredRegistration {
 
   const LayeredDisc& disc_;
   const GroundPicture& ground_;
+  LayerKernels layer_kernels_;
+  TileKernels tile_kernels_;
   NoiseLaw noise_;
   int reach_ = 0;
   double pixel_share_ = 1;
@@ -115,8 +130,7 @@ class LayeredRegistration {
   std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
   double rim_pixels_ = 0, rim_counted_ = 0;
   Picture plateau_weight_;  ///< on the disc's grid
-  Eigen::Matrix3d plateau_normal_ = Eigen::Matrix3d::Zero();
-  double plateau_pixels_ = 0;
+  Plateau plateau_;         ///< all but the frame's own sums
   struct Run {
     int y = 0, first = 0, count = 0;  ///< on the disc's grid
   };

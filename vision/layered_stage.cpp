@@ -131,6 +131,10 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   std::nth_element(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(limits.size() / 2),
                    limits.end());
   summary.limit_px = limits[limits.size() / 2];
+  summary.slow_sd = result.slow_error.sd;
+  const double duration = track.points.back().time_s - track.points.front().time_s;
+  summary.slow_time =
+      result.slow_error.frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
   if (result.disc_radius > 0) {
     summary.disc.radius = result.disc_radius;
     summary.disc_radius_sd = result.disc_radius_sd;
@@ -150,7 +154,8 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
            format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
                   result.windows, result.noise.constant, result.noise.per_level,
                   100 * std::max(0.0, result.rim_excess)) +
-           format("; positions moved by %.4f px rms", bought),
+           format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
+                  summary.slow_sd, summary.slow_time),
        0, bought, first.layers_cost});
   return true;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "vision/visible_rotation.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -66,7 +68,7 @@ void TemplateRegistration::choose_pixels() {
   Picture value(w.width, w.height), slope_x(w.width, w.height), slope_y(w.width, w.height);
   spline_.sample_window(w.x - spline_x_, w.y - spline_y_, w.width, w.height, value.levels().data(),
                         slope_x.levels().data(), slope_y.levels().data());
-  measure_rotation_limit(slope_x, slope_y);
+  limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
   InformativeOptions options;
   options.noise_square = 2 * template_noise() * noise_gain_[0].slope * noise_gain_[0].value;
   const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, options);
@@ -88,29 +90,6 @@ void TemplateRegistration::choose_pixels() {
        {&arrays_.value, &arrays_.slope_x, &arrays_.slope_y, &arrays_.level, &arrays_.weight, &base_weight_})
     v->resize(mask_.size());
   corners_.resize(places_.size());
-}
-
-void TemplateRegistration::measure_rotation_limit(const Picture& slope_x, const Picture& slope_y) {
-  const Rect& w = pattern_.window;
-  double information = 0;
-  double noise_information = 0;
-  double count = 0;
-  for (int y = 0; y < w.height; ++y)
-    for (int x = 0; x < w.width; ++x) {
-      const double rx = x + w.x - pattern_.centre.x;
-      const double ry = y + w.y - pattern_.centre.y;
-      const double rho_squared = rx * rx + ry * ry;
-      if (pattern_.weights.at(x, y) == 0) continue;
-      if (pattern_.radius > 0 && std::sqrt(rho_squared) > pattern_.radius - 2.5) continue;
-      const double slope = slope_x.at(x, y) * -ry + slope_y.at(x, y) * rx;
-      information += slope * slope;
-      noise_information += template_noise() * noise_gain_[0].slope * rho_squared;
-      ++count;
-    }
-  // The slopes of noise alone look like a texture: it must stand out from their scatter.
-  information -= noise_information;
-  const double visible = noise_information * std::max(0.5, 12 / std::sqrt(std::max(1.0, count)));
-  limit_theta_ = information > visible ? std::sqrt(options_.noise_variance / information) : 1e9;
 }
 
 /// T and, if asked, its derivatives with respect to the pose, at every pixel of the tiles.

@@ -73,8 +73,7 @@ class TemplateRegistration {
 
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
-  /// Same for the rotation alone, from the pixels inside the rim, rad; 1e9 where no texture stands
-  /// out of the noise.
+  /// Same for the rotation alone, see visible_rotation.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   const RegistrationOptions& options() const { return options_; }
@@ -87,7 +86,6 @@ class TemplateRegistration {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 5, 5>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 5, 1>;
   void choose_pixels();
-  void measure_rotation_limit(const Picture& slope_x, const Picture& slope_y);
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);
   float turned_weight(int x, int y, double c, double s) const;

@@ -73,6 +73,10 @@ struct TrackSummary {
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
+  /// What the errors of a layered track share beyond each point's own: standard deviation of one coordinate,
+  /// px, their mean removed, and for how long it stays alike, s (the integral of its correlation). Both are
+  /// in the points' standard deviations, which speak of one point: a mean over many points has this too.
+  double slow_sd = 0, slow_time = 0;
   std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
   std::int64_t absent_at_first = 0;  ///< frames before the part was there; lost, too
   /// Lost frames, those before it was there and after it had left the picture for good not counted.

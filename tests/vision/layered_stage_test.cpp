@@ -79,6 +79,37 @@ TEST(LayeredStage, VignettingSpinAndHighlightLeaveNoDrift) {
   EXPECT_NEAR(result.summary.disc.radius, 30, 0.01);
 }
 
+TEST(LayeredStage, HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
+  SlidingScene s;
+  s.scene.disc.highlight = 25;
+  SceneSource source(s);
+  const TrackResult result = track(source, with_marker(s));
+  ASSERT_TRUE(result.summary.layered);
+  const TrackErrors e = report("highlight", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.15 * s.bound());
+  EXPECT_GT(e.standardised, 0.9);
+  EXPECT_LT(e.standardised, 1.1);
+  // What frames share is part of what each point is told, and lasts longer than a frame.
+  EXPECT_GT(result.summary.slow_sd, 0);
+  EXPECT_LT(result.summary.slow_sd, 0.5 * s.bound());
+  EXPECT_GT(result.summary.slow_time, 1.0 / 250);
+}
+
+TEST(LayeredStage, TurningScratchesInNoiseLeaveNoDrift) {
+  SlidingScene s;
+  s.scene.platform.texture_rms = 10;
+  s.scene.read_noise = 2;
+  s.scene.disc.scratches = 12;
+  s.scene.disc.scratch_contrast = 12;
+  s.spin_rad = 0.2;
+  SceneSource source(s);
+  const TrackResult result = track(source, with_marker(s));
+  ASSERT_TRUE(result.summary.layered);
+  const TrackErrors e = report("scratches", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.15 * s.bound());
+  EXPECT_LT(e.drift, 0.005);
+}
+
 TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
   SlidingScene s;
   s.circle_px = 0;

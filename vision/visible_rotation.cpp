@@ -1,0 +1,93 @@
+#include "vision/visible_rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace tribotrack::vision {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kRim = 2.5;              ///< px inside the rim: its slopes are not texture
+constexpr double kNarrow = 1, kWide = 3;  ///< sd of the smoothing, px: a scratch's width, a reflection's
+constexpr double kStandsOut = 5;          ///< sd of what noise alone would make
+constexpr double kNone = 1e9;
+
+/// Mean of what lies inside the mask, weighted by a Gaussian.
+Picture smoothed(const Picture& levels, const Picture& mask, double sd) {
+  const int reach = static_cast<int>(std::ceil(3 * sd)), width = levels.width(), height = levels.height();
+  std::vector<float> tap(2 * reach + 1);
+  for (int k = -reach; k <= reach; ++k)
+    tap[static_cast<std::size_t>(k + reach)] = static_cast<float>(std::exp(-0.5 * k * k / (sd * sd)));
+  Picture sum(width, height), weight(width, height), out(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int k = std::max(-reach, -x); k <= std::min(reach, width - 1 - x); ++k) {
+        const float share = tap[static_cast<std::size_t>(k + reach)] * mask.at(x + k, y);
+        sum.at(x, y) += share * levels.at(x + k, y);
+        weight.at(x, y) += share;
+      }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float total = 0, count = 0;
+      for (int k = std::max(-reach, -y); k <= std::min(reach, height - 1 - y); ++k) {
+        total += tap[static_cast<std::size_t>(k + reach)] * sum.at(x, y + k);
+        count += tap[static_cast<std::size_t>(k + reach)] * weight.at(x, y + k);
+      }
+      out.at(x, y) = count > 0 ? total / count : 0.0F;
+    }
+  return out;
+}
+
+/// Covariance of unit white noise smoothed by a and by b, r px apart.
+double covariance(double a, double b, double r) {
+  const double square = a * a + b * b;
+  return std::exp(-0.5 * r * r / square) / (2 * pi * square);
+}
+
+/// Variance of the difference of two pixels' levels, two px apart, halved: a slope.
+double slope_variance() {
+  const auto at = [](double r) {
+    return covariance(kNarrow, kNarrow, r) + covariance(kWide, kWide, r) - 2 * covariance(kNarrow, kWide, r);
+  };
+  return 0.5 * (at(0) - at(2));
+}
+
+}  // namespace
+
+double rotation_limit(const Picture& levels, const Pattern& pattern, double noise_variance) {
+  const int width = levels.width(), height = levels.height();
+  const double left = pattern.window.x - pattern.centre.x, top = pattern.window.y - pattern.centre.y;
+  Picture inside(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      inside.at(x, y) = pattern.weights.at(x, y) > 0 &&
+                                (pattern.radius <= 0 || std::hypot(left + x, top + y) < pattern.radius - kRim)
+                            ? 1.0F
+                            : 0.0F;
+  Picture band = smoothed(levels, inside, kNarrow);
+  const Picture wide = smoothed(levels, inside, kWide);
+  for (std::size_t k = 0; k < band.levels().size(); ++k) band.levels()[k] -= wide.levels()[k];
+
+  double information = 0, of_noise = 0, count = 0;
+  const double noise = noise_variance * slope_variance();
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) {
+      if (inside.at(x - 1, y) * inside.at(x + 1, y) * inside.at(x, y - 1) * inside.at(x, y + 1) == 0)
+        continue;
+      const double u = left + x, v = top + y;
+      const double slope_x = 0.5 * (static_cast<double>(band.at(x + 1, y)) - band.at(x - 1, y));
+      const double slope_y = 0.5 * (static_cast<double>(band.at(x, y + 1)) - band.at(x, y - 1));
+      information += std::pow(u * slope_y - v * slope_x, 2);
+      of_noise += noise * (u * u + v * v);
+      ++count;
+    }
+  // Smoothed noise has few slopes of its own: their squares scatter.
+  const double scatter = std::sqrt(2 * 4 * pi * kNarrow * kNarrow / std::max(1.0, count));
+  information -= of_noise;
+  return information > kStandsOut * scatter * of_noise ? std::sqrt(noise_variance / information) : kNone;
+}
+
+}  // namespace tribotrack::vision
