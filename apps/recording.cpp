@@ -128,6 +128,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"edge", s.edge},
                {"refound", s.refound},
                {"lost_counted", s.lost_counted},
+               {"absent_at_first", s.absent_at_first},
                {"left_for_good", s.left_for_good},
                {"gate_passed", s.gate_passed},
                {"disc_px", circle_json(s.disc)},

@@ -56,7 +56,7 @@ void bring_track_up_to_date(const Campaign& campaign, const CampaignRun& run, co
   const TrackedRecording recording = track_recording(job);
   log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
   const auto source = vision::open_source(job.video, {job.frame_rate_hz});
-  const auto png = vision::first_frame_png(*source, recording.result.track.points.front().frame);
+  const auto png = vision::first_frame_png(*source, recording.result.track.first_seen());
   write_file(folder.first_frame(run.name), {reinterpret_cast<const char*>(png.data()), png.size()});
   for (const fs::path& overlay : {folder.overlay(run.name), folder.overlay_video(run.name)}) {
     if (overlay.extension() == ".mp4" && !options.overlay_videos) continue;

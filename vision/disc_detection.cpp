@@ -223,6 +223,12 @@ std::optional<DiscFit> judged(const Picture& picture, RimFit fit, const Circle& 
   return result;
 }
 
+/// Where pixels do not support a rim its parameters go anywhere; far from the guess nothing is left to fit.
+bool walked_away(const RimParameters& p, const Circle& guess, double capture) {
+  const double far = 5 * capture + guess.radius;
+  return std::hypot(p(0) - guess.x, p(1) - guess.y) > far || std::abs(p(2) - guess.radius) > far;
+}
+
 }  // namespace
 
 MeanRadius mean_radius(std::span<const DiscFit> fits) {
@@ -276,7 +282,7 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     if (pixels.x.size() < kFewestPixels) return std::nullopt;
     fit = fit_rim(pixels, p, round == 1 && rim_curves(p));
     p = fit.p;
-    if (!p.allFinite()) return std::nullopt;
+    if (!p.allFinite() || walked_away(p, guess, capture)) return std::nullopt;
     band = rim_band(p);
   }
   return judged(picture, std::move(fit), guess, capture);

@@ -12,7 +12,7 @@ constexpr int kContext = 2;         ///< px of grid beyond the rim's reach
 constexpr double kTurnStep = 0.25;  ///< px at the rim: frames turned by less are averaged
 constexpr double kTextureSd = 20;   ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
-constexpr int kMoreIterations = 8;  ///< from where the last sweep ended
+constexpr int kMoreIterations = 30;  ///< from where the last sweep ended
 
 }  // namespace
 

@@ -152,7 +152,7 @@ void write_whole(const std::filesystem::path& path, const std::vector<unsigned c
 
 void write_png(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
   const auto& points = result.track.points;
-  const Picture first = source.read(points.front().frame - source.info().first_number);
+  const Picture first = source.read(result.track.first_seen() - source.info().first_number);
   Canvas canvas(Stretch(first)(first), enlargement_for(source.info()));
   draw_path(canvas, points, points.size());
   if (result.summary.marker.radius > 0)

@@ -1,5 +1,7 @@
 #include "vision/track.h"
 
+#include <algorithm>
+
 namespace tribotrack::vision {
 
 const char* to_string(TrackStatus status) {
@@ -12,6 +14,12 @@ const char* to_string(TrackStatus status) {
       break;
   }
   return "lost";
+}
+
+std::int64_t Track::first_seen() const {
+  const auto seen = std::find_if(points.begin(), points.end(),
+                                 [](const TrackPoint& p) { return p.status == TrackStatus::ok; });
+  return seen != points.end() ? seen->frame : points.front().frame;
 }
 
 }  // namespace tribotrack::vision

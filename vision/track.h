@@ -48,6 +48,8 @@ struct Track {
   std::vector<TrackPoint> points;  ///< one per analysed frame, in order
   bool has_marker = false;
   bool has_gate = false;
+  /// Frame of the first point that is ok; of the first of all where none is. Not for an empty track.
+  std::int64_t first_seen() const;
 };
 
 }  // namespace tribotrack::vision

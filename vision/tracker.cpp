@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "vision/arrival.h"
+#include "vision/bad_pixels.h"
 #include "vision/disc_detection.h"
 #include "vision/gate_lamp.h"
 #include "vision/kept_frames.h"
@@ -59,17 +61,21 @@ FrameRange resolve_range(const FrameSource& source, const TrackOptions& options)
   return {first - low, last - low};
 }
 
-double leading_noise(FrameSource& source, const FrameRange& range, const Picture& first) {
+/// What the first frames tell of the camera.
+struct Camera {
+  double noise_variance = 0;
+  std::vector<Pixel> bad_pixels;
+};
+
+Camera look_at_camera(FrameSource& source, const FrameRange& range) {
+  std::vector<Picture> frames;
   NoiseEstimate estimate;
-  Picture turns[2];
-  const Picture* before = &first;
-  for (std::int64_t k = range.first + 1; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k) {
-    Picture& here = turns[k % 2];
-    source.read(k, source.bounds(), here);
-    estimate.add_pair(*before, here);
-    before = &here;
+  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k) {
+    frames.push_back(source.read(k));
+    if (k > range.first) estimate.add_pair(frames[frames.size() - 2], frames.back());
   }
-  return estimate.variance(first);
+  const double variance = estimate.variance(frames.front());
+  return {variance, find_bad_pixels(frames, variance)};
 }
 
 /// The frames that are read several times before the tracking begins.
@@ -79,16 +85,24 @@ void keep_leading(KeptFrames& source, const FrameRange& range) {
     source.keep(k, source.bounds());
 }
 
-bool whole_in(const Picture& picture, const Circle& c) {
-  return c.x - c.radius >= -0.5 && c.y - c.radius >= -0.5 && c.x + c.radius <= picture.width() - 0.5 &&
-         c.y + c.radius <= picture.height() - 0.5;
+bool whole_in(const Rect& picture, const Circle& c) {
+  return c.x - c.radius >= -0.5 && c.y - c.radius >= -0.5 && c.x + c.radius <= picture.width - 0.5 &&
+         c.y + c.radius <= picture.height - 0.5;
+}
+
+Rect all_of(const Picture& picture) {
+  return {0, 0, picture.width(), picture.height()};
+}
+
+double capture_of(const Circle& given) {
+  return std::max(kGivenCapture, 0.03 * given.radius);
 }
 
 /// A click made exact by the rim where it supports it; nothing, and a warning, where it does not.
 std::optional<DiscFit> refined(const Picture& first, const Circle& given, const char* what,
                                TrackSummary& summary) {
-  const double capture = std::max(kGivenCapture, 0.03 * given.radius);
-  if (auto fit = fit_disc(first, given, capture); fit && whole_in(first, fit->circle)) return fit;
+  if (auto fit = fit_disc(first, given, capture_of(given)); fit && whole_in(all_of(first), fit->circle))
+    return fit;
   summary.warnings.push_back(format(
       "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
       "as they are, and a scale from its diameter is as good as the given radius",
@@ -97,7 +111,7 @@ std::optional<DiscFit> refined(const Picture& first, const Circle& given, const 
 }
 
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
-  if (whole_in(first, c) && c.radius >= 2) return;
+  if (whole_in(all_of(first), c) && c.radius >= 2) return;
   throw InputError(
       format("%s: the %s at (%.1f, %.1f) px with radius %.1f px is not wholly in the %d x %d "
              "picture; give its place in the first analysed frame, or start at a frame in which "
@@ -147,14 +161,38 @@ void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
   });
 }
 
-/// The part, where the user does not say where it is: away from a given marker, which is round too, and the
-/// largest of what is supported nearly as well as the best.
-DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options) {
+DiscSearch search_for_part(const TrackOptions& options) {
   DiscSearch search;
   if (options.marker.kind == MarkerChoice::Kind::circle) {
     search.keep_out = options.marker.circle;
-    search.keep_out->radius += std::max(kGivenCapture, 0.03 * search.keep_out->radius);
+    search.keep_out->radius += capture_of(*search.keep_out);
   }
+  return search;
+}
+
+/// Where the recording starts before the part is there: the frame it is first seen in. Range.first where it
+/// is not seen at all, or need not be a disc.
+std::int64_t arrival(FrameSource& source, const FrameRange& range, const TrackOptions& options) {
+  const std::int64_t first = range.first;
+  switch (options.target.kind) {
+    case Target::Kind::rectangle:
+      break;
+    case Target::Kind::disc:
+      if (!whole_in(source.bounds(), options.target.disc)) break;
+      return arrival_at(source, first, range.last, options.target.disc, capture_of(options.target.disc))
+          .value_or(first);
+    case Target::Kind::find_disc:
+      // A marker or a lamp left to be found is round, too: then the first frame must hold the part.
+      if (options.marker.kind != MarkerChoice::Kind::find && !options.gate)
+        return arrival_anywhere(source, first, range.last, search_for_part(options)).value_or(first);
+  }
+  return first;
+}
+
+/// The part, where the user does not say where it is: away from a given marker, which is round too, and the
+/// largest of what is supported nearly as well as the best.
+DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options) {
+  const DiscSearch search = search_for_part(options);
   auto found = find_discs(first, search, 5);
   leave_out_lamp(found, options);
   if (found.empty())
@@ -460,18 +498,43 @@ void TrackOptions::validate() const {
   if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
 }
 
-TrackResult track(FrameSource& recording, const TrackOptions& options) {
-  options.validate();
-  if (!recording.info().time_base.known()) throw InputError(recording.info().time_base.why_unknown());
-  const FrameRange range = resolve_range(recording, options);
-  KeptFrames source(recording);
-  keep_leading(source, range);
+namespace {
+
+/// Frames before the part was there: they say so, and no gate counts them.
+void prepend_absence(const FrameSource& source, const FrameRange& range, TrackResult& result) {
+  std::vector<TrackPoint> before;
+  for (std::int64_t index = range.first; index <= range.last; ++index) {
+    TrackPoint& point = before.emplace_back();
+    point.frame = source.number(index);
+    point.time_s = source.time_s(index);
+    point.status = TrackStatus::lost;
+  }
+  auto& points = result.track.points;
+  points.insert(points.begin(), before.begin(), before.end());
+  const auto absent = static_cast<std::int64_t>(before.size());
+  result.summary.frames += absent;
+  result.summary.lost += absent;
+  result.summary.absent_at_first = absent;
+}
+
+/// Follows the part from a frame in which it is there. `kept` is what `source` reads from.
+TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& range, const Camera& camera,
+                   const TrackOptions& options) {
+  keep_leading(kept, range);
   TrackResult result;
   TrackSummary& summary = result.summary;
 
   const Picture first = source.read(range.first);
-  const double noise = leading_noise(source, range, first);
+  const double noise = camera.noise_variance;
   summary.noise_levels = std::sqrt(noise);
+  summary.plan.push_back(
+      {"bad pixels", !camera.bad_pixels.empty(),
+       camera.bad_pixels.empty()
+           ? std::string("no pixel stands out of its neighbours in all of the first frames")
+           : format("%zu stand out of their neighbours in all of the first frames: the median of the "
+                    "neighbours is seen in their place",
+                    camera.bad_pixels.size()),
+       0, 0, 0});
 
   Setup setup = plan_part(first, source, range, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
@@ -494,7 +557,7 @@ TrackResult track(FrameSource& recording, const TrackOptions& options) {
   pass.total = range.last - range.first + 1;
   std::optional<LayeredKeeping> keeping;
   if (options.layers != Layers::off && pass.blur > 0)
-    keeping.emplace(source, range.first, pass.total, summary.disc.radius, pass.blur,
+    keeping.emplace(kept, range.first, pass.total, summary.disc.radius, pass.blur,
                     layers_wanted(pass, summary.disc.radius, options.layers));
   std::vector<double> excess;
   std::optional<Sighting> tentative;
@@ -552,11 +615,31 @@ TrackResult track(FrameSource& recording, const TrackOptions& options) {
   return result;
 }
 
+}  // namespace
+
+TrackResult track(FrameSource& recording, const TrackOptions& options) {
+  options.validate();
+  if (!recording.info().time_base.known()) throw InputError(recording.info().time_base.why_unknown());
+  const FrameRange range = resolve_range(recording, options);
+  KeptFrames kept(recording);
+  keep_leading(kept, range);
+  const Camera camera = look_at_camera(kept, range);
+  std::optional<MendedSource> mended;
+  if (!camera.bad_pixels.empty()) mended.emplace(kept, camera.bad_pixels);
+  FrameSource& frames = mended ? static_cast<FrameSource&>(*mended) : kept;
+  const std::int64_t start = arrival(frames, range, options);
+  TrackResult result = follow(frames, kept, {start, range.last}, camera, options);
+  if (start > range.first) prepend_absence(frames, {range.first, start - 1}, result);
+  return result;
+}
+
 std::string TrackSummary::brief_report() const {
   std::string text =
       format("%lld frames: %lld ok, %lld lost, %lld edge", static_cast<long long>(frames),
              static_cast<long long>(ok), static_cast<long long>(lost), static_cast<long long>(edge));
   if (refound > 0) text += format(", found again %lld times", static_cast<long long>(refound));
+  if (absent_at_first > 0)
+    text += format(", not there in the first %lld", static_cast<long long>(absent_at_first));
   if (left_for_good) text += ", left the picture for good";
   text += format("; noise %.2f grey levels, limit %.4f px", noise_levels, limit_px);
   if (disc.radius > 0) text += format("; disc at (%.2f, %.2f), radius %.3f px", disc.x, disc.y, disc.radius);

@@ -74,8 +74,10 @@ struct TrackSummary {
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
   std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
-  std::int64_t lost_counted = 0;  ///< lost frames, those after it had left the picture for good not counted
-  bool gate_passed = true;        ///< lost_counted / frames <= max_lost_share
+  std::int64_t absent_at_first = 0;  ///< frames before the part was there; lost, too
+  /// Lost frames, those before it was there and after it had left the picture for good not counted.
+  std::int64_t lost_counted = 0;
+  bool gate_passed = true;  ///< lost_counted / frames <= max_lost_share
   bool left_for_good = false;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
@@ -87,9 +89,10 @@ struct TrackResult {
   TrackSummary summary;
 };
 
-/// Follows the target from the first analysed frame. The template is taken there and never replaced (a
-/// replaced template drifts). Where the plan says so, a second pass measures every frame again (Layers).
-/// Throws InputError (target outside the picture, frames not in the recording, no disc found, no time base).
+/// Follows the target from the first analysed frame, or from that in which a disc is first seen there. The
+/// template is taken there and never replaced (a replaced template drifts). Where the plan says so, a second
+/// pass measures every frame again (Layers). Throws InputError (target outside the picture, frames not in the
+/// recording, no disc found, no time base).
 TrackResult track(FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision
