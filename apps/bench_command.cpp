@@ -147,9 +147,19 @@ class Bench {
       grid.progress = [&](int done, int total) { progress.update(done, total); };
       limits = vision::bench_limit(grid);
     }
+    vision::VisionDecodingOptions recordings;
+    if (options_.quick) recordings = vision::quick_decoding_options();
+    std::vector<vision::VisionDecodingRow> decodings;
+    {
+      Progress progress("bench vision, recordings", context_.quiet);
+      recordings.progress = [&](int done, int total) { progress.update(done, total); };
+      decodings = vision::bench_decoding(recordings);
+    }
     keep("bench_vision", table_of(rows));
     keep("bench_vision_limit", table_of(limits));
-    results_["vision"] = {{"rows", rows.size()}, {"limit_rows", limits.size()}};
+    keep("bench_vision_decoding", table_of(decodings));
+    results_["vision"] = {
+        {"rows", rows.size()}, {"limit_rows", limits.size()}, {"decoding_rows", decodings.size()}};
   }
 
   void fit() {
@@ -231,8 +241,9 @@ void add_bench(CLI::App& app, Context& context) {
       .add_option(
           "WHAT", options->what,
           "model: integrators, the table of extremes, what the plan saves, many runs at once, the paper's "
-          "claims (a minute); vision: sub-pixel methods on rendered scenes, and the tracker against the "
-          "physical limit (ten minutes); fit: exact derivatives against differences, and how often the "
+          "claims (a minute); vision: sub-pixel methods on rendered scenes, the tracker against the "
+          "physical limit, and against the decoding of recordings (a quarter of an hour); fit: exact "
+          "derivatives against differences, and how often the "
           "intervals of a thousand campaigns hold (some minutes, on all cores); all")
       ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
       ->required();
@@ -240,7 +251,7 @@ void add_bench(CLI::App& app, Context& context) {
       .add_option("-o,--output", options->output,
                   "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
                   "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
-                  "bench_fit.csv, bench_fit_coverage.csv, their "
+                  "bench_vision_decoding.csv, bench_fit.csv, bench_fit_coverage.csv, their "
                   "plots (.svg) and bench.json (CPU, compiler flags, how the references were made)")
       ->type_name("DIR")
       ->required();

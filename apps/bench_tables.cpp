@@ -224,6 +224,29 @@ BenchTable table_of(const std::vector<vision::VisionLimitRow>& rows) {
   return table;
 }
 
+BenchTable table_of(const std::vector<vision::VisionDecodingRow>& rows) {
+  BenchTable table;
+  table.csv =
+      "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding\n";
+  table.text = fmt::format(
+      "\nwhat tracking a recording on disk costs, opening, reading and decoding included\n"
+      "  {:<8} {:<8} {:>6} {:>8} {:>9} {:>5} {:>12} {:>12} {:>9} {:>10}\n",
+      "coding", "ground", "R, px", "plan", "rms, px", "lost", "decode/frame", "track/frame", "frames/s",
+      "x decoding");
+  for (const auto& row : rows) {
+    table.csv +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", row.coding, yes(row.brushed), exact(row.radius),
+                    row.frames, yes(row.layered), row.lost, compact(row.rms), compact(row.decoding),
+                    compact(row.tracking), compact(row.tracking / row.decoding));
+    table.text +=
+        fmt::format("  {:<8} {:<8} {:>6g} {:>8} {:>9.5f} {:>5} {:>12} {:>12} {:>9.0f} {:>10}\n", row.coding,
+                    row.brushed ? "brushed" : "plain", row.radius, row.layered ? "layered" : "plain", row.rms,
+                    row.lost, duration(row.decoding), duration(row.tracking), 1 / row.tracking,
+                    row.coding == "cine" ? "" : fmt::format("{:.2f}", row.tracking / row.decoding));
+  }
+  return table;
+}
+
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows) {
   BenchTable table;
   table.csv = "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd";

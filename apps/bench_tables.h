@@ -11,6 +11,7 @@
 #include "model/bench_plan.h"
 #include "model/claims.h"
 #include "vision/bench.h"
+#include "vision/bench_decoding.h"
 #include "vision/bench_limit.h"
 
 namespace tribotrack::apps {
@@ -26,6 +27,7 @@ BenchTable table_of(const std::vector<model::BatchBenchRow>& rows);
 BenchTable table_of(const std::vector<model::PaperClaim>& claims);
 BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<vision::VisionLimitRow>& rows);
+BenchTable table_of(const std::vector<vision::VisionDecodingRow>& rows);
 BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
 BenchTable table_of(const std::vector<fit::CoverageRow>& rows);
 

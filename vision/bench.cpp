@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -19,13 +18,6 @@ namespace tribotrack::vision {
 namespace {
 
 using std::numbers::pi;
-
-/// CPU time of this thread: what other programs take from the machine does not count.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Shot {
   Scene scene;

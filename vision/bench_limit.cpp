@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 
 #include "vision/bench_recording.h"
@@ -17,12 +16,6 @@ using std::numbers::pi;
 
 constexpr int kPoses = 125;
 constexpr double kMarker = 26, kMarkerRadius = 12;  ///< px
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Path {
   Scene scene;

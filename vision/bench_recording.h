@@ -1,9 +1,10 @@
-// Rendered recordings in memory, for the benchmarks.
+// Rendered recordings in memory and the clock, for the benchmarks.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <vector>
 
 #include "vision/frame_source.h"
@@ -11,6 +12,13 @@
 #include "vision/window.h"
 
 namespace tribotrack::vision {
+
+/// CPU time of this thread: what other programs take from the machine does not count.
+inline double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 /// White noise, then whole levels of 8 bits.
 inline Picture recorded(const Picture& exact, double noise, std::uint64_t frame) {

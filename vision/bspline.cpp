@@ -209,53 +209,44 @@ namespace {
 
 constexpr int kReach = 20;  // 0.43^20 < 1e-7
 
-/// What the sample k - kReach - 3 px from the place's whole pixel contributes to value and slope at a
-/// fraction.
-struct Response {
-  std::array<double, 2 * kReach + 1> value{}, slope{};
-  explicit Response(double fraction) {
-    static const std::vector<double> impulse = [] {
-      std::vector<double> line(2 * kReach + 7, 0.0);
-      line[kReach + 3] = 1;
-      prefilter(line.data(), static_cast<int>(line.size()), 1);
-      return line;
-    }();
-    const auto w = quintic_weights(fraction);
-    const auto s = quintic_slopes(fraction);
-    for (std::size_t k = 0; k < value.size(); ++k)
-      for (std::size_t i = 0; i < 6; ++i) {
-        value[k] += w[i] * impulse[k + i];
-        slope[k] += s[i] * impulse[k + i];
-      }
-  }
-};
+/// Sum over k of h_k h_{k + lag}, h the coefficients of a picture that is 1 at one pixel and else 0.
+double autocorrelation(int lag) {
+  static const std::vector<double> known = [] {
+    std::vector<double> line(6 * kReach + 1, 0.0), sums(2 * kReach + 1, 0.0);
+    line[3 * kReach] = 1;
+    prefilter(line.data(), static_cast<int>(line.size()), 1);
+    for (std::size_t l = 0; l < sums.size(); ++l)
+      for (std::size_t k = 0; k + l < line.size(); ++k) sums[l] += line[k] * line[k + l];
+    return sums;
+  }();
+  const auto place = static_cast<std::size_t>(std::abs(lag));
+  return place < known.size() ? known[place] : 0;
+}
+
+/// Covariance of white noise interpolated with these weights, the second's first coefficient `shift` beyond
+/// the first's.
+double covariance(const std::array<double, 6>& a, const std::array<double, 6>& b, int shift) {
+  std::array<double, 11> of_lag{};
+  for (int l = 0; l < 11; ++l) of_lag[static_cast<std::size_t>(l)] = autocorrelation(shift + l - 5);
+  double sum = 0;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) sum += a[i] * b[j] * of_lag[j + 5 - i];
+  return sum;
+}
 
 }  // namespace
 
 InterpolationNoise quintic_noise(double fraction) {
-  const Response r(fraction - std::floor(fraction));
-  InterpolationNoise noise{0, 0};
-  for (std::size_t k = 0; k < r.value.size(); ++k) {
-    noise.value += r.value[k] * r.value[k];
-    noise.slope += r.slope[k] * r.slope[k];
-  }
-  return noise;
+  const double t = fraction - std::floor(fraction);
+  const auto weights = quintic_weights(t), slopes = quintic_slopes(t);
+  return {covariance(weights, weights, 0), covariance(slopes, slopes, 0)};
 }
 
 InterpolationCovariance quintic_noise_covariance(double f, double g) {
   const int shift = static_cast<int>(std::floor(g) - std::floor(f));
-  const Response a(f - std::floor(f));
-  const Response b(g - std::floor(g));
-  InterpolationCovariance out{0, 0};
-  const int n = static_cast<int>(a.value.size());
-  // Moving the place by a whole pixel moves its responses by one sample.
-  for (int k = std::max(0, -shift); k < std::min(n, n - shift); ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const auto j = static_cast<std::size_t>(k + shift);
-    out.value_value += a.value[i] * b.value[j];
-    out.slope_value += a.slope[i] * b.value[j];
-  }
-  return out;
+  const double t = f - std::floor(f);
+  const auto there = quintic_weights(g - std::floor(g));
+  return {covariance(quintic_weights(t), there, shift), covariance(quintic_slopes(t), there, shift)};
 }
 
 }  // namespace tribotrack::vision

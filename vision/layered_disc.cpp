@@ -12,7 +12,6 @@ constexpr int kContext = 2;         ///< px of grid beyond the rim's reach
 constexpr double kTurnStep = 0.25;  ///< px at the rim: frames turned by less are averaged
 constexpr double kTextureSd = 20;   ///< grey levels a disc's texture may have
 constexpr int kSplitIterations = 30;
-constexpr int kMoreIterations = 30;  ///< from where the last sweep ended
 
 }  // namespace
 
@@ -264,7 +263,7 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   Picture cover = share_;
   for (float& c : cover.levels()) c = std::max(0.0F, 1 - c);
   split_turning(pictures, cover, noise_variance / (kTextureSd * kTextureSd), rim_.inner() - 1,
-                parts_.coefficients.empty() ? kSplitIterations : kMoreIterations, parts_);
+                kSplitIterations, parts_);
   texture_spline_ = QuinticSpline(parts_.turning);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBorder = 1;              ///< px beyond the rim's reach: the ground's own level is learnt there
 constexpr double kTurnTolerance = 0.1;  ///< px at the rim: further the disc's picture is turned anew
-constexpr double kTolerance = 0.003;    ///< of the standard deviation
+constexpr double kTolerance = 0.02;     ///< of the standard deviation
 constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
 constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
@@ -378,7 +378,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     if (std::hypot(s.centre.x - start.centre.x, s.centre.y - start.centre.y) > kMaxMove) return std::nullopt;
     const bool settled = length < tolerance;
     const bool re_form = std::hypot(s.centre.x - formed.x, s.centre.y - formed.y) > kReform;
-    sample(s.centre, re_form);
+    if (re_form || !settled) sample(s.centre, re_form);
     if (settled && !trimmed) {
       trimmed = true;
       if (sums.largest > kTrim * kTrim) {

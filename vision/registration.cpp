@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "vision/visible_rotation.h"
 
@@ -345,6 +346,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   const double noise_sd = std::sqrt(options_.noise_variance);
   bool trimmed = false;
   std::size_t trimmed_count = 0;
+  std::optional<ForceSums> last;  // where they are those of the pose found
   const auto sums_now = [&] {
     return tile_kernels().force(arrays_, static_cast<float>(gain), static_cast<float>(offset));
   };
@@ -385,13 +387,15 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
     }
     const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
-    sample_template(fraction, re_form);
+    if (re_form || !settled) sample_template(fraction, re_form);
     if (settled && !trimmed) {
-      trimmed_count = trim(sums_now(), gain, offset, noise_sd);
+      last = sums_now();
+      trimmed_count = trim(*last, gain, offset, noise_sd);
       trimmed = true;
       if (trimmed_count > 0) {
         factor.compute(normal = normal_matrix());
         settled = false;
+        last.reset();
       }
     }
     if (settled) {
@@ -409,7 +413,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   out.ncc = correlation();
   if (!out.converged) return out;
 
-  const ForceSums sums = sums_now();
+  const ForceSums sums = last ? *last : sums_now();
   out.trimmed_share = static_cast<double>(trimmed_count) / pixels_;
   out.residual_rms = std::sqrt(sums.squares / std::max(1.0, sums.weight - columns()));
 

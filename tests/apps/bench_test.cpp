@@ -68,6 +68,9 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
             "standardised_rms,noise_found_levels,time_s");
   EXPECT_EQ(
+      first_line(out / "bench_vision_decoding.csv"),
+      "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding");
+  EXPECT_EQ(
       first_line(out / "bench_fit.csv"),
       "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
       "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
@@ -81,7 +84,7 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
   for (const char* name :
        {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch", "bench_model_claims",
-        "bench_vision", "bench_vision_limit", "bench_fit", "bench_fit_coverage"})
+        "bench_vision", "bench_vision_limit", "bench_vision_decoding", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})

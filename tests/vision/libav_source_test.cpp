@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <random>
 
 #include "vision/recordings.h"
@@ -89,6 +90,21 @@ TEST_F(LibavSourceTest, AVideoCutShortNeverLosesFramesInSilence) {
       EXPECT_THAT(input_error(file(name)),
                   AllOf(HasSubstr(name), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
           << share;
+    }
+  }
+}
+
+TEST_F(LibavSourceTest, AFileThatShrinksWhileReadIsAnError) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    write_recording(file(name), options(), 400);
+    const auto source = open_source(file(name));
+    source->read(2);
+    std::filesystem::resize_file(file(name), std::filesystem::file_size(file(name)) / 2);
+    try {
+      for (std::int64_t k = 3; k < 400; ++k) source->read(k);
+      FAIL() << name << ": half of the frames are gone";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
     }
   }
 }
