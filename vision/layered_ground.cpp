@@ -185,7 +185,7 @@ void GroundPicture::finish(double noise_variance) {
   }
   summarise(enough, noise_variance);
   continue_smoothly(level, enough);
-  unseen_variance_ = kAlike * std::max(texture_ * texture_, 0.01 * noise_variance);
+  unseen_variance_ = std::max(kAlike * texture_ * texture_, 0.01 * noise_variance);
   const auto prior = static_cast<float>(noise_variance / unseen_variance_);
   const auto noise = static_cast<float>(noise_variance);
   Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);

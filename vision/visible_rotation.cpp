@@ -41,6 +41,35 @@ Picture smoothed(const Picture& levels, const Picture& mask, double sd) {
   return out;
 }
 
+/// What is the same all round, a blurred rim above all, does not turn: levels less the mean of their ring,
+/// between rings by proportion.
+Picture without_rings(const Picture& levels, const Picture& inside, double left, double top) {
+  const auto reach = static_cast<std::size_t>(std::hypot(levels.width(), levels.height())) + 3;
+  std::vector<double> sum(reach, 0), weight(reach, 0);
+  const auto each = [&](const auto& act) {
+    for (int y = 0; y < levels.height(); ++y)
+      for (int x = 0; x < levels.width(); ++x) {
+        if (inside.at(x, y) == 0) continue;
+        const double rho = std::hypot(left + x, top + y);
+        const auto ring = static_cast<std::size_t>(rho);
+        act(x, y, ring, rho - static_cast<double>(ring));
+      }
+  };
+  each([&](int x, int y, std::size_t ring, double part) {
+    for (const std::size_t k : {ring, ring + 1}) {
+      const double share = k == ring ? 1 - part : part;
+      sum[k] += share * static_cast<double>(levels.at(x, y));
+      weight[k] += share;
+    }
+  });
+  Picture out(levels.width(), levels.height());
+  each([&](int x, int y, std::size_t ring, double part) {
+    const auto mean = [&](std::size_t k) { return weight[k] > 0 ? sum[k] / weight[k] : 0; };
+    out.at(x, y) = levels.at(x, y) - static_cast<float>((1 - part) * mean(ring) + part * mean(ring + 1));
+  });
+  return out;
+}
+
 /// Covariance of unit white noise smoothed by a and by b, r px apart.
 double covariance(double a, double b, double r) {
   const double square = a * a + b * b;
@@ -67,8 +96,9 @@ double rotation_limit(const Picture& levels, const Pattern& pattern, double nois
                                 (pattern.radius <= 0 || std::hypot(left + x, top + y) < pattern.radius - kRim)
                             ? 1.0F
                             : 0.0F;
-  Picture band = smoothed(levels, inside, kNarrow);
-  const Picture wide = smoothed(levels, inside, kWide);
+  const Picture texture = pattern.radius > 0 ? without_rings(levels, inside, left, top) : levels;
+  Picture band = smoothed(texture, inside, kNarrow);
+  const Picture wide = smoothed(texture, inside, kWide);
   for (std::size_t k = 0; k < band.levels().size(); ++k) band.levels()[k] -= wide.levels()[k];
 
   double information = 0, of_noise = 0, count = 0;
