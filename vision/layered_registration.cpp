@@ -18,6 +18,7 @@ constexpr double kMaxTrim = 0.2;
 constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
 constexpr double kSureGround = 0.1;   ///< variance of the ground that does not spoil the noise law
 constexpr double kLeastLean = 1e-4;   ///< of a rim pixel's share in the information: not worth a sum
+constexpr double kSloping = 2;        ///< times the slope that noise alone makes
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
@@ -29,11 +30,18 @@ Eigen::Vector3d LayeredRegistration::Plateau::force_at(const LayerLight& light,
          light.gain * (slope * shift);
 }
 
-/// r is taken to hold -gain grad S . shift, which its sum against grad S would tell more exactly.
+/// The model's derivative by the centre is -gain grad S.
+Eigen::Vector2d LayeredRegistration::Plateau::step_force_at(const LayerLight& light,
+                                                            const Eigen::Vector2d& shift) const {
+  const Eigen::Vector3d q(light.gain - 1, light.slope_x, light.slope_y);
+  return -light.gain * (pull - slope.transpose() * q + light.gain * (steepness * shift));
+}
+
 double LayeredRegistration::Plateau::squares_at(const LayerLight& light, const Eigen::Vector2d& shift) const {
   const Eigen::Vector3d q(light.gain - 1, light.slope_x, light.slope_y);
-  return squares - 2 * q.dot(force) + q.dot(normal * q) -
-         light.gain * light.gain * shift.dot(steepness * shift);
+  const Eigen::Vector2d moved = light.gain * shift;
+  return squares - 2 * q.dot(force) + q.dot(normal * q) + 2 * moved.dot(pull - slope.transpose() * q) +
+         moved.dot(steepness * moved);
 }
 
 void LayeredRegistration::Plateau::add(double weight, const Eigen::Vector3d& column,
@@ -57,6 +65,7 @@ void LayeredRegistration::set_noise(const NoiseLaw& noise) {
 }
 
 void LayeredRegistration::disc_changed(int frames) {
+  frames_ = std::max(1, frames);
   share_ = QuinticSpline(disc_.share());
   cached_theta_ = 1e9;
   turn_to(0);
@@ -152,18 +161,35 @@ void LayeredRegistration::choose_pixels(int frames) {
     }
 }
 
-/// grad S between whole pixels: what a highlight's slope does to a sum over them does not hang on more.
+/// grad S at whole pixels, where the middle slopes by more than the noise it was learnt with.
+void LayeredRegistration::slope_of_middle() {
+  const int size = plateau_weight_.width();
+  slope_x_ = slope_y_ = Picture(size, size);
+  double squares = 0, noise = 0;
+  for (const Run& run : runs_)
+    for (int i = run.first; i < run.first + run.count; ++i) {
+      if (plateau_weight_.at(i, run.y) == 0) continue;
+      const int left = std::max(i - 1, 0), right = std::min(i + 1, size - 1);
+      const int above = std::max(run.y - 1, 0), below = std::min(run.y + 1, size - 1);
+      const float x = 0.5F * (shown_.at(right, run.y) - shown_.at(left, run.y));
+      const float y = 0.5F * (shown_.at(i, below) - shown_.at(i, above));
+      slope_x_.at(i, run.y) = x;
+      slope_y_.at(i, run.y) = y;
+      squares += static_cast<double>(x * x + y * y);
+      noise += noise_.at(shown_.at(i, run.y)) / frames_;
+    }
+  if (squares <= kSloping * noise) slope_x_ = slope_y_ = Picture();
+}
+
 Eigen::Vector2d LayeredRegistration::shown_slope(int i, int j) const {
-  const int last = shown_.width() - 1;
-  return 0.5 * Eigen::Vector2d(static_cast<double>(shown_.at(std::min(i + 1, last), j)) -
-                                   static_cast<double>(shown_.at(std::max(i - 1, 0), j)),
-                               static_cast<double>(shown_.at(i, std::min(j + 1, last))) -
-                                   static_cast<double>(shown_.at(i, std::max(j - 1, 0))));
+  if (slope_x_.empty()) return Eigen::Vector2d::Zero();
+  return {static_cast<double>(slope_x_.at(i, j)), static_cast<double>(slope_y_.at(i, j))};
 }
 
 void LayeredRegistration::make_plateau() {
   if (shown_.empty()) return;
   plateau_ = {};
+  slope_of_middle();
   for (const Run& run : runs_)
     for (int i = run.first; i < run.first + run.count; ++i) {
       float& weight = plateau_weight_.at(i, run.y);
@@ -245,6 +271,13 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
                                 plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
     out.force += Eigen::Vector3d(sums[0], sums[1], (run.y - disc_.half()) * sums[0]);
     out.squares += sums[2];
+    if (slope_x_.empty()) continue;
+    const auto row = [&](const float* from) { return Eigen::Map<const Eigen::ArrayXf>(from, run.count); };
+    const Eigen::ArrayXf pull = row(plateau_weight_.row(run.y).data() + first) *
+                                (row(picture.row(py).data() + px) - row(shown_.row(run.y).data() + first));
+    out.pull += Eigen::Vector2f((pull * row(slope_x_.row(run.y).data() + first)).sum(),
+                                (pull * row(slope_y_.row(run.y).data() + first)).sum())
+                    .cast<double>();
   }
   return out;
 }
@@ -270,6 +303,7 @@ LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture&
       const Eigen::Vector3d column = level * Eigen::Vector3d(1, u, v);
       out.add(weight, column, gradient);
       out.force += weight * r * column;
+      out.pull += weight * r * gradient;
       out.squares += weight * r * r;
     }
   return out;
@@ -298,6 +332,9 @@ LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LayerLight&
   for (int i = 0, k = 0; i < n; ++i)
     for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
   normal.block<3, 3>(kGain, kGain) += plateau.normal;
+  normal.block<2, 2>(kStepX, kStepX) += light.gain * light.gain * plateau.steepness;
+  normal.block<3, 2>(kGain, kStepX) -= light.gain * plateau.slope;
+  normal.block<2, 3>(kStepX, kGain) -= light.gain * plateau.slope.transpose();
   normal(kSlopeX, kSlopeX) += hold;
   normal(kSlopeY, kSlopeY) += hold;
   return normal;
@@ -361,6 +398,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     Vector force =
         Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
     force.segment<3>(kGain) += plateau.force_at(light, shift());
+    force.segment<2>(kStepX) += plateau.step_force_at(light, shift());
     force(kSlopeX) += hold * (light.gain * prior.slope_x - light.slope_x);
     force(kSlopeY) += hold * (light.gain * prior.slope_y - light.slope_y);
     const Vector step = factor.solve(force);

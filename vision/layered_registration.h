@@ -93,11 +93,15 @@ class LayeredRegistration {
   struct Plateau {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< at light (1, 0, 0), shift 0
+    /// Where the middle is not even (a highlight, defocus): its slope against the light and itself, and the
+    /// frame's residuals against it.
     Eigen::Matrix<double, 3, 2> slope = Eigen::Matrix<double, 3, 2>::Zero();
     Eigen::Matrix2d steepness = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d pull = Eigen::Vector2d::Zero();
     double squares = 0, pixels = 0;
     void add(double weight, const Eigen::Vector3d& column, const Eigen::Vector2d& gradient);
     Eigen::Vector3d force_at(const LayerLight& light, const Eigen::Vector2d& shift) const;
+    Eigen::Vector2d step_force_at(const LayerLight& light, const Eigen::Vector2d& shift) const;
     double squares_at(const LayerLight& light, const Eigen::Vector2d& shift) const;
   };
   void choose_pixels(int frames);
@@ -107,6 +111,7 @@ class LayeredRegistration {
   Plateau take_plateau(const Picture& picture, int x, int y) const;
   Plateau trimmed_plateau(const Picture& picture, int x, int y, const LayerLight& light,
                           const Eigen::Vector2d& shift) const;
+  void slope_of_middle();
   Eigen::Vector2d shown_slope(int i, int j) const;
   void sample(const Point& centre, bool slopes);
   Matrix normal_matrix(const LayerLight& light, const Plateau& plateau, double hold);
@@ -129,8 +134,10 @@ class LayeredRegistration {
   Picture chosen_;
   std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
   double rim_pixels_ = 0, rim_counted_ = 0;
-  Picture plateau_weight_;  ///< on the disc's grid
-  Plateau plateau_;         ///< all but the frame's own sums
+  Picture plateau_weight_;     ///< on the disc's grid
+  Plateau plateau_;            ///< all but the frame's own sums
+  Picture slope_x_, slope_y_;  ///< of the disc's picture where plateau_weight_ counts; empty where it is even
+  int frames_ = 1;             ///< the disc has learnt from
   struct Run {
     int y = 0, first = 0, count = 0;  ///< on the disc's grid
   };
