@@ -173,6 +173,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   const double taken = static_cast<double>(windows) / static_cast<double>(windows - 1);
   const double widened =
       taken * std::max(1.0, learning->rim_chi_squared()) * std::max(1.0, out.slow_error.widening);
+  registration.set_usual(std::max(1.0, learning->rim_chi_squared()));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
     const Rect window = layered_window(f.centre, registration.reach() + 1, source.bounds());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/strangers.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -15,6 +17,7 @@ constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dust, glare, a lamp)
 constexpr double kMaxTrim = 0.2;
+constexpr double kStrangeEdge = 3;    ///< px about what covers the disc that are half covered
 constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
 constexpr double kSureGround = 0.1;   ///< variance of the ground that does not spoil the noise law
 constexpr double kLeastLean = 1e-4;   ///< of a rim pixel's share in the information: not worth a sum
@@ -352,10 +355,16 @@ float LayeredRegistration::residual(std::size_t i, const LayerLight& light) cons
 
 /// Pixels that cannot be noise stop counting. Returns how many.
 std::size_t LayeredRegistration::trim(const LayerLight& light) {
-  std::size_t count = 0;
+  std::vector<unsigned char> strange(counts_.size());
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     const float r = residual(i, light);
-    if (!(arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim))) continue;
+    strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim);
+  }
+  // While the layers are learnt what is strange may be their own.
+  if (std::isfinite(usual_)) spread_strangers(places_, kStrangeEdge, strange);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    if (strange[i] == 0 || counts_[i] == 0) continue;
     counts_[i] = 0;
     ++count;
   }
@@ -454,6 +463,10 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   fix.chi_squared =
       (sums.squares + plateau.squares_at(light, shift())) / std::max(1.0, c.w + plateau.pixels - columns());
   fix.rim_chi_squared = sums.rim_squares / std::max(1.0, rim_counted_);
+  // Four times the scatter of a variance, and a tenth for a noise law that is not quite right.
+  const double excess = fix.rim_chi_squared / usual_ - 1;
+  if (excess > 0.1 + 4 * std::sqrt(2 / std::max(1.0, rim_counted_)))
+    fix.covariance += excess / (1 + excess) * scattered(inverse) / usual_;
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
   return fix;

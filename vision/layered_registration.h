@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -47,6 +48,9 @@ class LayeredRegistration {
                       const TileKernels& tiles = tile_kernels());
 
   void set_noise(const NoiseLaw& noise);
+  /// Once the layers are learnt, rim_chi_squared of the usual frame: one far above holds something that
+  /// neither layer has, and how far that may have drawn the disc goes into its covariance (layered_scatter).
+  void set_usual(double rim_chi_squared) { usual_ = rim_chi_squared; }
   /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
   /// picture is not information.
   void disc_changed(int frames);
@@ -116,6 +120,7 @@ class LayeredRegistration {
   void sample(const Point& centre, bool slopes);
   Matrix normal_matrix(const LayerLight& light, const Plateau& plateau, double hold);
   std::size_t trim(const LayerLight& light);
+  Eigen::Matrix2d scattered(const Matrix& inverse) const;
   float residual(std::size_t i, const LayerLight& light) const;
   int columns() const { return disc_.turning() ? 7 : 6; }
 
@@ -124,6 +129,7 @@ class LayeredRegistration {
   LayerKernels layer_kernels_;
   TileKernels tile_kernels_;
   NoiseLaw noise_;
+  double usual_ = std::numeric_limits<double>::infinity();
   int reach_ = 0;
   double pixel_share_ = 1;
   double cached_theta_ = 1e9;

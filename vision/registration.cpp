@@ -7,14 +7,16 @@
 #include <numbers>
 #include <optional>
 
+#include "vision/strangers.h"
 #include "vision/visible_rotation.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBorder = 12;       ///< context of the spline around the template, px
-constexpr int kFractions = 16;    ///< table of interpolation noise
-constexpr double kMaxTrim = 0.4;  ///< more than this share of strange pixels: it is not the template
+constexpr int kBorder = 12;         ///< context of the spline around the template, px
+constexpr int kFractions = 16;      ///< table of interpolation noise
+constexpr double kStrangeEdge = 3;  ///< px about what covers the template that are half covered
+constexpr double kMaxTrim = 0.4;    ///< more than this share of strange pixels: it is not the template
 }  // namespace
 
 TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& pattern,
@@ -280,11 +282,15 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
     std::nth_element(sizes.begin(), middle, sizes.end());
     limit = std::max(least, kUsual * static_cast<double>(*middle));
   }
+  std::vector<unsigned char> strange(mask_.size());
+  for (std::size_t i = 0; i < mask_.size(); ++i)
+    strange[i] = base_weight_[i] > 0 && static_cast<double>(residual[i]) > limit;
+  // A texture that has turned is strange wherever it is, until its angle is found.
+  if (!options_.rotation) spread_strangers(places_, kStrangeEdge, strange);
   std::size_t count = 0;
   for (std::size_t i = 0; i < mask_.size(); ++i) {
-    const bool strange = base_weight_[i] > 0 && static_cast<double>(residual[i]) > limit;
-    arrays_.weight[i] = strange ? 0 : base_weight_[i];
-    count += strange;
+    arrays_.weight[i] = strange[i] != 0 ? 0 : base_weight_[i];
+    count += strange[i] != 0 && base_weight_[i] > 0;
   }
   if (static_cast<double>(count) > kMaxTrim * static_cast<double>(counted)) {
     arrays_.weight = base_weight_;
