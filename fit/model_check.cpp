@@ -136,7 +136,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   result.runs_test_p_value = runs_test(residuals, best);
   if (!surprised && !options.rivals) {
     result.left_out.push_back(
-        "Tilt, scatter and rival friction laws were not tried: chi2 is no surprise (p = " +
+        "Tilt and rival friction laws were not tried: chi2 is no surprise (p = " +
         number(result.p_value, 2) + ").");
     return;
   }
