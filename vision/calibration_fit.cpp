@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
+#include "vision/format_text.h"
 #include "vision/in_quotes.h"
 #include "vision/internal/calibration_corners.h"
 
@@ -57,12 +58,6 @@ struct Views {
     return n;
   }
 };
-
-std::string format(const char* text, auto... values) {
-  char line[240];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
-}
 
 Solution solve(const Views& views, const Model& model) {
   Solution s;

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <string>
 
+#include "vision/format_text.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -20,12 +22,6 @@ bool exactly_uniform(std::span<const std::int64_t> ticks) {
   for (std::size_t k = 2; k < ticks.size(); ++k)
     if (ticks[k] - ticks[k - 1] != ticks[1] - ticks[0]) return false;
   return true;
-}
-
-std::string format(const char* text, auto... values) {
-  char line[200];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
 }
 
 std::string played_at(double rate_hz) {

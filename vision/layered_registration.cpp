@@ -15,45 +15,12 @@ constexpr double kTolerance = 0.02;     ///< of the standard deviation
 constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
 constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
-constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dust, glare, a lamp)
 constexpr double kMaxTrim = 0.2;
 constexpr double kStrangeEdge = 3;    ///< px about what covers the disc that are half covered
 constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
-constexpr double kSureGround = 0.1;   ///< variance of the ground that does not spoil the noise law
-constexpr double kLeastLean = 1e-4;   ///< of a rim pixel's share in the information: not worth a sum
-constexpr double kSloping = 2;        ///< times the slope that noise alone makes
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
-
-/// With r = I - S(u) summed, the residual is r - q . column + gain grad S . shift.
-Eigen::Vector3d LayeredRegistration::Plateau::force_at(const LayerLight& light,
-                                                       const Eigen::Vector2d& shift) const {
-  return force - normal * Eigen::Vector3d(light.gain - 1, light.slope_x, light.slope_y) +
-         light.gain * (slope * shift);
-}
-
-/// The model's derivative by the centre is -gain grad S.
-Eigen::Vector2d LayeredRegistration::Plateau::step_force_at(const LayerLight& light,
-                                                            const Eigen::Vector2d& shift) const {
-  const Eigen::Vector3d q(light.gain - 1, light.slope_x, light.slope_y);
-  return -light.gain * (pull - slope.transpose() * q + light.gain * (steepness * shift));
-}
-
-double LayeredRegistration::Plateau::squares_at(const LayerLight& light, const Eigen::Vector2d& shift) const {
-  const Eigen::Vector3d q(light.gain - 1, light.slope_x, light.slope_y);
-  const Eigen::Vector2d moved = light.gain * shift;
-  return squares - 2 * q.dot(force) + q.dot(normal * q) + 2 * moved.dot(pull - slope.transpose() * q) +
-         moved.dot(steepness * moved);
-}
-
-void LayeredRegistration::Plateau::add(double weight, const Eigen::Vector3d& column,
-                                       const Eigen::Vector2d& gradient) {
-  normal += weight * column * column.transpose();
-  slope += weight * column * gradient.transpose();
-  steepness += weight * gradient * gradient.transpose();
-  ++pixels;
-}
 
 LayeredRegistration::LayeredRegistration(const LayeredDisc& disc, const GroundPicture& ground,
                                          const LayerKernels& layers, const TileKernels& tiles)
@@ -164,46 +131,6 @@ void LayeredRegistration::choose_pixels(int frames) {
     }
 }
 
-/// grad S at whole pixels, where the middle slopes by more than the noise it was learnt with.
-void LayeredRegistration::slope_of_middle() {
-  const int size = plateau_weight_.width();
-  slope_x_ = slope_y_ = Picture(size, size);
-  double squares = 0, noise = 0;
-  for (const Run& run : runs_)
-    for (int i = run.first; i < run.first + run.count; ++i) {
-      if (plateau_weight_.at(i, run.y) == 0) continue;
-      const int left = std::max(i - 1, 0), right = std::min(i + 1, size - 1);
-      const int above = std::max(run.y - 1, 0), below = std::min(run.y + 1, size - 1);
-      const float x = 0.5F * (shown_.at(right, run.y) - shown_.at(left, run.y));
-      const float y = 0.5F * (shown_.at(i, below) - shown_.at(i, above));
-      slope_x_.at(i, run.y) = x;
-      slope_y_.at(i, run.y) = y;
-      squares += static_cast<double>(x * x + y * y);
-      noise += noise_.at(shown_.at(i, run.y)) / frames_;
-    }
-  if (squares <= kSloping * noise) slope_x_ = slope_y_ = Picture();
-}
-
-Eigen::Vector2d LayeredRegistration::shown_slope(int i, int j) const {
-  if (slope_x_.empty()) return Eigen::Vector2d::Zero();
-  return {static_cast<double>(slope_x_.at(i, j)), static_cast<double>(slope_y_.at(i, j))};
-}
-
-void LayeredRegistration::make_plateau() {
-  if (shown_.empty()) return;
-  plateau_ = {};
-  slope_of_middle();
-  for (const Run& run : runs_)
-    for (int i = run.first; i < run.first + run.count; ++i) {
-      float& weight = plateau_weight_.at(i, run.y);
-      if (weight == 0) continue;
-      const double level = shown_.at(i, run.y);
-      weight = static_cast<float>(1 / noise_.at(level));
-      const Eigen::Vector3d column = level * Eigen::Vector3d(1, i - disc_.half(), run.y - disc_.half());
-      plateau_.add(static_cast<double>(weight), column, shown_slope(i, run.y));
-    }
-}
-
 /// Levels and ground under the tiles. False where too little of the rim lies in the picture over known
 /// ground.
 bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, const Point& ground) {
@@ -259,57 +186,6 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
                        arrays_.ground);
   return true;
-}
-
-LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& picture, int x, int y) const {
-  Plateau out = plateau_;
-  const int left = x0_ - disc_.half() - x, top = y0_ - disc_.half() - y;
-  for (const Run& run : runs_) {
-    const int px = left + run.first, py = top + run.y;
-    if (px < 0 || py < 0 || px + run.count > picture.width() || py >= picture.height())
-      return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero());
-    const auto first = static_cast<std::size_t>(run.first);
-    const PlateauSums sums =
-        layer_kernels_.plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
-                                plateau_weight_.row(run.y).data() + first, ramp_.data() + first, run.count});
-    out.force += Eigen::Vector3d(sums[0], sums[1], (run.y - disc_.half()) * sums[0]);
-    out.squares += sums[2];
-    if (slope_x_.empty()) continue;
-    const auto row = [&](const float* from) { return Eigen::Map<const Eigen::ArrayXf>(from, run.count); };
-    const Eigen::ArrayXf pull = row(plateau_weight_.row(run.y).data() + first) *
-                                (row(picture.row(py).data() + px) - row(shown_.row(run.y).data() + first));
-    out.pull += Eigen::Vector2f((pull * row(slope_x_.row(run.y).data() + first)).sum(),
-                                (pull * row(slope_y_.row(run.y).data() + first)).sum())
-                    .cast<double>();
-  }
-  return out;
-}
-
-/// The same pixel by pixel: without what lies outside the picture and what cannot be noise.
-LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture& picture, int x, int y,
-                                                                  const LayerLight& light,
-                                                                  const Eigen::Vector2d& shift) const {
-  Plateau out;
-  const int left = x0_ - disc_.half() - x, top = y0_ - disc_.half() - y;
-  for (const Run& run : runs_)
-    for (int i = run.first; i < run.first + run.count; ++i) {
-      const int px = left + i, py = top + run.y;
-      const double weight = plateau_weight_.at(i, run.y);
-      if (weight == 0 || px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
-      const double u = i - disc_.half(), v = run.y - disc_.half();
-      const double level = shown_.at(i, run.y);
-      const Eigen::Vector2d gradient = shown_slope(i, run.y);
-      const double off = picture.at(px, py) -
-                         (light.gain + light.slope_x * u + light.slope_y * v) * (level - gradient.dot(shift));
-      if (weight * off * off > kTrim * kTrim) continue;
-      const double r = picture.at(px, py) - level;
-      const Eigen::Vector3d column = level * Eigen::Vector3d(1, u, v);
-      out.add(weight, column, gradient);
-      out.force += weight * r * column;
-      out.pull += weight * r * gradient;
-      out.squares += weight * r * r;
-    }
-  return out;
 }
 
 /// S and w (and the slopes of both) under the tiles for a centre.
@@ -470,75 +346,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
   return fix;
-}
-
-void LayeredRegistration::add_rim(RimSums& sums) const {
-  const auto under = static_cast<float>(light_.ground), mean = static_cast<float>(ground_.mean());
-  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kLayerColumns, 2> mixed =
-      Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(columns(), 2);
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (!(counts_[i] * arrays_.rim[i] > 0)) continue;
-    const float wx = arrays_.share.slope_x[i], wy = arrays_.share.slope_y[i];
-    const float q = under * (wx * arrays_.ground.slope_x[i] + wy * arrays_.ground.slope_y[i]);
-    const float r = residual(i, light_), weight = arrays_.weight[i];
-    sums.qr += static_cast<double>(weight * q * r);
-    sums.qq += static_cast<double>(weight * q * q);
-    const float off = -under * (arrays_.ground.value[i] - mean);
-    const Eigen::Vector2d shift(static_cast<double>(off * wx), static_cast<double>(off * wy));
-    sums.shift_normal += static_cast<double>(weight) * shift * shift.transpose();
-    sums.shift_force += static_cast<double>(weight * r) * shift;
-    const float s = arrays_.disc.value[i];
-    const float column[] = {arrays_.step_x[i],
-                            arrays_.step_y[i],
-                            s,
-                            s * arrays_.u[i],
-                            s * arrays_.v[i],
-                            arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
-                            0.0F};
-    for (Eigen::Index c = 0; c < mixed.rows(); ++c)
-      mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
-  }
-  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
-}
-
-GroundLean LayeredRegistration::lean(const LayeredFix& fix) const {
-  GroundLean out;
-  out.information = fix.covariance.inverse();
-  const Rect& region = ground_.region();
-  const int left = static_cast<int>(std::lround(x0_ - fix.state.ground.x)) - region.x;
-  const int top = static_cast<int>(std::lround(y0_ - fix.state.ground.y)) - region.y;
-  const auto under = static_cast<float>(light_.ground);
-  const auto least = static_cast<float>(kLeastLean * out.information.trace() / std::max(1.0, rim_pixels_));
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    const float through = under * arrays_.share.value[i] * arrays_.weight[i];
-    const float x = through * arrays_.step_x[i], y = through * arrays_.step_y[i];
-    if ((x * x + y * y) * arrays_.ground_variance[i] < least) continue;
-    const int u = left + static_cast<int>(arrays_.u[i]), v = top + static_cast<int>(arrays_.v[i]);
-    if (u < 0 || v < 0 || u >= region.width || v >= region.height) continue;
-    out.pulls.push_back({static_cast<std::uint32_t>(v * region.width + u), x, y});
-  }
-  return out;
-}
-
-/// Pixels of the tiles on either side of the rim.
-void LayeredRegistration::add_residuals(LevelSums& sums) const {
-  const double inner = disc_.rim().inner(), outer = disc_.rim().outer();
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (!(arrays_.level[i] > 0) || (mask_[i] > 0 && counts_[i] == 0)) continue;
-    const double u = arrays_.u[i], v = arrays_.v[i], rho_squared = u * u + v * v;
-    const bool outside = rho_squared >= outer * outer;
-    if (rho_squared > inner * inner && !outside) continue;
-    if (outside && static_cast<double>(arrays_.ground_variance[i]) > kSureGround * noise_.constant) continue;
-    const double r = residual(i, light_);
-    const double level = arrays_.level[i] - r;
-    const double square = r * r;
-    if (square > kTrim * kTrim * noise_.at(level)) continue;
-    sums.n += 1;
-    sums.level += level;
-    sums.level_level += level * level;
-    sums.square += square;
-    sums.level_square += level * square;
-  }
 }
 
 }  // namespace tribotrack::vision

@@ -91,6 +91,8 @@ class LayeredRegistration {
   using Matrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLayerColumns, kLayerColumns>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLayerColumns, 1>;
+  static constexpr double kTrim = 5;  ///< sd: a pixel further off is something else (dust, glare, a lamp)
+
   /// Light over the disc's even middle: sums against its three columns S (1, u, v). The middle is even but
   /// not flat: half a pixel down a highlight's slope looks like a lamp from the side. So the sums hold grad
   /// S, too, for a centre `shift` px off its pixel.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "vision/format_text.h"
 #include "vision/layered_pass.h"
 
 namespace tribotrack::vision {
@@ -15,13 +16,6 @@ constexpr double kTextureShare = 0.3;  ///< of the noise: the least ground textu
 constexpr double kScatter = 4;         ///< sd of a variance's estimate that are not a texture
 constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
 constexpr const char* kName = "layers: disc over platform";
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), pattern, args...);
-  return text.data();
-}
 
 std::string finding(const FirstPass& first) {
   return format(

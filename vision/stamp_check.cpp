@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "vision/format_text.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -39,12 +41,6 @@ std::vector<SteadyStretch> stretches_of(const std::vector<double>& steps, double
     begin = end;
   }
   return found;
-}
-
-std::string format(const char* text, auto... values) {
-  char line[320];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
 }
 
 }  // namespace

@@ -1,0 +1,86 @@
+// What a registered frame tells of the noise, the rim and the ground, for those who learn them.
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "vision/layered_registration.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kSureGround = 0.1;  ///< variance of the ground that does not spoil the noise law
+constexpr double kLeastLean = 1e-4;  ///< of a rim pixel's share in the information: not worth a sum
+
+}  // namespace
+
+GroundLean LayeredRegistration::lean(const LayeredFix& fix) const {
+  GroundLean out;
+  out.information = fix.covariance.inverse();
+  const Rect& region = ground_.region();
+  const int left = static_cast<int>(std::lround(x0_ - fix.state.ground.x)) - region.x;
+  const int top = static_cast<int>(std::lround(y0_ - fix.state.ground.y)) - region.y;
+  const auto under = static_cast<float>(light_.ground);
+  const auto least = static_cast<float>(kLeastLean * out.information.trace() / std::max(1.0, rim_pixels_));
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    const float through = under * arrays_.share.value[i] * arrays_.weight[i];
+    const float x = through * arrays_.step_x[i], y = through * arrays_.step_y[i];
+    if ((x * x + y * y) * arrays_.ground_variance[i] < least) continue;
+    const int u = left + static_cast<int>(arrays_.u[i]), v = top + static_cast<int>(arrays_.v[i]);
+    if (u < 0 || v < 0 || u >= region.width || v >= region.height) continue;
+    out.pulls.push_back({static_cast<std::uint32_t>(v * region.width + u), x, y});
+  }
+  return out;
+}
+
+void LayeredRegistration::add_rim(RimSums& sums) const {
+  const auto under = static_cast<float>(light_.ground), mean = static_cast<float>(ground_.mean());
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kLayerColumns, 2> mixed =
+      Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(columns(), 2);
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    if (!(counts_[i] * arrays_.rim[i] > 0)) continue;
+    const float wx = arrays_.share.slope_x[i], wy = arrays_.share.slope_y[i];
+    const float q = under * (wx * arrays_.ground.slope_x[i] + wy * arrays_.ground.slope_y[i]);
+    const float r = residual(i, light_), weight = arrays_.weight[i];
+    sums.qr += static_cast<double>(weight * q * r);
+    sums.qq += static_cast<double>(weight * q * q);
+    const float off = -under * (arrays_.ground.value[i] - mean);
+    const Eigen::Vector2d shift(static_cast<double>(off * wx), static_cast<double>(off * wy));
+    sums.shift_normal += static_cast<double>(weight) * shift * shift.transpose();
+    sums.shift_force += static_cast<double>(weight * r) * shift;
+    const float s = arrays_.disc.value[i];
+    const float column[] = {arrays_.step_x[i],
+                            arrays_.step_y[i],
+                            s,
+                            s * arrays_.u[i],
+                            s * arrays_.v[i],
+                            arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
+                            0.0F};
+    for (Eigen::Index c = 0; c < mixed.rows(); ++c)
+      mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
+  }
+  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
+}
+
+/// Pixels of the tiles on either side of the rim.
+void LayeredRegistration::add_residuals(LevelSums& sums) const {
+  const double inner = disc_.rim().inner(), outer = disc_.rim().outer();
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    if (!(arrays_.level[i] > 0) || (mask_[i] > 0 && counts_[i] == 0)) continue;
+    const double u = arrays_.u[i], v = arrays_.v[i], rho_squared = u * u + v * v;
+    const bool outside = rho_squared >= outer * outer;
+    if (rho_squared > inner * inner && !outside) continue;
+    if (outside && static_cast<double>(arrays_.ground_variance[i]) > kSureGround * noise_.constant) continue;
+    const double r = residual(i, light_);
+    const double level = arrays_.level[i] - r;
+    const double square = r * r;
+    if (square > kTrim * kTrim * noise_.at(level)) continue;
+    sums.n += 1;
+    sums.level += level;
+    sums.level_level += level * level;
+    sums.square += square;
+    sums.level_square += level * square;
+  }
+}
+
+}  // namespace tribotrack::vision
