@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 namespace tribotrack::vision {
@@ -17,27 +18,18 @@ constexpr double kNone = 1e9;
 
 /// Mean of what lies inside the mask, weighted by a Gaussian.
 Picture smoothed(const Picture& levels, const Picture& mask, double sd) {
-  const int reach = static_cast<int>(std::ceil(3 * sd)), width = levels.width(), height = levels.height();
-  std::vector<float> tap(2 * reach + 1);
-  for (int k = -reach; k <= reach; ++k)
-    tap[static_cast<std::size_t>(k + reach)] = static_cast<float>(std::exp(-0.5 * k * k / (sd * sd)));
-  Picture sum(width, height), weight(width, height), out(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int k = std::max(-reach, -x); k <= std::min(reach, width - 1 - x); ++k) {
-        const float share = tap[static_cast<std::size_t>(k + reach)] * mask.at(x + k, y);
-        sum.at(x, y) += share * levels.at(x + k, y);
-        weight.at(x, y) += share;
-      }
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      float total = 0, count = 0;
-      for (int k = std::max(-reach, -y); k <= std::min(reach, height - 1 - y); ++k) {
-        total += tap[static_cast<std::size_t>(k + reach)] * sum.at(x, y + k);
-        count += tap[static_cast<std::size_t>(k + reach)] * weight.at(x, y + k);
-      }
-      out.at(x, y) = count > 0 ? total / count : 0.0F;
-    }
+  const auto as_mat = [](const Picture& p) {
+    return cv::Mat(p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data()));
+  };
+  const int side = 2 * static_cast<int>(std::ceil(3 * sd)) + 1;
+  const auto blurred = [&](const cv::Mat& from) {
+    cv::Mat to;
+    cv::GaussianBlur(from, to, {side, side}, sd, sd, cv::BORDER_CONSTANT);
+    return to;
+  };
+  Picture out(levels.width(), levels.height());
+  cv::Mat mean = as_mat(out);
+  cv::divide(blurred(as_mat(levels).mul(as_mat(mask))), cv::max(blurred(as_mat(mask)), 1e-30F), mean);
   return out;
 }
 
