@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/window.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -26,20 +28,12 @@ bool has_room(const Circle& c, const Rect& all) {
   return c.x >= reach && c.y >= reach && c.x + reach < all.width && c.y + reach < all.height;
 }
 
-Rect around(const Circle& place, double margin, const Rect& all) {
-  const double reach = place.radius + margin;
-  const int x0 = std::max(all.x, static_cast<int>(std::floor(place.x - reach)));
-  const int y0 = std::max(all.y, static_cast<int>(std::floor(place.y - reach)));
-  const int x1 = std::min(all.x + all.width, static_cast<int>(std::ceil(place.x + reach)) + 1);
-  const int y1 = std::min(all.y + all.height, static_cast<int>(std::ceil(place.y + reach)) + 1);
-  return {x0, y0, x1 - x0, y1 - y0};
-}
-
 }  // namespace
 
 std::optional<std::int64_t> arrival_at(FrameSource& source, std::int64_t first, std::int64_t last,
                                        const Circle& place, double capture) {
-  const Rect window = around(place, capture + std::max(kMargin, 0.2 * place.radius), source.bounds());
+  const Rect window = window_about(
+      {place.x, place.y}, place.radius + capture + std::max(kMargin, 0.2 * place.radius), source.bounds());
   Picture picture;
   for (std::int64_t index = first; index <= last; ++index) {
     source.read(index, window, picture);

@@ -1,7 +1,6 @@
 // Pixels of the camera that do not tell what they see: hot, dead or stuck.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 

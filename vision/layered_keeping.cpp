@@ -1,6 +1,7 @@
 #include "vision/layered_keeping.h"
 
 #include "vision/layered_pass.h"
+#include "vision/window.h"
 
 namespace tribotrack::vision {
 
@@ -14,7 +15,7 @@ LayeredKeeping::LayeredKeeping(KeptFrames& frames, std::int64_t first_index, std
 
 void LayeredKeeping::seen(std::int64_t index, const Point& centre) {
   const bool whole = whole_ && is_learning_frame(index - first_index_, total_);
-  frames_.keep(index, whole ? frames_.bounds() : layered_window(centre, reach_, frames_.bounds()));
+  frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_, frames_.bounds()));
 }
 
 }  // namespace tribotrack::vision

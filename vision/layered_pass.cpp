@@ -7,6 +7,7 @@
 #include <span>
 
 #include "vision/layered_learning.h"
+#include "vision/window.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -20,14 +21,6 @@ constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any fram
 constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
-
-Rect clipped(double x0, double y0, double x1, double y1, const Rect& bounds) {
-  const int left = std::max(bounds.x, static_cast<int>(std::floor(x0)));
-  const int top = std::max(bounds.y, static_cast<int>(std::floor(y0)));
-  const int right = std::min(bounds.x + bounds.width, static_cast<int>(std::ceil(x1)) + 1);
-  const int bottom = std::min(bounds.y + bounds.height, static_cast<int>(std::ceil(y1)) + 1);
-  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
-}
 
 Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
   Picture out(part.width, part.height);
@@ -58,7 +51,7 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
     away = std::max(away, std::hypot(f.ground.x, f.ground.y));
   }
   const double margin = reach + 2 * away + 4;
-  return clipped(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
+  return touched_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
 }
 
 /// Places in `frames` of those to learn from, `most` at most.
@@ -87,10 +80,6 @@ bool is_learning_frame(std::int64_t place, std::int64_t total) {
 
 double layered_reach(double radius, double blur) {
   return LayeredDisc::half_of(radius, blur) + kContext;
-}
-
-Rect layered_window(const Point& centre, double reach, const Rect& bounds) {
-  return clipped(centre.x - reach, centre.y - reach, centre.x + reach, centre.y + reach, bounds);
 }
 
 LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
@@ -123,7 +112,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   Picture frame, wide;
   for (std::size_t k = 0; k < windows; ++k) {
     const FirstPassFrame& f = frames[chosen[k]];
-    const Rect about = layered_window(f.centre, reach, source.bounds());
+    const Rect about = window_about(f.centre, reach, source.bounds());
     const bool whole = k % ground_stride == 0;
     KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground}, {}, f.index};
     if (whole) {
@@ -176,7 +165,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   registration.set_usual(std::max(1.0, learning->rim_chi_squared()));
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
-    const Rect window = layered_window(f.centre, registration.reach() + 1, source.bounds());
+    const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
     auto fix =
         registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());

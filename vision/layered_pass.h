@@ -32,7 +32,6 @@ inline constexpr std::int64_t kLearningFrames = 128;
 bool is_learning_frame(std::int64_t place, std::int64_t total);
 /// Px about the part's centre that are looked at in every frame.
 double layered_reach(double radius, double blur);
-Rect layered_window(const Point& centre, double reach, const Rect& bounds);
 
 struct LayeredOptions {
   Circle disc;                              ///< in the first frame

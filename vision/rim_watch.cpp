@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "vision/window.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -25,15 +27,11 @@ RimWatch::RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFi
 void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   if (disc_.radius <= 0 || seen_++ % stride_ != 0) return;
   const double reach = disc_.radius + std::max(kMargin, 0.2 * disc_.radius);
-  const Rect all = source.bounds();
-  const int x0 = std::max(all.x, static_cast<int>(std::floor(centre.x - reach)));
-  const int y0 = std::max(all.y, static_cast<int>(std::floor(centre.y - reach)));
-  const int x1 = std::min(all.x + all.width, static_cast<int>(std::ceil(centre.x + reach)) + 1);
-  const int y1 = std::min(all.y + all.height, static_cast<int>(std::ceil(centre.y + reach)) + 1);
-  if (x1 - x0 < 2 * disc_.radius || y1 - y0 < 2 * disc_.radius) return;
+  const Rect window = window_about(centre, reach, source.bounds());
+  if (window.width < 2 * disc_.radius || window.height < 2 * disc_.radius) return;
   Picture picture;
-  source.read(index, {x0, y0, x1 - x0, y1 - y0}, picture);
-  const Point here{centre.x - x0, centre.y - y0};
+  source.read(index, window, picture);
+  const Point here{centre.x - window.x, centre.y - window.y};
   std::optional<DiscFit> fit;
   if (last_) fit = refit_disc(picture, *last_, here, kCapture);
   if (!fit || fit->coverage < kMinCoverage) fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);

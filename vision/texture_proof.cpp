@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vision/bspline.h"
+#include "vision/window.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -66,13 +67,6 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-Rect about(const Point& centre, double reach, const Rect& bounds) {
-  const int x0 = std::max(0, static_cast<int>(centre.x - reach)),
-            y0 = std::max(0, static_cast<int>(centre.y - reach));
-  return {x0, y0, std::min(bounds.width, static_cast<int>(centre.x + reach) + 1) - x0,
-          std::min(bounds.height, static_cast<int>(centre.y + reach) + 1) - y0};
-}
-
 }  // namespace
 
 bool texture_returns(FrameSource& source, const Picture& first, std::int64_t index, std::int64_t last,
@@ -82,7 +76,7 @@ bool texture_returns(FrameSource& source, const Picture& first, std::int64_t ind
   const double reach = disc.radius + kBorder;
   Picture picture;
   const auto levels = [&](std::int64_t frame, const Point& centre, double theta) {
-    const Rect window = about(centre, reach, source.bounds());
+    const Rect window = window_about(centre, reach, source.bounds());
     source.read(frame, window, picture);
     return rings.levels(QuinticSpline(picture), centre.x - window.x, centre.y - window.y, theta);
   };

@@ -9,4 +9,10 @@ namespace tribotrack::vision {
 /// picture the window's size, keeping its memory where it fits.
 void prepare_window(const SourceInfo& info, std::int64_t index, const Rect& window, Picture& picture);
 
+/// The whole pixels that x0 .. x1, y0 .. y1 touch, and one beyond at the far ends, inside `bounds`.
+Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& bounds);
+
+/// Those within `reach` px of a centre, either way.
+Rect window_about(const Point& centre, double reach, const Rect& bounds);
+
 }  // namespace tribotrack::vision
