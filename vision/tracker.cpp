@@ -1,6 +1,7 @@
 #include "vision/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -46,15 +47,27 @@ struct Camera {
   std::vector<Pixel> bad_pixels;
 };
 
+/// Few pictures at a time: whole ones are large.
 Camera look_at_camera(FrameSource& source, const FrameRange& range) {
-  std::vector<Picture> frames;
+  const std::int64_t last = std::min(range.last, range.first + kNoiseFrames - 1);
+  const Picture first = source.read(range.first);
+  const Picture* before = &first;
+  std::array<Picture, 2> others;
   NoiseEstimate estimate;
-  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k) {
-    frames.push_back(source.read(k));
-    if (k > range.first) estimate.add_pair(frames[frames.size() - 2], frames.back());
+  for (std::int64_t k = range.first + 1; k <= last; ++k) {
+    Picture& now = others[static_cast<std::size_t>(k % 2)];
+    source.read(k, source.bounds(), now);
+    estimate.add_pair(*before, now);
+    before = &now;
   }
-  const double variance = estimate.variance(frames.front());
-  return {variance, find_bad_pixels(frames, variance)};
+  Camera camera{estimate.variance(first), {}};
+  BadPixelSearch search(first, camera.noise_variance);
+  for (std::int64_t k = range.first + 1; k <= last && !search.settled(); ++k) {
+    source.read(k, source.bounds(), others[0]);
+    search.look(others[0]);
+  }
+  camera.bad_pixels = search.found();
+  return camera;
 }
 
 /// The frames that are read several times before the tracking begins.
