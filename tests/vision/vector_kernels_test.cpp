@@ -55,6 +55,10 @@ TEST(VectorKernels, SumsOverTiles) {
   constexpr float gain = 1.125F, offset = 90;
   std::array<SlowSum, 5> force;
   std::array<SlowSum, 15> normal;
+  std::array<std::array<SlowSum, 5>, kTiles> scores;
+  std::vector<float> sizes(kCount);
+  constexpr float small = 20;
+  ResidualCounts counts;
   SlowSum squares, weight, vl, ll;
   double largest = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -62,13 +66,19 @@ TEST(VectorKernels, SumsOverTiles) {
     const std::array<double, 5> jacobian = {-a.slope_x[i], -a.slope_y[i], a.value[i], 1, a.slope_theta[i]};
     for (std::size_t j = 0, at = 0; j < 5; ++j) {
       force[j].add(w * jacobian[j] * r);
+      scores[i / kTilePixels][j].add(w * jacobian[j] * r);
       for (std::size_t k = j; k < 5; ++k, ++at) normal[at].add(w * jacobian[j] * jacobian[k]);
     }
     squares.add(w * r * r);
     weight.add(w);
     vl.add(w * a.value[i] * a.level[i]);
     ll.add(w * a.level[i] * a.level[i]);
-    if (w > 0) largest = std::max(largest, std::abs(r));
+    if (w > 0) {
+      largest = std::max(largest, std::abs(r));
+      sizes[i] = static_cast<float>(std::abs(r));
+      ++counts.counted;
+      counts.small += std::abs(r) <= small;
+    }
   }
   for (const TileKernels& kernels : all_tile_kernels()) {
     SCOPED_TRACE(kernels.name);
@@ -82,6 +92,15 @@ TEST(VectorKernels, SumsOverTiles) {
     const CorrelationSums c = kernels.correlation(a, a.weight);
     vl.expect(c.vl, "vl");
     ll.expect(c.ll, "ll");
+    std::vector<float> found(kCount, -1);
+    const ResidualCounts told = kernels.residuals(a, a.weight, gain, offset, small, found);
+    EXPECT_EQ(told.counted, counts.counted);
+    EXPECT_EQ(told.small, counts.small);
+    for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(found[i], sizes[i], 1e-4) << i;
+    std::vector<std::array<double, 5>> of_tiles(kTiles);
+    kernels.scores(a, gain, offset, of_tiles);
+    for (std::size_t t = 0; t < kTiles; ++t)
+      for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tiles[t][j], "score", 5 * t + j);
   }
 }
 
