@@ -26,7 +26,7 @@ bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, in
   const bool turned = gaps_ && options_.rotation && theta != 0;
   const double c = std::cos(theta);
   const double s = std::sin(theta);
-  base_weight_ = mask_;
+  if (!whole_mask_) base_weight_ = mask_;
   bool all_inside = true;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     const int left = places_[t].x + w.x + whole_x - x;
@@ -53,8 +53,12 @@ bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, in
           if (weight[i] > 0) weight[i] = turned_weight(places_[t].x + i, places_[t].y + j, c, s);
     }
   }
-  arrays_.weight = base_weight_;
-  if (all_inside && !turned) return true;
+  // What the frame before changed: mostly nothing.
+  const bool whole = all_inside && !turned;
+  if (trimmed_ || !whole || !whole_mask_) arrays_.weight = base_weight_;
+  trimmed_ = false;
+  whole_mask_ = whole;
+  if (whole) return true;
   double covered = 0;
   for (const float weight : base_weight_) covered += weight;
   return covered > 0.5 * pixels_;

@@ -33,15 +33,19 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
     limit = std::max(least, kUsual * static_cast<double>(*middle));
   }
   strange_.resize(mask_.size());
-  const auto strange = static_cast<float>(limit);
-  for (std::size_t i = 0; i < mask_.size(); ++i) strange_[i] = residual_[i] > strange;
+  tile_kernels().mark(residual_, static_cast<float>(limit), strange_);
   // A texture that has turned is strange wherever it is, until its angle is found.
   if (!options_.rotation) spread_strangers(places_, kStrangeEdge, strange_);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    arrays_.weight[i] = strange_[i] != 0 ? 0 : base_weight_[i];
-    count += strange_[i] != 0 && base_weight_[i] > 0;
+  for (std::size_t i = 0; i < mask_.size(); i += kTile) {
+    if (!any_in_row(strange_.data() + i)) continue;
+    for (std::size_t k = i; k < i + kTile; ++k) {
+      if (strange_[k] == 0 || !(base_weight_[k] > 0)) continue;
+      arrays_.weight[k] = 0;
+      ++count;
+    }
   }
+  trimmed_ = true;
   if (static_cast<double>(count) > kMaxTrim * static_cast<double>(counts.counted)) {
     arrays_.weight = base_weight_;
     return 0;

@@ -2,20 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr unsigned char kStrange = 1, kNearby = 2;
-
-bool any_in_row(const unsigned char* row) {
-  std::uint64_t all;
-  static_assert(sizeof all == kTile);
-  std::memcpy(&all, row, sizeof all);
-  return all != 0;
-}
 
 }  // namespace
 

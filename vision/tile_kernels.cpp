@@ -129,6 +129,13 @@ TRIBOTRACK_KERNEL ResidualCounts residuals_of(const TileArrays& arrays, const st
   return sums;
 }
 
+TRIBOTRACK_KERNEL void mark_those(const std::vector<float>& residuals, float limit,
+                                  std::vector<unsigned char>& out) {
+  const float* from = residuals.data();
+  unsigned char* to = out.data();
+  for (std::size_t i = 0; i < residuals.size(); ++i) to[i] = from[i] > limit;
+}
+
 TRIBOTRACK_KERNEL void scores_of(const TileArrays& arrays, float a, float b,
                                  std::vector<std::array<double, 5>>& out) {
   const bool turns = !arrays.slope_theta.empty();
@@ -190,6 +197,10 @@ TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const
                                                 float a, float b, float small, std::vector<float>& out) {   \
     return residuals_of(arrays, weight, a, b, small, out);                                                  \
   }                                                                                                         \
+  __VA_ARGS__ void mark_##suffix(const std::vector<float>& residuals, float limit,                          \
+                                 std::vector<unsigned char>& out) {                                         \
+    mark_those(residuals, limit, out);                                                                      \
+  }                                                                                                         \
   __VA_ARGS__ void scores_##suffix(const TileArrays& arrays, float a, float b,                              \
                                    std::vector<std::array<double, 5>>& out) {                               \
     scores_of(arrays, a, b, out);                                                                           \
@@ -197,9 +208,9 @@ TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const
   __VA_ARGS__ CorrelationSums correlation_##suffix(const TileArrays& arrays, const std::vector<float>& w) { \
     return correlation_of(arrays, w);                                                                       \
   }                                                                                                         \
-  constexpr TileKernels k_##suffix{                                                                         \
-      #suffix,         sample_##suffix,     force_##suffix, normal_##suffix, residuals_##suffix,            \
-      scores_##suffix, correlation_##suffix};
+  constexpr TileKernels k_##suffix{#suffix,         sample_##suffix,     force_##suffix,                    \
+                                   normal_##suffix, residuals_##suffix,  mark_##suffix,                     \
+                                   scores_##suffix, correlation_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)

@@ -60,6 +60,8 @@ struct TileKernels {
   /// |r| of each pixel, 0 where `weight` is; small ones are not larger than `small`.
   ResidualCounts (*residuals)(const TileArrays& arrays, const std::vector<float>& weight, float a, float b,
                               float small, std::vector<float>& out);
+  /// 1 where a residual is larger than `limit`, else 0.
+  void (*mark)(const std::vector<float>& residuals, float limit, std::vector<unsigned char>& out);
   /// Sums of w J r over each tile, 0 for columns that are not there.
   void (*scores)(const TileArrays& arrays, float a, float b, std::vector<std::array<double, 5>>& out);
   CorrelationSums (*correlation)(const TileArrays& arrays, const std::vector<float>& weight);
