@@ -116,25 +116,39 @@ TRIBOTRACK_KERNEL void model_at(const RimConstants& c, const NormalStep* entries
 
 using Sums = std::array<double, kSums>;
 
+/// Four columns at a time, or as many as there are: each weighted number is loaded once for all of them.
+template <int some>
+TRIBOTRACK_KERNEL void add_products(const double (&weighted)[kBlock], const double (*column)[kBlock],
+                                    double* sums) {
+  Lanes even[some] = {}, odd[some] = {};
+  for (std::size_t k = 0; k < kBlock; k += 8) {
+    Lanes a, b;
+    load(weighted + k, a);
+    load(weighted + k + 4, b);
+    for (int j = 0; j < some; ++j) {
+      Lanes c, d;
+      load(column[j] + k, c);
+      load(column[j] + k + 4, d);
+      even[j] += a * c;
+      odd[j] += b * d;
+    }
+  }
+  for (int j = 0; j < some; ++j) {
+    const Lanes both = even[j] + odd[j];
+    sums[j] += (both[0] + both[1]) + (both[2] + both[3]);
+  }
+}
+
 TRIBOTRACK_KERNEL void add_block(const double (&column)[kColumns][kBlock], const double (&weight)[kBlock],
                                  Sums& sums) {
   double weighted[kBlock];
-  for (int i = 0, at = 0; i < kColumns; ++i) {
+  double* to = sums.data();
+  for (int i = 0; i < kColumns; ++i) {
     for (std::size_t k = 0; k < kBlock; ++k) weighted[k] = weight[k] * column[i][k];
-    for (int j = 0; j <= i; ++j, ++at) {
-      Lanes even{}, odd{};
-      for (std::size_t k = 0; k < kBlock; k += 8) {
-        Lanes a, b, c, d;
-        load(weighted + k, a);
-        load(column[j] + k, b);
-        load(weighted + k + 4, c);
-        load(column[j] + k + 4, d);
-        even += a * b;
-        odd += c * d;
-      }
-      const Lanes both = even + odd;
-      sums[static_cast<std::size_t>(at)] += (both[0] + both[1]) + (both[2] + both[3]);
-    }
+    int j = 0;
+    for (; j + 4 <= i + 1; j += 4) add_products<4>(weighted, column + j, to + j);
+    for (; j <= i; ++j) add_products<1>(weighted, column + j, to + j);
+    to += i + 1;
   }
 }
 

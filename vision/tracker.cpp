@@ -13,6 +13,7 @@
 #include "vision/internal/track_setup.h"
 #include "vision/kept_frames.h"
 #include "vision/layered_keeping.h"
+#include "vision/layered_pass.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/rim_watch.h"
@@ -144,7 +145,7 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
   Setup setup = plan_part(first, source, range, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
   const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
-  PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
+  PatternFollower part(quiet.picture(first), range.first, setup.pattern, setup.follow);
   std::optional<PatternFollower> marker = plan_marker(first, range, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
   std::optional<GateLamp> lamp;
@@ -206,7 +207,8 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
   if (options.target.kind == Target::Kind::find_disc) note_stillness(result.track, summary);
   note_effort(part.effort(), setup.costs, source.bounds(), summary);
   pass.excess = median_excess(excess);
-  pass.layers_cost = setup.costs.layers(summary.disc.radius, std::min(128.0, setup.costs.frames));
+  pass.layers_cost =
+      setup.costs.layers(summary.disc.radius, std::min<double>(kLearningFrames, setup.costs.frames));
   summary.layered =
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);
