@@ -163,7 +163,8 @@ bool LayeredLearning::run(std::span<KeptWindow> early, std::span<KeptWindow> all
       break;
     unpack(next, early, disc_);
   }
-  if (!measure(all)) return false;
+  // The early ones have just been measured.
+  if (!measure(all.size() < 2 * early.size() ? all : all.subspan(early.size()))) return false;
   learn(all, true);
   std::vector<GroundLean> leans;
   if (!measure(all, &leans)) return false;
