@@ -127,17 +127,42 @@ void GroundPicture::forget_rim() {
   std::fill(squares_through_.levels().begin(), squares_through_.levels().end(), 0.0F);
 }
 
+void GroundPicture::set_light(const StandingLight& light, std::span<const Point> displacements) {
+  light_gain_ = Picture(region_.width, region_.height);
+  light_offset_ = light_hidden_ = light_gain_;
+  const Rect& from = light.region();
+  const auto share = 1 / static_cast<float>(displacements.size());
+  for (const Point& p : displacements) {
+    const double left = region_.x + p.x - from.x, top = region_.y + p.y - from.y;
+    const int ix = static_cast<int>(std::floor(left)), iy = static_cast<int>(std::floor(top));
+    const auto fx = static_cast<float>(left - ix), fy = static_cast<float>(top - iy);
+    for (int j = 0; j < region_.height; ++j)
+      for (int i = 0; i < region_.width; ++i) {
+        const int x0 = std::clamp(ix + i, 0, from.width - 1), x1 = std::clamp(ix + i + 1, 0, from.width - 1);
+        const int y0 = std::clamp(iy + j, 0, from.height - 1),
+                  y1 = std::clamp(iy + j + 1, 0, from.height - 1);
+        const auto at = [&](const Picture& q) {
+          return share * ((1 - fy) * ((1 - fx) * q.at(x0, y0) + fx * q.at(x1, y0)) +
+                          fy * ((1 - fx) * q.at(x0, y1) + fx * q.at(x1, y1)));
+        };
+        light_gain_.at(i, j) += at(light.gain());
+        light_offset_.at(i, j) += at(light.offset());
+        light_hidden_.at(i, j) += at(light.hidden());
+      }
+  }
+}
+
 /// Mean, texture and unrest of the places uncovered often enough.
-void GroundPicture::summarise(const Picture& enough, double noise_variance) {
+void GroundPicture::summarise(const Picture& enough, const Picture& level, double noise_variance) {
   std::vector<float> variances;
   double sum = 0, square = 0;
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
     if (enough.levels()[i] == 0) continue;
     const double n = count_.levels()[i];
-    const double mean = sum_.levels()[i] / n;
+    const double mean = sum_.levels()[i] / n, shown = level.levels()[i];
     variances.push_back(static_cast<float>((squares_.levels()[i] / n - mean * mean) * n / (n - 1)));
-    sum += mean;
-    square += mean * mean;
+    sum += shown;
+    square += shown * shown;
   }
   if (variances.empty()) return;
   const auto places = static_cast<double>(variances.size());
@@ -179,21 +204,28 @@ void GroundPicture::lean_on_neighbours(const Picture& seen, const Picture& own) 
 void GroundPicture::finish(double noise_variance) {
   Picture enough(region_.width, region_.height), level(region_.width, region_.height);
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
-    const bool known = count_.levels()[i] >= kFramesNeeded;
+    // What stands in the picture stands before the places that move through it.
+    const bool known =
+        count_.levels()[i] >= kFramesNeeded && (light_hidden_.empty() || light_hidden_.levels()[i] == 0);
     enough.levels()[i] = known ? 1.0F : 0.0F;
     level.levels()[i] = known ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
+    if (known && !light_gain_.empty())
+      level.levels()[i] = (level.levels()[i] - light_offset_.levels()[i]) / light_gain_.levels()[i];
   }
-  summarise(enough, noise_variance);
+  summarise(enough, level, noise_variance);
   continue_smoothly(level, enough);
   unseen_variance_ = std::max(kAlike * texture_ * texture_, 0.01 * noise_variance);
   const auto prior = static_cast<float>(noise_variance / unseen_variance_);
   const auto noise = static_cast<float>(noise_variance);
   Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float seen = count_.levels()[i] + squares_through_.levels()[i];
+    const bool hidden = enough.levels()[i] == 0 && !light_hidden_.empty();
+    const float counted = hidden ? 0 : count_.levels()[i];
+    const float seen = counted + squares_through_.levels()[i];
     // A place uncovered often enough owes nothing to the prior.
     const float held = enough.levels()[i] > 0 ? 0 : prior;
-    level.levels()[i] = (sum_.levels()[i] + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
+    const float sum = light_gain_.empty() ? sum_.levels()[i] : counted * level.levels()[i];
+    level.levels()[i] = (sum + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
     own.levels()[i] = noise / (seen + prior);
     seen_enough.levels()[i] = seen >= kFramesNeeded ? 1.0F : 0.0F;
   }

@@ -2,10 +2,12 @@
 // the disc's rim.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "vision/bspline.h"
 #include "vision/picture.h"
+#include "vision/standing_light.h"
 
 namespace tribotrack::vision {
 
@@ -28,6 +30,10 @@ class GroundPicture {
     squares_through_.at(u - region_.x, v - region_.y) += square;
   }
   void forget_rim();
+
+  /// Light that stood in the pictures added, which were displaced by `displacements`: finish() takes it out
+  /// of their mean. A place averages what it was seen in.
+  void set_light(const StandingLight& light, std::span<const Point> displacements);
 
   /// To be called after the last frame, and again when the rim has told more. A place seen too seldom is held
   /// to a smooth continuation of its neighbours, by a prior wide enough for a texture that errs in patches.
@@ -56,10 +62,11 @@ class GroundPicture {
   double texture() const { return texture_; }
 
  private:
-  void summarise(const Picture& enough, double noise_variance);
+  void summarise(const Picture& enough, const Picture& level, double noise_variance);
   void lean_on_neighbours(const Picture& seen, const Picture& own);
 
   Rect region_;
+  Picture light_gain_, light_offset_, light_hidden_;  ///< means over the displacements; empty without
   Picture sum_, squares_, count_, through_, squares_through_, known_, variance_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, unseen_variance_ = 1;
   QuinticSpline spline_;
