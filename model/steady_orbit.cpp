@@ -120,7 +120,7 @@ std::optional<Orbit> from_stop_to_stop(const SolverInput<Jet<2>>& in, const Eige
     ArcMemory memory;
     Solver<double> solver(plain);
     const Motion<double> end = solver.run_one_cycle(plain.edges.open_at_start && !plain.circling, u, memory);
-    if (!(solver.stick_phase > 0)) return std::nullopt;
+    if (!(solver.counts().stick_phase > 0)) return std::nullopt;
     if (i == 2 && length(end.velocity - u) <= 4 * in.tolerance * std::fmax(0.25, length(u)))
       return Orbit{{u.x, u.y}, {end.position.x, end.position.y}, Eigen::Matrix2d::Zero(), i};
     u = end.velocity;
