@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tribotrack::vision {
@@ -57,6 +58,39 @@ GroundPicture::GroundPicture(const Rect& region)
       known_(region.width, region.height),
       variance_(region.width, region.height) {}
 
+void GroundPicture::hold_to(Picture usual, double tolerance) {
+  usual_ = std::move(usual);
+  tolerance_ = static_cast<float>(tolerance);
+  held_ = looked_at_ = 0;
+  for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
+}
+
+template <class Uncovered>
+void GroundPicture::add_held(const Uncovered& uncovered) {
+  constexpr int kStep = 7;
+  std::vector<float> ratios;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; i += kStep)
+      if (row[i] > 0) ratios.push_back(usual_.levels()[at + static_cast<std::size_t>(i)] / row[i]);
+  });
+  if (ratios.empty()) return;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const float light = *middle;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; ++i) {
+      const std::size_t k = at + static_cast<std::size_t>(i);
+      const float level = light * row[i];
+      ++looked_at_;
+      if (std::abs(level - usual_.levels()[k]) > tolerance_) continue;
+      ++held_;
+      sum_.levels()[k] += level;
+      squares_.levels()[k] += level * level;
+      count_.levels()[k] += 1;
+    }
+  });
+}
+
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
                         const Circle& hidden) {
   // Places u of the platform with u + p inside the window.
@@ -88,6 +122,7 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
       act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
     }
   };
+  if (!usual_.empty()) return add_held(uncovered);
   float* sums = sum_.levels().data();
   float* squares = squares_.levels().data();
   float* counts = count_.levels().data();

@@ -22,6 +22,12 @@ class GroundPicture {
   /// is not the ground.
   void add(const Picture& picture, int x, int y, const Point& displacement, const Circle& hidden);
 
+  /// Forgets the frames; of those added from now on only what lies within `tolerance` grey levels of `usual`
+  /// (over the region, in any light) is the ground: the rest is something that crosses it.
+  void hold_to(Picture usual, double tolerance);
+  /// Share of what was uncovered that was the ground.
+  double held_share() const { return looked_at_ > 0 ? held_ / looked_at_ : 1; }
+
   /// What is seen of place (u, v) through the rim, where the ground's share is w: adds w (I - S) and w^2.
   void add_through_rim(int u, int v, float weighted, float square) {
     if (u < region_.x || v < region_.y || u >= region_.x + region_.width || v >= region_.y + region_.height)
@@ -65,7 +71,12 @@ class GroundPicture {
   void summarise(const Picture& enough, const Picture& level, double noise_variance);
   void lean_on_neighbours(const Picture& seen, const Picture& own);
 
+  template <class Uncovered>
+  void add_held(const Uncovered& uncovered);
   Rect region_;
+  Picture usual_;  ///< see hold_to(); empty without
+  float tolerance_ = 0;
+  double held_ = 0, looked_at_ = 0;
   Picture light_gain_, light_offset_, light_hidden_;  ///< means over the displacements; empty without
   Picture sum_, squares_, count_, through_, squares_through_, known_, variance_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, unseen_variance_ = 1;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "vision/layered_ground_crossed.h"
 #include "vision/layered_learning.h"
 #include "vision/layered_lighting.h"
 #include "vision/window.h"
@@ -13,15 +14,18 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 32;     ///< windows of most sweeps
-constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
-constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
-constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
-constexpr std::size_t kFewest = 12;    ///< frames to learn from
-constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any frame will do
-constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
-constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
-constexpr double kBentShare = 0.1;     ///< of the windows: less is chance, or something that crosses
+constexpr std::size_t kEarly = 32;        ///< windows of most sweeps
+constexpr int kContext = 6;               ///< px kept beyond the disc's pictures
+constexpr double kGroundPixels = 4e6;     ///< of all frames the platform's picture is averaged from
+constexpr double kGroundFrames = 40;      ///< and no fewer frames than these
+constexpr std::size_t kFewest = 12;       ///< frames to learn from
+constexpr double kEnoughSpread = 0.5;     ///< of the windows wanted: else any frame will do
+constexpr double kGroundBytes = 52;       ///< per px: the platform's pictures, those of a moment included
+constexpr std::size_t kUsualFrames = 15;  ///< that tell what a place usually shows
+constexpr double kHeldSd = 5;             ///< what is further off crosses the ground
+constexpr double kLeastHeld = 0.7;        ///< of what is uncovered: else it moves
+constexpr double kRestless = 2;           ///< ground variance in time over the noise's: it moves
+constexpr double kBentShare = 0.1;        ///< of the windows: less is chance, or something that crosses
 constexpr int kLightRounds = 8;
 constexpr double kLightSettled = 0.1;  ///< of the standard deviation: windows that move less have settled
 constexpr double kMostExcess = 16;     ///< times the first pass's, in variance
@@ -151,7 +155,27 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     kept.push_back(std::move(window));
   }
   ground.finish(options.noise_variance);
-  if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
+  // Ground at rest that does not show the same in all frames: something may have crossed it.
+  const bool restless = !options.motion_known && ground.unrest() > kRestless * options.noise_variance;
+  if (restless) {
+    UsualGround usual(region);
+    const std::size_t apart = std::max<std::size_t>(1, windows / kUsualFrames);
+    for (std::size_t k = 0; k < windows; k += apart) {
+      const FirstPassFrame& f = frames[chosen[k]];
+      source.read(f.index, region, wide);
+      usual.add(wide, {f.centre.x, f.centre.y, disc.rim().outer()});
+    }
+    ground.hold_to(usual.median(), kHeldSd * std::sqrt(options.noise_variance));
+    for (std::size_t k = 0; k < windows; k += ground_stride) {
+      const FirstPassFrame& f = frames[chosen[k]];
+      source.read(f.index, region, wide);
+      ground.add(wide, region.x, region.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
+    }
+    ground.finish(options.noise_variance);
+    out.crossed_share = 1 - ground.held_share();
+  }
+  if (restless &&
+      (ground.unrest() > kRestless * options.noise_variance || ground.held_share() < kLeastHeld)) {
     out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
     return out;
   }

@@ -162,6 +162,10 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
            format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
                   result.windows, result.noise.constant, result.noise.per_level,
                   100 * std::max(0.0, result.rim_excess)) +
+           (result.crossed_share > 0
+                ? format("; %.2g %% of the ground beside it was crossed by something, which is left out",
+                         100 * result.crossed_share)
+                : std::string()) +
            format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
                   summary.slow_sd, summary.slow_time),
        0, bought, first.layers_cost});
