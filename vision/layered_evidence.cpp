@@ -56,7 +56,7 @@ void LayeredRegistration::add_rim(RimSums& sums) const {
                             s * arrays_.u[i],
                             s * arrays_.v[i],
                             arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
-                            0.0F};
+                            disc_.turning() ? static_cast<float>(light_.gain) * arrays_.turn.value[i] : 0.0F};
     for (Eigen::Index c = 0; c < mixed.rows(); ++c)
       mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
   }

@@ -10,8 +10,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kFramesNeeded = 3;  ///< fewer do not make a picture worth the name
-constexpr int kFillRings = 8;     ///< px of smooth continuation into what was never seen
+constexpr int kFramesNeeded = 3;          ///< fewer do not make a picture worth the name
+constexpr std::size_t kThinned = 5;       ///< places of which one is asked for the usual level
+constexpr double kStandsOut = 10;         ///< times the texture's spread
+constexpr int kStandingEdge = 3;          ///< px about it that are half covered
+constexpr double kMostStandingOut = 0.1;  ///< of the ground: more is the ground
+constexpr int kFillRings = 8;             ///< px of smooth continuation into what was never seen
 /// A texture that is not known pulls alike in all pixels of a patch: where it is not known it counts as so
 /// many times its variance in each, or the disc is drawn to what its leading rim would see on even ground.
 constexpr double kAlike = 10;
@@ -187,6 +191,36 @@ void GroundPicture::set_light(const StandingLight& light, std::span<const Point>
   }
 }
 
+void GroundPicture::leave_out_what_stands_out(double noise_variance) {
+  std::vector<float> levels, deviations;
+  const auto sums = sum_.levels(), counts = count_.levels();
+  const auto median = [](std::vector<float>& from) {
+    const auto middle = from.begin() + static_cast<std::ptrdiff_t>(from.size() / 2);
+    std::nth_element(from.begin(), middle, from.end());
+    return *middle;
+  };
+  for (std::size_t i = 0; i < sums.size(); i += kThinned)
+    if (counts[i] >= kFramesNeeded) levels.push_back(sums[i] / counts[i]);
+  if (levels.empty()) return;
+  const float usual = median(levels);
+  for (const float level : levels) deviations.push_back(std::abs(level - usual));
+  const double spread = std::max(1.4826 * static_cast<double>(median(deviations)), std::sqrt(noise_variance));
+  const auto far = static_cast<float>(kStandsOut * spread);
+  Picture out(region_.width, region_.height);
+  double places = 0, all = 0;
+  for (int y = 0; y < region_.height; ++y)
+    for (int x = 0; x < region_.width; ++x) {
+      if (!(count_.at(x, y) >= kFramesNeeded)) continue;
+      ++all;
+      if (std::abs(sum_.at(x, y) / count_.at(x, y) - usual) <= far) continue;
+      ++places;
+      for (int v = std::max(0, y - kStandingEdge); v <= std::min(region_.height - 1, y + kStandingEdge); ++v)
+        for (int u = std::max(0, x - kStandingEdge); u <= std::min(region_.width - 1, x + kStandingEdge); ++u)
+          out.at(u, v) = 1;
+    }
+  if (places > 0 && places < kMostStandingOut * all) standing_out_ = std::move(out);
+}
+
 /// Mean, texture and unrest of the places uncovered often enough.
 void GroundPicture::summarise(const Picture& enough, const Picture& level, double noise_variance) {
   std::vector<float> variances;
@@ -240,8 +274,7 @@ void GroundPicture::finish(double noise_variance) {
   Picture enough(region_.width, region_.height), level(region_.width, region_.height);
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
     // What stands in the picture stands before the places that move through it.
-    const bool known =
-        count_.levels()[i] >= kFramesNeeded && (light_hidden_.empty() || light_hidden_.levels()[i] == 0);
+    const bool known = count_.levels()[i] >= kFramesNeeded && !not_ground(i);
     enough.levels()[i] = known ? 1.0F : 0.0F;
     level.levels()[i] = known ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
     if (known && !light_gain_.empty())
@@ -254,12 +287,12 @@ void GroundPicture::finish(double noise_variance) {
   const auto noise = static_cast<float>(noise_variance);
   Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const bool hidden = enough.levels()[i] == 0 && !light_hidden_.empty();
-    const float counted = hidden ? 0 : count_.levels()[i];
+    const float counted = not_ground(i) ? 0 : count_.levels()[i];
     const float seen = counted + squares_through_.levels()[i];
     // A place uncovered often enough owes nothing to the prior.
     const float held = enough.levels()[i] > 0 ? 0 : prior;
-    const float sum = light_gain_.empty() ? sum_.levels()[i] : counted * level.levels()[i];
+    const bool as_seen = light_gain_.empty() && counted > 0;
+    const float sum = as_seen ? sum_.levels()[i] : counted * level.levels()[i];
     level.levels()[i] = (sum + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
     own.levels()[i] = noise / (seen + prior);
     seen_enough.levels()[i] = seen >= kFramesNeeded ? 1.0F : 0.0F;

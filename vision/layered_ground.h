@@ -32,6 +32,7 @@ class GroundPicture {
   void add_through_rim(int u, int v, float weighted, float square) {
     if (u < region_.x || v < region_.y || u >= region_.x + region_.width || v >= region_.y + region_.height)
       return;
+    if (!standing_out_.empty() && standing_out_.at(u - region_.x, v - region_.y) > 0) return;
     through_.at(u - region_.x, v - region_.y) += weighted;
     squares_through_.at(u - region_.x, v - region_.y) += square;
   }
@@ -40,6 +41,10 @@ class GroundPicture {
   /// Light that stood in the pictures added, which were displaced by `displacements`: finish() takes it out
   /// of their mean. A place averages what it was seen in.
   void set_light(const StandingLight& light, std::span<const Point> displacements);
+
+  /// To be called after the last frame. Small patches far brighter or darker than the ground's texture may be
+  /// a lamp before the disc as well as a mark beneath it: they are not the ground.
+  void leave_out_what_stands_out(double noise_variance);
 
   /// To be called after the last frame, and again when the rim has told more. A place seen too seldom is held
   /// to a smooth continuation of its neighbours, by a prior wide enough for a texture that errs in patches.
@@ -71,10 +76,15 @@ class GroundPicture {
   void summarise(const Picture& enough, const Picture& level, double noise_variance);
   void lean_on_neighbours(const Picture& seen, const Picture& own);
 
+  bool not_ground(std::size_t place) const {
+    return (!standing_out_.empty() && standing_out_.levels()[place] > 0) ||
+           (!light_hidden_.empty() && light_hidden_.levels()[place] > 0);
+  }
   template <class Uncovered>
   void add_held(const Uncovered& uncovered);
   Rect region_;
-  Picture usual_;  ///< see hold_to(); empty without
+  Picture standing_out_;  ///< 1 where something does; empty without
+  Picture usual_;         ///< see hold_to(); empty without
   float tolerance_ = 0;
   double held_ = 0, looked_at_ = 0;
   Picture light_gain_, light_offset_, light_hidden_;  ///< means over the displacements; empty without

@@ -154,6 +154,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     window.spline = QuinticSpline(window.picture);
     kept.push_back(std::move(window));
   }
+  ground.leave_out_what_stands_out(options.noise_variance);
   ground.finish(options.noise_variance);
   // Ground at rest that does not show the same in all frames: something may have crossed it.
   const bool restless = !options.motion_known && ground.unrest() > kRestless * options.noise_variance;
@@ -171,6 +172,7 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
       source.read(f.index, region, wide);
       ground.add(wide, region.x, region.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
     }
+    ground.leave_out_what_stands_out(options.noise_variance);
     ground.finish(options.noise_variance);
     out.crossed_share = 1 - ground.held_share();
   }
