@@ -59,12 +59,12 @@ using PlateauSums = std::array<double, 3>;
 
 /// On kappa and on a shift of w alone over the rim, with q = ground grad w . grad B and
 /// s = -ground (B - mean B) grad w: sums of weight q r, weight q^2, weight s s' (xx, xy, yy), weight s r, and
-/// weight J s for the first six columns J.
+/// weight J s for every column J (0 for a turn that is not asked for).
 struct LayerRimSums {
   double qr = 0, qq = 0;
   std::array<double, 3> shift_normal{};
   std::array<double, 2> shift_force{};
-  std::array<std::array<double, 2>, kTurn> mixed{};
+  std::array<std::array<double, 2>, kLayerColumns> mixed{};
 };
 
 struct LayerKernels {

@@ -14,15 +14,18 @@ namespace tribotrack::vision {
 
 class LayeredLearning {
  public:
-  /// Keeps references. `radius` of the disc, `noise` a start.
+  /// Keeps references. `radius` of the disc, `noise` a start;
+  /// `least_noise` variance on the ground that the windows are taken to have whatever their residuals say.
   LayeredLearning(LayeredDisc& disc, GroundPicture& ground, LayeredRegistration& registration, double radius,
-                  const NoiseLaw& noise);
+                  const NoiseLaw& noise, double least_noise = 0);
 
   /// From a few windows, until they hardly move any more, then from all. False where the layers do not
   /// explain most windows.
   bool run(std::span<KeptWindow> early, std::span<KeptWindow> all);
 
   const NoiseLaw& noise() const { return noise_; }
+  /// Mean standard deviation of a coordinate of the windows, px.
+  double sigma() const { return sigma_; }
   int sweeps() const { return sweeps_; }
   /// Of the averaged picture's rim from the pivot of its grid; radius 0 where it shows no circle.
   Point offset() const { return offset_; }
@@ -38,6 +41,7 @@ class LayeredLearning {
  private:
   void learn(std::span<KeptWindow> windows, bool last);
   bool measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans = nullptr);
+  void leave_out_odd(std::span<KeptWindow> windows, const std::vector<double>& rim_chi_squared) const;
   void centre_rim(std::span<KeptWindow> windows);
 
   LayeredDisc& disc_;
@@ -47,7 +51,7 @@ class LayeredLearning {
   NoiseLaw noise_;
   LightField light_;
   SlowError slow_error_;
-  double start_noise_;
+  double start_noise_, least_noise_;
   int sweeps_ = 0, first_windows_ = 0;
   Point offset_;
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();  ///< of the rim, from the last measure()

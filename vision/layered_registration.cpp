@@ -85,6 +85,13 @@ void LayeredRegistration::choose_pixels(int frames) {
     const InterpolationNoise gain = quintic_noise(0);
     options.noise_square = 2 * noise_.at(below) / std::max(1, frames) * gain.slope * gain.value;
     mask = informative_pixels(x, y, weights, options);
+    // The ground's light is told from beside the rim, too: with light in the picture, the rim's own picture
+    // does not hold it where it was.
+    if (out_of_picture_)
+      for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i)
+          if (weights.at(i, j) > 0 && std::hypot(i - disc_.half(), j - disc_.half()) > disc_.rim().outer())
+            mask.at(i, j) = 1;
   }
   places_ = cover_with_tiles(mask);
   const std::size_t n = places_.size() * kTilePixels;
@@ -166,6 +173,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
           if (!in) counts[j * kTile + i] = 0;
         }
       }
+    if (out_of_picture_) leave_unseen(t);
     const int u = near_x + place.x, v = near_y + place.y;
     const bool known = u >= 0 && v >= 0 && u + kTile <= region.width && v + kTile <= region.height;
     if (known) {
@@ -191,6 +199,25 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
                        arrays_.ground);
   return true;
+}
+
+/// L^2 of a pixel of the camera.
+float LayeredRegistration::precision(int column, int row) const {
+  const Rect& region = out_of_picture_->region();
+  const int x = column - region.x, y = row - region.y;
+  if (x < 0 || y < 0 || x >= region.width || y >= region.height) return 1;
+  const float gain = out_of_picture_->gain().at(x, y);
+  return gain * gain;
+}
+
+void LayeredRegistration::leave_unseen(std::size_t tile) {
+  for (std::size_t k = 0; k < kTilePixels; ++k) {
+    const std::size_t i = tile * kTilePixels + k;
+    if (counts_[i] > 0 && StandingLight::unseen(arrays_.level[i])) counts_[i] = 0;
+    if (StandingLight::unseen(arrays_.level[i])) arrays_.level[i] = 0;
+    if (counts_[i] > 0)
+      counts_[i] *= precision(x0_ + static_cast<int>(arrays_.u[i]), y0_ + static_cast<int>(arrays_.v[i]));
+  }
 }
 
 /// S and w (and the slopes of both) under the tiles for a centre.
@@ -314,7 +341,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
         if (static_cast<double>(strangers) > kMaxTrim * sums.correlation.w) return std::nullopt;
       }
       const bool odd = plateau.squares_at(light, shift()) > kOddPlateau * plateau.pixels;
-      if (odd) plateau = trimmed_plateau(picture, x, y, light, shift());
+      if (odd) plateau = trimmed_plateau(picture, x, y, light, shift(), kTrim);
       converged = strangers == 0 && !odd;
       if (!converged) {
         if (!re_form) sample(formed = s.centre, true);

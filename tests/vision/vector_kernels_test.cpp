@@ -142,7 +142,7 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       std::array<SlowSum, 28> slow_normal;
       std::array<SlowSum, kLayerColumns> slow_force;
       SlowSum squares, rim, qr, qq, xy, yr;
-      std::array<SlowSum, kTurn> mixed;
+      std::array<SlowSum, kLayerColumns> mixed;
       constexpr double mean = 70;
       for (std::size_t i = 0; i < kCount; ++i) {
         const double w = formed.weight[i];
@@ -180,14 +180,7 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
         qq.add(on_rim * q * q);
         xy.add(on_rim * shift_x * shift_y);
         yr.add(on_rim * shift_y * r);
-        // Of the disc as it was formed: the turning column is left out.
-        const std::array<double, kTurn> own = {formed.step_x[i],
-                                               formed.step_y[i],
-                                               a.disc.value[i],
-                                               double{a.disc.value[i]} * a.u[i],
-                                               double{a.disc.value[i]} * a.v[i],
-                                               ground};
-        for (std::size_t j = 0; j < kTurn; ++j) mixed[j].add(on_rim * own[j] * shift_x);
+        for (std::size_t j = 0; j < mixed.size(); ++j) mixed[j].add(on_rim * jacobian[j] * shift_x);
       }
       for (int j = 0, at = 0; j < columns; ++j) {
         slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
@@ -203,7 +196,7 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       qq.expect(told.qq, "qq");
       xy.expect(told.shift_normal[1], "shift xy");
       yr.expect(told.shift_force[1], "shift y r");
-      for (std::size_t j = 0; j < kTurn; ++j) mixed[j].expect(told.mixed[j][0], "mixed", j);
+      for (std::size_t j = 0; j < mixed.size(); ++j) mixed[j].expect(told.mixed[j][0], "mixed", j);
     }
   }
 }
