@@ -16,7 +16,6 @@ constexpr double kLevelUnit = 1e-4;       ///< px per grey level of the disc's p
 constexpr double kSettled = 0.1;          ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewest = 12;       ///< windows that must be explained
 constexpr double kBlendEvidence = 1e3;    ///< per px^4: kappa stays at its start where little texture is seen
-constexpr double kSlopeScatter = 0.1;     ///< of its variance: no prior is better than this
 constexpr double kShiftEvidence = 2.5e3;  ///< per px^2: likewise the rim
 constexpr double kMostBlend = 9;          ///< px^2
 
@@ -108,15 +107,16 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
 bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans) {
   LayeredRegistration::LevelSums levels;
   LayeredRegistration::RimSums rim_sums;
-  double explained = 0, rim = 0, variance = 0, slopes = 0, slope_variance = 0;
+  double explained = 0, rim = 0, variance = 0;
+  std::vector<MeasuredSlope> slopes;
   for (KeptWindow& w : windows)
     if (const auto fix = registration_.refine(w.picture, w.x, w.y, w.state)) {
       w.state = fix->state;
       ++explained;
       rim += fix->rim_chi_squared;
       variance += 0.5 * fix->covariance.trace();
-      slopes += 0.5 * (fix->state.slope_x * fix->state.slope_x + fix->state.slope_y * fix->state.slope_y);
-      slope_variance += fix->sigma_slope * fix->sigma_slope;
+      slopes.push_back(
+          {fix->state.centre, fix->state.slope_x, fix->state.slope_y, fix->sigma_slope * fix->sigma_slope});
       registration_.add_residuals(levels);
       registration_.add_rim(rim_sums);
       if (leans) {
@@ -127,8 +127,7 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundL
   if (explained < static_cast<double>(std::max(kFewest, windows.size() / 2))) return false;
   rim_chi_squared_ = rim / explained;
   sigma_ = std::sqrt(variance / explained);
-  const double scatter = kSlopeScatter * slope_variance / explained;
-  light_ = {0, 0, std::sqrt(std::max(0.0, slopes - slope_variance) / explained + scatter)};
+  light_ = LightField(slopes);
   noise_ = noise_law(levels);
   disc_.set_blend(std::clamp(disc_.blend() + rim_sums.qr / (rim_sums.qq + kBlendEvidence), 0.0, kMostBlend));
   shift_ = (rim_sums.shift_normal + Eigen::Matrix2d(kShiftEvidence * Eigen::Matrix2d::Identity()))

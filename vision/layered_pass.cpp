@@ -167,8 +167,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   for (const FirstPassFrame& f : frames) {
     const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
-    auto fix =
-        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());
+    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground},
+                                   learning->light().at(f.centre));
     if (fix) {
       fix->covariance *= widened;
       fix->state.centre.x += offset.x;
