@@ -156,6 +156,7 @@ void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const Grou
     v[k] = static_cast<float>(tiles[k / kTilePixels].y - half_ + static_cast<int>(k % kTilePixels) / kTile);
   }
   for (const KeptWindow& w : windows) {
+    if (!w.explained) continue;
     const LayeredState& s = w.state;
     const Place at = place(w);
     w.spline.sample_tiles(at.left - w.x, at.top - w.y, tiles, corners, false, level);
@@ -167,12 +168,13 @@ void LayeredDisc::learn_standing(std::span<const KeptWindow> windows, const Grou
       turn = on_grid(turned);
     }
     // Where the window ends.
-    const bool whole = at.first_column == 0 && at.first_row == 0 && at.last_column == 2 * half_ + 1 &&
-                       at.last_row == 2 * half_ + 1;
+    const bool whole = !w.partly_unseen && at.first_column == 0 && at.first_row == 0 &&
+                       at.last_column == 2 * half_ + 1 && at.last_row == 2 * half_ + 1;
     if (!whole)
       for (std::size_t k = 0; k < pixels; ++k) {
         const int i = static_cast<int>(u[k]) + half_, j = static_cast<int>(v[k]) + half_;
-        inside[k] = i >= at.first_column && i < at.last_column && j >= at.first_row && j < at.last_row;
+        inside[k] = i >= at.first_column && i < at.last_column && j >= at.first_row && j < at.last_row &&
+                    (!w.partly_unseen || w.sees(at.left + i, at.top + j));
       }
     const auto gain = static_cast<float>(s.gain), slope_x = static_cast<float>(s.gain * s.slope_x),
                slope_y = static_cast<float>(s.gain * s.slope_y), under = static_cast<float>(s.ground_gain);
@@ -232,6 +234,7 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
   std::vector<float> level(pixels), below(pixels), known(pixels);
   for (std::size_t n = 0; n < windows.size(); n += stride) {
     const KeptWindow& w = windows[n];
+    if (!w.explained) continue;
     const LayeredState& s = w.state;
     const double left = s.centre.x - half_;
     const double top = s.centre.y - half_;
@@ -248,6 +251,7 @@ void LayeredDisc::learn_turning(std::span<const KeptWindow> windows, const Groun
         const auto k = static_cast<std::size_t>(j) * size + i;
         const float share = share_.levels()[k];
         if (share >= 1 || (share > 0 && known[k] == 0)) continue;
+        if (w.partly_unseen && !w.sees(left + i, top + j)) continue;
         const double light = s.gain * (1 + s.slope_x * (i - half_) + s.slope_y * (j - half_));
         turned.level.levels()[k] += static_cast<float>((level[k] - s.ground_gain * share * below[k]) / light);
         turned.weight.levels()[k] += 1;

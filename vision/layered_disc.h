@@ -5,6 +5,7 @@
 // it (scratches, print); see layered_split.h.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "vision/layered_split.h"
 #include "vision/layered_state.h"
 #include "vision/picture.h"
+#include "vision/standing_light.h"
 
 namespace tribotrack::vision {
 
@@ -24,8 +26,16 @@ struct KeptWindow {
   Picture picture;
   int x = 0, y = 0;
   LayeredState state;
-  QuinticSpline spline;    ///< of the picture
-  std::int64_t frame = 0;  ///< in the source
+  QuinticSpline spline;        ///< of the picture, unseen pixels as they are
+  std::int64_t frame = 0;      ///< in the source
+  bool partly_unseen = false;  ///< see standing_light.h
+  bool explained = true;       ///< by the layers: else nothing is learnt from it
+  /// Whether the camera's pixel next to a place shows the scene.
+  bool sees(double place_x, double place_y) const {
+    const int i = static_cast<int>(std::lround(place_x)) - x, j = static_cast<int>(std::lround(place_y)) - y;
+    return i >= 0 && j >= 0 && i < picture.width() && j < picture.height() &&
+           !StandingLight::unseen(picture.at(i, j));
+  }
 };
 
 class LayeredDisc {

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "vision/layered_registration.h"
 
@@ -34,46 +35,44 @@ GroundLean LayeredRegistration::lean(const LayeredFix& fix) const {
 }
 
 void LayeredRegistration::add_rim(RimSums& sums) const {
-  const auto under = static_cast<float>(light_.ground), mean = static_cast<float>(ground_.mean());
-  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kLayerColumns, 2> mixed =
-      Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(columns(), 2);
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (!(counts_[i] * arrays_.rim[i] > 0)) continue;
-    const float wx = arrays_.share.slope_x[i], wy = arrays_.share.slope_y[i];
-    const float q = under * (wx * arrays_.ground.slope_x[i] + wy * arrays_.ground.slope_y[i]);
-    const float r = residual(i, light_), weight = arrays_.weight[i];
-    sums.qr += static_cast<double>(weight * q * r);
-    sums.qq += static_cast<double>(weight * q * q);
-    const float off = -under * (arrays_.ground.value[i] - mean);
-    const Eigen::Vector2d shift(static_cast<double>(off * wx), static_cast<double>(off * wy));
-    sums.shift_normal += static_cast<double>(weight) * shift * shift.transpose();
-    sums.shift_force += static_cast<double>(weight * r) * shift;
-    const float s = arrays_.disc.value[i];
-    const float column[] = {arrays_.step_x[i],
-                            arrays_.step_y[i],
-                            s,
-                            s * arrays_.u[i],
-                            s * arrays_.v[i],
-                            arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
-                            0.0F};
-    for (Eigen::Index c = 0; c < mixed.rows(); ++c)
-      mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
+  const LayerRimSums here = layer_kernels_.rim(arrays_, counts_, light_, ground_.mean());
+  sums.qr += here.qr;
+  sums.qq += here.qq;
+  const auto& [xx, xy, yy] = here.shift_normal;
+  sums.shift_normal += Eigen::Matrix2d{{xx, xy}, {xy, yy}};
+  sums.shift_force += Eigen::Vector2d(here.shift_force[0], here.shift_force[1]);
+  Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(columns(), 2);
+  for (Eigen::Index c = 0; c < mixed.rows(); ++c) {
+    const auto& [on_x, on_y] = here.mixed[static_cast<std::size_t>(c)];
+    mixed.row(c) << on_x, on_y;
   }
-  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
+  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(mixed);
 }
 
-/// Pixels of the tiles on either side of the rim.
+/// Pixels of the tiles on either side of the rim. Where the ground has no texture its light is told from the
+/// disc's rim only: outside, it is what the pixels there say.
 void LayeredRegistration::add_residuals(LevelSums& sums) const {
   const double inner = disc_.rim().inner(), outer = disc_.rim().outer();
+  struct Seen {
+    double level, residual, below, sure;
+  };
+  std::vector<Seen> seen;
+  double cross = 0, square_below = 0;
   for (std::size_t i = 0; i < mask_.size(); ++i) {
     if (!(arrays_.level[i] > 0) || (mask_[i] > 0 && counts_[i] == 0)) continue;
     const double u = arrays_.u[i], v = arrays_.v[i], rho_squared = u * u + v * v;
     const bool outside = rho_squared >= outer * outer;
     if (rho_squared > inner * inner && !outside) continue;
     if (outside && static_cast<double>(arrays_.ground_variance[i]) > kSureGround * noise_.constant) continue;
-    const double r = residual(i, light_);
-    const double level = arrays_.level[i] - r;
-    const double square = r * r;
+    const double r = residual(i, light_), below = outside ? static_cast<double>(arrays_.ground.value[i]) : 0;
+    const double sure = out_of_picture_ ? precision(x0_ + static_cast<int>(u), y0_ + static_cast<int>(v)) : 1;
+    seen.push_back({arrays_.level[i], r, below, sure});
+    cross += r * below;
+    square_below += below * below;
+  }
+  const double lit = square_below > 0 ? cross / square_below : 0;
+  for (const Seen& s : seen) {
+    const double r = s.residual - lit * s.below, level = s.level - r, square = s.sure * r * r;
     if (square > kTrim * kTrim * noise_.at(level)) continue;
     sums.n += 1;
     sums.level += level;

@@ -4,13 +4,18 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kFramesNeeded = 3;  ///< fewer do not make a picture worth the name
-constexpr int kFillRings = 8;     ///< px of smooth continuation into what was never seen
+constexpr int kFramesNeeded = 3;          ///< fewer do not make a picture worth the name
+constexpr std::size_t kThinned = 5;       ///< places of which one is asked for the usual level
+constexpr double kStandsOut = 10;         ///< times the texture's spread
+constexpr int kStandingEdge = 3;          ///< px about it that are half covered
+constexpr double kMostStandingOut = 0.1;  ///< of the ground: more is the ground
+constexpr int kFillRings = 8;             ///< px of smooth continuation into what was never seen
 /// A texture that is not known pulls alike in all pixels of a patch: where it is not known it counts as so
 /// many times its variance in each, or the disc is drawn to what its leading rim would see on even ground.
 constexpr double kAlike = 10;
@@ -57,6 +62,39 @@ GroundPicture::GroundPicture(const Rect& region)
       known_(region.width, region.height),
       variance_(region.width, region.height) {}
 
+void GroundPicture::hold_to(Picture usual, double tolerance) {
+  usual_ = std::move(usual);
+  tolerance_ = static_cast<float>(tolerance);
+  held_ = looked_at_ = 0;
+  for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
+}
+
+template <class Uncovered>
+void GroundPicture::add_held(const Uncovered& uncovered) {
+  constexpr int kStep = 7;
+  std::vector<float> ratios;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; i += kStep)
+      if (row[i] > 0) ratios.push_back(usual_.levels()[at + static_cast<std::size_t>(i)] / row[i]);
+  });
+  if (ratios.empty()) return;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const float light = *middle;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; ++i) {
+      const std::size_t k = at + static_cast<std::size_t>(i);
+      const float level = light * row[i];
+      ++looked_at_;
+      if (std::abs(level - usual_.levels()[k]) > tolerance_) continue;
+      ++held_;
+      sum_.levels()[k] += level;
+      squares_.levels()[k] += level * level;
+      count_.levels()[k] += 1;
+    }
+  });
+}
+
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
                         const Circle& hidden) {
   // Places u of the platform with u + p inside the window.
@@ -88,6 +126,7 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
       act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
     }
   };
+  if (!usual_.empty()) return add_held(uncovered);
   float* sums = sum_.levels().data();
   float* squares = squares_.levels().data();
   float* counts = count_.levels().data();
@@ -127,17 +166,72 @@ void GroundPicture::forget_rim() {
   std::fill(squares_through_.levels().begin(), squares_through_.levels().end(), 0.0F);
 }
 
+void GroundPicture::set_light(const StandingLight& light, std::span<const Point> displacements) {
+  light_gain_ = Picture(region_.width, region_.height);
+  light_offset_ = light_hidden_ = light_gain_;
+  const Rect& from = light.region();
+  const auto share = 1 / static_cast<float>(displacements.size());
+  for (const Point& p : displacements) {
+    const double left = region_.x + p.x - from.x, top = region_.y + p.y - from.y;
+    const int ix = static_cast<int>(std::floor(left)), iy = static_cast<int>(std::floor(top));
+    const auto fx = static_cast<float>(left - ix), fy = static_cast<float>(top - iy);
+    for (int j = 0; j < region_.height; ++j)
+      for (int i = 0; i < region_.width; ++i) {
+        const int x0 = std::clamp(ix + i, 0, from.width - 1), x1 = std::clamp(ix + i + 1, 0, from.width - 1);
+        const int y0 = std::clamp(iy + j, 0, from.height - 1),
+                  y1 = std::clamp(iy + j + 1, 0, from.height - 1);
+        const auto at = [&](const Picture& q) {
+          return share * ((1 - fy) * ((1 - fx) * q.at(x0, y0) + fx * q.at(x1, y0)) +
+                          fy * ((1 - fx) * q.at(x0, y1) + fx * q.at(x1, y1)));
+        };
+        light_gain_.at(i, j) += at(light.gain());
+        light_offset_.at(i, j) += at(light.offset());
+        light_hidden_.at(i, j) += at(light.hidden());
+      }
+  }
+}
+
+void GroundPicture::leave_out_what_stands_out(double noise_variance) {
+  std::vector<float> levels, deviations;
+  const auto sums = sum_.levels(), counts = count_.levels();
+  const auto median = [](std::vector<float>& from) {
+    const auto middle = from.begin() + static_cast<std::ptrdiff_t>(from.size() / 2);
+    std::nth_element(from.begin(), middle, from.end());
+    return *middle;
+  };
+  for (std::size_t i = 0; i < sums.size(); i += kThinned)
+    if (counts[i] >= kFramesNeeded) levels.push_back(sums[i] / counts[i]);
+  if (levels.empty()) return;
+  const float usual = median(levels);
+  for (const float level : levels) deviations.push_back(std::abs(level - usual));
+  const double spread = std::max(1.4826 * static_cast<double>(median(deviations)), std::sqrt(noise_variance));
+  const auto far = static_cast<float>(kStandsOut * spread);
+  Picture out(region_.width, region_.height);
+  double places = 0, all = 0;
+  for (int y = 0; y < region_.height; ++y)
+    for (int x = 0; x < region_.width; ++x) {
+      if (!(count_.at(x, y) >= kFramesNeeded)) continue;
+      ++all;
+      if (std::abs(sum_.at(x, y) / count_.at(x, y) - usual) <= far) continue;
+      ++places;
+      for (int v = std::max(0, y - kStandingEdge); v <= std::min(region_.height - 1, y + kStandingEdge); ++v)
+        for (int u = std::max(0, x - kStandingEdge); u <= std::min(region_.width - 1, x + kStandingEdge); ++u)
+          out.at(u, v) = 1;
+    }
+  if (places > 0 && places < kMostStandingOut * all) standing_out_ = std::move(out);
+}
+
 /// Mean, texture and unrest of the places uncovered often enough.
-void GroundPicture::summarise(const Picture& enough, double noise_variance) {
+void GroundPicture::summarise(const Picture& enough, const Picture& level, double noise_variance) {
   std::vector<float> variances;
   double sum = 0, square = 0;
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
     if (enough.levels()[i] == 0) continue;
     const double n = count_.levels()[i];
-    const double mean = sum_.levels()[i] / n;
+    const double mean = sum_.levels()[i] / n, shown = level.levels()[i];
     variances.push_back(static_cast<float>((squares_.levels()[i] / n - mean * mean) * n / (n - 1)));
-    sum += mean;
-    square += mean * mean;
+    sum += shown;
+    square += shown * shown;
   }
   if (variances.empty()) return;
   const auto places = static_cast<double>(variances.size());
@@ -179,21 +273,27 @@ void GroundPicture::lean_on_neighbours(const Picture& seen, const Picture& own) 
 void GroundPicture::finish(double noise_variance) {
   Picture enough(region_.width, region_.height), level(region_.width, region_.height);
   for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
-    const bool known = count_.levels()[i] >= kFramesNeeded;
+    // What stands in the picture stands before the places that move through it.
+    const bool known = count_.levels()[i] >= kFramesNeeded && !not_ground(i);
     enough.levels()[i] = known ? 1.0F : 0.0F;
     level.levels()[i] = known ? sum_.levels()[i] / count_.levels()[i] : 0.0F;
+    if (known && !light_gain_.empty())
+      level.levels()[i] = (level.levels()[i] - light_offset_.levels()[i]) / light_gain_.levels()[i];
   }
-  summarise(enough, noise_variance);
+  summarise(enough, level, noise_variance);
   continue_smoothly(level, enough);
   unseen_variance_ = std::max(kAlike * texture_ * texture_, 0.01 * noise_variance);
   const auto prior = static_cast<float>(noise_variance / unseen_variance_);
   const auto noise = static_cast<float>(noise_variance);
   Picture own(region_.width, region_.height), seen_enough(region_.width, region_.height);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float seen = count_.levels()[i] + squares_through_.levels()[i];
+    const float counted = not_ground(i) ? 0 : count_.levels()[i];
+    const float seen = counted + squares_through_.levels()[i];
     // A place uncovered often enough owes nothing to the prior.
     const float held = enough.levels()[i] > 0 ? 0 : prior;
-    level.levels()[i] = (sum_.levels()[i] + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
+    const bool as_seen = light_gain_.empty() && counted > 0;
+    const float sum = as_seen ? sum_.levels()[i] : counted * level.levels()[i];
+    level.levels()[i] = (sum + through_.levels()[i] + held * level.levels()[i]) / (seen + held);
     own.levels()[i] = noise / (seen + prior);
     seen_enough.levels()[i] = seen >= kFramesNeeded ? 1.0F : 0.0F;
   }

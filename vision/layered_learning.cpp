@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "vision/disc_detection.h"
 #include "vision/fixed_point.h"
@@ -16,9 +17,10 @@ constexpr double kLevelUnit = 1e-4;       ///< px per grey level of the disc's p
 constexpr double kSettled = 0.1;          ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewest = 12;       ///< windows that must be explained
 constexpr double kBlendEvidence = 1e3;    ///< per px^4: kappa stays at its start where little texture is seen
-constexpr double kSlopeScatter = 0.1;     ///< of its variance: no prior is better than this
 constexpr double kShiftEvidence = 2.5e3;  ///< per px^2: likewise the rim
 constexpr double kMostBlend = 9;          ///< px^2
+constexpr double kOdd = 0.25;  ///< of the median: windows whose rim leaves more hold something else
+constexpr double kOddSd = 6;   ///< likewise, in standard deviations
 
 NoiseLaw noise_law(const LayeredRegistration::LevelSums& s) {
   NoiseLaw law;
@@ -73,13 +75,14 @@ double moved(const Eigen::VectorXd& from, const Eigen::VectorXd& to, std::size_t
 }  // namespace
 
 LayeredLearning::LayeredLearning(LayeredDisc& disc, GroundPicture& ground, LayeredRegistration& registration,
-                                 double radius, const NoiseLaw& noise)
+                                 double radius, const NoiseLaw& noise, double least_noise)
     : disc_(disc),
       ground_(ground),
       registration_(registration),
       radius_(radius),
       noise_(noise),
-      start_noise_(noise.at(ground.mean())) {}
+      start_noise_(noise.at(ground.mean())),
+      least_noise_(least_noise) {}
 
 /// The disc's picture turns about the middle of its grid: its rim's centre is brought there first.
 void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
@@ -89,9 +92,11 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
   }
   offset_ = {};
   if (sweeps_ > 0) look_through_rim(windows, disc_, noise_.at(ground_.mean()), ground_);
-  // The even middle once; then what tells about the place.
-  if (sweeps_ == 0) first_windows_ = static_cast<int>(windows.size());
-  disc_.learn(windows, ground_, start_noise_, sweeps_ > 0 ? &registration_.chosen() : nullptr);
+  // The even middle once, and at the end where it tells of light in the picture; then what tells about the
+  // place.
+  const bool middle_too = sweeps_ == 0 || (last && registration_.has_standing_light());
+  if (middle_too) first_windows_ = static_cast<int>(windows.size());
+  disc_.learn(windows, ground_, start_noise_, middle_too ? nullptr : &registration_.chosen());
   ++sweeps_;
   registration_.set_noise(noise_);
   registration_.disc_changed(first_windows_);
@@ -108,15 +113,19 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
 bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans) {
   LayeredRegistration::LevelSums levels;
   LayeredRegistration::RimSums rim_sums;
-  double explained = 0, rim = 0, variance = 0, slopes = 0, slope_variance = 0;
-  for (KeptWindow& w : windows)
+  double explained = 0, rim = 0, variance = 0;
+  std::vector<MeasuredSlope> slopes;
+  std::vector<double> rim_chi_squared(windows.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    KeptWindow& w = windows[k];
     if (const auto fix = registration_.refine(w.picture, w.x, w.y, w.state)) {
       w.state = fix->state;
       ++explained;
+      rim_chi_squared[k] = fix->rim_chi_squared;
       rim += fix->rim_chi_squared;
       variance += 0.5 * fix->covariance.trace();
-      slopes += 0.5 * (fix->state.slope_x * fix->state.slope_x + fix->state.slope_y * fix->state.slope_y);
-      slope_variance += fix->sigma_slope * fix->sigma_slope;
+      slopes.push_back(
+          {fix->state.centre, fix->state.slope_x, fix->state.slope_y, fix->sigma_slope * fix->sigma_slope});
       registration_.add_residuals(levels);
       registration_.add_rim(rim_sums);
       if (leans) {
@@ -124,18 +133,30 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundL
         leans->back().frame = w.frame;
       }
     }
+  }
   if (explained < static_cast<double>(std::max(kFewest, windows.size() / 2))) return false;
   rim_chi_squared_ = rim / explained;
+  leave_out_odd(windows, rim_chi_squared);
   sigma_ = std::sqrt(variance / explained);
-  const double scatter = kSlopeScatter * slope_variance / explained;
-  light_ = {0, 0, std::sqrt(std::max(0.0, slopes - slope_variance) / explained + scatter)};
+  light_ = LightField(slopes);
   noise_ = noise_law(levels);
+  noise_.constant = std::max(noise_.constant, least_noise_ - noise_.per_level * ground_.mean());
   disc_.set_blend(std::clamp(disc_.blend() + rim_sums.qr / (rim_sums.qq + kBlendEvidence), 0.0, kMostBlend));
   shift_ = (rim_sums.shift_normal + Eigen::Matrix2d(kShiftEvidence * Eigen::Matrix2d::Identity()))
                .ldlt()
                .solve(rim_sums.shift_force);
   registration_.set_noise(noise_);
   return true;
+}
+
+/// What crosses the disc in some windows, a tool or the edge of a lamp, must not become part of the layers.
+void LayeredLearning::leave_out_odd(std::span<KeptWindow> windows,
+                                    const std::vector<double>& rim_chi_squared) const {
+  std::vector<double> sorted = rim_chi_squared;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double most = *middle * (1 + std::max(kOdd, kOddSd * std::sqrt(2 / registration_.rim_pixels())));
+  for (std::size_t k = 0; k < windows.size(); ++k) windows[k].explained = rim_chi_squared[k] <= most;
 }
 
 /// The rim is round about the centre of the grid, the disc's picture wherever the first pass took its centre
@@ -164,7 +185,8 @@ bool LayeredLearning::run(std::span<KeptWindow> early, std::span<KeptWindow> all
       break;
     unpack(next, early, disc_);
   }
-  if (!measure(all)) return false;
+  // The early ones have just been measured.
+  if (!measure(all.size() < 2 * early.size() ? all : all.subspan(early.size()))) return false;
   learn(all, true);
   std::vector<GroundLean> leans;
   if (!measure(all, &leans)) return false;

@@ -14,23 +14,25 @@ namespace tribotrack::vision {
 
 class LayeredLearning {
  public:
-  /// Keeps references. `radius` of the disc, `noise` a start.
+  /// Keeps references. `radius` of the disc, `noise` a start;
+  /// `least_noise` variance on the ground that the windows are taken to have whatever their residuals say.
   LayeredLearning(LayeredDisc& disc, GroundPicture& ground, LayeredRegistration& registration, double radius,
-                  const NoiseLaw& noise);
+                  const NoiseLaw& noise, double least_noise = 0);
 
   /// From a few windows, until they hardly move any more, then from all. False where the layers do not
   /// explain most windows.
   bool run(std::span<KeptWindow> early, std::span<KeptWindow> all);
 
   const NoiseLaw& noise() const { return noise_; }
+  /// Mean standard deviation of a coordinate of the windows, px.
+  double sigma() const { return sigma_; }
   int sweeps() const { return sweeps_; }
   /// Of the averaged picture's rim from the pivot of its grid; radius 0 where it shows no circle.
   Point offset() const { return offset_; }
   double disc_radius() const { return disc_radius_; }
   double disc_radius_sd() const { return disc_radius_sd_; }
-  /// How much the light's slope over the disc differs from window to window beyond its noise: nearly nothing
-  /// where the lamp is even, which a frame then need not find out by itself.
-  const LightPrior& light() const { return light_; }
+  /// The light's slope over the disc, which a frame then need not find out by itself.
+  const LightField& light() const { return light_; }
   /// Mean chi^2 per pixel of the rim.
   double rim_chi_squared() const { return rim_chi_squared_; }
   /// Of the positions measured over what has been learnt.
@@ -39,6 +41,7 @@ class LayeredLearning {
  private:
   void learn(std::span<KeptWindow> windows, bool last);
   bool measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans = nullptr);
+  void leave_out_odd(std::span<KeptWindow> windows, const std::vector<double>& rim_chi_squared) const;
   void centre_rim(std::span<KeptWindow> windows);
 
   LayeredDisc& disc_;
@@ -46,9 +49,9 @@ class LayeredLearning {
   LayeredRegistration& registration_;
   double radius_;
   NoiseLaw noise_;
-  LightPrior light_;
+  LightField light_;
   SlowError slow_error_;
-  double start_noise_;
+  double start_noise_, least_noise_;
   int sweeps_ = 0, first_windows_ = 0;
   Point offset_;
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();  ///< of the rim, from the last measure()

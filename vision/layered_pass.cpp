@@ -6,20 +6,29 @@
 #include <optional>
 #include <span>
 
+#include "vision/layered_ground_crossed.h"
 #include "vision/layered_learning.h"
+#include "vision/layered_lighting.h"
 #include "vision/window.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 32;     ///< windows of most sweeps
-constexpr int kContext = 6;            ///< px kept beyond the disc's pictures
-constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
-constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
-constexpr std::size_t kFewest = 12;    ///< frames to learn from
-constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any frame will do
-constexpr double kGroundBytes = 52;    ///< per px: the platform's pictures, those of a moment included
-constexpr double kRestless = 2;        ///< ground variance in time over the noise's: it moves
+constexpr std::size_t kEarly = 32;        ///< windows of most sweeps
+constexpr int kContext = 6;               ///< px kept beyond the disc's pictures
+constexpr double kGroundPixels = 4e6;     ///< of all frames the platform's picture is averaged from
+constexpr double kGroundFrames = 40;      ///< and no fewer frames than these
+constexpr std::size_t kFewest = 12;       ///< frames to learn from
+constexpr double kEnoughSpread = 0.5;     ///< of the windows wanted: else any frame will do
+constexpr double kGroundBytes = 52;       ///< per px: the platform's pictures, those of a moment included
+constexpr std::size_t kUsualFrames = 15;  ///< that tell what a place usually shows
+constexpr double kHeldSd = 5;             ///< what is further off crosses the ground
+constexpr double kLeastHeld = 0.7;        ///< of what is uncovered: else it moves
+constexpr double kRestless = 2;           ///< ground variance in time over the noise's: it moves
+constexpr double kBentShare = 0.1;        ///< of the windows: less is chance, or something that crosses
+constexpr int kLightRounds = 8;
+constexpr double kLightSettled = 0.1;  ///< of the standard deviation: windows that move less have settled
+constexpr double kMostExcess = 16;     ///< times the first pass's, in variance
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
 Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
@@ -67,6 +76,26 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
   const std::size_t count = std::min(most, spread.size());
   for (std::size_t k = 0; k < count; ++k) chosen.push_back(spread[k * (spread.size() - 1) / (count - 1)]);
   return chosen;
+}
+
+std::vector<Point> centres(std::span<const KeptWindow> windows) {
+  std::vector<Point> out;
+  for (const KeptWindow& w : windows) out.push_back(w.state.centre);
+  return out;
+}
+
+/// Px rms per coordinate, a move of all together not counted.
+double moved(const std::vector<Point>& from, const std::vector<Point>& to) {
+  double square = 0;
+  Point sum;
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    const double x = to[k].x - from[k].x, y = to[k].y - from[k].y;
+    square += x * x + y * y;
+    sum.x += x;
+    sum.y += y;
+  }
+  const auto n = static_cast<double>(to.size());
+  return std::sqrt(std::max(0.0, (square - (sum.x * sum.x + sum.y * sum.y) / n) / (2 * n)));
 }
 
 }  // namespace
@@ -125,8 +154,30 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     window.spline = QuinticSpline(window.picture);
     kept.push_back(std::move(window));
   }
+  ground.leave_out_what_stands_out(options.noise_variance);
   ground.finish(options.noise_variance);
-  if (!options.motion_known && ground.unrest() > kRestless * options.noise_variance) {
+  // Ground at rest that does not show the same in all frames: something may have crossed it.
+  const bool restless = !options.motion_known && ground.unrest() > kRestless * options.noise_variance;
+  if (restless) {
+    UsualGround usual(region);
+    const std::size_t apart = std::max<std::size_t>(1, windows / kUsualFrames);
+    for (std::size_t k = 0; k < windows; k += apart) {
+      const FirstPassFrame& f = frames[chosen[k]];
+      source.read(f.index, region, wide);
+      usual.add(wide, {f.centre.x, f.centre.y, disc.rim().outer()});
+    }
+    ground.hold_to(usual.median(), kHeldSd * std::sqrt(options.noise_variance));
+    for (std::size_t k = 0; k < windows; k += ground_stride) {
+      const FirstPassFrame& f = frames[chosen[k]];
+      source.read(f.index, region, wide);
+      ground.add(wide, region.x, region.y, f.ground, {f.centre.x, f.centre.y, disc.rim().outer()});
+    }
+    ground.leave_out_what_stands_out(options.noise_variance);
+    ground.finish(options.noise_variance);
+    out.crossed_share = 1 - ground.held_share();
+  }
+  if (restless &&
+      (ground.unrest() > kRestless * options.noise_variance || ground.held_share() < kLeastHeld)) {
     out.why_not = "the ground changes from frame to frame and there is no marker to tell how it moves";
     return out;
   }
@@ -141,16 +192,41 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   });
   LayeredRegistration registration(disc, ground);
   std::optional<LayeredLearning> learning;
-  const auto learn = [&](double noise_variance) {
-    learning.emplace(disc, ground, registration, options.disc.radius, NoiseLaw{noise_variance, 0});
+  const auto learn = [&](double noise_variance, double least = 0) {
+    learning.emplace(disc, ground, registration, options.disc.radius, NoiseLaw{noise_variance, 0}, least);
     const std::span<KeptWindow> all(kept);
     return learning->run(all.first(few), all);
   };
-  // A coder that drops the noise leaves errors that the noise between frames does not tell of.
-  if (!learn(options.noise_variance) && !learn(options.noise_variance + options.excess * options.excess)) {
+  // A coder that drops the noise leaves errors that the noise between frames does not tell of; light that
+  // stands in the picture leaves what only very noisy layers explain.
+  const auto learnt_at_last = [&] {
+    bool learnt = learn(options.noise_variance);
+    for (double times = 1; !learnt && times <= kMostExcess; times *= 4) {
+      const double noise = options.noise_variance + times * options.excess * options.excess;
+      learnt = learn(noise, times > 1 ? noise : 0);
+    }
+    return learnt;
+  };
+  if (!learnt_at_last()) {
     out.why_not = "the layers do not explain most of the kept frames";
     return out;
   }
+  out.bent_share = bent_share(kept, disc, learning->noise());
+  LayeredLighting lighting(region, options.top_level);
+  const std::vector<Point> unlit = centres(kept);
+  if (out.bent_share > kBentShare)
+    for (int round = 0; round < kLightRounds; ++round) {
+      if (!lighting.learn(kept, disc, ground, learning->noise())) break;
+      registration.set_standing_light(&lighting.light());
+      if (!learnt_at_last()) {
+        out.why_not = "light stands in the picture, and the layers do not explain most of the kept frames";
+        return out;
+      }
+      ++out.light_rounds;
+      out.light_unsettled = moved(lighting.learnt_from(), centres(kept));
+      if (out.light_unsettled < kLightSettled * learning->sigma()) break;
+    }
+  out.light_moved = moved(unlit, centres(kept));
   const Point offset = learning->offset();
   out.noise = learning->noise();
   out.disc_radius = learning->disc_radius();
@@ -167,10 +243,14 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
   for (const FirstPassFrame& f : frames) {
     const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
-    auto fix =
-        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());
+    if (lighting.found()) lighting.light().take_out(frame, window.x, window.y, true);
+    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground},
+                                   learning->light().at(f.centre));
     if (fix) {
       fix->covariance *= widened;
+      if (lighting.found())
+        fix->covariance += lighting.covariance(fix->state.centre) +
+                           std::pow(out.light_unsettled, 2) * Eigen::Matrix2d::Identity();
       fix->state.centre.x += offset.x;
       fix->state.centre.y += offset.y;
     }

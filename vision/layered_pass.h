@@ -38,6 +38,7 @@ struct LayeredOptions {
   double blur = 1;                          ///< of its rim, px
   bool turning = false;                     ///< its texture shows its rotation
   double noise_variance = 1;                ///< a start
+  double top_level = 255;                   ///< at which pixels clip
   double excess = 0;                        ///< residual of the first pass beyond it, grey levels rms
   bool motion_known = false;                ///< else the pass looks whether the platform rests
   std::int64_t first_index = 0, total = 0;  ///< of the frames analysed; 0: not known
@@ -56,7 +57,12 @@ struct LayeredResult {
   SlowError slow_error;                        ///< what the errors of the fixes share; is in the covariances
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0;
-  double ground_texture = 0;  ///< of the platform's picture, grey levels rms
+  double ground_texture = 0;   ///< of the platform's picture, grey levels rms
+  double crossed_share = 0;    ///< of the ground at rest, that showed something else than usual
+  double bent_share = 0;       ///< of the windows, see layered_light.h
+  int light_rounds = 0;        ///< in which light that stands in the picture was learnt; 0: there is none
+  double light_moved = 0;      ///< what taking it out moved the windows by, px rms, their mean not counted
+  double light_unsettled = 0;  ///< likewise the last round: is in the covariances
   double rim_excess =
       0;  ///< variance of the rim's residuals over the noise's, minus 1; is in the covariances
 };

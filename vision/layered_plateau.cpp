@@ -2,6 +2,7 @@
 // the centre.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "vision/layered_registration.h"
 
@@ -9,6 +10,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kSloping = 2;  ///< times the slope that noise alone makes
+constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< is trimmed
 
 }  // namespace
 
@@ -87,7 +89,11 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
   for (const Run& run : runs_) {
     const int px = left + run.first, py = top + run.y;
     if (px < 0 || py < 0 || px + run.count > picture.width() || py >= picture.height())
-      return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero());
+      return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero(), kNothing);
+    if (out_of_picture_ && std::ranges::any_of(picture.row(py).subspan(static_cast<std::size_t>(px),
+                                                                       static_cast<std::size_t>(run.count)),
+                                               StandingLight::unseen))
+      return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero(), kNothing);
     const auto first = static_cast<std::size_t>(run.first);
     const PlateauSums sums =
         layer_kernels_.plateau({picture.row(py).data() + px, shown_.row(run.y).data() + first,
@@ -105,10 +111,11 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
   return out;
 }
 
-/// The same pixel by pixel: without what lies outside the picture and what cannot be noise.
+/// The same pixel by pixel: without what is not seen and what is `trim` sd off.
 LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture& picture, int x, int y,
                                                                   const LayerLight& light,
-                                                                  const Eigen::Vector2d& shift) const {
+                                                                  const Eigen::Vector2d& shift,
+                                                                  double trim) const {
   Plateau out;
   const int left = x0_ - disc_.half() - x, top = y0_ - disc_.half() - y;
   for (const Run& run : runs_)
@@ -116,12 +123,13 @@ LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture&
       const int px = left + i, py = top + run.y;
       const double weight = plateau_weight_.at(i, run.y);
       if (weight == 0 || px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
+      if (StandingLight::unseen(picture.at(px, py))) continue;
       const double u = i - disc_.half(), v = run.y - disc_.half();
       const double level = shown_.at(i, run.y);
       const Eigen::Vector2d gradient = shown_slope(i, run.y);
       const double off = picture.at(px, py) -
                          (light.gain + light.slope_x * u + light.slope_y * v) * (level - gradient.dot(shift));
-      if (weight * off * off > kTrim * kTrim) continue;
+      if (weight * off * off > trim * trim) continue;
       const double r = picture.at(px, py) - level;
       const Eigen::Vector3d column = level * Eigen::Vector3d(1, u, v);
       out.add(weight, column, gradient);

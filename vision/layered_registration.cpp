@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "vision/strangers.h"
 
@@ -11,13 +12,14 @@ namespace {
 
 constexpr int kBorder = 1;              ///< px beyond the rim's reach: the ground's own level is learnt there
 constexpr double kTurnTolerance = 0.1;  ///< px at the rim: further the disc's picture is turned anew
-constexpr double kTolerance = 0.02;     ///< of the standard deviation
+constexpr double kTolerance = 0.1;      ///< of the standard deviation: a step leaves far less than it is long
 constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
 constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kMaxTrim = 0.2;
-constexpr double kStrangeEdge = 3;    ///< px about what covers the disc that are half covered
-constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
+constexpr double kStrangeEdge = 3;  ///< px about what covers the disc that are half covered
+constexpr double kLeastRim = 0.6;   ///< share of the rim that must be in the picture over known ground
+constexpr std::size_t kRowBytes = kTile * sizeof(float);
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
@@ -83,6 +85,13 @@ void LayeredRegistration::choose_pixels(int frames) {
     const InterpolationNoise gain = quintic_noise(0);
     options.noise_square = 2 * noise_.at(below) / std::max(1, frames) * gain.slope * gain.value;
     mask = informative_pixels(x, y, weights, options);
+    // The ground's light is told from beside the rim, too: with light in the picture, the rim's own picture
+    // does not hold it where it was.
+    if (out_of_picture_)
+      for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i)
+          if (weights.at(i, j) > 0 && std::hypot(i - disc_.half(), j - disc_.half()) > disc_.rim().outer())
+            mask.at(i, j) = 1;
   }
   places_ = cover_with_tiles(mask);
   const std::size_t n = places_.size() * kTilePixels;
@@ -155,7 +164,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
         left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
     for (int j = 0; j < kTile; ++j)
       if (inside) {
-        std::copy_n(picture.row(top + j).data() + left, kTile, level + j * kTile);
+        std::memcpy(level + j * kTile, picture.row(top + j).data() + left, kRowBytes);
       } else {
         for (int i = 0; i < kTile; ++i) {
           const bool in =
@@ -164,19 +173,23 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
           if (!in) counts[j * kTile + i] = 0;
         }
       }
+    if (out_of_picture_) leave_unseen(t);
     const int u = near_x + place.x, v = near_y + place.y;
     const bool known = u >= 0 && v >= 0 && u + kTile <= region.width && v + kTile <= region.height;
     if (known) {
       for (int j = 0; j < kTile; ++j)
-        std::copy_n(ground_.variance().row(v + j).data() + u, kTile, unsure + j * kTile);
+        std::memcpy(unsure + j * kTile, ground_.variance().row(v + j).data() + u, kRowBytes);
     } else {
       std::fill_n(unsure, kTilePixels, static_cast<float>(ground_.unseen_variance()));
     }
-    for (std::size_t k = 0; k < kTilePixels; ++k)
-      if (counts[k] > 0 && rim[k] > 0) {
-        ++rim_counted_;
-        seen += unsure[k] <= strange;
-      }
+    int on_rim = 0, known_there = 0;
+    for (std::size_t k = 0; k < kTilePixels; ++k) {
+      const int is = (counts[k] > 0) & (rim[k] > 0);
+      on_rim += is;
+      known_there += is & (unsure[k] <= strange);
+    }
+    rim_counted_ += on_rim;
+    seen += known_there;
     // Far outside the ground's picture the spline is that of its border.
     const int cx = std::clamp(ix + place.x, -8, region.width),
               cy = std::clamp(iy + place.y, -8, region.height);
@@ -186,6 +199,25 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
                        arrays_.ground);
   return true;
+}
+
+/// L^2 of a pixel of the camera.
+float LayeredRegistration::precision(int column, int row) const {
+  const Rect& region = out_of_picture_->region();
+  const int x = column - region.x, y = row - region.y;
+  if (x < 0 || y < 0 || x >= region.width || y >= region.height) return 1;
+  const float gain = out_of_picture_->gain().at(x, y);
+  return gain * gain;
+}
+
+void LayeredRegistration::leave_unseen(std::size_t tile) {
+  for (std::size_t k = 0; k < kTilePixels; ++k) {
+    const std::size_t i = tile * kTilePixels + k;
+    if (counts_[i] > 0 && StandingLight::unseen(arrays_.level[i])) counts_[i] = 0;
+    if (StandingLight::unseen(arrays_.level[i])) arrays_.level[i] = 0;
+    if (counts_[i] > 0)
+      counts_[i] *= precision(x0_ + static_cast<int>(arrays_.u[i]), y0_ + static_cast<int>(arrays_.v[i]));
+  }
 }
 
 /// S and w (and the slopes of both) under the tiles for a centre.
@@ -309,7 +341,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
         if (static_cast<double>(strangers) > kMaxTrim * sums.correlation.w) return std::nullopt;
       }
       const bool odd = plateau.squares_at(light, shift()) > kOddPlateau * plateau.pixels;
-      if (odd) plateau = trimmed_plateau(picture, x, y, light, shift());
+      if (odd) plateau = trimmed_plateau(picture, x, y, light, shift(), kTrim);
       converged = strangers == 0 && !odd;
       if (!converged) {
         if (!re_form) sample(formed = s.centre, true);

@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -21,14 +22,10 @@
 #include "vision/layered_disc.h"
 #include "vision/layered_kernels.h"
 #include "vision/layered_slow_error.h"
+#include "vision/light_field.h"
+#include "vision/standing_light.h"
 
 namespace tribotrack::vision {
-
-/// What is known of the light's slope before a frame is looked at.
-struct LightPrior {
-  double slope_x = 0, slope_y = 0;
-  double sd = 0;  ///< 0: nothing is known
-};
 
 struct LayeredFix {
   LayeredState state;
@@ -51,6 +48,12 @@ class LayeredRegistration {
   /// Once the layers are learnt, rim_chi_squared of the usual frame: one far above holds something that
   /// neither layer has, and how far that may have drawn the disc goes into its covariance (layered_scatter).
   void set_usual(double rim_chi_squared) { usual_ = rim_chi_squared; }
+  /// Light that is taken out of the pictures handed in: levels there are 1 / L as sure, and unseen ones do
+  /// not count. Keeps the pointer; null without.
+  void set_standing_light(const StandingLight* light) { out_of_picture_ = light; }
+  /// Pixels of the rim that tell something.
+  double rim_pixels() const { return std::max(1.0, rim_pixels_); }
+  bool has_standing_light() const { return out_of_picture_ != nullptr; }
   /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
   /// picture is not information.
   void disc_changed(int frames);
@@ -116,7 +119,9 @@ class LayeredRegistration {
   bool take_picture(const Picture& picture, int x, int y, const Point& ground);
   Plateau take_plateau(const Picture& picture, int x, int y) const;
   Plateau trimmed_plateau(const Picture& picture, int x, int y, const LayerLight& light,
-                          const Eigen::Vector2d& shift) const;
+                          const Eigen::Vector2d& shift, double trim) const;
+  float precision(int column, int row) const;
+  void leave_unseen(std::size_t tile);
   void slope_of_middle();
   Eigen::Vector2d shown_slope(int i, int j) const;
   void sample(const Point& centre, bool slopes);
@@ -131,6 +136,7 @@ class LayeredRegistration {
   LayerKernels layer_kernels_;
   TileKernels tile_kernels_;
   NoiseLaw noise_;
+  const StandingLight* out_of_picture_ = nullptr;
   double usual_ = std::numeric_limits<double>::infinity();
   int reach_ = 0;
   double pixel_share_ = 1;

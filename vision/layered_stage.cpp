@@ -65,6 +65,19 @@ void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& 
     }
 }
 
+/// Light that stands in the picture: looked for in what the layers leave.
+void note_light(const LayeredResult& result, TrackSummary& summary) {
+  std::string text =
+      format("the light over the disc is bent, by more than noise does it, in %.0f %% of %d frames",
+             100 * result.bent_share, result.windows);
+  if (result.light_rounds > 0)
+    text +=
+        format("; learnt with the layers in %d rounds and taken out: it had moved the disc by %.4f px rms",
+               result.light_rounds, result.light_moved);
+  summary.plan.push_back(
+      {"light that stands in the picture", result.light_rounds > 0, text, 0, result.light_moved, 0});
+}
+
 }  // namespace
 
 bool layers_wanted(const FirstPass& first, double radius, Layers layers) {
@@ -94,6 +107,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   options.turning = first.turning;
   options.noise_variance = first.noise_variance;
   options.excess = first.excess;
+  options.top_level = std::ldexp(1.0, source.info().bits) - 1;
   options.motion_known = track.has_marker;
   options.first_index = first.first_index;
   options.total = first.total;
@@ -148,9 +162,14 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
            format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
                   result.windows, result.noise.constant, result.noise.per_level,
                   100 * std::max(0.0, result.rim_excess)) +
+           (result.crossed_share > 0
+                ? format("; %.2g %% of the ground beside it was crossed by something, which is left out",
+                         100 * result.crossed_share)
+                : std::string()) +
            format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
                   summary.slow_sd, summary.slow_time),
        0, bought, first.layers_cost});
+  note_light(result, summary);
   return true;
 }
 

@@ -33,6 +33,7 @@ void look_through_rim(std::span<const KeptWindow> windows, const LayeredDisc& di
   const QuinticSpline share_spline(disc.share());
   QuinticSpline standing(disc.at(0));
   for (const KeptWindow& w : windows) {
+    if (!w.explained) continue;
     const LayeredState& s = w.state;
     // The first place, and where the camera sees it.
     const int u0 = static_cast<int>(std::lround(s.centre.x - s.ground.x)) - reach;
@@ -52,6 +53,7 @@ void look_through_rim(std::span<const KeptWindow> windows, const LayeredDisc& di
       const int j = tiles[k / kTilePixels].y + static_cast<int>(k % kTilePixels) / kTile;
       const double u = x + i - s.centre.x, v = y + j - s.centre.y;
       const double square = u * u + v * v;
+      if (w.partly_unseen && !w.sees(x + i, y + j)) continue;
       if (share.value[k] < kLeastShare || square <= inner * inner || square >= outer * outer) continue;
       const double light = s.gain * (1 + s.slope_x * u + s.slope_y * v);
       const auto through = static_cast<float>(s.ground_gain) * share.value[k];

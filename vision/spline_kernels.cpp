@@ -10,7 +10,10 @@
 namespace tribotrack::vision {
 namespace {
 
-using Lanes = VectorOf<float, kPanel>::type;  // one sample of all signals of a panel
+/// One sample of all signals of a panel, in vectors that fit registers: a recursion kept in memory waits for
+/// it.
+using Lanes = VectorOf<float, 8>::type;
+constexpr int kVectors = kPanel / 8;
 
 constexpr std::array<float, 2> kPoles = {-0.43057534709997379F, -0.04309628820326465F};
 constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
@@ -18,39 +21,46 @@ constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
 /// Unser, Aldroubi, Eden (1993), box 2, with whole-sample mirrors.
 TRIBOTRACK_KERNEL void prefilter_panel(float* panel, int n) {
   if (n < 2) return;
+  const auto sample = [&](int k, int q) { return panel + static_cast<std::ptrdiff_t>(kPanel) * k + 8 * q; };
   for (const float z : kPoles) {
     const float gain = (1 - z) * (1 - 1 / z);
-    Lanes sum{};
+    Lanes sum[kVectors] = {};
     float power = 1;
     const int period = 2 * (n - 1);
     const int reach = std::min(period, kMemory);
-    for (int k = 0; k < reach; ++k, power *= z) {
-      Lanes v;
-      load(panel + static_cast<std::ptrdiff_t>(kPanel) * (k < n ? k : period - k), v);
-      sum += power * v;
+    for (int k = 0; k < reach; ++k, power *= z)
+      for (int q = 0; q < kVectors; ++q) {
+        Lanes v;
+        load(sample(k < n ? k : period - k, q), v);
+        sum[q] += power * v;
+      }
+    Lanes before[kVectors];
+    for (int q = 0; q < kVectors; ++q) {
+      if (reach == period) sum[q] /= 1 - power;
+      before[q] = gain * sum[q];
+      store(before[q], sample(0, q));
     }
-    if (reach == period) sum /= 1 - power;
-    Lanes before = gain * sum;
-    store(before, panel);
-    for (int k = 1; k < n; ++k) {
-      float* at = panel + static_cast<std::ptrdiff_t>(kPanel) * k;
-      Lanes v;
-      load(at, v);
-      before = gain * v + z * before;
-      store(before, at);
+    for (int k = 1; k < n; ++k)
+      for (int q = 0; q < kVectors; ++q) {
+        Lanes v;
+        load(sample(k, q), v);
+        before[q] = gain * v + z * before[q];
+        store(before[q], sample(k, q));
+      }
+    Lanes after[kVectors];
+    for (int q = 0; q < kVectors; ++q) {
+      Lanes other;
+      load(sample(n - 2, q), other);
+      after[q] = z / (z * z - 1) * (before[q] + z * other);
+      store(after[q], sample(n - 1, q));
     }
-    Lanes last, other;
-    load(panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 1), last);
-    load(panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 2), other);
-    Lanes after = z / (z * z - 1) * (last + z * other);
-    store(after, panel + static_cast<std::ptrdiff_t>(kPanel) * (n - 1));
-    for (int k = n - 2; k >= 0; --k) {
-      float* at = panel + static_cast<std::ptrdiff_t>(kPanel) * k;
-      Lanes v;
-      load(at, v);
-      after = z * (after - v);
-      store(after, at);
-    }
+    for (int k = n - 2; k >= 0; --k)
+      for (int q = 0; q < kVectors; ++q) {
+        Lanes v;
+        load(sample(k, q), v);
+        after[q] = z * (after[q] - v);
+        store(after[q], sample(k, q));
+      }
   }
 }
 

@@ -10,14 +10,15 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
+constexpr double kClear = 4;             ///< px beside the rim, at least, that show the disc's halo
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
 
 /// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. What
 /// lies far outside the median deviation, a neighbour or a shadow, does not count.
-double ground_texture(const Picture& first, const Circle& disc, double noise_variance) {
+double ground_texture(const Picture& first, const Circle& disc, double blur, double noise_variance) {
   std::vector<float> levels;
-  const double inner = disc.radius + 4;
-  const double outer = disc.radius + std::max(8.0, 0.25 * disc.radius);
+  const double inner = disc.radius + std::max(kClear, 4 * blur);
+  const double outer = std::max(inner + kClear, disc.radius + 0.25 * disc.radius);
   for (int y = std::max(0, static_cast<int>(disc.y - outer));
        y <= std::min(first.height() - 1, static_cast<int>(disc.y + outer)); ++y)
     for (int x = std::max(0, static_cast<int>(disc.x - outer));
@@ -82,7 +83,7 @@ Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& ran
     summary.disc = setup.rim ? setup.rim->circle : options.target.disc;
     summary.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
     summary.disc_blur = setup.rim ? setup.rim->blur : 0;
-    const double texture = ground_texture(first, summary.disc, noise_variance);
+    const double texture = ground_texture(first, summary.disc, summary.disc_blur, noise_variance);
     setup.ground_texture = texture;
     const bool busy = texture > kTextureFactor * std::sqrt(noise_variance);
     DiscPatternOptions mask;
@@ -131,7 +132,6 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const
     reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
                     average.frames);
   }
-  if (average.picture.empty()) average.picture = first;
   summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
                           summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),
                           setup.costs.averaging(TemplateAverageOptions{}.frames)});
