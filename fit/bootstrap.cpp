@@ -65,7 +65,7 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
     }
-    const SlowShapes slow = residuals_.shapes(i, {true, true, true, true, true, true});
+    const SlowShapes slow = residuals_.shapes(i, kAllSlowParts);
     std::size_t shared = 0;
     for (std::size_t j = 0; j < slow.count(); ++j) {
       Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
@@ -75,7 +75,7 @@ class Draw {
       }
       for (std::size_t k = 0; k < points.row.size(); ++k)
         track.position[points.row[k]] +=
-            size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+            slow.axes(j) * size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
     }
   }
 

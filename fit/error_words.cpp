@@ -60,7 +60,9 @@ void tell_slow_errors(const Residuals& residuals, FitResult& result) {
   const SlowVariances& variances = residuals.scatter().slow;
   SlowErrors& slow = result.slow_errors;
   slow.time = residuals.slow_reference_time();
-  slow.drift = std::sqrt(variances[static_cast<std::size_t>(SlowPart::drift)]);
+  const double own_drift = std::sqrt(variances[static_cast<std::size_t>(SlowPart::drift)]),
+               common_drift = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_drift)]);
+  slow.drift = std::hypot(own_drift, common_drift);
   slow.walk = std::sqrt(variances[static_cast<std::size_t>(SlowPart::walk)]);
   slow.circle = std::sqrt(variances[static_cast<std::size_t>(SlowPart::circle)]);
   slow.overtones = std::sqrt(variances[static_cast<std::size_t>(SlowPart::overtones)]);
@@ -71,12 +73,14 @@ void tell_slow_errors(const Residuals& residuals, FitResult& result) {
   const auto add = [&](double size, const std::string& what) {
     if (size > 0) parts += (parts.empty() ? "" : ", ") + number(1e6 * size, 2) + " um " + what;
   };
-  add(slow.drift, "of straight drift over " + number(slow.time, 2) + " s");
+  add(own_drift, "of straight drift over " + number(slow.time, 2) + " s");
   add(slow.walk, "of Brownian walk over " + number(slow.time, 2) + " s");
   add(slow.circle, "at the platform's frequency");
   add(slow.overtones, "at its second and third multiple");
   add(slow.common_circle, "at the platform's frequency in all runs alike");
   add(slow.common_overtones, "at its second and third multiple in all runs alike");
+  add(common_drift,
+      "of straight drift over " + number(slow.time, 2) + " s along and across the way, in all runs alike");
   // Root mean squares about the mean of a run; a sine's two coefficients add up to one variance.
   const double rms = std::sqrt(slow.drift * slow.drift / 12 + slow.walk * slow.walk / 6 +
                                std::pow(std::hypot(slow.circle, slow.common_circle), 2) +

@@ -117,7 +117,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
   const double excess = residuals.excess(minimum.chi2);
   result.outliers = find_outliers(residuals, minimum);
-  check_model(residuals, minimum, options, result);
+  if (problem.trajectory_runs.empty()) check_model(residuals, minimum, options, result);
   const bool surprised = result.p_value < kSurprise;
   const bool driven = std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
                                   [](const auto& run) { return !run.free_slide; });
@@ -127,6 +127,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   SlowEstimate slow;
   if (settling.slow_errors || settling.scatter || options.loss != Loss::squares)
     slow = settle(residuals, minimum, settling);
+  if (!problem.trajectory_runs.empty()) check_model(residuals, minimum, options, result);
   if (surprised) result.scatter_from_replicates = false;  // the residuals say more than the repetitions
   minimum.z = fold_lag(unknowns, minimum.z);
 

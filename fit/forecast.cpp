@@ -111,7 +111,7 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   const double white =
       variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
   SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
-                                residuals_.slow_reference_time(), {true, true, true, true, true, true});
+                                residuals_.slow_reference_time(), kAllSlowParts);
   for (std::size_t j = 0; j < slow.count(); ++j)
     slow.values.col(static_cast<Eigen::Index>(j)) *=
         std::sqrt(residuals_.scatter().slow[slow.part[j]] / white);

@@ -9,6 +9,7 @@
 #include "fit/internal/multi_start.h"
 #include "fit/internal/rivals.h"
 #include "fit/internal/statistics.h"
+#include "fit/internal/thinned.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -64,14 +65,16 @@ std::optional<ModelComparison> with_tilt(const Residuals& residuals, const Minim
   Problem problem = unknowns.problem();
   for (const FitParameter tilt : {FitParameter::tilt_x, FitParameter::tilt_y}) {
     problem.free.push_back(tilt);
-    problem.start[tilt] = tilt == FitParameter::tilt_x ? problem.summary_runs.front().scenario.drive.tilt_x
-                                                       : problem.summary_runs.front().scenario.drive.tilt_y;
+    const model::Drive& drive = problem.summary_runs.empty() ? problem.trajectory_runs.front().scenario.drive
+                                                             : problem.summary_runs.front().scenario.drive;
+    problem.start[tilt] = tilt == FitParameter::tilt_x ? drive.tilt_x : drive.tilt_y;
   }
   const Eigen::VectorXd values = unknowns.values(best.z);
   for (Eigen::Index i = 0; i < unknowns.common(); ++i) problem.start[unknowns.parameter(i)] = values(i);
   const Unknowns tilted(problem);
   Residuals free(problem, tilted);
   free.set_tolerance(1e-8);
+  free.set_scatter(residuals.scatter());
   const Minimum minimum = minimise(free, tilted.z(tilted.first_guess()), {.held = {}, .decrement = 1e-4});
   if (!minimum.converged) return std::nullopt;
   ModelComparison row = criteria.row("tilt", minimum.chi2, tilted.size());
@@ -95,6 +98,65 @@ void conclude(FitResult& result) {
   text += best->name == "tilt" ? ". Add tilt_x_rad and tilt_y_rad to [fit] parameters, or level the platform."
                                : ". The numbers above hold for the paper's law only.";
   result.warnings.push_back(text);
+}
+
+bool any_pulse(const Problem& problem) {
+  const auto pulses = [](const auto& run) { return run.scenario.friction.pulse_width > 0; };
+  return std::any_of(problem.summary_runs.begin(), problem.summary_runs.end(), pulses) ||
+         std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
+                     [&](const auto& run) { return !run.free_slide && pulses(run); });
+}
+
+/// The models one after the other, `best` being the paper's on the same data.
+void compare_models(const Residuals& residuals, const Minimum& best, const FitOptions& options,
+                    FitResult& result) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const Problem& problem = unknowns.problem();
+  const bool surprised = result.p_value < kSurprise, tracks = !problem.trajectory_runs.empty();
+  Criteria criteria{residuals, true};
+  // Tracks come with their slow errors; one slide's tilt is part of its friction.
+  const bool slides = problem.summary_runs.empty() &&
+                      std::all_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
+                                  [](const auto& run) { return run.free_slide; });
+  const bool tilt_fitted =
+      slides || unknowns.find(FitParameter::tilt_x) || unknowns.find(FitParameter::tilt_y);
+  const auto tilted = tilt_fitted ? std::nullopt : with_tilt(residuals, best, criteria);
+  const double lowest = tilted ? std::min(best.chi2, tilted->chi2) : best.chi2;
+  const double dof = residuals.degrees_of_freedom();
+  const bool explained = !tracks && chi2_survival(lowest, dof - 2) >= kSurprise;
+  const bool laws = options.rivals ||
+                    (!tracks && !explained && result.runs_test_p_value < kAlike && result.outliers.empty());
+  criteria.known_sigma = explained || !surprised || (tracks && chi2_survival(best.chi2, dof) >= kSurprise);
+  result.models.push_back(criteria.row("Coulomb friction", best.chi2, unknowns.size()));
+  if (tilted) {
+    result.models.push_back(criteria.row("tilt", tilted->chi2, unknowns.size() + 2));
+    result.models.back().sentence = tilted->sentence;
+  }
+  const auto at_rest = [](const auto& run) { return run.scenario.start == model::Start::rest; };
+  const bool rest = std::all_of(problem.summary_runs.begin(), problem.summary_runs.end(), at_rest) &&
+                    std::all_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(), at_rest);
+  if (laws && rest) {
+    for (const Kind kind : {Kind::stribeck, Kind::viscous, Kind::rise_time}) {
+      if (kind == Kind::rise_time && !any_pulse(problem)) continue;
+      const RivalFit rival = fit_rival(residuals, best, kind, options.threads);
+      if (!rival.converged) {
+        result.left_out.push_back(std::string(to_string(kind)) +
+                                  ": the fit under this law did not converge.");
+        continue;
+      }
+      result.models.push_back(criteria.row(to_string(kind), rival.chi2, unknowns.size() + 1));
+      result.models.back().sentence = strength_in_words(kind, rival, unknowns.reference_frequency());
+    }
+  } else {
+    result.left_out.push_back(!rest ? "Rival friction laws are compared for runs that start at rest only."
+                              : explained ? "Rival friction laws were not tried: tilt explains the residuals."
+                              : tracks    ? "Rival friction laws were not compared for tracks: that takes "
+                                            "seconds; ask for it with --compare-models."
+                                          : "Rival friction laws were not tried: the residuals look like "
+                                            "scatter, not like a wrong law (runs test p = " +
+                                             number(result.runs_test_p_value, 2) + ").");
+  }
+  conclude(result);
 }
 
 }  // namespace
@@ -135,50 +197,17 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   const bool surprised = result.p_value < kSurprise;
   result.runs_test_p_value = runs_test(residuals, best);
   if (!surprised && !options.rivals) {
-    result.left_out.push_back(
-        "Tilt and rival friction laws were not tried: chi2 is no surprise (p = " +
-        number(result.p_value, 2) + ").");
+    result.left_out.push_back("Tilt and rival friction laws were not tried: chi2 is no surprise (p = " +
+                              number(result.p_value, 2) + ").");
     return;
   }
-  if (problem.summary_runs.empty() || !problem.trajectory_runs.empty()) {
-    result.left_out.push_back("Rival models are compared for displacements of summary runs only.");
-    return;
-  }
-  Criteria criteria{residuals, true};
-  const bool tilt_fitted = unknowns.find(FitParameter::tilt_x) || unknowns.find(FitParameter::tilt_y);
-  const auto tilted = tilt_fitted ? std::nullopt : with_tilt(residuals, best, criteria);
-  const double lowest = tilted ? std::min(best.chi2, tilted->chi2) : best.chi2;
-  const double dof = residuals.degrees_of_freedom();
-  const bool explained = chi2_survival(lowest, dof - 2) >= kSurprise;
-  const bool laws =
-      options.rivals || (!explained && result.runs_test_p_value < kAlike && result.outliers.empty());
-  criteria.known_sigma = explained || !surprised;
-  result.models.push_back(criteria.row("Coulomb friction", best.chi2, unknowns.size()));
-  if (tilted) {
-    result.models.push_back(criteria.row("tilt", tilted->chi2, unknowns.size() + 2));
-    result.models.back().sentence = tilted->sentence;
-  }
-  const bool rest = std::all_of(problem.summary_runs.begin(), problem.summary_runs.end(),
-                                [](const auto& run) { return run.scenario.start == model::Start::rest; });
-  if (laws && rest) {
-    for (const Kind kind : {Kind::stribeck, Kind::viscous, Kind::rise_time}) {
-      const RivalFit rival = fit_rival(residuals, best, kind, options.threads);
-      if (!rival.converged) {
-        result.left_out.push_back(std::string(to_string(kind)) +
-                                  ": the fit under this law did not converge.");
-        continue;
-      }
-      result.models.push_back(criteria.row(to_string(kind), rival.chi2, unknowns.size() + 1));
-      result.models.back().sentence = strength_in_words(kind, rival, unknowns.reference_frequency());
-    }
-  } else {
-    result.left_out.push_back(!rest ? "Rival friction laws are compared for runs that start at rest only."
-                              : explained ? "Rival friction laws were not tried: tilt explains the residuals."
-                                          : "Rival friction laws were not tried: the residuals look like "
-                                            "scatter, not like a wrong law (runs test p = " +
-                                                number(result.runs_test_p_value, 2) + ").");
-  }
-  conclude(result);
+  if (problem.trajectory_runs.empty()) return compare_models(residuals, best, options, result);
+  const Thinned few(residuals, best);
+  if (!few.best().converged || few.best().jacobian.rows() == 0) return;
+  compare_models(few.residuals(), few.best(), options, result);
+  result.left_out.push_back(
+      "Models were compared at no more than some hundred points of each track, their slow errors "
+      "counted.");
 }
 
 }  // namespace tribotrack::fit::internal

@@ -110,11 +110,9 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     return false;
   }
   if (common_) {
-    const Eigen::Index first = trajectory_row(0), rows = trajectory_row(first_point_.size()) - first;
-    common_->apply(residuals.segment(first, rows));
+    whiten_common(residuals);
     if (jacobian)
-      for (Eigen::Index j = 0; j < jacobian->cols(); ++j)
-        common_->apply(jacobian->col(j).segment(first, rows));
+      for (Eigen::Index j = 0; j < jacobian->cols(); ++j) whiten_common(jacobian->col(j));
   }
   Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size());
   for (const auto& [unknown, prior] : priors_) {

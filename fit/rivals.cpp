@@ -39,9 +39,8 @@ class RivalProblem {
     // A rise acts like half of it as a delay: the lag of its middle is what the data know.
     if (const auto lag = unknowns_.find(FitParameter::lag); lag && kind_ == Kind::rise_time)
       values(*lag) -= 0.5 * unknowns_.reference_frequency() * strength(step);
-    Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()) +
-                      static_cast<Eigen::Index>(problem.prior.size()) + 1);
-    r.setZero();
+    const Eigen::Index data = residuals_.trajectory_row(problem.trajectory_runs.size());
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(data + static_cast<Eigen::Index>(problem.prior.size()) + 1);
     try {
       for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
         const SummaryRun& run = problem.summary_runs[i];
@@ -51,10 +50,14 @@ class RivalProblem {
         const Eigen::LLT<Eigen::Matrix2d> factor(residuals_.covariance(i));
         r.segment<2>(2 * static_cast<Eigen::Index>(i)) = factor.matrixL().solve(run.measured.vector - end);
       }
+      for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
+        r.segment(residuals_.trajectory_row(i), 2 * static_cast<Eigen::Index>(residuals_.point_count(i))) =
+            trajectory(values, i, {kind_, strength(step)});
+      residuals_.whiten_common(r);
     } catch (const model::InvalidParameter&) {
       return std::nullopt;
     }
-    Eigen::Index row = 2 * static_cast<Eigen::Index>(problem.summary_runs.size());
+    Eigen::Index row = data;
     for (const auto& [parameter, prior] : problem.prior)
       if (const auto k = unknowns_.find(parameter)) r(row++) = (values(*k) - prior.mean) / prior.sd;
     if (const auto k = unknowns_.find(FitParameter::scale);
@@ -81,6 +84,27 @@ class RivalProblem {
   }
 
  private:
+  Eigen::VectorXd trajectory(const Eigen::VectorXd& values, std::size_t index,
+                             const model::RivalLaw& law) const {
+    const TrajectoryRun& run = unknowns_.problem().trajectory_runs[index];
+    const AppliedScenario applied = run.free_slide ? unknowns_.apply_free_slide(values, index, false)
+                                                   : unknowns_.apply_trajectory(values, index, false);
+    const std::size_t n = residuals_.point_count(index), first = run.track.time.size() - n;
+    std::vector<double> times;
+    for (std::size_t k = first; k < first + n; ++k)
+      times.push_back(run.track.time[k] - run.track.time[first]);
+    model::Scenario scenario = applied.scenario;
+    scenario.duration = times.back();
+    Eigen::Matrix2Xd positions = model::rival_positions(scenario, law, times);
+    if (!run.free_slide && !run.track.platform_frame)
+      for (std::size_t k = 0; k < n; ++k)
+        positions.col(static_cast<Eigen::Index>(k)) +=
+            scenario.drive.displacement(scenario.start_phase + scenario.drive.angular_frequency * times[k]);
+    Eigen::VectorXd r(2 * static_cast<Eigen::Index>(n));
+    residuals_.whiten(index, positions / applied.scale, r);
+    return r;
+  }
+
   const Residuals& residuals_;
   const Unknowns& unknowns_;
   Kind kind_;

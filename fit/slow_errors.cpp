@@ -16,6 +16,11 @@ std::size_t index(SlowPart part) {
 
 }  // namespace
 
+Eigen::Matrix2d SlowShapes::axes(std::size_t j) const {
+  if (part[j] != index(SlowPart::common_drift)) return Eigen::Matrix2d::Identity();
+  return (Eigen::Matrix2d() << way.x(), -way.y(), way.y(), way.x()).finished();
+}
+
 SlowShapes slow_shapes(const std::vector<double>& times, double w, double start_phase, double reference_time,
                        const SlowWanted& wanted) {
   SlowShapes shapes;
@@ -43,6 +48,7 @@ SlowShapes slow_shapes(const std::vector<double>& times, double w, double start_
   };
   add_sines(SlowPart::circle, SlowPart::overtones);
   add_sines(SlowPart::common_circle, SlowPart::common_overtones);
+  add(SlowPart::common_drift, (t - 0.5 * duration) / reference_time);
   shapes.values.resize(n, static_cast<Eigen::Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j)
     shapes.values.col(static_cast<Eigen::Index>(j)) = columns[j];
@@ -52,10 +58,12 @@ SlowShapes slow_shapes(const std::vector<double>& times, double w, double start_
 Eigen::MatrixXd whitened_shapes(const SlowShapes& shapes, const Eigen::MatrixX2d& white) {
   const Eigen::Index rows = white.rows();
   Eigen::MatrixXd whitened(rows, 2 * shapes.values.cols());
-  for (Eigen::Index j = 0; j < shapes.values.cols(); ++j)
+  for (Eigen::Index j = 0; j < shapes.values.cols(); ++j) {
+    const Eigen::MatrixX2d turned = white * shapes.axes(static_cast<std::size_t>(j));
     for (Eigen::Index axis = 0; axis < 2; ++axis)
       for (Eigen::Index i = 0; i < rows; ++i)
-        whitened(i, 2 * j + axis) = white(i, axis) * shapes.values(i / 2, j);
+        whitened(i, 2 * j + axis) = turned(i, axis) * shapes.values(i / 2, j);
+  }
   const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(white);
   const Eigen::MatrixX2d q = qr.householderQ() * Eigen::MatrixX2d::Identity(rows, 2);
   whitened -= q * (q.transpose() * whitened).eval();

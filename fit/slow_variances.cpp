@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 namespace tribotrack::fit::internal {
@@ -22,8 +23,8 @@ using PartsSquare = Eigen::Matrix<double, static_cast<int>(kSlowParts), static_c
 /// All that the likelihood needs of one run: U'U and U'[J r].
 struct RunSums {
   Eigen::MatrixXd shapes, data;
-  std::vector<std::size_t> part;     ///< of each column of U
-  std::vector<Eigen::Index> common;  ///< the columns that, one below the other, are those common to all runs
+  std::vector<std::size_t> part;  ///< of each column of U
+  Eigen::MatrixXd to_common;      ///< U times it, one run below the other, are the shapes common to all
 };
 
 struct Sums {
@@ -34,11 +35,37 @@ struct Sums {
   bool common = false;                   ///< whether runs are enough to tell what they share
 };
 
-/// Where a run's own part goes among the common ones.
-std::size_t common_of(std::size_t part) {
-  return static_cast<std::size_t>(part == static_cast<std::size_t>(SlowPart::circle)
-                                      ? SlowPart::common_circle
-                                      : SlowPart::common_overtones);
+/// The part common to all runs that has the shape of a run's own; nothing for the walk.
+std::optional<std::size_t> common_of(std::size_t part) {
+  switch (static_cast<SlowPart>(part)) {
+    case SlowPart::drift:
+      return static_cast<std::size_t>(SlowPart::common_drift);
+    case SlowPart::circle:
+      return static_cast<std::size_t>(SlowPart::common_circle);
+    case SlowPart::overtones:
+      return static_cast<std::size_t>(SlowPart::common_overtones);
+    default:
+      return std::nullopt;
+  }
+}
+
+/// A run's columns of own shapes turned into its columns of common ones, and the common parts of these.
+Eigen::MatrixXd common_columns(const SlowShapes& shapes, std::vector<std::size_t>& parts) {
+  parts.clear();
+  Eigen::MatrixXd result(2 * static_cast<Eigen::Index>(shapes.count()), 0);
+  for (std::size_t j = 0; j < shapes.count(); ++j) {
+    const auto common = common_of(shapes.part[j]);
+    if (!common) continue;
+    SlowShapes as_common;
+    as_common.part = {*common};
+    as_common.way = shapes.way;
+    const Eigen::Index column = result.cols();
+    result.conservativeResize(Eigen::NoChange, column + 2);
+    result.rightCols<2>().setZero();
+    result.block<2, 2>(2 * static_cast<Eigen::Index>(j), column) = as_common.axes(0);
+    parts.insert(parts.end(), 2, *common);
+  }
+  return result;
 }
 
 Sums sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
@@ -61,28 +88,29 @@ Sums sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
     const SlowShapes shapes = white.shapes(i, kOwnSlowParts);
     if (shapes.count() == 0) continue;
     const Eigen::MatrixXd u = whitened_shapes(shapes, white.white(i));
-    RunSums run{
-        u.transpose() * u, u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()), {}, {}};
     std::vector<std::size_t> common_part;
+    RunSums run{u.transpose() * u,
+                u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()),
+                {},
+                common_columns(shapes, common_part)};
+    if (common_part.size() > sums.common_part.size()) sums.common_part = common_part;
+    ++sharing;
     for (Eigen::Index j = 0; j < u.cols(); ++j) {
       run.part.push_back(shapes.part[static_cast<std::size_t>(j / 2)]);
-      if (run.part.back() >= static_cast<std::size_t>(SlowPart::circle)) {
-        run.common.push_back(j);
-        common_part.push_back(common_of(run.part.back()));
-      }
       square(static_cast<Eigen::Index>(run.part.back())) += run.shapes(j, j);
       count(static_cast<Eigen::Index>(run.part.back())) += 1;
     }
-    if (!common_part.empty()) sums.common_part = common_part, ++sharing;
     sums.runs.push_back(std::move(run));
   }
   sums.common = sharing >= kFewestSharing;
+  for (RunSums& run : sums.runs)  // one whose platform rests shares nothing
+    if (const auto all = static_cast<Eigen::Index>(sums.common_part.size()); run.to_common.cols() != all)
+      run.to_common.setZero(run.shapes.rows(), all);
   sums.unit = count.array().max(1) / square.array().max(1e-300);
-  for (const SlowPart own : {SlowPart::circle, SlowPart::overtones}) {
-    const auto part = static_cast<std::size_t>(own);
-    sums.unit(static_cast<Eigen::Index>(common_of(part))) =
-        sums.unit(static_cast<Eigen::Index>(part)) / std::max(1, sharing);
-  }
+  for (std::size_t part = 0; part < kSlowParts; ++part)
+    if (const auto common = common_of(part))
+      sums.unit(static_cast<Eigen::Index>(*common)) =
+          sums.unit(static_cast<Eigen::Index>(part)) / std::max(1, sharing);
   return sums;
 }
 
@@ -169,12 +197,13 @@ class LikelihoodAt {
       Eigen::MatrixXd across = Eigen::MatrixXd::Zero(m, width() + 1);
       across.rightCols(unknowns_ + 1) = run.data - l_shapes.transpose() * l_own;
       data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) -= l_own.transpose() * l_own;
-      if (shared() > 0 && !run.common.empty()) {
-        const Eigen::MatrixXd c = bare(Eigen::all, run.common) * common_unit_.asDiagonal();
+      if (shared() > 0) {
+        const Eigen::MatrixXd to_common = run.to_common * common_unit_.asDiagonal();
+        const Eigen::MatrixXd c = bare * to_common;
         across.leftCols(shared()) = c;
-        data_.topLeftCorner(shared(), shared()) += common_unit_.asDiagonal() * c(run.common, Eigen::all);
+        data_.topLeftCorner(shared(), shared()) += to_common.transpose() * c;
         data_.topRightCorner(shared(), unknowns_ + 1) +=
-            common_unit_.asDiagonal() * across(run.common, Eigen::lastN(unknowns_ + 1));
+            to_common.transpose() * across.rightCols(unknowns_ + 1);
       }
       inside_.push_back(unit.asDiagonal() * bare * unit.asDiagonal());
       across_.push_back(unit.asDiagonal() * across);

@@ -29,7 +29,11 @@ SlowShapes Residuals::shapes(std::size_t index, const SlowWanted& wanted) const 
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   if (run.free_slide) return {};
   const double w = run.scenario.drive.amplitude > 0 ? run.scenario.drive.angular_frequency : 0;
-  return slow_shapes(prepared_[index]->times, w, run.scenario.start_phase, slow_reference_time_, wanted);
+  SlowShapes shapes =
+      slow_shapes(prepared_[index]->times, w, run.scenario.start_phase, slow_reference_time_, wanted);
+  const Eigen::Vector2d way = run.track.position.back() - run.track.position.front();
+  if (way.norm() > 0) shapes.way = way.normalized();
+  return shapes;
 }
 
 void Residuals::prepare() {
@@ -97,27 +101,32 @@ void Residuals::prepare(std::size_t index) {
         SlowWhitening(whitened_shapes(slow, prepared->white), column_variances(slow, scatter_.slow));
 }
 
+void Residuals::whiten(std::size_t index, const Eigen::Matrix2Xd& positions,
+                       Eigen::Ref<Eigen::VectorXd> rows) const {
+  const TrajectoryRun& run = problem_->trajectory_runs[index];
+  const Prepared& prepared = *prepared_[index];
+  const std::size_t first = first_point_[index];
+  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+    rows.segment<2>(2 * i) = prepared.white.middleRows<2>(2 * i) *
+                             (run.track.position[first + static_cast<std::size_t>(i)] - positions.col(i));
+  rows -= prepared.start * (prepared.start.transpose() * rows).eval();
+  prepared.slow.apply(rows);
+}
+
+void Residuals::whiten_common(Eigen::Ref<Eigen::VectorXd> column) const {
+  const Eigen::Index first = trajectory_row(0), rows = trajectory_row(prepared_.size()) - first;
+  if (common_) common_->apply(column.segment(first, rows));
+}
+
 void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
                            Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
                            Eigen::Index row) const {
-  const TrajectoryRun& run = problem_->trajectory_runs[index];
-  const std::size_t first = first_point_[index], n = point_count(index);
   PointModel modelled = modelled_points(values, index, jacobian != nullptr);
-  const Eigen::Matrix2Xd& positions = modelled.positions;
-  Eigen::MatrixXd& by_unknowns = modelled.jacobian;
-
-  // Whitened residuals, their Jacobian, and the columns of the start point (residual = .. - white x0).
-  const Prepared& prepared = *prepared_[index];
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto k = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Matrix2d factor = prepared.white.middleRows<2>(k);
-    residuals.segment<2>(k) =
-        factor * (run.track.position[first + i] - positions.col(static_cast<Eigen::Index>(i)));
-  }
-  const Eigen::MatrixX2d& q = prepared.start;
-  residuals -= q * (q.transpose() * residuals).eval();
-  prepared.slow.apply(residuals);
+  whiten(index, modelled.positions, residuals);
   if (!jacobian) return;
+  const Prepared& prepared = *prepared_[index];
+  const Eigen::MatrixX2d& q = prepared.start;
+  Eigen::MatrixXd& by_unknowns = modelled.jacobian;
   for (Eigen::Index j = 0; j < by_unknowns.cols(); ++j) {
     auto column = by_unknowns.col(j);
     if (column.isZero(0)) continue;

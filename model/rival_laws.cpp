@@ -19,7 +19,8 @@ class Equation {
  public:
   Equation(const Scenario& scenario, const RivalLaw& law) : s_(scenario), law_(law) {
     const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
-    fading_speed_ = 0.25 * std::max(s_.drive.amplitude, s_.drive.amplitude_y) * w;
+    const double platform = std::max(s_.drive.amplitude, s_.drive.amplitude_y) * w;
+    fading_speed_ = 0.25 * (platform > 0 ? platform : s_.initial_velocity.norm());
     const bool too_long = law.kind == RivalLaw::Kind::rise_time &&
                           (law.strength < 0 || law.strength * w > std::min(width, kTurn - width));
     const bool negative = law.kind == RivalLaw::Kind::stribeck && law.strength <= -1;
@@ -92,8 +93,10 @@ class Equation {
 class Integration {
  public:
   Integration(const Scenario& scenario, const RivalLaw& law, double tolerance) : f_(scenario, law) {
-    const double length = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
-    const double speed = length * scenario.drive.angular_frequency;
+    const double platform = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
+    const double own = scenario.initial_velocity.norm();
+    const double length = platform > 0 ? platform : own * scenario.end_time();
+    const double speed = platform > 0 ? platform * scenario.drive.angular_frequency : own;
     absolute_ << tolerance * length, tolerance * length, tolerance * speed, tolerance * speed;
     stop_speed_ = std::max(30 * tolerance, 1e-10) * speed;
     first_step_ = 1e-3 / scenario.drive.angular_frequency;
@@ -101,15 +104,26 @@ class Integration {
     q_ << 0, 0, scenario.initial_velocity;
   }
 
-  Eigen::Vector2d run() {
+  /// Positions at `times`, the last of which may be the end.
+  Eigen::Matrix2Xd run(const std::vector<double>& times) {
+    Eigen::Matrix2Xd positions(2, static_cast<Eigen::Index>(times.size()));
+    std::size_t next = 0;
+    const auto take = [&](double until) {
+      for (; next < times.size() && times[next] <= until; ++next)
+        positions.col(static_cast<Eigen::Index>(next)) = q_.head<2>();
+    };
+    take(0);
     for (const double station : f_.stations()) {
       middle_ = (t_ + station) / 2;
       while (t_ < station) {
-        if (q_.tail<2>().isZero(0)) rest(station);
-        if (t_ < station) slide(station);
+        const double until = next < times.size() ? std::min(times[next], station) : station;
+        if (q_.tail<2>().isZero(0)) rest(until);
+        if (t_ < until) slide(until);
+        if (t_ >= until) take(until);
       }
     }
-    return q_.head<2>();
+    take(HUGE_VAL);
+    return positions;
   }
 
  private:
@@ -195,10 +209,15 @@ const char* to_string(RivalLaw::Kind kind) {
 }
 
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
+  return rival_positions(scenario, law, {scenario.end_time()}, tolerance).col(0);
+}
+
+Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
+                                 const std::vector<double>& times, double tolerance) {
   scenario.validate();
   if (scenario.start != Start::rest)
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
-  return Integration(scenario, law, tolerance).run();
+  return Integration(scenario, law, tolerance).run(times);
 }
 
 }  // namespace tribotrack::model

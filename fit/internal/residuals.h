@@ -84,6 +84,11 @@ class Residuals {
   Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
   std::size_t point_count(std::size_t trajectory_run) const;
   Eigen::Index trajectory_row(std::size_t run) const;  ///< the run's first
+  /// The rows of a trajectory run whose modelled points are `positions` (m, in the picture), but for what all
+  /// runs share; whiten_common() does that to all rows of all trajectory runs.
+  void whiten(std::size_t trajectory_run, const Eigen::Matrix2Xd& positions,
+              Eigen::Ref<Eigen::VectorXd> rows) const;
+  void whiten_common(Eigen::Ref<Eigen::VectorXd> column) const;
   /// Shapes of slow errors over the run's points; none for a free slide.
   SlowShapes shapes(std::size_t trajectory_run, const SlowWanted& wanted) const;
   /// L^-1 of every point, one above the other, times the roots of their weights.

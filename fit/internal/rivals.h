@@ -13,7 +13,7 @@ struct RivalFit {
   double strength = 0, sd = 0;  ///< of the law, SI
 };
 
-/// Summary runs and priors, fitted under `law` from the minimum of the paper's: Levenberg-Marquardt on
+/// Runs and priors, fitted under `law` from the minimum of the paper's: Levenberg-Marquardt on
 /// central differences (steps a thousandth of each natural unit, integrated to 1e-9: errors near 1e-6), the
 /// strength one unknown more unless the law has none.
 RivalFit fit_rival(const Residuals& residuals, const Minimum& best, model::RivalLaw::Kind law, int threads);

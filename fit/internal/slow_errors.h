@@ -9,14 +9,15 @@ namespace tribotrack::fit::internal {
 
 /// A registered picture errs alike over many frames, and the parameters feel just that: the mean drift and
 /// the circle. The variances are one campaign's. Every run has its own slow error of the first four parts,
-/// the last two are one error for all runs (one camera, one platform: what is seen of a circle is too small
-/// by the same share every time). Per axis:
+/// the last three are one error for all runs (one camera, one platform: what is seen of a circle is too small
+/// by the same share every time, what is seen of a way short by the same piece). Per axis:
 /// drift: a straight line in time (a turning part whose tracked point is not quite its centre);
 /// walk: Brownian motion, by its Karhunen-Loeve modes sqrt(2 T) sin((k - 1/2) pi t/T) / ((k - 1/2) pi)
 /// [Loeve, Probability Theory II, section 37.5]; circle: cos and sin of the platform's phase; overtones: the
-/// same of its second and third multiple.
-enum class SlowPart { drift, walk, circle, overtones, common_circle, common_overtones };
-constexpr std::size_t kSlowParts = 6;
+/// same of its second and third multiple. A drift that runs share is one along and one across the way that
+/// each of them goes.
+enum class SlowPart { drift, walk, circle, overtones, common_circle, common_overtones, common_drift };
+constexpr std::size_t kSlowParts = 7;
 constexpr bool is_common(std::size_t part) {
   return part >= static_cast<std::size_t>(SlowPart::common_circle);
 }
@@ -29,12 +30,17 @@ using SlowVariances = std::array<double, kSlowParts>;
 struct SlowShapes {
   Eigen::MatrixXd values;         ///< point x shape
   std::vector<std::size_t> part;  ///< of each shape
+  Eigen::Vector2d way{1, 0};      ///< unit vector: where the run goes
+  /// The axes of shape j's two coefficients, in columns: along and across the way for a common drift, else x
+  /// and y.
+  Eigen::Matrix2d axes(std::size_t j) const;
   std::size_t count() const { return part.size(); }
 };
 
 /// Which parts are asked for.
 using SlowWanted = std::array<bool, kSlowParts>;
-constexpr SlowWanted kOwnSlowParts{true, true, true, true, false, false};  ///< of each run by itself
+constexpr SlowWanted kOwnSlowParts{true, true, true, true, false, false, false};  ///< of each run by itself
+constexpr SlowWanted kAllSlowParts{true, true, true, true, true, true, true};
 
 /// `times` of the points from the first, s, where the platform's phase is `start_phase`; w = 0 where no
 /// platform moves; shapes of parts with `wanted[part]` only.
@@ -43,7 +49,7 @@ SlowShapes slow_shapes(const std::vector<double>& times, double angular_frequenc
 
 /// U: the shapes in both axes behind the points' own whitening, `white` = the stack of L^-1 (LL' the points'
 /// covariances, times the root of their weight), less what the unknown start point takes (the columns of
-/// `white`). Column 2 j + axis is shape j.
+/// `white`). Column 2 j + k is shape j along the k-th of its axes.
 Eigen::MatrixXd whitened_shapes(const SlowShapes& shapes, const Eigen::MatrixX2d& white);
 
 /// (I + U G U')^(-1/2), G diagonal, through the eigenvalues l of G^(1/2) U'U G^(1/2) = R diag(l) R':

@@ -19,7 +19,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr SlowWanted every{true, true, true, true, true, true};
+constexpr SlowWanted every = kAllSlowParts;
 
 std::vector<double> times_of(int n, double rate) {
   std::vector<double> times;
@@ -106,6 +106,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 0.3e-6, .overtones = 0.7e-6};
+  slow.common_drift = 20e-6;
   slow.common = {Eigen::Vector2d(3e-6, -2e-6), Eigen::Vector2d(1e-6, 4e-6)};
   for (int k = 0; k < 3; ++k)
     problem.trajectory_runs.push_back(
@@ -130,7 +131,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   const auto dense = [&](const SlowVariances& variances) {
     Eigen::MatrixXd v = Eigen::MatrixXd::Identity(r.size(), r.size());
     Eigen::MatrixXd x(r.size(), 3 + 6);
-    Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 12);
+    Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 14);
     x.leftCols(3) = jacobian * unknowns.natural_units(truth).asDiagonal();
     x.rightCols(6).setZero();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -141,7 +142,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
       Eigen::Index shared = 0;
       for (std::size_t j = 0; j < shapes.count(); ++j)
         for (Eigen::Index axis = 0; axis < 2; ++axis) {
-          Eigen::VectorXd u = white.col(axis);
+          Eigen::VectorXd u = white * shapes.axes(j).col(axis);
           for (Eigen::Index k = 0; k < u.size(); ++k)
             u(k) *= shapes.values(k / 2, static_cast<Eigen::Index>(j));
           if (is_common(shapes.part[j])) {
