@@ -68,7 +68,9 @@ Json slow_json(const fit::SlowErrors& slow) {
           {"drift_mm", slow.drift * 1e3},
           {"walk_mm", slow.walk * 1e3},
           {"circle_mm", slow.circle * 1e3},
-          {"overtones_mm", slow.overtones * 1e3}};
+          {"overtones_mm", slow.overtones * 1e3},
+          {"common_circle_mm", slow.common_circle * 1e3},
+          {"common_overtones_mm", slow.common_overtones * 1e3}};
 }
 
 Json correlation_json(const fit::FitResult& result) {

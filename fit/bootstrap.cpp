@@ -65,9 +65,14 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
     }
-    const SlowShapes slow = residuals_.shapes(i, {true, true, true, true});
+    const SlowShapes slow = residuals_.shapes(i, {true, true, true, true, true, true});
+    std::size_t shared = 0;
     for (std::size_t j = 0; j < slow.count(); ++j) {
-      const Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
+      Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
+      if (is_common(slow.part[j])) {  // as the first run drew it
+        if (shared == common_.size()) common_.push_back(size);
+        size = common_[shared++];
+      }
       for (std::size_t k = 0; k < points.row.size(); ++k)
         track.position[points.row[k]] +=
             size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
@@ -79,6 +84,7 @@ class Draw {
   double noise_;
   Random& random_;
   Problem problem_;
+  std::vector<Eigen::Vector2d> common_;  ///< sizes of the slow errors that all runs share
   std::normal_distribution<double> normal_;
 };
 

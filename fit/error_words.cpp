@@ -64,6 +64,8 @@ void tell_slow_errors(const Residuals& residuals, FitResult& result) {
   slow.walk = std::sqrt(variances[static_cast<std::size_t>(SlowPart::walk)]);
   slow.circle = std::sqrt(variances[static_cast<std::size_t>(SlowPart::circle)]);
   slow.overtones = std::sqrt(variances[static_cast<std::size_t>(SlowPart::overtones)]);
+  slow.common_circle = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_circle)]);
+  slow.common_overtones = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_overtones)]);
   if (!slow.any()) return;
   std::string parts;
   const auto add = [&](double size, const std::string& what) {
@@ -73,9 +75,12 @@ void tell_slow_errors(const Residuals& residuals, FitResult& result) {
   add(slow.walk, "of Brownian walk over " + number(slow.time, 2) + " s");
   add(slow.circle, "at the platform's frequency");
   add(slow.overtones, "at its second and third multiple");
+  add(slow.common_circle, "at the platform's frequency in all runs alike");
+  add(slow.common_overtones, "at its second and third multiple in all runs alike");
   // Root mean squares about the mean of a run; a sine's two coefficients add up to one variance.
   const double rms = std::sqrt(slow.drift * slow.drift / 12 + slow.walk * slow.walk / 6 +
-                               slow.circle * slow.circle + 2 * slow.overtones * slow.overtones);
+                               std::pow(std::hypot(slow.circle, slow.common_circle), 2) +
+                               2 * std::pow(std::hypot(slow.overtones, slow.common_overtones), 2));
   if (result.p_value < kSurprise) {
     result.scatter = std::max(result.scatter, rms);
     result.warnings.push_back(
@@ -84,8 +89,8 @@ void tell_slow_errors(const Residuals& residuals, FitResult& result) {
         "): slow errors of tracking, or something in A, w, tilt or the model is wrong.");
   }
   result.covariance_meaning +=
-      " Slow errors that the points of a track share are in it, in every run others, of one size estimated "
-      "from all tracks by restricted maximum likelihood (sd per axis: " +
+      " Slow errors that the points of a track share are in it, in every run others unless told to be alike, "
+      "of one size estimated from all tracks by restricted maximum likelihood (sd per axis: " +
       parts + "); the intervals count its freedom (Student's t by Satterthwaite).";
 }
 

@@ -102,16 +102,16 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   std::vector<double> times;
   for (std::size_t k = 0; k < n; ++k)
     times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
-  const PointModel points =
-      model_points(unknowns, applied, times, !like.track.platform_frame, tolerance, true);
+  const PointModel points = model_points(unknowns, applied, times,
+                                         {!like.track.platform_frame, like.track.exposure}, tolerance, true);
   const auto& scatter = residuals_.scatter().trajectories[*track_];
   const double variance =
       0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
   // Of one of the n points, which stand for all that are seen.
   const double white =
       variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
-  SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, residuals_.slow_reference_time(),
-                                {true, true, true, true});
+  SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
+                                residuals_.slow_reference_time(), {true, true, true, true, true, true});
   for (std::size_t j = 0; j < slow.count(); ++j)
     slow.values.col(static_cast<Eigen::Index>(j)) *=
         std::sqrt(residuals_.scatter().slow[slow.part[j]] / white);

@@ -5,6 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <memory>
+
+#include "fit/internal/compress.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -15,7 +18,7 @@ class WholeProblem final : public ceres::CostFunction {
  public:
   WholeProblem(const Residuals& residuals, const Eigen::VectorXd& start, std::optional<Eigen::Index> held)
       : residuals_(residuals), z_(start), held_(held) {
-    set_num_residuals(static_cast<int>(residuals.size()));
+    set_num_residuals(static_cast<int>(compressed_rows(residuals.size(), start.size())));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(start.size()) - (held ? 1 : 0));
   }
 
@@ -23,24 +26,25 @@ class WholeProblem final : public ceres::CostFunction {
   struct Point {
     Eigen::VectorXd z, residuals;
     Eigen::MatrixXd jacobian;
-    bool good = false;
-    bool is_at(const Eigen::VectorXd& place) const { return good && z.size() == place.size() && z == place; }
+    Rows rows;  ///< the same, compressed
+    bool is_at(const Eigen::VectorXd& place) const { return z.size() == place.size() && z == place; }
   };
 
   void remember(const Minimum& evaluated) {
-    last_ = best_ = {evaluated.z, evaluated.residuals, evaluated.jacobian, true};
+    last_ = best_ = std::make_shared<Point>(Point{evaluated.z, evaluated.residuals, evaluated.jacobian,
+                                                  compress(evaluated.jacobian, evaluated.residuals)});
   }
   const Residuals& residuals() const { return residuals_; }
   /// The last point or the lowest, which a step that was refused may lie behind; null for any other.
   const Point* known(const Eigen::VectorXd& z) const {
-    return last_.is_at(z) ? &last_ : best_.is_at(z) ? &best_ : nullptr;
+    return last_ && last_->is_at(z) ? last_.get() : best_ && best_->is_at(z) ? best_.get() : nullptr;
   }
-  /// By the free z.
+  /// By the free z, compressed.
   Eigen::MatrixXd free_jacobian(const Point& point) const {
     const Eigen::VectorXd slopes = residuals_.unknowns().slopes(point.z);
-    Eigen::MatrixXd jacobian(point.jacobian.rows(), parameter_block_sizes()[0]);
+    Eigen::MatrixXd jacobian(point.rows.jacobian.rows(), parameter_block_sizes()[0]);
     for (Eigen::Index i = 0, j = 0; i < point.z.size(); ++i)
-      if (i != held_) jacobian.col(j++) = point.jacobian.col(i) * slopes(i);
+      if (i != held_) jacobian.col(j++) = point.rows.jacobian.col(i) * slopes(i);
     return jacobian;
   }
   Eigen::VectorXd full(const double* free) const {
@@ -62,17 +66,21 @@ class WholeProblem final : public ceres::CostFunction {
     // both.
     const Point* point = known(z);
     if (!point) {
-      last_.z = z;
-      last_.good = z.allFinite() &&
-                   residuals_.evaluate(residuals_.unknowns().values(z), last_.residuals, &last_.jacobian);
-      if (!last_.good) return false;
-      if (!best_.good || last_.residuals.squaredNorm() < best_.residuals.squaredNorm()) best_ = last_;
-      point = &last_;
+      // Room of the point before last, where that is not the lowest.
+      if (!last_ || last_ == best_) last_ = std::make_shared<Point>();
+      Point& here = *last_;
+      here.z.resize(0);
+      if (!z.allFinite() ||
+          !residuals_.evaluate(residuals_.unknowns().values(z), here.residuals, &here.jacobian))
+        return false;
+      here.z = z;
+      here.rows = compress(here.jacobian, here.residuals);
+      if (!best_ || here.rows.residuals.squaredNorm() < best_->rows.residuals.squaredNorm()) best_ = last_;
+      point = last_.get();
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, point->residuals.size()) = point->residuals;
+    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = point->rows.residuals;
     if (jacobians && jacobians[0])
-      Eigen::Map<RowMajor>(jacobians[0], point->residuals.size(), parameter_block_sizes()[0]) =
-          free_jacobian(*point);
+      Eigen::Map<RowMajor>(jacobians[0], num_residuals(), parameter_block_sizes()[0]) = free_jacobian(*point);
     return true;
   }
 
@@ -80,7 +88,7 @@ class WholeProblem final : public ceres::CostFunction {
   const Residuals& residuals_;
   Eigen::VectorXd z_;
   std::optional<Eigen::Index> held_;
-  mutable Point last_, best_;  ///< one solver, one thread
+  mutable std::shared_ptr<Point> last_, best_;  ///< one solver, one thread
 };
 
 /// r'J (J'J)^-1 J'r, directions the data do not see left out.
@@ -124,7 +132,7 @@ class Watch final : public ceres::IterationCallback {
       }
     }
     const WholeProblem::Point* point = cost_.known(z);
-    if (point && newton_decrement(point->residuals, cost_.free_jacobian(*point)) < options_.decrement)
+    if (point && newton_decrement(point->rows.residuals, cost_.free_jacobian(*point)) < options_.decrement)
       return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     return ceres::SOLVER_CONTINUE;
   }

@@ -8,29 +8,34 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// The platform in the camera's frame, and by A, A_y, w and its phase.
-void add_platform(const model::Scenario& scenario, double time, Eigen::Vector2d& position,
-                  const std::vector<model::Parameter>& wanted, Eigen::Matrix2Xd* jacobian) {
+/// The platform in the camera's frame, `seen` its share that an exposure leaves, and by A, A_y, w and its
+/// phase.
+void add_platform(const model::Scenario& scenario, double time, double seen,
+                  const std::vector<model::Parameter>& wanted, Eigen::Index k, Eigen::Matrix2Xd& positions,
+                  Eigen::MatrixXd* jacobian) {
   const auto& drive = scenario.drive;
   const double phase = scenario.start_phase + drive.angular_frequency * time;
-  position += drive.displacement(phase);
+  positions.col(k) += seen * drive.displacement(phase);
   if (!jacobian) return;
+  const double slope_x = -seen * drive.amplitude * std::sin(phase),
+               slope_y = -seen * drive.amplitude_y * std::sin(phase + drive.phase_shift);
   for (std::size_t j = 0; j < wanted.size(); ++j) {
-    auto column = jacobian->col(static_cast<Eigen::Index>(j));
+    const auto column = static_cast<Eigen::Index>(j);
+    double &x = (*jacobian)(2 * k, column), &y = (*jacobian)(2 * k + 1, column);
     switch (wanted[j]) {
       case model::Parameter::amplitude:
-        column.x() += std::cos(phase);
+        x += seen * std::cos(phase);
         break;
       case model::Parameter::amplitude_y:
-        column.y() += std::cos(phase + drive.phase_shift);
+        y += seen * std::cos(phase + drive.phase_shift);
         break;
       case model::Parameter::angular_frequency:
-        column.x() -= drive.amplitude * std::sin(phase) * time;
-        column.y() -= drive.amplitude_y * std::sin(phase + drive.phase_shift) * time;
+        x += slope_x * time;
+        y += slope_y * time;
         break;
       case model::Parameter::start_phase:
-        column.x() -= drive.amplitude * std::sin(phase);
-        column.y() -= drive.amplitude_y * std::sin(phase + drive.phase_shift);
+        x += slope_x;
+        y += slope_y;
         break;
       default:
         break;
@@ -41,7 +46,7 @@ void add_platform(const model::Scenario& scenario, double time, Eigen::Vector2d&
 }  // namespace
 
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
-                        const std::vector<double>& times, bool camera_frame, double tolerance,
+                        const std::vector<double>& times, const Seen& seen, double tolerance,
                         bool derivatives) {
   model::Scenario scenario = applied.scenario;
   scenario.duration = times.back();
@@ -52,28 +57,23 @@ PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied
   const bool sensitive = !options.derivatives.empty();
 
   PointModel points;
-  points.positions.resize(2, static_cast<Eigen::Index>(times.size()));
-  if (derivatives) points.jacobian.setZero(2 * static_cast<Eigen::Index>(times.size()), applied.chain.cols());
-  const auto scale = unknowns.find(FitParameter::scale);
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double time = std::min(times[i], trajectory.end_time());
-    Eigen::Vector2d position;
-    Eigen::Matrix2Xd by_wanted;
-    if (sensitive) {
-      model::SensitiveSample sample = trajectory.sensitive_at(time);
-      position = sample.sample.position;
-      by_wanted = std::move(sample.position_jacobian);
-    } else {
-      position = trajectory.at(time).position;
-    }
-    if (camera_frame)
-      add_platform(scenario, time, position, applied.wanted, sensitive ? &by_wanted : nullptr);
-    points.positions.col(k) = position / applied.scale;
-    if (!derivatives) continue;
-    if (sensitive) points.jacobian.middleRows(2 * k, 2).noalias() = by_wanted * applied.chain / applied.scale;
-    if (scale) points.jacobian.block(2 * k, *scale, 2, 1) -= points.positions.col(k) / applied.scale;
+  Eigen::MatrixXd by_wanted;
+  trajectory.positions_at(times, seen.exposure, points.positions, sensitive ? &by_wanted : nullptr);
+  if (seen.camera_frame) {
+    const double half = 0.5 * scenario.drive.angular_frequency * seen.exposure;
+    const double share = half > 0 ? std::sin(half) / half : 1;
+    for (std::size_t i = 0; i < times.size(); ++i)
+      add_platform(scenario, times[i], share, applied.wanted, static_cast<Eigen::Index>(i), points.positions,
+                   sensitive ? &by_wanted : nullptr);
   }
+  points.positions /= applied.scale;
+  if (!derivatives) return points;
+  if (sensitive)
+    points.jacobian.noalias() = by_wanted * (applied.chain / applied.scale);
+  else
+    points.jacobian.setZero(2 * points.positions.cols(), applied.chain.cols());
+  if (const auto scale = unknowns.find(FitParameter::scale))
+    points.jacobian.col(*scale) -= points.positions.reshaped() / applied.scale;
   return points;
 }
 

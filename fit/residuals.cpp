@@ -28,20 +28,21 @@ Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threa
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
   rows_ += static_cast<Eigen::Index>(priors_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
-  slow_.resize(problem.trajectory_runs.size());
+  prepared_.resize(problem.trajectory_runs.size());
   for (const auto& run : problem.trajectory_runs)
     if (!run.free_slide)
       slow_reference_time_ = std::max(slow_reference_time_, run.track.time.back() - run.track.time.front());
+  prepare();
 }
 
 void Residuals::set_scatter(const Scatter& scatter) {
   scatter_ = scatter;
-  prepare_slow();
+  prepare();
 }
 
 void Residuals::set_weights(const Weights& weights) {
   weights_ = weights;
-  prepare_slow();
+  prepare();
 }
 
 std::size_t Residuals::point_count(std::size_t run) const {
@@ -107,6 +108,13 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     return false;
   } catch (const std::runtime_error&) {
     return false;
+  }
+  if (common_) {
+    const Eigen::Index first = trajectory_row(0), rows = trajectory_row(first_point_.size()) - first;
+    common_->apply(residuals.segment(first, rows));
+    if (jacobian)
+      for (Eigen::Index j = 0; j < jacobian->cols(); ++j)
+        common_->apply(jacobian->col(j).segment(first, rows));
   }
   Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size());
   for (const auto& [unknown, prior] : priors_) {

@@ -70,7 +70,7 @@ RunResult tell_trajectory(const Residuals& residuals, const Eigen::VectorXd& val
   const Eigen::Vector2d measured = run.track.position[points.row[last]] - run.track.position[points.row[0]];
   const Eigen::Vector2d modelled = measured - points.residual[last] + points.residual[0];
   double slow = 0;
-  const SlowShapes shapes = residuals.shapes(index, {true, true, true, true});
+  const SlowShapes shapes = residuals.shapes(index, {true, true, true, true, true, true});
   for (std::size_t j = 0; j < shapes.count(); ++j) {
     const auto column = shapes.values.col(static_cast<Eigen::Index>(j));
     slow += residuals.scatter().slow[shapes.part[j]] * std::pow(column(column.size() - 1) - column(0), 2);

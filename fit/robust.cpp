@@ -79,8 +79,9 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
     const double s = distance(residuals, whitened, i);
     weights.runs.push_back(robust_weight(s, loss));
   }
+  const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const auto squares = point_squares(residuals, residuals.points(values, i), i,
+    const auto squares = point_squares(residuals, residuals.points(values, i, common), i,
                                        residuals.scatter().trajectories[i].between_points);
     std::vector<double> points;
     for (const double square : squares) points.push_back(robust_weight(std::sqrt(square), loss));
@@ -113,8 +114,9 @@ Scatter robust_scatter(const Residuals& residuals, const Eigen::VectorXd& values
     };
     result.along = result.across = scatter_by_median(squares_at, longest, kMedianSquare * share);
   }
+  const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const PointResiduals points = residuals.points(values, i);
+    const PointResiduals points = residuals.points(values, i, common);
     double longest = 0;
     for (const auto& residual : points.residual) longest = std::max(longest, residual.norm());
     const auto squares_at = [&](double scatter) { return point_squares(residuals, points, i, scatter); };

@@ -149,8 +149,9 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
   const double share = std::max(0.0, 1 - unknowns / (data + points));
   between_runs(problem, differences, covariances, data * share, result);
 
+  const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const PointResiduals run = residuals.points(values, i);
+    const PointResiduals run = residuals.points(values, i, common);
     auto& scatter = result.trajectories[i];
     covariances.clear();
     std::vector<double> x, y;

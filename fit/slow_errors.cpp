@@ -16,8 +16,8 @@ std::size_t index(SlowPart part) {
 
 }  // namespace
 
-SlowShapes slow_shapes(const std::vector<double>& times, double w, double reference_time,
-                       const std::array<bool, kSlowParts>& wanted) {
+SlowShapes slow_shapes(const std::vector<double>& times, double w, double start_phase, double reference_time,
+                       const SlowWanted& wanted) {
   SlowShapes shapes;
   const auto n = static_cast<Eigen::Index>(times.size());
   const Eigen::ArrayXd t = Eigen::Map<const Eigen::ArrayXd>(times.data(), n);
@@ -33,11 +33,16 @@ SlowShapes slow_shapes(const std::vector<double>& times, double w, double refere
     const double rate = (static_cast<double>(k) - 0.5) * pi;
     add(SlowPart::walk, std::sqrt(2 * duration / reference_time) / rate * (rate / duration * t).sin());
   }
-  for (int order = 1; order <= 3 && w > 0; ++order) {
-    const SlowPart part = order == 1 ? SlowPart::circle : SlowPart::overtones;
-    add(part, (order * w * t).cos());
-    add(part, (order * w * t).sin());
-  }
+  const auto add_sines = [&](SlowPart first, SlowPart others) {
+    for (int order = 1; order <= 3 && w > 0; ++order) {
+      const SlowPart part = order == 1 ? first : others;
+      if (!wanted[index(part)]) continue;
+      add(part, (order * (start_phase + w * t)).cos());
+      add(part, (order * (start_phase + w * t)).sin());
+    }
+  };
+  add_sines(SlowPart::circle, SlowPart::overtones);
+  add_sines(SlowPart::common_circle, SlowPart::common_overtones);
   shapes.values.resize(n, static_cast<Eigen::Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j)
     shapes.values.col(static_cast<Eigen::Index>(j)) = columns[j];
@@ -57,14 +62,21 @@ Eigen::MatrixXd whitened_shapes(const SlowShapes& shapes, const Eigen::MatrixX2d
   return whitened;
 }
 
-SlowWhitening::SlowWhitening(const SlowShapes& shapes, const Eigen::MatrixX2d& white,
-                             const SlowVariances& variances) {
-  shapes_ = whitened_shapes(shapes, white);
-  for (Eigen::Index j = 0; j < shapes_.cols(); ++j)
-    shapes_.col(j) *= std::sqrt(variances[shapes.part[static_cast<std::size_t>(j / 2)]]);
+Eigen::VectorXd column_variances(const SlowShapes& shapes, const SlowVariances& variances) {
+  Eigen::VectorXd result(2 * static_cast<Eigen::Index>(shapes.count()));
+  for (std::size_t j = 0; j < shapes.count(); ++j)
+    result.segment<2>(2 * static_cast<Eigen::Index>(j)).setConstant(variances[shapes.part[j]]);
+  return result;
+}
+
+SlowWhitening::SlowWhitening(Eigen::MatrixXd shapes, const Eigen::VectorXd& variances)
+    : shapes_(std::move(shapes)) {
+  const Eigen::VectorXd roots = variances.cwiseSqrt();
+  shapes_ = (shapes_ * roots.asDiagonal()).eval();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shapes_.transpose() * shapes_);
   const Eigen::ArrayXd l = eigen.eigenvalues().array().max(0);
   shapes_ = (shapes_ * eigen.eigenvectors()).eval();
+  turned_ = roots.asDiagonal() * eigen.eigenvectors();
   // (1 - 1/s)/(s^2 - 1) with s^2 = 1 + l, without its cancellation.
   const Eigen::ArrayXd s = (1 + l).sqrt();
   root_ = (1 / (s * (s + 1))).matrix();
@@ -81,6 +93,12 @@ void SlowWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
 Eigen::VectorXd SlowWhitening::expected(const Eigen::VectorXd& column) const {
   if (empty()) return Eigen::VectorXd::Zero(column.size());
   return shapes_ * expected_.cwiseProduct(shapes_.transpose() * column);
+}
+
+// With S = U G^(1/2) R, S'S = diag(l), and x = V^(-1/2) y: S' V^-1 y = S' V^(-1/2) x = diag((1 + l)^(-1/2))
+// S' x.
+Eigen::VectorXd SlowWhitening::coefficients(const Eigen::VectorXd& whitened) const {
+  return turned_ * expected_.cwiseSqrt().cwiseProduct(shapes_.transpose() * whitened);
 }
 
 }  // namespace tribotrack::fit::internal

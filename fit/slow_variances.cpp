@@ -4,12 +4,16 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kAsks = 4;  ///< of twice the log-likelihood
+/// Of twice the log-likelihood. What is common to all runs is told by few coefficients and, where it is there
+/// by chance, costs most: chances are 2 % and 0.7 % (half of chi^2 with one degree of freedom).
+constexpr double kAsks = 4, kCommonAsks = 6;
 constexpr int kRounds = 60;
+constexpr int kFewestSharing = 3;  ///< runs: what two share is hardly told from their own
 constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
 using Parts = Eigen::Matrix<double, static_cast<int>(kSlowParts), 1>;
@@ -18,14 +22,24 @@ using PartsSquare = Eigen::Matrix<double, static_cast<int>(kSlowParts), static_c
 /// All that the likelihood needs of one run: U'U and U'[J r].
 struct RunSums {
   Eigen::MatrixXd shapes, data;
-  std::vector<std::size_t> part;  ///< of each column of U
+  std::vector<std::size_t> part;     ///< of each column of U
+  std::vector<Eigen::Index> common;  ///< the columns that, one below the other, are those common to all runs
 };
 
 struct Sums {
   std::vector<RunSums> runs;
   Eigen::MatrixXd data;  ///< [J r]'[J r] of all rows
   Parts unit;            ///< m^2: the variance of each part at which it is as large as the white noise
+  std::vector<std::size_t> common_part;  ///< of each common column
+  bool common = false;                   ///< whether runs are enough to tell what they share
 };
+
+/// Where a run's own part goes among the common ones.
+std::size_t common_of(std::size_t part) {
+  return static_cast<std::size_t>(part == static_cast<std::size_t>(SlowPart::circle)
+                                      ? SlowPart::common_circle
+                                      : SlowPart::common_overtones);
+}
 
 Sums sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
   Residuals white = residuals;
@@ -42,19 +56,33 @@ Sums sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
   rows.rightCols<1>() = r;
   sums.data = rows.transpose() * rows;
   Parts count = Parts::Zero(), square = Parts::Zero();
+  int sharing = 0;
   for (std::size_t i = 0; i < residuals.scatter().trajectories.size(); ++i) {
-    const SlowShapes shapes = white.shapes(i, {true, true, true, true});
+    const SlowShapes shapes = white.shapes(i, kOwnSlowParts);
     if (shapes.count() == 0) continue;
     const Eigen::MatrixXd u = whitened_shapes(shapes, white.white(i));
-    RunSums run{u.transpose() * u, u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()), {}};
+    RunSums run{
+        u.transpose() * u, u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()), {}, {}};
+    std::vector<std::size_t> common_part;
     for (Eigen::Index j = 0; j < u.cols(); ++j) {
       run.part.push_back(shapes.part[static_cast<std::size_t>(j / 2)]);
+      if (run.part.back() >= static_cast<std::size_t>(SlowPart::circle)) {
+        run.common.push_back(j);
+        common_part.push_back(common_of(run.part.back()));
+      }
       square(static_cast<Eigen::Index>(run.part.back())) += run.shapes(j, j);
       count(static_cast<Eigen::Index>(run.part.back())) += 1;
     }
+    if (!common_part.empty()) sums.common_part = common_part, ++sharing;
     sums.runs.push_back(std::move(run));
   }
+  sums.common = sharing >= kFewestSharing;
   sums.unit = count.array().max(1) / square.array().max(1e-300);
+  for (const SlowPart own : {SlowPart::circle, SlowPart::overtones}) {
+    const auto part = static_cast<std::size_t>(own);
+    sums.unit(static_cast<Eigen::Index>(common_of(part))) =
+        sums.unit(static_cast<Eigen::Index>(part)) / std::max(1, sharing);
+  }
   return sums;
 }
 
@@ -85,58 +113,144 @@ struct Likelihood {
   std::array<Eigen::MatrixXd, kSlowParts> by_variance;  ///< of the covariance
 };
 
-Likelihood likelihood_at(const Sums& sums, const Parts& variances) {
-  const Eigen::Index p = sums.data.cols() - 1;
-  Eigen::MatrixXd data = sums.data;
-  std::vector<Eigen::MatrixXd> inside, across;  // U' V^-1 U and U' V^-1 [J r] of each run
-  std::vector<Eigen::VectorXd> roots;           // of the units, so that the slopes are by them
-  Likelihood result;
-  for (const RunSums& run : sums.runs) {
-    const auto m = static_cast<Eigen::Index>(run.part.size());
-    Eigen::VectorXd root(m), unit(m);
-    for (Eigen::Index j = 0; j < m; ++j) {
-      const auto part = static_cast<Eigen::Index>(run.part[static_cast<std::size_t>(j)]);
-      unit(j) = std::sqrt(sums.unit(part));
-      root(j) = std::sqrt(variances(part)) * unit(j);
+/// What is common to the runs is a vector of unknowns more, known beforehand to be 0 +- the root of its
+/// variance: with X = [C G_c^(1/2), J] and S = (X' V_0^-1 X + diag(1, 0))^-1, V_0 the runs' own covariance,
+/// P = V_0^-1 - V_0^-1 X S X' V_0^-1, and S holds the unknowns' covariance.
+class LikelihoodAt {
+ public:
+  LikelihoodAt(const Sums& sums, const Parts& variances)
+      : sums_(sums), variances_(variances), unknowns_(sums.data.cols() - 1) {
+    for (std::size_t k = 0; sums.common && k < sums.common_part.size(); ++k) {
+      const auto part = static_cast<Eigen::Index>(sums.common_part[k]);
+      common_unit_.conservativeResize(common_unit_.size() + 1);
+      common_unit_.tail<1>()(0) = std::sqrt(sums.unit(part));
+      common_root_.conservativeResize(common_unit_.size());
+      common_root_.tail<1>()(0) = std::sqrt(variances(part));
     }
-    const Eigen::MatrixXd shapes = root.asDiagonal() * run.shapes, own = root.asDiagonal() * run.data;
-    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(shapes * root.asDiagonal()) +
-                                             Eigen::MatrixXd::Identity(m, m));
-    result.log -= factor.matrixLLT().diagonal().array().log().sum();
-    const Eigen::MatrixXd l_shapes = factor.matrixL().solve(shapes), l_own = factor.matrixL().solve(own);
-    inside.push_back(unit.asDiagonal() * (run.shapes - l_shapes.transpose() * l_shapes) * unit.asDiagonal());
-    across.push_back(unit.asDiagonal() * (run.data - l_shapes.transpose() * l_own));
-    data -= l_own.transpose() * l_own;
+    eliminate_runs();
+    solve();
+    for (std::size_t i = 0; i < sums.runs.size(); ++i) add_run(i);
+    add_common();
+    for (std::size_t g = 0; g < kSlowParts; ++g)
+      for (std::size_t h = 0; h < kSlowParts; ++h)
+        result.information(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(h)) +=
+            0.5 * (squares_[g] * s_).cwiseProduct((squares_[h] * s_).transpose()).sum();
+    for (std::size_t g = 0; g < kSlowParts; ++g) {
+      const Eigen::MatrixXd moved = s_ * (is_common(g) ? common_squares_[g] : squares_[g]) * s_;
+      result.by_variance[g] = moved.bottomRightCorner(unknowns_, unknowns_);
+    }
+    result.covariance = s_.bottomRightCorner(unknowns_, unknowns_);
   }
-  const auto [covariance, log_determinant] = inverse_of(data.topLeftCorner(p, p));
-  result.covariance = covariance;
-  const Eigen::VectorXd shift = covariance * data.topRightCorner(p, 1);
-  result.log -= 0.5 * (log_determinant + data(p, p) - data.topRightCorner(p, 1).col(0).dot(shift));
 
-  std::array<Eigen::MatrixXd, kSlowParts> squares;  // sum over runs of J' V^-1 U_g U_g' V^-1 J
-  squares.fill(Eigen::MatrixXd::Zero(p, p));
-  for (std::size_t i = 0; i < sums.runs.size(); ++i) {
-    const auto& part = sums.runs[i].part;
-    const Eigen::MatrixXd by_unknowns = across[i].leftCols(p);
-    const Eigen::MatrixXd taken = by_unknowns * covariance * by_unknowns.transpose();
-    const Eigen::MatrixXd projected = inside[i] - taken;
-    const Eigen::VectorXd score = across[i].col(p) - by_unknowns * shift;
+  Likelihood result;
+
+ private:
+  Eigen::Index shared() const { return common_root_.size(); }
+  Eigen::Index width() const { return shared() + unknowns_; }
+
+  /// U'V_0^-1 U and U' V_0^-1 [C J r] of each run, [C J r]' V_0^-1 [C J r] of all. U and C in their units.
+  void eliminate_runs() {
+    data_ = Eigen::MatrixXd::Zero(width() + 1, width() + 1);
+    data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) = sums_.data;
+    for (const RunSums& run : sums_.runs) {
+      const auto m = static_cast<Eigen::Index>(run.part.size());
+      Eigen::VectorXd root(m), unit(m);
+      for (Eigen::Index j = 0; j < m; ++j) {
+        const auto part = static_cast<Eigen::Index>(run.part[static_cast<std::size_t>(j)]);
+        unit(j) = std::sqrt(sums_.unit(part));
+        root(j) = std::sqrt(variances_(part)) * unit(j);
+      }
+      const Eigen::MatrixXd shapes = root.asDiagonal() * run.shapes, own = root.asDiagonal() * run.data;
+      const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(shapes * root.asDiagonal()) +
+                                               Eigen::MatrixXd::Identity(m, m));
+      result.log -= factor.matrixLLT().diagonal().array().log().sum();
+      const Eigen::MatrixXd l_shapes = factor.matrixL().solve(shapes), l_own = factor.matrixL().solve(own);
+      const Eigen::MatrixXd bare = run.shapes - l_shapes.transpose() * l_shapes;
+      Eigen::MatrixXd across = Eigen::MatrixXd::Zero(m, width() + 1);
+      across.rightCols(unknowns_ + 1) = run.data - l_shapes.transpose() * l_own;
+      data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) -= l_own.transpose() * l_own;
+      if (shared() > 0 && !run.common.empty()) {
+        const Eigen::MatrixXd c = bare(Eigen::all, run.common) * common_unit_.asDiagonal();
+        across.leftCols(shared()) = c;
+        data_.topLeftCorner(shared(), shared()) += common_unit_.asDiagonal() * c(run.common, Eigen::all);
+        data_.topRightCorner(shared(), unknowns_ + 1) +=
+            common_unit_.asDiagonal() * across(run.common, Eigen::lastN(unknowns_ + 1));
+      }
+      inside_.push_back(unit.asDiagonal() * bare * unit.asDiagonal());
+      across_.push_back(unit.asDiagonal() * across);
+    }
+    data_.bottomLeftCorner(unknowns_ + 1, shared()) =
+        data_.topRightCorner(shared(), unknowns_ + 1).transpose();
+  }
+
+  void solve() {
+    const Eigen::Index p = width();
+    scale_ = Eigen::VectorXd::Ones(p);
+    scale_.head(shared()) = common_root_;
+    Eigen::MatrixXd normal = scale_.asDiagonal() * data_.topLeftCorner(p, p) * scale_.asDiagonal();
+    normal.diagonal().head(shared()).array() += 1;
+    double log_determinant = 0;
+    std::tie(s_, log_determinant) = inverse_of(normal);
+    const Eigen::VectorXd by_r = scale_.cwiseProduct(data_.topRightCorner(p, 1).col(0));
+    shift_ = s_ * by_r;
+    result.log -= 0.5 * (log_determinant + data_(p, p) - by_r.dot(shift_));
+    squares_.fill(Eigen::MatrixXd::Zero(p, p));
+    common_squares_.fill(Eigen::MatrixXd::Zero(p, p));
+    by_common_ = data_.topLeftCorner(shared(), p) * scale_.asDiagonal();
+  }
+
+  void add_run(std::size_t i) {
+    const auto& part = sums_.runs[i].part;
+    const Eigen::MatrixXd by_x = across_[i].leftCols(width()) * scale_.asDiagonal();
+    const Eigen::MatrixXd solved = by_x * s_, taken = solved * by_x.transpose();
+    const Eigen::MatrixXd projected = inside_[i] - taken;
+    const Eigen::VectorXd score = across_[i].col(width()) - by_x * shift_;
+    const Eigen::MatrixXd with_common = across_[i].leftCols(shared()) - solved * by_common_.transpose();
     for (std::size_t a = 0; a < part.size(); ++a) {
       const auto k = static_cast<Eigen::Index>(a), g = static_cast<Eigen::Index>(part[a]);
       result.slope(g) += 0.5 * (score(k) * score(k) - projected(k, k));
-      squares[part[a]] += by_unknowns.row(k).transpose() * by_unknowns.row(k);
-      for (std::size_t b = 0; b < part.size(); ++b) {  // runs among themselves, less what is added below
+      squares_[part[a]] += by_x.row(k).transpose() * by_x.row(k);
+      for (std::size_t b = 0; b < part.size(); ++b) {  // runs among themselves, less what is added at last
         const auto l = static_cast<Eigen::Index>(b), h = static_cast<Eigen::Index>(part[b]);
         result.information(g, h) += 0.5 * (projected(k, l) * projected(k, l) - taken(k, l) * taken(k, l));
       }
+      for (Eigen::Index c = 0; c < shared(); ++c) {
+        const auto h = static_cast<Eigen::Index>(sums_.common_part[static_cast<std::size_t>(c)]);
+        const double information = 0.5 * with_common(k, c) * with_common(k, c);
+        result.information(g, h) += information;
+        result.information(h, g) += information;
+      }
     }
   }
-  for (std::size_t g = 0; g < kSlowParts; ++g) result.by_variance[g] = covariance * squares[g] * covariance;
-  for (std::size_t g = 0; g < kSlowParts; ++g)
-    for (std::size_t h = 0; h < kSlowParts; ++h)
-      result.information(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(h)) +=
-          0.5 * (squares[g] * covariance * squares[h] * covariance).trace();
-  return result;
+
+  void add_common() {
+    const Eigen::MatrixXd projected =
+        data_.topLeftCorner(shared(), shared()) - by_common_ * s_ * by_common_.transpose();
+    const Eigen::VectorXd score = data_.topRightCorner(shared(), 1).col(0) - by_common_ * shift_;
+    for (Eigen::Index c = 0; c < shared(); ++c) {
+      const std::size_t part = sums_.common_part[static_cast<std::size_t>(c)];
+      const auto g = static_cast<Eigen::Index>(part);
+      result.slope(g) += 0.5 * (score(c) * score(c) - projected(c, c));
+      common_squares_[part] += by_common_.row(c).transpose() * by_common_.row(c);
+      for (Eigen::Index d = 0; d < shared(); ++d) {
+        const auto h = static_cast<Eigen::Index>(sums_.common_part[static_cast<std::size_t>(d)]);
+        result.information(g, h) += 0.5 * projected(c, d) * projected(c, d);
+      }
+    }
+  }
+
+  const Sums& sums_;
+  const Parts& variances_;
+  Eigen::Index unknowns_;
+  Eigen::VectorXd common_unit_, common_root_;
+  Eigen::MatrixXd data_, s_, by_common_;  ///< by_common_: C' V_0^-1 X
+  Eigen::VectorXd scale_, shift_;
+  std::vector<Eigen::MatrixXd> inside_, across_;
+  std::array<Eigen::MatrixXd, kSlowParts> squares_, common_squares_;  ///< sums of X' V_0^-1 u u' V_0^-1 X
+};
+
+Likelihood likelihood_at(const Sums& sums, const Parts& variances) {
+  return LikelihoodAt(sums, variances).result;
 }
 
 struct Place {
@@ -145,7 +259,7 @@ struct Place {
 };
 
 /// Fisher's scoring over the parts `allowed`, none below 0.
-Place most_likely(const Sums& sums, const std::array<bool, kSlowParts>& allowed, Parts variances) {
+Place most_likely(const Sums& sums, const SlowWanted& allowed, Parts variances) {
   for (std::size_t g = 0; g < kSlowParts; ++g)
     if (!allowed[g]) variances(static_cast<Eigen::Index>(g)) = 0;
   Place here{variances, likelihood_at(sums, variances)};
@@ -175,7 +289,11 @@ Place most_likely(const Sums& sums, const std::array<bool, kSlowParts>& allowed,
   return here;
 }
 
-/// The part that the likelihood asks for least, by Wald's measure.
+double asks_of(std::size_t part) {
+  return is_common(part) ? kCommonAsks : kAsks;
+}
+
+/// The part that the likelihood asks for least, by Wald's measure over what it has to ask.
 std::size_t least_of(const Place& place) {
   std::size_t least = 0;
   double lowest = std::numeric_limits<double>::infinity();
@@ -183,7 +301,7 @@ std::size_t least_of(const Place& place) {
     const auto k = static_cast<Eigen::Index>(g);
     const double size = place.variances(k);
     if (!(size > 0)) continue;
-    const double asks = size * size * place.likelihood.information(k, k);
+    const double asks = size * size * place.likelihood.information(k, k) / asks_of(g);
     if (asks < lowest) lowest = asks, least = g;
   }
   return least;
@@ -198,15 +316,18 @@ SlowEstimate estimate_slow_errors(const Residuals& residuals, const Eigen::Vecto
   const Sums sums = sums_of(residuals, values);
   if (sums.runs.empty()) return result;
 
-  std::array<bool, kSlowParts> allowed{true, true, true, true};
+  SlowWanted allowed = kOwnSlowParts;
+  for (std::size_t part = 0; part < kSlowParts; ++part)
+    if (is_common(part)) allowed[part] = sums.common;
   Parts guess = Eigen::Map<const Parts>(residuals.scatter().slow.data());
   Place place = most_likely(sums, allowed, guess.cwiseQuotient(sums.unit));
   while (place.variances.maxCoeff() > 0) {
     for (std::size_t g = 0; g < kSlowParts; ++g)
       allowed[g] = place.variances(static_cast<Eigen::Index>(g)) > 0;
-    allowed[least_of(place)] = false;
+    const std::size_t least = least_of(place);
+    allowed[least] = false;
     Place without = most_likely(sums, allowed, place.variances);
-    if (!(2 * (place.likelihood.log - without.likelihood.log) < kAsks)) break;
+    if (!(2 * (place.likelihood.log - without.likelihood.log) < asks_of(least))) break;
     place = std::move(without);
   }
 

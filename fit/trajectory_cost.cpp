@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <algorithm>
 #include <cmath>
 
 #include "fit/internal/parallel.h"
@@ -16,56 +15,86 @@ constexpr double kFinestSigma = 1e-9;  ///< m; no camera sees less
 
 }  // namespace
 
-std::vector<double> Residuals::times(std::size_t index) const {
-  const auto& recorded = problem_->trajectory_runs[index].track.time;
-  std::vector<double> result(recorded.begin() + static_cast<std::ptrdiff_t>(first_point_[index]),
-                             recorded.end());
-  const double first = result.front();
-  for (double& time : result) time -= first;
-  return result;
-}
-
 PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index,
                                       bool derivatives) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const AppliedScenario applied = run.free_slide ? unknowns_->apply_free_slide(values, index, derivatives)
                                                  : unknowns_->apply_trajectory(values, index, derivatives);
   const bool camera_frame = !run.free_slide && !run.track.platform_frame;
-  return model_points(*unknowns_, applied, times(index), camera_frame, tolerance_, derivatives);
+  return model_points(*unknowns_, applied, prepared_[index]->times, {camera_frame, run.track.exposure},
+                      tolerance_, derivatives);
 }
 
-SlowShapes Residuals::shapes(std::size_t index, const std::array<bool, kSlowParts>& wanted) const {
+SlowShapes Residuals::shapes(std::size_t index, const SlowWanted& wanted) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   if (run.free_slide) return {};
   const double w = run.scenario.drive.amplitude > 0 ? run.scenario.drive.angular_frequency : 0;
-  return slow_shapes(times(index), w, slow_reference_time_, wanted);
+  return slow_shapes(prepared_[index]->times, w, run.scenario.start_phase, slow_reference_time_, wanted);
 }
 
-Eigen::MatrixX2d Residuals::white(std::size_t index) const {
-  const auto& covariance = problem_->trajectory_runs[index].track.covariance;
+void Residuals::prepare() {
+  parallel_for(prepared_.size(), threads_, [&](std::size_t run) { prepare(run); });
+  prepare_common();
+}
+
+/// (I + U G U')^(-1/2) behind the runs' own whitening, U their shapes one below the other.
+void Residuals::prepare_common() {
+  common_.reset();
+  Eigen::Index columns = 0;
+  const Prepared* like = nullptr;
+  for (const auto& prepared : prepared_)
+    if (prepared->common.count() > 0) {
+      like = prepared.get();
+      columns = 2 * static_cast<Eigen::Index>(prepared->common.count());
+    }
+  if (!like) return;
+  const Eigen::Index first = trajectory_row(0);
+  Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(trajectory_row(prepared_.size()) - first, columns);
+  for (std::size_t i = 0; i < prepared_.size(); ++i) {
+    const Prepared& prepared = *prepared_[i];
+    if (prepared.common.count() == 0) continue;
+    auto rows = stacked.middleRows(trajectory_row(i) - first, prepared.white.rows());
+    rows = whitened_shapes(prepared.common, prepared.white);
+    for (Eigen::Index j = 0; j < columns; ++j) prepared.slow.apply(rows.col(j));
+  }
+  common_ =
+      std::make_shared<SlowWhitening>(std::move(stacked), column_variances(like->common, scatter_.slow));
+}
+
+Eigen::VectorXd Residuals::common_error(const Eigen::VectorXd& values) const {
+  Eigen::VectorXd residuals;
+  if (!common_ || !evaluate(values, residuals, nullptr)) return {};
+  const Eigen::Index first = trajectory_row(0);
+  return common_->coefficients(residuals.segment(first, trajectory_row(prepared_.size()) - first));
+}
+
+void Residuals::prepare(std::size_t index) {
+  const auto& track = problem_->trajectory_runs[index].track;
   const auto& scatter = scatter_.trajectories[index];
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
   const double uncorrelated = 1 / std::sqrt(scatter.correlation_time);
-  const std::size_t n = point_count(index);
-  Eigen::MatrixX2d white(2 * static_cast<Eigen::Index>(n), 2);
+  const std::size_t first = first_point_[index], n = point_count(index);
+  auto prepared = std::make_shared<Prepared>();
+  prepared->white.resize(2 * static_cast<Eigen::Index>(n), 2);
   for (std::size_t i = 0; i < n; ++i) {
+    prepared->times.push_back(track.time[first + i] - track.time[first]);
     const Eigen::LLT<Eigen::Matrix2d> factor(
-        Eigen::Matrix2d(covariance[first_point_[index] + i] + added * Eigen::Matrix2d::Identity()));
-    white.middleRows<2>(2 * static_cast<Eigen::Index>(i)) =
+        Eigen::Matrix2d(track.covariance[first + i] + added * Eigen::Matrix2d::Identity()));
+    prepared->white.middleRows<2>(2 * static_cast<Eigen::Index>(i)) =
         uncorrelated * std::sqrt(point_weight(index, i)) *
         factor.matrixL().solve(Eigen::Matrix2d::Identity()).eval();
   }
-  return white;
-}
-
-void Residuals::prepare_slow() {
-  std::array<bool, kSlowParts> wanted{};
-  for (std::size_t part = 0; part < kSlowParts; ++part) wanted[part] = scatter_.slow[part] > 0;
-  const bool any = std::find(wanted.begin(), wanted.end(), true) != wanted.end();
-  parallel_for(slow_.size(), threads_, [&](std::size_t run) {
-    const SlowShapes own = any ? shapes(run, wanted) : SlowShapes{};
-    slow_[run] = own.count() > 0 ? SlowWhitening(own, white(run), scatter_.slow) : SlowWhitening{};
-  });
+  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(prepared->white);
+  prepared->start = qr.householderQ() * Eigen::MatrixX2d::Identity(prepared->white.rows(), 2);
+  prepared_[index] = prepared;  // for shapes()
+  if (scatter_.slow == SlowVariances{}) return;
+  SlowWanted own{}, shared{};
+  for (std::size_t part = 0; part < kSlowParts; ++part)
+    (is_common(part) ? shared : own)[part] = scatter_.slow[part] > 0;
+  prepared->common = shapes(index, shared);
+  if (const SlowShapes slow = shapes(index, own); slow.count() > 0)
+    prepared->slow =
+        SlowWhitening(whitened_shapes(slow, prepared->white), column_variances(slow, scatter_.slow));
 }
 
 void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
@@ -78,29 +107,35 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
   Eigen::MatrixXd& by_unknowns = modelled.jacobian;
 
   // Whitened residuals, their Jacobian, and the columns of the start point (residual = .. - white x0).
-  const Eigen::MatrixX2d start = white(index);
+  const Prepared& prepared = *prepared_[index];
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Matrix2d factor = start.middleRows<2>(k);
+    const Eigen::Matrix2d factor = prepared.white.middleRows<2>(k);
     residuals.segment<2>(k) =
         factor * (run.track.position[first + i] - positions.col(static_cast<Eigen::Index>(i)));
-    if (jacobian) by_unknowns.middleRows(k, 2) = -factor * by_unknowns.middleRows(k, 2).eval();
   }
-  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(start);
-  const Eigen::MatrixX2d q = qr.householderQ() * Eigen::MatrixX2d::Identity(start.rows(), 2);
+  const Eigen::MatrixX2d& q = prepared.start;
   residuals -= q * (q.transpose() * residuals).eval();
-  slow_[index].apply(residuals);
+  prepared.slow.apply(residuals);
   if (!jacobian) return;
-  by_unknowns -= q * (q.transpose() * by_unknowns).eval();
-  for (Eigen::Index j = 0; j < by_unknowns.cols(); ++j) slow_[index].apply(by_unknowns.col(j));
-  jacobian->middleRows(row, by_unknowns.rows()) = by_unknowns;
+  for (Eigen::Index j = 0; j < by_unknowns.cols(); ++j) {
+    auto column = by_unknowns.col(j);
+    if (column.isZero(0)) continue;
+    for (Eigen::Index k = 0; k < column.size(); k += 2)
+      column.segment<2>(k) = -(prepared.white.middleRows<2>(k) * column.segment<2>(k)).eval();
+    column -= q * (q.transpose() * column).eval();
+    prepared.slow.apply(column);
+    jacobian->col(j).segment(row, column.size()) = column;
+  }
 }
 
-PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index) const {
+PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index,
+                                 const Eigen::VectorXd& common) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const std::size_t first = first_point_[index], n = point_count(index);
   const Eigen::Matrix2Xd positions = modelled_points(values, index, false).positions;
-  const Eigen::MatrixX2d start = white(index);
+  const Eigen::MatrixX2d& start = white(index);
+  const SlowWhitening& slow_errors = prepared_[index]->slow;
   PointResiduals result;
   Eigen::VectorXd whitened(start.rows());
   for (std::size_t i = 0; i < n; ++i) {
@@ -110,8 +145,11 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
     whitened.segment<2>(k) = start.middleRows<2>(k) * result.residual.back();
   }
   result.start_point = (start.transpose() * start).ldlt().solve(start.transpose() * whitened);
-  const Eigen::VectorXd slow = slow_[index].expected(whitened - start * result.start_point);
-  result.rows_taken = slow_[index].rows_taken();
+  Eigen::VectorXd shared = Eigen::VectorXd::Zero(whitened.size());
+  if (common.size() > 0 && prepared_[index]->common.count() > 0)
+    shared = whitened_shapes(prepared_[index]->common, start) * common;
+  const Eigen::VectorXd slow = shared + slow_errors.expected(whitened - start * result.start_point - shared);
+  result.rows_taken = slow_errors.rows_taken();
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
     result.residual[i] -= result.start_point;

@@ -74,6 +74,16 @@ GaussTable make_table(int pairs) {
   return g;
 }
 
+/// Divisions would take most of the time of integrals_to.
+struct Inverse {
+  double of_integers[GaussTable::kMaxNodes + 3] = {}, of_integrals[GaussTable::kMaxNodes + 1] = {};
+  constexpr Inverse() {
+    for (int k = 1; k < GaussTable::kMaxNodes + 3; ++k) of_integers[k] = 1.0 / k;
+    for (int k = 0; k <= GaussTable::kMaxNodes; ++k) of_integrals[k] = 1.0 / (4 * k + 2);
+  }
+};
+constexpr Inverse kInverse;
+
 }  // namespace
 
 const GaussTable& GaussTable::of_pairs(int pairs) {
@@ -88,12 +98,13 @@ void GaussTable::integrals_to(double c, double* once, double* twice) const {
   const double x = 2 * c - 1;
   p[0] = 1;
   p[1] = x;
-  for (int k = 1; k < n + 2; ++k) p[k + 1] = ((2 * k + 1) * x * p[k] - k * p[k - 1]) / (k + 1);
+  for (int k = 1; k < n + 2; ++k)
+    p[k + 1] = ((2 * k + 1) * x * p[k] - k * p[k - 1]) * kInverse.of_integers[k + 1];
   first[0] = c;
-  for (int k = 1; k <= n; ++k) first[k] = (p[k + 1] - p[k - 1]) / (4 * k + 2);
+  for (int k = 1; k <= n; ++k) first[k] = (p[k + 1] - p[k - 1]) * kInverse.of_integrals[k];
   for (int j = 0; j < n; ++j) once[j] = twice[j] = 0;
   for (int k = 0; k < n; ++k) {
-    const double second = k == 0 ? 0.5 * c * c : (first[k + 1] - first[k - 1]) / (4 * k + 2);
+    const double second = k == 0 ? 0.5 * c * c : (first[k + 1] - first[k - 1]) * kInverse.of_integrals[k];
     for (int j = 0; j < n; ++j) {
       once[j] += to_legendre[k][j] * first[k];
       twice[j] += to_legendre[k][j] * second;

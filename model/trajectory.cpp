@@ -37,6 +37,10 @@ Sample Trajectory::at(double time) const {
 SensitiveSample Trajectory::sensitive_at(double time) const {
   return implementation_->sensitive_at(time);
 }
+void Trajectory::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                              Eigen::MatrixXd* jacobian) const {
+  implementation_->positions_at(times, exposure, positions, jacobian);
+}
 Sample Trajectory::end() const {
   return implementation_->at(end_time());
 }
@@ -54,8 +58,8 @@ Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options
   std::unique_ptr<Trajectory::Implementation> run;
   if (n == 0)
     run = std::make_unique<Run<double>>(scenario, options);
-  else if (n <= 3)
-    run = std::make_unique<Run<Jet<3>>>(scenario, options);
+  else if (n <= 4)
+    run = std::make_unique<Run<Jet<4>>>(scenario, options);
   else if (n <= 8)
     run = std::make_unique<Run<Jet<8>>>(scenario, options);
   else if (n <= 16)

@@ -72,6 +72,12 @@ class Trajectory {
   Sample at(double time) const;  ///< dense output, 0 <= time <= end_time()
   SensitiveSample sensitive_at(
       double time) const;  ///< at a fixed time; needs IntegrationOptions::derivatives
+  /// Columns: positions at `times`, m; with `jacobian` rows 2 k and 2 k + 1 of it are those of time k by the
+  /// derivatives' parameters, at a fixed time. With `exposure` T the means over t - T/2 .. t + T/2 to second
+  /// order, x + T^2/24 x'' (off by (wT)^4/1920 of the amplitude where no friction switches, by T^2/48 of the
+  /// jump of x'' at most where it does); the Jacobian stays that of x, of which this share is (wT)^2/24.
+  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                    Eigen::MatrixXd* jacobian) const;
   Sample end() const;
   /// At the end. If the end is N whole cycles (Scenario::duration == 0) the end time moves with w and the
   /// column of angular_frequency holds that, too: dx/dw = s_x + u dT/dw.

@@ -10,13 +10,25 @@ namespace {
 constexpr double kNoises = 8;  ///< 1e6 pixels of Gaussian noise never stand out so far
 constexpr float kSpreads = 2;
 
-/// By how much the level exceeds all its four neighbours but one (negative: falls short of all but one).
-float stands_out(float here, float a, float b, float c, float d) {
-  const float second_highest =
-      std::max(std::min(std::max(a, b), std::max(c, d)), std::max(std::min(a, b), std::min(c, d)));
-  const float second_lowest =
-      std::min(std::max(std::min(a, b), std::min(c, d)), std::min(std::max(a, b), std::max(c, d)));
-  return std::max(here - second_highest, 0.0F) + std::min(here - second_lowest, 0.0F);
+/// By how much the levels of a row exceed all their four neighbours but one (negative: fall short of all but
+/// one), its two ends left out. Whether any is further off than `least`.
+#if defined(__x86_64__)
+[[gnu::target_clones("arch=haswell", "default")]]
+#endif
+bool stand_out(const float* above, const float* here, const float* below, std::size_t width, float least,
+               float* steps) {
+  const auto low = [](float a, float b) { return a < b ? a : b; };
+  const auto high = [](float a, float b) { return a < b ? b : a; };
+  int any = 0;
+  for (std::size_t x = 1; x + 1 < width; ++x) {
+    const float a = above[x], b = below[x], c = here[x - 1], d = here[x + 1];
+    const float second_highest = high(low(high(a, b), high(c, d)), high(low(a, b), low(c, d)));
+    const float second_lowest = low(high(low(a, b), low(c, d)), low(high(a, b), high(c, d)));
+    const float step = high(here[x] - second_highest, 0.0F) + low(here[x] - second_lowest, 0.0F);
+    steps[x] = step;
+    any |= (step > least) | (step < -least);
+  }
+  return any != 0;
 }
 
 /// The eight neighbours, in order of their levels; fewer at the picture's edge.
@@ -41,23 +53,17 @@ int side_of(const Picture& picture, Pixel p, float least) {
   return here > around.high() + step ? 1 : here < around.low() - step ? -1 : 0;
 }
 
-/// A first look along the rows of one picture, without branches.
+/// A first look along the rows of one picture.
 std::vector<Pixel> candidates(const Picture& picture, float least) {
   std::vector<Pixel> found;
   const auto width = static_cast<std::size_t>(picture.width());
-  std::vector<float> step(width);
+  std::vector<float> steps(width);
   for (int y = 1; y + 1 < picture.height(); ++y) {
-    const float* above = picture.row(y - 1).data();
-    const float* here = picture.row(y).data();
-    const float* below = picture.row(y + 1).data();
-    float most = 0;
-    for (std::size_t x = 1; x + 1 < width; ++x) {
-      step[x] = std::abs(stands_out(here[x], above[x], below[x], here[x - 1], here[x + 1]));
-      most = std::max(most, step[x]);
-    }
-    if (most <= least) continue;
+    if (!stand_out(picture.row(y - 1).data(), picture.row(y).data(), picture.row(y + 1).data(), width, least,
+                   steps.data()))
+      continue;
     for (std::size_t x = 1; x + 1 < width; ++x)
-      if (step[x] > least) found.push_back({static_cast<int>(x), y});
+      if (std::abs(steps[x]) > least) found.push_back({static_cast<int>(x), y});
   }
   return found;
 }
@@ -68,16 +74,37 @@ bool is_before(const Pixel& a, const Pixel& b) {
 
 }  // namespace
 
+BadPixelSearch::BadPixelSearch(const Picture& picture, double noise_variance)
+    : least_(static_cast<float>(kNoises * std::sqrt(noise_variance))) {
+  if (picture.width() < 3 || picture.height() < 3) return;
+  for (const Pixel& p : candidates(picture, least_))
+    if (const int side = side_of(picture, p, least_); side != 0) {
+      found_.push_back(p);
+      sides_.push_back(side);
+    }
+}
+
+void BadPixelSearch::look(const Picture& picture) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    if (side_of(picture, found_[k], least_) != sides_[k]) continue;
+    found_[kept] = found_[k];
+    sides_[kept++] = sides_[k];
+  }
+  found_.resize(kept);
+  sides_.resize(kept);
+  ++others_;
+}
+
+std::vector<Pixel> BadPixelSearch::found() const {
+  return others_ > 0 ? found_ : std::vector<Pixel>();
+}
+
 std::vector<Pixel> find_bad_pixels(std::span<const Picture> pictures, double noise_variance) {
-  if (pictures.size() < 2 || pictures.front().width() < 3 || pictures.front().height() < 3) return {};
-  const auto least = static_cast<float>(kNoises * std::sqrt(noise_variance));
-  std::vector<Pixel> found = candidates(pictures.front(), least);
-  std::erase_if(found, [&](const Pixel& p) {
-    const int side = side_of(pictures.front(), p, least);
-    return side == 0 || !std::all_of(pictures.begin() + 1, pictures.end(),
-                                     [&](const Picture& other) { return side_of(other, p, least) == side; });
-  });
-  return found;
+  if (pictures.empty()) return {};
+  BadPixelSearch search(pictures.front(), noise_variance);
+  for (const Picture& other : pictures.subspan(1)) search.look(other);
+  return search.found();
 }
 
 MendedSource::MendedSource(FrameSource& source, std::vector<Pixel> bad)

@@ -19,6 +19,24 @@ struct Pixel {
 /// At least two pictures of one recording; `noise_variance` in grey levels^2.
 std::vector<Pixel> find_bad_pixels(std::span<const Picture> pictures, double noise_variance);
 
+/// The same, picture by picture.
+class BadPixelSearch {
+ public:
+  BadPixelSearch(const Picture& picture, double noise_variance);
+  /// At another picture of the recording.
+  void look(const Picture& picture);
+  /// Nothing stands out, or no longer: further pictures need not be looked at.
+  bool settled() const { return found_.empty(); }
+  /// None before a second picture.
+  std::vector<Pixel> found() const;
+
+ private:
+  float least_;
+  std::vector<Pixel> found_;
+  std::vector<int> sides_;  ///< +1 bright, -1 dark
+  int others_ = 0;
+};
+
 /// A recording whose bad pixels show the median of their good neighbours.
 class MendedSource : public FrameSource {
  public:

@@ -126,7 +126,7 @@ void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::s
 class CineSource : public FrameSource {
  public:
   CineSource(const std::filesystem::path& path, const SourceOptions& options)
-      : file_(path), header_(read_cine_header(file_)) {
+      : file_(path), header_(read_cine_header(file_)), pixels_at_(header_.image_offsets.size()) {
     info_.path = path;
     info_.format = "cine";
     info_.codec = codec_name(header_);
@@ -160,8 +160,8 @@ class CineSource : public FrameSource {
   using FrameSource::read;
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
-    const std::string what = "image " + std::to_string(number(index));
-    const std::span<const std::uint8_t> pixels = image(index, what);
+    file_.require_unshrunk();
+    const std::span<const std::uint8_t> pixels = image(index);
     const bool in_rows = header_.pixels != CinePixels::p10 && header_.pixels != CinePixels::p12l;
     for (int y = 0; y < window.height; ++y) {
       if (in_rows && y + kAhead < window.height) fetch_row(pixels, window, window.y + y + kAhead);
@@ -190,19 +190,24 @@ class CineSource : public FrameSource {
           "the rate given beats the camera's own stamp of every frame; leave --fps out to use them");
   }
 
-  /// The pixels of an image, behind its annotation, whose last word repeats their size.
-  std::span<const std::uint8_t> image(std::int64_t index, const std::string& what) const {
-    const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
-    const auto annotation = load<std::uint32_t>(file_.bytes(offset, 8, what), 0);
-    if (annotation < 8 || annotation > file_.size())
-      throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
-                       std::to_string(annotation) + " bytes; copy the recording again");
-    const auto size = load<std::uint32_t>(file_.bytes(offset + annotation - 4, 4, what), 0);
-    if (size < header_.image_bytes)
-      throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
-                       " bytes of pixels where " + std::to_string(header_.image_bytes) +
-                       " are needed; copy the recording again");
-    return file_.bytes(offset + annotation, header_.image_bytes, what);
+  /// The pixels of an image, behind its annotation, whose last word repeats their size: looked at once.
+  std::span<const std::uint8_t> image(std::int64_t index) {
+    const std::string what = "image " + std::to_string(number(index));
+    std::uint64_t& pixels = pixels_at_[static_cast<std::size_t>(index)];
+    if (pixels == 0) {
+      const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
+      const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
+      if (annotation < 8 || annotation > file_.size())
+        throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
+                         std::to_string(annotation) + " bytes; copy the recording again");
+      const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
+      if (size < header_.image_bytes)
+        throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
+                         " bytes of pixels where " + std::to_string(header_.image_bytes) +
+                         " are needed; copy the recording again");
+      pixels = offset + annotation;
+    }
+    return file_.bytes_unasked(pixels, header_.image_bytes, what);
   }
 
   /// A window's rows lie too far apart for the processor to see what comes next.
@@ -242,6 +247,7 @@ class CineSource : public FrameSource {
 
   MappedFile file_;
   CineHeader header_;
+  std::vector<std::uint64_t> pixels_at_;  ///< of each image; 0 before it is first read
 };
 
 }  // namespace

@@ -296,7 +296,8 @@ std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before,
   auto pixels = rim_pixels(picture, guess, rim_band(p));
   if (pixels.x.size() < kFewestPixels) return std::nullopt;
   // So near, Gauss and Newton's steps leave far less than they are long.
-  RimFit fit = fit_rim(pixels, p, rim_curves(p), {.damping = 1e-6, .on_the_way = 5e-3, .tolerance = 1e-4});
+  RimFit fit = fit_rim(pixels, p, rim_curves(p),
+                       {.damping = 1e-6, .on_the_way = 2e-2, .tolerance = 1e-3, .from_near = true});
   if (!fit.p.allFinite()) return std::nullopt;
   return judged(picture, std::move(fit), guess, capture);
 }

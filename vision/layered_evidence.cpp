@@ -35,32 +35,16 @@ GroundLean LayeredRegistration::lean(const LayeredFix& fix) const {
 }
 
 void LayeredRegistration::add_rim(RimSums& sums) const {
-  const auto under = static_cast<float>(light_.ground), mean = static_cast<float>(ground_.mean());
-  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kLayerColumns, 2> mixed =
-      Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(columns(), 2);
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (!(counts_[i] * arrays_.rim[i] > 0)) continue;
-    const float wx = arrays_.share.slope_x[i], wy = arrays_.share.slope_y[i];
-    const float q = under * (wx * arrays_.ground.slope_x[i] + wy * arrays_.ground.slope_y[i]);
-    const float r = residual(i, light_), weight = arrays_.weight[i];
-    sums.qr += static_cast<double>(weight * q * r);
-    sums.qq += static_cast<double>(weight * q * q);
-    const float off = -under * (arrays_.ground.value[i] - mean);
-    const Eigen::Vector2d shift(static_cast<double>(off * wx), static_cast<double>(off * wy));
-    sums.shift_normal += static_cast<double>(weight) * shift * shift.transpose();
-    sums.shift_force += static_cast<double>(weight * r) * shift;
-    const float s = arrays_.disc.value[i];
-    const float column[] = {arrays_.step_x[i],
-                            arrays_.step_y[i],
-                            s,
-                            s * arrays_.u[i],
-                            s * arrays_.v[i],
-                            arrays_.share.value[i] * arrays_.ground.value[i] + arrays_.blended[i],
-                            disc_.turning() ? static_cast<float>(light_.gain) * arrays_.turn.value[i] : 0.0F};
-    for (Eigen::Index c = 0; c < mixed.rows(); ++c)
-      mixed.row(c) += static_cast<double>(weight * column[c]) * shift.transpose();
-  }
-  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(Eigen::MatrixXd(mixed));
+  const LayerRimSums here = layer_kernels_.rim(arrays_, counts_, light_, ground_.mean());
+  sums.qr += here.qr;
+  sums.qq += here.qq;
+  const auto& [xx, xy, yy] = here.shift_normal;
+  sums.shift_normal += Eigen::Matrix2d{{xx, xy}, {xy, yy}};
+  sums.shift_force += Eigen::Vector2d(here.shift_force[0], here.shift_force[1]);
+  Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(columns(), 2);
+  for (std::size_t c = 0; c < here.mixed.size(); ++c)
+    mixed.row(static_cast<Eigen::Index>(c)) << here.mixed[c][0], here.mixed[c][1];
+  sums.shift_normal -= mixed.transpose() * Eigen::LDLT<Matrix>(normal_).solve(mixed);
 }
 
 /// Pixels of the tiles on either side of the rim. Where the ground has no texture its light is told from the

@@ -152,6 +152,60 @@ TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
   return out;
 }
 
+template <bool turns>
+TRIBOTRACK_KERNEL LayerRimSums rim_with(const LayerArrays& a, const std::vector<float>& counts,
+                                        const LayerLight& at, double ground_mean) {
+  const FloatLight light(at);
+  const auto mean = static_cast<float>(ground_mean);
+  Lanes qr{}, qq{}, xx{}, xy{}, yy{}, xr{}, yr{}, mixed_x[kTurn] = {}, mixed_y[kTurn] = {};
+  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+    Lanes s, w, wx, wy, b, bx, by, u, v, level, weight, rim, count, x, y, blended;
+    load(a.disc.value.data() + i, s);
+    load(a.share.value.data() + i, w);
+    load(a.share.slope_x.data() + i, wx);
+    load(a.share.slope_y.data() + i, wy);
+    load(a.ground.value.data() + i, b);
+    load(a.ground.slope_x.data() + i, bx);
+    load(a.ground.slope_y.data() + i, by);
+    load(a.u.data() + i, u);
+    load(a.v.data() + i, v);
+    load(a.level.data() + i, level);
+    load(a.weight.data() + i, weight);
+    load(a.rim.data() + i, rim);
+    load(counts.data() + i, count);
+    load(a.step_x.data() + i, x);
+    load(a.step_y.data() + i, y);
+    load(a.blended.data() + i, blended);
+    weight = count * rim > 0 ? weight : Lanes{};
+    const Lanes below = w * b + blended;
+    Lanes disc = s;
+    if constexpr (turns) {
+      Lanes st;
+      load(a.turn.value.data() + i, st);
+      disc += light.turn * st;
+    }
+    const Lanes r =
+        level - (light.gain + light.slope_x * u + light.slope_y * v) * disc - light.ground * below;
+    const Lanes q = light.ground * (wx * bx + wy * by), off = -light.ground * (b - mean);
+    const Lanes shift_x = off * wx, shift_y = off * wy, on_x = weight * shift_x, on_y = weight * shift_y;
+    qr += weight * q * r;
+    qq += weight * q * q;
+    xx += on_x * shift_x;
+    xy += on_x * shift_y;
+    yy += on_y * shift_y;
+    xr += on_x * r;
+    yr += on_y * r;
+    const Lanes column[kTurn] = {x, y, s, s * u, s * v, below};
+    for (int c = 0; c < kTurn; ++c) {
+      mixed_x[c] += on_x * column[c];
+      mixed_y[c] += on_y * column[c];
+    }
+  }
+  LayerRimSums out{sum(qr), sum(qq), {sum(xx), sum(xy), sum(yy)}, {sum(xr), sum(yr)}, {}};
+  for (std::size_t c = 0; c < kTurn; ++c) out.mixed[c] = {sum(mixed_x[c]), sum(mixed_y[c])};
+  return out;
+}
+
 #define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
   __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
                                         const LayerLight& light, const NoiseLaw& noise) {                  \
@@ -164,7 +218,12 @@ TRIBOTRACK_KERNEL PlateauSums plateau_of(const PlateauRow& row) {
   __VA_ARGS__ PlateauSums plateau_##suffix(const PlateauRow& row) {                                        \
     return plateau_of(row);                                                                                \
   }                                                                                                        \
-  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, plateau_##suffix};
+  __VA_ARGS__ LayerRimSums rim_##suffix(const LayerArrays& arrays, const std::vector<float>& counts,       \
+                                        const LayerLight& light, double ground_mean) {                     \
+    return arrays.turn.value.empty() ? rim_with<false>(arrays, counts, light, ground_mean)                 \
+                                     : rim_with<true>(arrays, counts, light, ground_mean);                 \
+  }                                                                                                        \
+  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, plateau_##suffix, rim_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)

@@ -57,6 +57,16 @@ struct PlateauRow {
 };
 using PlateauSums = std::array<double, 3>;
 
+/// On kappa and on a shift of w alone over the rim, with q = ground grad w . grad B and
+/// s = -ground (B - mean B) grad w: sums of weight q r, weight q^2, weight s s' (xx, xy, yy), weight s r, and
+/// weight J s for the first six columns J.
+struct LayerRimSums {
+  double qr = 0, qq = 0;
+  std::array<double, 3> shift_normal{};
+  std::array<double, 2> shift_force{};
+  std::array<std::array<double, 2>, kTurn> mixed{};
+};
+
 struct LayerKernels {
   const char* name;
   /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, blended, and returns the normal sums.
@@ -64,6 +74,9 @@ struct LayerKernels {
                       const NoiseLaw& noise);
   LayerForce (*force)(const LayerArrays& arrays, const LayerLight& light);
   PlateauSums (*plateau)(const PlateauRow& row);
+  /// Of the pixels that count and lie on the rim; the weights are those last formed.
+  LayerRimSums (*rim)(const LayerArrays& arrays, const std::vector<float>& counts, const LayerLight& light,
+                      double ground_mean);
 };
 
 /// The fastest this processor can run.

@@ -17,7 +17,6 @@ constexpr double kLevelUnit = 1e-4;       ///< px per grey level of the disc's p
 constexpr double kSettled = 0.1;          ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewest = 12;       ///< windows that must be explained
 constexpr double kBlendEvidence = 1e3;    ///< per px^4: kappa stays at its start where little texture is seen
-constexpr double kSlopeScatter = 0.1;     ///< of its variance: no prior is better than this
 constexpr double kShiftEvidence = 2.5e3;  ///< per px^2: likewise the rim
 constexpr double kMostBlend = 9;          ///< px^2
 constexpr double kOdd = 0.25;  ///< of the median: windows whose rim leaves more hold something else
@@ -114,7 +113,8 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
 bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundLean>* leans) {
   LayeredRegistration::LevelSums levels;
   LayeredRegistration::RimSums rim_sums;
-  double explained = 0, rim = 0, variance = 0, slopes = 0, slope_variance = 0;
+  double explained = 0, rim = 0, variance = 0;
+  std::vector<MeasuredSlope> slopes;
   std::vector<double> rim_chi_squared(windows.size(), std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < windows.size(); ++k) {
     KeptWindow& w = windows[k];
@@ -124,8 +124,8 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundL
       rim_chi_squared[k] = fix->rim_chi_squared;
       rim += fix->rim_chi_squared;
       variance += 0.5 * fix->covariance.trace();
-      slopes += 0.5 * (fix->state.slope_x * fix->state.slope_x + fix->state.slope_y * fix->state.slope_y);
-      slope_variance += fix->sigma_slope * fix->sigma_slope;
+      slopes.push_back(
+          {fix->state.centre, fix->state.slope_x, fix->state.slope_y, fix->sigma_slope * fix->sigma_slope});
       registration_.add_residuals(levels);
       registration_.add_rim(rim_sums);
       if (leans) {
@@ -138,8 +138,7 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundL
   rim_chi_squared_ = rim / explained;
   leave_out_odd(windows, rim_chi_squared);
   sigma_ = std::sqrt(variance / explained);
-  const double scatter = kSlopeScatter * slope_variance / explained;
-  light_ = {0, 0, std::sqrt(std::max(0.0, slopes - slope_variance) / explained + scatter)};
+  light_ = LightField(slopes);
   noise_ = noise_law(levels);
   noise_.constant = std::max(noise_.constant, least_noise_ - noise_.per_level * ground_.mean());
   disc_.set_blend(std::clamp(disc_.blend() + rim_sums.qr / (rim_sums.qq + kBlendEvidence), 0.0, kMostBlend));
@@ -186,7 +185,8 @@ bool LayeredLearning::run(std::span<KeptWindow> early, std::span<KeptWindow> all
       break;
     unpack(next, early, disc_);
   }
-  if (!measure(all)) return false;
+  // The early ones have just been measured.
+  if (!measure(all.size() < 2 * early.size() ? all : all.subspan(early.size()))) return false;
   learn(all, true);
   std::vector<GroundLean> leans;
   if (!measure(all, &leans)) return false;

@@ -31,9 +31,8 @@ class LayeredLearning {
   Point offset() const { return offset_; }
   double disc_radius() const { return disc_radius_; }
   double disc_radius_sd() const { return disc_radius_sd_; }
-  /// How much the light's slope over the disc differs from window to window beyond its noise: nearly nothing
-  /// where the lamp is even, which a frame then need not find out by itself.
-  const LightPrior& light() const { return light_; }
+  /// The light's slope over the disc, which a frame then need not find out by itself.
+  const LightField& light() const { return light_; }
   /// Mean chi^2 per pixel of the rim.
   double rim_chi_squared() const { return rim_chi_squared_; }
   /// Of the positions measured over what has been learnt.
@@ -50,7 +49,7 @@ class LayeredLearning {
   LayeredRegistration& registration_;
   double radius_;
   NoiseLaw noise_;
-  LightPrior light_;
+  LightField light_;
   SlowError slow_error_;
   double start_noise_, least_noise_;
   int sweeps_ = 0, first_windows_ = 0;

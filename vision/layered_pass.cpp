@@ -28,7 +28,7 @@ constexpr double kRestless = 2;           ///< ground variance in time over the 
 constexpr double kBentShare = 0.1;        ///< of the windows: less is chance, or something that crosses
 constexpr int kLightRounds = 8;
 constexpr double kLightSettled = 0.1;  ///< of the standard deviation: windows that move less have settled
-constexpr double kMostExcess = 16;     ///< times the first pass's, in variance
+constexpr double kMostExcess = 64;     ///< times the first pass's, in variance
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
 Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
@@ -244,8 +244,8 @@ LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame
     const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, frame);
     if (lighting.found()) lighting.light().take_out(frame, window.x, window.y, true);
-    auto fix =
-        registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground}, learning->light());
+    auto fix = registration.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground},
+                                   learning->light().at(f.centre));
     if (fix) {
       fix->covariance *= widened;
       if (lighting.found())

@@ -27,7 +27,7 @@ struct FirstPassFrame {
 };
 
 /// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them.
-inline constexpr std::int64_t kLearningFrames = 128;
+inline constexpr std::int64_t kLearningFrames = 96;
 /// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
 bool is_learning_frame(std::int64_t place, std::int64_t total);
 /// Px about the part's centre that are looked at in every frame.

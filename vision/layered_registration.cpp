@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "vision/strangers.h"
 
@@ -11,13 +12,14 @@ namespace {
 
 constexpr int kBorder = 1;              ///< px beyond the rim's reach: the ground's own level is learnt there
 constexpr double kTurnTolerance = 0.1;  ///< px at the rim: further the disc's picture is turned anew
-constexpr double kTolerance = 0.02;     ///< of the standard deviation
+constexpr double kTolerance = 0.1;      ///< of the standard deviation: a step leaves far less than it is long
 constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
 constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kMaxTrim = 0.2;
-constexpr double kStrangeEdge = 3;    ///< px about what covers the disc that are half covered
-constexpr double kLeastRim = 0.6;     ///< share of the rim that must be in the picture over known ground
+constexpr double kStrangeEdge = 3;  ///< px about what covers the disc that are half covered
+constexpr double kLeastRim = 0.6;   ///< share of the rim that must be in the picture over known ground
+constexpr std::size_t kRowBytes = kTile * sizeof(float);
 constexpr double kOddPlateau = 1.25;  ///< chi^2 per pixel: look at the disc's middle pixel by pixel
 
 }  // namespace
@@ -162,7 +164,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
         left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
     for (int j = 0; j < kTile; ++j)
       if (inside) {
-        std::copy_n(picture.row(top + j).data() + left, kTile, level + j * kTile);
+        std::memcpy(level + j * kTile, picture.row(top + j).data() + left, kRowBytes);
       } else {
         for (int i = 0; i < kTile; ++i) {
           const bool in =
@@ -176,15 +178,18 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
     const bool known = u >= 0 && v >= 0 && u + kTile <= region.width && v + kTile <= region.height;
     if (known) {
       for (int j = 0; j < kTile; ++j)
-        std::copy_n(ground_.variance().row(v + j).data() + u, kTile, unsure + j * kTile);
+        std::memcpy(unsure + j * kTile, ground_.variance().row(v + j).data() + u, kRowBytes);
     } else {
       std::fill_n(unsure, kTilePixels, static_cast<float>(ground_.unseen_variance()));
     }
-    for (std::size_t k = 0; k < kTilePixels; ++k)
-      if (counts[k] > 0 && rim[k] > 0) {
-        ++rim_counted_;
-        seen += unsure[k] <= strange;
-      }
+    int on_rim = 0, known_there = 0;
+    for (std::size_t k = 0; k < kTilePixels; ++k) {
+      const int is = (counts[k] > 0) & (rim[k] > 0);
+      on_rim += is;
+      known_there += is & (unsure[k] <= strange);
+    }
+    rim_counted_ += on_rim;
+    seen += known_there;
     // Far outside the ground's picture the spline is that of its border.
     const int cx = std::clamp(ix + place.x, -8, region.width),
               cy = std::clamp(iy + place.y, -8, region.height);

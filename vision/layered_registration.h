@@ -22,15 +22,10 @@
 #include "vision/layered_disc.h"
 #include "vision/layered_kernels.h"
 #include "vision/layered_slow_error.h"
+#include "vision/light_field.h"
 #include "vision/standing_light.h"
 
 namespace tribotrack::vision {
-
-/// What is known of the light's slope before a frame is looked at.
-struct LightPrior {
-  double slope_x = 0, slope_y = 0;
-  double sd = 0;  ///< 0: nothing is known
-};
 
 struct LayeredFix {
   LayeredState state;

@@ -51,12 +51,17 @@ MappedFile::~MappedFile() {
 
 std::span<const std::uint8_t> MappedFile::bytes(std::uint64_t offset, std::uint64_t length,
                                                 std::string_view what) const {
+  require_unshrunk();
+  return bytes_unasked(offset, length, what);
+}
+
+std::span<const std::uint8_t> MappedFile::bytes_unasked(std::uint64_t offset, std::uint64_t length,
+                                                        std::string_view what) const {
   if (offset > size_ || length > size_ - offset)
     throw InputError(in_quotes(path_) + " is cut short or damaged: " + std::string(what) +
                      " should be at bytes " + std::to_string(offset) + " to " +
                      std::to_string(offset + length) + ", but the file has " + std::to_string(size_) +
                      " bytes; copy or export the recording again");
-  require_unshrunk();
   return {data_ + offset, static_cast<std::size_t>(length)};
 }
 

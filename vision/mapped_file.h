@@ -28,6 +28,9 @@ class MappedFile {
   /// since it was opened.
   std::span<const std::uint8_t> bytes(std::uint64_t offset, std::uint64_t length,
                                       std::string_view what) const;
+  /// The same for those who have asked by require_unshrunk() just before.
+  std::span<const std::uint8_t> bytes_unasked(std::uint64_t offset, std::uint64_t length,
+                                              std::string_view what) const;
   /// Throws InputError when the file has shrunk: to be called after copying, which would have read zeros.
   void require_unshrunk() const;
 

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "vision/bspline.h"
@@ -96,7 +97,7 @@ class TemplateRegistration {
   Eigen::Vector2d noise_force(const ForceSums& sums, const Pose& formed, const Pose& at, double gain) const;
   double correlation() const;
   std::size_t trim(const ForceSums& sums, double gain, double offset, double noise_sd);
-  Eigen::Matrix3d sandwich(const Matrix& inverse, double gain, double offset) const;
+  Eigen::Matrix3d sandwich(const Matrix& inverse, double gain, double offset);
   double template_noise() const { return options_.template_noise_share * options_.noise_variance; }
   int columns() const { return options_.rotation ? 5 : 4; }
 
@@ -104,11 +105,12 @@ class TemplateRegistration {
   Pattern pattern_;
   Picture levels_;  ///< of the window
   QuinticSpline spline_;
-  int spline_x_ = 0, spline_y_ = 0;  ///< first pixel of the spline in the first frame
-  float pivot_ = 0;                  ///< mean level of the template
-  double contrast_ = 0;              ///< its standard deviation
-  bool gaps_ = false;                ///< the mask has holes that turn with the template
-  double pixels_ = 0;                ///< number of pixels that take part
+  int spline_x_ = 0, spline_y_ = 0;      ///< first pixel of the spline in the first frame
+  float pivot_ = 0;                      ///< mean level of the template
+  double contrast_ = 0;                  ///< its standard deviation
+  static constexpr int kFractions = 16;  ///< table of interpolation noise
+  bool gaps_ = false;                    ///< the mask has holes that turn with the template
+  double pixels_ = 0;                    ///< number of pixels that take part
   double pixel_share_ = 1, template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
   double limit_theta_ = 0;
@@ -119,8 +121,13 @@ class TemplateRegistration {
   // Work space.
   TileArrays arrays_;
   std::vector<float> base_weight_;          ///< before trimming
+  bool whole_mask_ = false;                 ///< and it is mask_
+  bool trimmed_ = false;                    ///< arrays_.weight is less than that
   std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
+  std::vector<float> residual_;
+  std::vector<unsigned char> strange_;
+  std::vector<std::array<double, 5>> scores_;
 };
 
 }  // namespace tribotrack::vision

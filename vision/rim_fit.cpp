@@ -15,7 +15,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::array<int, 4> kCurved = {7, 8, 9, 13};  ///< that only large discs have
 constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels inside their rim
 constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for sectors
-constexpr int kRounds = 4;            ///< of weights
+constexpr int kRounds = 4;            ///< of weights, the first all alike
+constexpr int kRoundsFromNear = 2;    ///< where the start already tells the weights
 constexpr int kSteps = 25;            ///< for given weights, at most
 constexpr double kTukey = 6;          ///< sd: what is further off does not count
 
@@ -147,9 +148,11 @@ RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const
   double damping = options.damping;
   RimCovariance normal;
   Influence influence;
-  for (int round = 0; round < kRounds; ++round) {
+  const int rounds = options.from_near ? kRoundsFromNear : kRounds;
+  if (options.from_near) weigh(rim_residuals(fit.p, pixels), pixels);
+  for (int round = 0; round < rounds; ++round) {
     normal =
-        settle(fit.p, pixels, curved, round + 1 < kRounds ? options.on_the_way : options.tolerance, damping);
+        settle(fit.p, pixels, curved, round + 1 < rounds ? options.on_the_way : options.tolerance, damping);
     influence = weigh(rim_residuals(fit.p, pixels), pixels);
   }
   fit.residual_rms = std::sqrt(influence.weighted_square / std::max(1.0, influence.weight - kRimParameters));

@@ -45,9 +45,11 @@ struct RimFitOptions {
   double damping = 1e-3;     ///< to begin with
   double on_the_way = 1e-3;  ///< px: a step below it is the last where the weights are to change yet
   double tolerance = 1e-5;   ///< px: likewise at the end
+  bool from_near = false;    ///< the start is that of a frame before: it tells which pixels do not belong
 };
 
-/// Levenberg-Marquardt, first all pixels alike, then with Tukey's weights. Changes the pixels' weights.
+/// Levenberg-Marquardt, first all pixels alike unless the start is near, then with Tukey's weights. Changes
+/// the pixels' weights.
 RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options = {});
 
 }  // namespace tribotrack::vision

@@ -32,16 +32,41 @@ const std::array<NormalStep, kEntries>& table() {
   return entries;
 }
 
-TRIBOTRACK_KERNEL NormalStep step_from(const NormalStep* entries, double t) {
-  if (!(t > -kLimit)) return {0, 0};
-  if (t >= kLimit) return {1, 0};
-  const int k = static_cast<int>((t + kLimit) * kPerUnit + 0.5);
-  const double a = static_cast<double>(k) / kPerUnit - kLimit, d = t - a, aa = a * a;
-  const NormalStep& e = entries[k];
+using Lanes = VectorOf<double, 4>::type;
+
+/// A pixel, or four at once.
+TRIBOTRACK_KERNEL double get(double number, std::size_t) {
+  return number;
+}
+TRIBOTRACK_KERNEL double get(const Lanes& numbers, std::size_t k) {
+  return numbers[k];
+}
+TRIBOTRACK_KERNEL void set(double& number, std::size_t, double to) {
+  number = to;
+}
+TRIBOTRACK_KERNEL void set(Lanes& numbers, std::size_t k, double to) {
+  numbers[k] = to;
+}
+template <class Number>
+constexpr std::size_t kLanes = sizeof(Number) / sizeof(double);
+
+template <class Number>
+TRIBOTRACK_KERNEL void step_from(const NormalStep* entries, const Number& at, Number& value,
+                                 Number& density) {
+  Number t{}, a{}, entry{}, slope{};
+  for (std::size_t k = 0; k < kLanes<Number>; ++k) {
+    // The table's ends are 0 and 1 to the last digit but one.
+    const double far = get(at, k), here = far > -kLimit ? far < kLimit ? far : kLimit : -kLimit;
+    const int nearest = static_cast<int>((here + kLimit) * kPerUnit + 0.5);
+    set(t, k, here);
+    set(a, k, static_cast<double>(nearest) / kPerUnit - kLimit);
+    set(entry, k, entries[nearest].value);
+    set(slope, k, entries[nearest].density);
+  }
   // phi^(n) = (-1)^n He_n phi, Hermite's polynomials.
-  const double h2 = aa - 1, h3 = a * (aa - 3);
-  return {e.value + e.density * d * (1 - d * (a * 0.5 - d * (h2 * (1.0 / 6) - d * h3 * (1.0 / 24)))),
-          e.density * (1 - d * (a - d * (h2 * 0.5 - d * h3 * (1.0 / 6))))};
+  const Number d = t - a, aa = a * a, h2 = aa - 1, h3 = a * (aa - 3);
+  value = entry + slope * d * (1 - d * (a * 0.5 - d * (h2 * (1.0 / 6) - d * h3 * (1.0 / 24))));
+  density = slope * (1 - d * (a - d * (h2 * 0.5 - d * h3 * (1.0 / 6))));
 }
 
 /// What of the parameters all pixels share.
@@ -63,91 +88,155 @@ struct RimConstants {
 };
 
 /// The model; its slopes go to slope[0], slope[stride] ...
-TRIBOTRACK_KERNEL double model_at(const RimConstants& c, const NormalStep* entries, double px, double py,
-                                  bool slopes, double* slope, std::size_t stride) {
-  const double dx = px - c.x, dy = py - c.y;
-  const double rho = std::sqrt(std::max(1e-18, dx * dx + dy * dy));
-  const double t = (c.edge - rho) * c.inverse_s;
-  const NormalStep step = step_from(entries, t);
-  const double u = dx * c.inverse_r, v = dy * c.inverse_r;
-  const double uu = u * u, uv = u * v, vv = v * v;
-  const double level_in = c.in[0] + c.in[1] * u + c.in[2] * v + c.in[3] * uu + c.in[4] * uv + c.in[5] * vv;
-  const double level_out = c.out[0] + c.out[1] * u + c.out[2] * v + c.out[3] * (uu + vv);
-  if (slopes) {
-    const double rise = (level_in - level_out) * step.density;
-    const double along = rise * c.inverse_s / rho, outside = 1 - step.value;
-    slope[0 * stride] = along * dx;
-    slope[1 * stride] = along * dy;
-    slope[2 * stride] = rise * c.r_slope;
-    slope[3 * stride] = -rise * (t * c.inverse_s + c.inverse_r);
-    slope[4 * stride] = step.value;
-    slope[5 * stride] = step.value * u;
-    slope[6 * stride] = step.value * v;
-    slope[7 * stride] = step.value * uu;
-    slope[8 * stride] = step.value * uv;
-    slope[9 * stride] = step.value * vv;
-    slope[10 * stride] = outside;
-    slope[11 * stride] = outside * u;
-    slope[12 * stride] = outside * v;
-    slope[13 * stride] = outside * (uu + vv);
-  }
-  return level_out + (level_in - level_out) * step.value;
+template <class Number>
+TRIBOTRACK_KERNEL void model_at(const RimConstants& c, const NormalStep* entries, const Number& px,
+                                const Number& py, double* slope, std::size_t stride, Number& model) {
+  const Number dx = px - c.x, dy = py - c.y;
+  const Number square = dx * dx + dy * dy;
+  Number rho{};
+  for (std::size_t k = 0; k < kLanes<Number>; ++k) set(rho, k, std::sqrt(std::max(1e-18, get(square, k))));
+  const Number t = (c.edge - rho) * c.inverse_s;
+  Number value, density;
+  step_from(entries, t, value, density);
+  const Number u = dx * c.inverse_r, v = dy * c.inverse_r;
+  const Number uu = u * u, uv = u * v, vv = v * v;
+  const Number level_in = c.in[0] + c.in[1] * u + c.in[2] * v + c.in[3] * uu + c.in[4] * uv + c.in[5] * vv;
+  const Number level_out = c.out[0] + c.out[1] * u + c.out[2] * v + c.out[3] * (uu + vv);
+  model = level_out + (level_in - level_out) * value;
+  if (!slope) return;
+  const Number rise = (level_in - level_out) * density;
+  const Number along = rise * c.inverse_s / rho, outside = 1 - value;
+  const Number all[] = {
+      along * dx,  along * dy,         rise * c.r_slope, -rise * (t * c.inverse_s + c.inverse_r),
+      value,       value * u,          value * v,        value * uu,
+      value * uv,  value * vv,         outside,          outside * u,
+      outside * v, outside * (uu + vv)};
+  for (std::size_t i = 0; i < kRimParameters; ++i) store(all[i], slope + i * stride);
 }
 
-using Lanes = VectorOf<double, 4>::type;
-
 using Sums = std::array<double, kSums>;
+
+/// Four columns at a time, or as many as there are: each weighted number is loaded once for all of them.
+template <int some>
+TRIBOTRACK_KERNEL void add_products(const double (&weighted)[kBlock], const double (*column)[kBlock],
+                                    double* sums) {
+  Lanes even[some] = {}, odd[some] = {};
+  for (std::size_t k = 0; k < kBlock; k += 8) {
+    Lanes a, b;
+    load(weighted + k, a);
+    load(weighted + k + 4, b);
+    for (int j = 0; j < some; ++j) {
+      Lanes c, d;
+      load(column[j] + k, c);
+      load(column[j] + k + 4, d);
+      even[j] += a * c;
+      odd[j] += b * d;
+    }
+  }
+  for (int j = 0; j < some; ++j) {
+    const Lanes both = even[j] + odd[j];
+    sums[j] += (both[0] + both[1]) + (both[2] + both[3]);
+  }
+}
 
 TRIBOTRACK_KERNEL void add_block(const double (&column)[kColumns][kBlock], const double (&weight)[kBlock],
                                  Sums& sums) {
   double weighted[kBlock];
-  for (int i = 0, at = 0; i < kColumns; ++i) {
+  double* to = sums.data();
+  for (int i = 0; i < kColumns; ++i) {
     for (std::size_t k = 0; k < kBlock; ++k) weighted[k] = weight[k] * column[i][k];
-    for (int j = 0; j <= i; ++j, ++at) {
-      Lanes even{}, odd{};
-      for (std::size_t k = 0; k < kBlock; k += 8) {
-        Lanes a, b, c, d;
-        load(weighted + k, a);
-        load(column[j] + k, b);
-        load(weighted + k + 4, c);
-        load(column[j] + k + 4, d);
-        even += a * b;
-        odd += c * d;
-      }
-      const Lanes both = even + odd;
-      sums[static_cast<std::size_t>(at)] += (both[0] + both[1]) + (both[2] + both[3]);
-    }
+    int j = 0;
+    for (; j + 4 <= i + 1; j += 4) add_products<4>(weighted, column + j, to + j);
+    for (; j <= i; ++j) add_products<1>(weighted, column + j, to + j);
+    to += i + 1;
   }
+}
+
+/// Pixels that count, side by side.
+struct Block {
+  double x[kBlock], y[kBlock], level[kBlock], weight[kBlock];
+};
+
+TRIBOTRACK_KERNEL void add_pixels(const RimConstants& c, const NormalStep* entries, const Block& pixels,
+                                  Sums& sums) {
+  double column[kColumns][kBlock];
+  for (std::size_t k = 0; k < kBlock; k += kLanes<Lanes>) {
+    Lanes x, y, level, model;
+    load(pixels.x + k, x);
+    load(pixels.y + k, y);
+    load(pixels.level + k, level);
+    model_at(c, entries, x, y, &column[0][0] + k, kBlock, model);
+    store(level - model, column[kRimParameters] + k);
+  }
+  add_block(column, pixels.weight, sums);
 }
 
 TRIBOTRACK_KERNEL void sums_of(const RimConstants& c, const NormalStep* entries, const RimPixels& pixels,
                                Sums& sums) {
-  double column[kColumns][kBlock] = {}, weight[kBlock] = {};
+  Block block{};
   const std::size_t count = pixels.x.size();
   std::size_t filled = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(pixels.weight[i] > 0)) continue;
-    column[kRimParameters][filled] = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], true,
-                                                                &column[0][0] + filled, kBlock);
-    weight[filled] = pixels.weight[i];
-    if (++filled < kBlock) continue;
-    add_block(column, weight, sums);
+    if (pixels.weight[i] > 0) {
+      block.x[filled] = pixels.x[i];
+      block.y[filled] = pixels.y[i];
+      block.level[filled] = pixels.level[i];
+      block.weight[filled++] = pixels.weight[i];
+    }
+    if (filled < kBlock && i + 1 < count) continue;
+    // What is left of the pixels before does not count.
+    for (std::size_t k = filled; k < kBlock; ++k) block.weight[k] = 0;
+    add_pixels(c, entries, block, sums);
     filled = 0;
   }
-  for (std::size_t k = filled; k < kBlock; ++k) weight[k] = 0;
-  if (filled > 0) add_block(column, weight, sums);
 }
 
 TRIBOTRACK_KERNEL void residuals_of(const RimConstants& c, const NormalStep* entries, const RimPixels& pixels,
                                     double* out) {
-  for (std::size_t i = 0; i < pixels.x.size(); ++i)
-    out[i] = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], false, nullptr, 0);
+  const std::size_t count = pixels.x.size();
+  std::size_t i = 0;
+  for (; i + kLanes<Lanes> <= count; i += kLanes<Lanes>) {
+    Lanes x, y, level, model;
+    load(pixels.x.data() + i, x);
+    load(pixels.y.data() + i, y);
+    load(pixels.level.data() + i, level);
+    model_at(c, entries, x, y, nullptr, 0, model);
+    store(level - model, out + i);
+  }
+  for (; i < count; ++i) {
+    double model;
+    model_at(c, entries, pixels.x[i], pixels.y[i], nullptr, 0, model);
+    out[i] = pixels.level[i] - model;
+  }
+}
+
+TRIBOTRACK_KERNEL void pulls_of(const RimConstants& c, const NormalStep* entries, const RimPixels& pixels,
+                                const double* row, double* out) {
+  const std::size_t count = pixels.x.size();
+  for (std::size_t i = 0; i < count; i += kLanes<Lanes>) {
+    const std::size_t some = std::min(kLanes<Lanes>, count - i);
+    double x[kLanes<Lanes>] = {}, y[kLanes<Lanes>] = {}, slope[kRimParameters][kLanes<Lanes>];
+    std::copy_n(pixels.x.data() + i, some, x);
+    std::copy_n(pixels.y.data() + i, some, y);
+    Lanes at_x, at_y, model, along{};
+    load(x, at_x);
+    load(y, at_y);
+    model_at(c, entries, at_x, at_y, &slope[0][0], kLanes<Lanes>, model);
+    for (std::size_t j = 0; j < kRimParameters; ++j) {
+      Lanes of;
+      load(slope[j], of);
+      along += row[j] * of;
+    }
+    for (std::size_t k = 0; k < some; ++k)
+      out[i + k] = pixels.weight[i + k] * (pixels.level[i + k] - model[k]) * along[k];
+  }
 }
 
 // The same functions for each instruction set.
 struct Kernels {
   void (*sums)(const RimConstants&, const NormalStep*, const RimPixels&, Sums&);
   void (*residuals)(const RimConstants&, const NormalStep*, const RimPixels&, double*);
+  void (*pulls)(const RimConstants&, const NormalStep*, const RimPixels&, const double*, double*);
 };
 
 #define TRIBOTRACK_VARIANT(suffix, ...)                                                               \
@@ -159,7 +248,11 @@ struct Kernels {
                                       double* out) {                                                  \
     residuals_of(c, e, p, out);                                                                       \
   }                                                                                                   \
-  constexpr Kernels k_##suffix{sums_##suffix, residuals_##suffix};
+  __VA_ARGS__ void pulls_##suffix(const RimConstants& c, const NormalStep* e, const RimPixels& p,     \
+                                  const double* row, double* out) {                                   \
+    pulls_of(c, e, p, row, out);                                                                      \
+  }                                                                                                   \
+  constexpr Kernels k_##suffix{sums_##suffix, residuals_##suffix, pulls_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
@@ -173,11 +266,15 @@ const Kernels& kernels() {
 }  // namespace
 
 NormalStep normal_step(double t) {
-  return step_from(table().data(), t);
+  NormalStep step;
+  step_from(table().data(), t, step.value, step.density);
+  return step;
 }
 
 double rim_model(const RimParameters& p, double x, double y, RimParameters& slope) {
-  return model_at(RimConstants(p), table().data(), x, y, true, slope.data(), 1);
+  double model;
+  model_at(RimConstants(p), table().data(), x, y, slope.data(), 1, model);
+  return model;
 }
 
 RimSums rim_sums(const RimParameters& p, const RimPixels& pixels) {
@@ -199,14 +296,8 @@ std::vector<double> rim_residuals(const RimParameters& p, const RimPixels& pixel
 }
 
 std::vector<double> rim_pulls(const RimParameters& p, const RimPixels& pixels, const RimParameters& row) {
-  const RimConstants c(p);
-  const NormalStep* entries = table().data();
   std::vector<double> out(pixels.x.size());
-  RimParameters slope;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double r = pixels.level[i] - model_at(c, entries, pixels.x[i], pixels.y[i], true, slope.data(), 1);
-    out[i] = pixels.weight[i] * r * row.dot(slope);
-  }
+  kernels().pulls(RimConstants(p), table().data(), pixels, row.data(), out.data());
   return out;
 }
 

@@ -62,7 +62,7 @@ bool add_aligned(FrameSource& source, const Seen& seen, const Rect& area, Pictur
 AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
                                   std::int64_t last, const Pattern& pattern, const FollowOptions& follow,
                                   const TemplateAverageOptions& options) {
-  AveragedTemplate out{first, 1};
+  AveragedTemplate out;
   const auto seen = follow_some(source, first, index, last, pattern, follow, options.frames);
   if (seen.size() < 3) return out;
   const Rect& w = pattern.window;
@@ -76,10 +76,11 @@ AveragedTemplate average_template(FrameSource& source, const Picture& first, std
   const double least = options.score_share * median_score(seen);
   for (const Seen& s : seen)
     if (s.ncc >= least && add_aligned(source, s, area, sums)) ++out.frames;
-  if (out.frames < 4) return {first, 1};
+  if (out.frames < 4) return {};
+  out.averaged = first;
   for (int y = 0; y < area.height; ++y)
     for (int x = 0; x < area.width; ++x)
-      out.picture.at(x0 + x, y0 + y) = sums.at(x, y) / static_cast<float>(out.frames);
+      out.averaged.at(x0 + x, y0 + y) = sums.at(x, y) / static_cast<float>(out.frames);
   return out;
 }
 

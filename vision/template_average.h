@@ -19,12 +19,13 @@ struct TemplateAverageOptions {
 };
 
 struct AveragedTemplate {
-  Picture picture;  ///< the first frame with the template's surroundings averaged
-  int frames = 1;   ///< M
+  Picture averaged;  ///< the first frame with the template's surroundings averaged; empty for one frame alone
+  int frames = 1;    ///< M
+  const Picture& picture(const Picture& first) const { return averaged.empty() ? first : averaged; }
 };
 
 /// Follows the pattern through the frames after `index` (up to `last`) with the single template and averages
-/// what it finds. The part must not turn. Returns the first frame itself where fewer than four match.
+/// what it finds. The part must not turn. One frame alone where fewer than four match.
 AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
                                   std::int64_t last, const Pattern& pattern, const FollowOptions& follow,
                                   const TemplateAverageOptions& options = {});

@@ -1,6 +1,7 @@
 #include "vision/tile_kernels.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include "vision/internal/vector_kernels.h"
 
@@ -105,6 +106,62 @@ TRIBOTRACK_KERNEL NormalSums normal_of(const TileArrays& arrays) {
   return arrays.slope_theta.empty() ? normal_with<4>(arrays) : normal_with<5>(arrays);
 }
 
+TRIBOTRACK_KERNEL ResidualCounts residuals_of(const TileArrays& arrays, const std::vector<float>& weight,
+                                              float a, float b, float small, std::vector<float>& out) {
+  using Counts = VectorOf<std::int32_t, kTile>::type;
+  Counts counted{}, small_ones{};
+  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+    Lanes v, l, w;
+    load(arrays.value.data() + i, v);
+    load(arrays.level.data() + i, l);
+    load(weight.data() + i, w);
+    const Lanes r = l - a * v - b, size = r < 0 ? -r : r;
+    const auto counts = w > 0;  // -1 where true
+    counted -= counts;
+    small_ones -= counts & (size <= small);
+    store(counts ? size : Lanes{}, out.data() + i);
+  }
+  ResidualCounts sums;
+  for (int k = 0; k < kTile; ++k) {
+    sums.counted += static_cast<std::size_t>(counted[k]);
+    sums.small += static_cast<std::size_t>(small_ones[k]);
+  }
+  return sums;
+}
+
+TRIBOTRACK_KERNEL void mark_those(const std::vector<float>& residuals, float limit,
+                                  std::vector<unsigned char>& out) {
+  const float* from = residuals.data();
+  unsigned char* to = out.data();
+  for (std::size_t i = 0; i < residuals.size(); ++i) to[i] = from[i] > limit;
+}
+
+TRIBOTRACK_KERNEL void scores_of(const TileArrays& arrays, float a, float b,
+                                 std::vector<std::array<double, 5>>& out) {
+  const bool turns = !arrays.slope_theta.empty();
+  for (std::size_t t = 0; t < arrays.tiles; ++t) {
+    Lanes fx{}, fy{}, fv{}, f1{}, ft{};
+    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
+      Lanes v, l, w, x, y;
+      load(arrays.value.data() + i, v);
+      load(arrays.level.data() + i, l);
+      load(arrays.weight.data() + i, w);
+      load(arrays.slope_x.data() + i, x);
+      load(arrays.slope_y.data() + i, y);
+      const Lanes wr = w * (l - a * v - b);
+      fx -= wr * x;
+      fy -= wr * y;
+      fv += wr * v;
+      f1 += wr;
+      if (!turns) continue;
+      Lanes s;
+      load(arrays.slope_theta.data() + i, s);
+      ft += wr * s;
+    }
+    out[t] = {sum(fx), sum(fy), sum(fv), sum(f1), sum(ft)};
+  }
+}
+
 TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const std::vector<float>& weight) {
   Lanes sw{}, sv{}, sl{}, svv{}, sll{}, svl{};
   for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
@@ -136,11 +193,24 @@ TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const
   __VA_ARGS__ NormalSums normal_##suffix(const TileArrays& arrays) {                                        \
     return normal_of(arrays);                                                                               \
   }                                                                                                         \
+  __VA_ARGS__ ResidualCounts residuals_##suffix(const TileArrays& arrays, const std::vector<float>& weight, \
+                                                float a, float b, float small, std::vector<float>& out) {   \
+    return residuals_of(arrays, weight, a, b, small, out);                                                  \
+  }                                                                                                         \
+  __VA_ARGS__ void mark_##suffix(const std::vector<float>& residuals, float limit,                          \
+                                 std::vector<unsigned char>& out) {                                         \
+    mark_those(residuals, limit, out);                                                                      \
+  }                                                                                                         \
+  __VA_ARGS__ void scores_##suffix(const TileArrays& arrays, float a, float b,                              \
+                                   std::vector<std::array<double, 5>>& out) {                               \
+    scores_of(arrays, a, b, out);                                                                           \
+  }                                                                                                         \
   __VA_ARGS__ CorrelationSums correlation_##suffix(const TileArrays& arrays, const std::vector<float>& w) { \
     return correlation_of(arrays, w);                                                                       \
   }                                                                                                         \
-  constexpr TileKernels k_##suffix{#suffix, sample_##suffix, force_##suffix, normal_##suffix,               \
-                                   correlation_##suffix};
+  constexpr TileKernels k_##suffix{#suffix,         sample_##suffix,     force_##suffix,                    \
+                                   normal_##suffix, residuals_##suffix,  mark_##suffix,                     \
+                                   scores_##suffix, correlation_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)

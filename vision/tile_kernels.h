@@ -36,6 +36,11 @@ struct ForceSums {
   double squares = 0, weight = 0, largest = 0;
 };
 
+/// Pixels with a weight, and those of them with a small residual.
+struct ResidualCounts {
+  std::size_t counted = 0, small = 0;
+};
+
 /// Sums of w, w v, w l, w v^2, w l^2, w v l.
 struct CorrelationSums {
   double w = 0, v = 0, l = 0, vv = 0, ll = 0, vl = 0;
@@ -52,6 +57,13 @@ struct TileKernels {
                  float pivot, bool slopes, TileArrays& arrays);
   ForceSums (*force)(const TileArrays& arrays, float a, float b);
   NormalSums (*normal)(const TileArrays& arrays);
+  /// |r| of each pixel, 0 where `weight` is; small ones are not larger than `small`.
+  ResidualCounts (*residuals)(const TileArrays& arrays, const std::vector<float>& weight, float a, float b,
+                              float small, std::vector<float>& out);
+  /// 1 where a residual is larger than `limit`, else 0.
+  void (*mark)(const std::vector<float>& residuals, float limit, std::vector<unsigned char>& out);
+  /// Sums of w J r over each tile, 0 for columns that are not there.
+  void (*scores)(const TileArrays& arrays, float a, float b, std::vector<std::array<double, 5>>& out);
   CorrelationSums (*correlation)(const TileArrays& arrays, const std::vector<float>& weight);
 };
 

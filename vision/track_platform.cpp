@@ -58,7 +58,7 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
   const Pattern pattern = disc_pattern(first, summary.marker);
   RegistrationOptions probe;
   probe.noise_variance = noise_variance;
-  AveragedTemplate average{first, 1};
+  AveragedTemplate average;
   if (TemplateRegistration(first, pattern, probe).template_noise_cost() > kQuietTemplate) {
     average = average_template(source, first, range.first, range.last, pattern, follow);
     follow.template_noise_share = 1.0 / average.frames;
@@ -67,7 +67,7 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
                           format("at (%.1f, %.1f) px, radius %.1f px: its motion is subtracted",
                                  summary.marker.x, summary.marker.y, summary.marker.radius),
                           0, 0, PlanCosts().marker(summary.marker.radius)});
-  return PatternFollower(average.picture, range.first, pattern, follow);
+  return PatternFollower(average.picture(first), range.first, pattern, follow);
 }
 
 bool wants_texture(const TrackOptions& options, bool has_marker) {

@@ -132,7 +132,6 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const
     reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
                     average.frames);
   }
-  if (average.picture.empty()) average.picture = first;
   summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
                           summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),
                           setup.costs.averaging(TemplateAverageOptions{}.frames)});

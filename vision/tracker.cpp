@@ -1,6 +1,7 @@
 #include "vision/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include "vision/internal/track_setup.h"
 #include "vision/kept_frames.h"
 #include "vision/layered_keeping.h"
+#include "vision/layered_pass.h"
 #include "vision/layered_stage.h"
 #include "vision/noise_estimate.h"
 #include "vision/rim_watch.h"
@@ -46,15 +48,27 @@ struct Camera {
   std::vector<Pixel> bad_pixels;
 };
 
+/// Few pictures at a time: whole ones are large.
 Camera look_at_camera(FrameSource& source, const FrameRange& range) {
-  std::vector<Picture> frames;
+  const std::int64_t last = std::min(range.last, range.first + kNoiseFrames - 1);
+  const Picture first = source.read(range.first);
+  const Picture* before = &first;
+  std::array<Picture, 2> others;
   NoiseEstimate estimate;
-  for (std::int64_t k = range.first; k <= std::min(range.last, range.first + kNoiseFrames - 1); ++k) {
-    frames.push_back(source.read(k));
-    if (k > range.first) estimate.add_pair(frames[frames.size() - 2], frames.back());
+  for (std::int64_t k = range.first + 1; k <= last; ++k) {
+    Picture& now = others[static_cast<std::size_t>(k % 2)];
+    source.read(k, source.bounds(), now);
+    estimate.add_pair(*before, now);
+    before = &now;
   }
-  const double variance = estimate.variance(frames.front());
-  return {variance, find_bad_pixels(frames, variance)};
+  Camera camera{estimate.variance(first), {}};
+  BadPixelSearch search(first, camera.noise_variance);
+  for (std::int64_t k = range.first + 1; k <= last && !search.settled(); ++k) {
+    source.read(k, source.bounds(), others[0]);
+    search.look(others[0]);
+  }
+  camera.bad_pixels = search.found();
+  return camera;
 }
 
 /// The frames that are read several times before the tracking begins.
@@ -131,7 +145,7 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
   Setup setup = plan_part(first, source, range, options, noise, summary);
   setup.costs.frames = static_cast<double>(range.last - range.first + 1);
   const AveragedTemplate quiet = quiet_template(source, first, range, setup, summary);
-  PatternFollower part(quiet.picture, range.first, setup.pattern, setup.follow);
+  PatternFollower part(quiet.picture(first), range.first, setup.pattern, setup.follow);
   std::optional<PatternFollower> marker = plan_marker(first, range, source, options, noise, summary);
   result.track.has_marker = marker.has_value();
   std::optional<GateLamp> lamp;
@@ -193,7 +207,8 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
   if (options.target.kind == Target::Kind::find_disc) note_stillness(result.track, summary);
   note_effort(part.effort(), setup.costs, source.bounds(), summary);
   pass.excess = median_excess(excess);
-  pass.layers_cost = setup.costs.layers(summary.disc.radius, std::min(128.0, setup.costs.frames));
+  pass.layers_cost =
+      setup.costs.layers(summary.disc.radius, std::min<double>(kLearningFrames, setup.costs.frames));
   summary.layered =
       layered_stage(source, pass, options.layers, result.track, summary, [&](std::int64_t done) {
         if (options.progress) options.progress(total + done, 2 * total);

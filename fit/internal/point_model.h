@@ -13,9 +13,15 @@ struct PointModel {
   Eigen::MatrixXd jacobian;    ///< 2n x columns of the chain, x and y of a point below each other
 };
 
-/// At `times` (s from the start). In the camera's frame the platform's own motion is added.
+/// How the points were seen.
+struct Seen {
+  bool camera_frame = false;  ///< the platform's own motion is in them
+  double exposure = 0;        ///< s: a point is the mean over it
+};
+
+/// At `times` (s from the start).
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
-                        const std::vector<double>& times, bool camera_frame, double tolerance,
+                        const std::vector<double>& times, const Seen& seen, double tolerance,
                         bool derivatives);
 
 }  // namespace tribotrack::fit::internal

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "fit/internal/point_model.h"
@@ -40,8 +41,8 @@ struct PointResiduals {
 };
 
 /// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-/// point, the run's unknown start point projected out and its slow errors whitened; one a prior, (value -
-/// mean)/sd. Rows of data are multiplied by the root of their robust weight.
+/// point, the run's unknown start point projected out and its slow errors whitened, then those that all runs
+/// share; one a prior, (value - mean)/sd. Rows of data are multiplied by the root of their robust weight.
 class Residuals {
  public:
   /// Both must outlive the residuals.
@@ -75,13 +76,18 @@ class Residuals {
   Eigen::Vector2d difference(const Eigen::VectorXd& whitened, std::size_t run) const;
   /// The run's covariance with the scatter between runs added.
   Eigen::Matrix2d covariance(std::size_t summary_run) const;
-  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
+  /// `common` is common_error() of the same values; without it PointResiduals::slow holds the run's own.
+  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run,
+                        const Eigen::VectorXd& common = {}) const;
+  /// What all runs are expected to err by together: coefficients of their common shapes, m. Empty without
+  /// such errors.
+  Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
   std::size_t point_count(std::size_t trajectory_run) const;
   Eigen::Index trajectory_row(std::size_t run) const;  ///< the run's first
   /// Shapes of slow errors over the run's points; none for a free slide.
-  SlowShapes shapes(std::size_t trajectory_run, const std::array<bool, kSlowParts>& wanted) const;
+  SlowShapes shapes(std::size_t trajectory_run, const SlowWanted& wanted) const;
   /// L^-1 of every point, one above the other, times the roots of their weights.
-  Eigen::MatrixX2d white(std::size_t trajectory_run) const;
+  const Eigen::MatrixX2d& white(std::size_t trajectory_run) const { return prepared_[trajectory_run]->white; }
   double slow_reference_time() const { return slow_reference_time_; }  ///< s, of the longest driven run
 
  private:
@@ -90,8 +96,17 @@ class Residuals {
   void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
                   Eigen::MatrixXd* jacobian, Eigen::Index row) const;
   PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  void prepare_slow();
-  std::vector<double> times(std::size_t trajectory_run) const;  ///< s, of its points, from the first
+  /// What a trajectory run's rows need and no value of the unknowns changes.
+  struct Prepared {
+    std::vector<double> times;  ///< s, of its points, from the first
+    Eigen::MatrixX2d white;     ///< also the columns of the start point
+    Eigen::MatrixX2d start;     ///< orthonormal, spans `white`
+    SlowWhitening slow;         ///< of its own errors
+    SlowShapes common;          ///< shapes of the errors that it shares with all runs
+  };
+  void prepare();
+  void prepare_common();
+  void prepare(std::size_t trajectory_run);
 
   const Problem* problem_;
   const Unknowns* unknowns_;
@@ -102,7 +117,8 @@ class Residuals {
   Weights weights_;
   Eigen::Index rows_ = 0;
   Scatter scatter_;
-  std::vector<SlowWhitening> slow_;
+  std::vector<std::shared_ptr<const Prepared>> prepared_;  ///< one for each trajectory run
+  std::shared_ptr<const SlowWhitening> common_;            ///< of all trajectory rows; null without
   double slow_reference_time_ = 0;
 };
 

@@ -18,7 +18,7 @@ struct SlowEstimate {
 ///   -1/2 (ln |V| + ln |J' V^-1 J| + r' P r),  P = V^-1 - V^-1 J (J' V^-1 J)^-1 J' V^-1
 /// [Patterson and Thompson, Biometrika 58 (1971) 545; Harville, JASA 72 (1977) 320], which counts the
 /// freedom that unknowns and start points take. Fisher's scoring, variances not below 0. A part that raises
-/// twice the log-likelihood by less than 4 is left out: it is not told from none.
+/// twice the log-likelihood by less than 4 (6 for what all runs share) is left out: it is not told from none.
 /// `residuals` hold a first guess.
 SlowEstimate estimate_slow_errors(const Residuals& residuals, const Eigen::VectorXd& values);
 

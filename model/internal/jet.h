@@ -31,6 +31,11 @@ struct Jet {
     return *this;
   }
   Jet operator-() const { return Jet(*this) *= -1.0; }
+  /// += k o, without a copy.
+  void add(double k, const Jet& o) {
+    v += k * o.v;
+    for (int j = 0; j < N; ++j) d[j] += k * o.d[j];
+  }
 
   friend Jet operator+(Jet a, const Jet& b) { return a += b; }
   friend Jet operator-(Jet a, const Jet& b) { return a -= b; }
@@ -127,6 +132,15 @@ Jet<N> with_value(Jet<N> a, double v) {
   return a;
 }
 
+/// sum += k a
+inline void add_multiple(double& sum, double k, double a) {
+  sum += k * a;
+}
+template <int N>
+void add_multiple(Jet<N>& sum, double k, const Jet<N>& a) {
+  sum.add(k, a);
+}
+
 inline bool same(double a, double b) {
   return a == b;
 }
@@ -143,6 +157,11 @@ struct Pair {
   friend Pair operator-(const Pair& a, const Pair& b) { return {a.x - b.x, a.y - b.y}; }
   friend Pair operator*(const T& k, const Pair& a) { return {k * a.x, k * a.y}; }
 };
+template <class T>
+void add_multiple(Pair<T>& sum, double k, const Pair<T>& a) {
+  add_multiple(sum.x, k, a.x);
+  add_multiple(sum.y, k, a.y);
+}
 template <class T>
 T dot(const Pair<T>& a, const Pair<T>& b) {
   return a.x * b.x + a.y * b.y;

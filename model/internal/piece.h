@@ -93,20 +93,22 @@ Motion<T> PieceChain<T>::inside_arc(const Piece<T>& piece, double t, const Scale
   Pair<T> first, second;
   const T* n = pool_.data() + piece.offset;
   for (int i = 0; i < piece.order; ++i) {
-    first.x += n[2 * i] * (h * once[i]);
-    first.y += n[2 * i + 1] * (h * once[i]);
-    second.x += n[2 * i] * (h * h * twice[i]);
-    second.y += n[2 * i + 1] * (h * h * twice[i]);
+    add_multiple(first.x, h * once[i], n[2 * i]);
+    add_multiple(first.y, h * once[i], n[2 * i + 1]);
+    add_multiple(second.x, h * h * twice[i], n[2 * i]);
+    add_multiple(second.y, h * h * twice[i], n[2 * i + 1]);
   }
   const double c0 = std::cos(piece.s), s0 = std::sin(piece.s), c = std::cos(piece.s + t),
                s = std::sin(piece.s + t);
-  const auto integral = [](const Pair<T>& constant, double a, const Pair<T>& p, double b, const Pair<T>& q,
-                           double e) {
-    return Pair<T>{constant.x * a + p.x * b + q.x * e, constant.y * a + p.y * b + q.y * e};
-  };
-  return {piece.velocity + integral(d.constant, t, d.p, s - s0, d.q, c0 - c) - kappa * first,
-          piece.position + T(t) * piece.velocity +
-              integral(d.constant, 0.5 * t * t, d.p, c0 - c - t * s0, d.q, s0 - s + t * c0) - kappa * second};
+  Motion<T> m{piece.velocity - kappa * first, piece.position - kappa * second};
+  add_multiple(m.velocity, t, d.constant);
+  add_multiple(m.velocity, s - s0, d.p);
+  add_multiple(m.velocity, c0 - c, d.q);
+  add_multiple(m.position, t, piece.velocity);
+  add_multiple(m.position, 0.5 * t * t, d.constant);
+  add_multiple(m.position, c0 - c - t * s0, d.p);
+  add_multiple(m.position, s0 - s + t * c0, d.q);
+  return m;
 }
 
 template <class T>

@@ -17,6 +17,8 @@ struct Trajectory::Implementation {
   virtual Sample at(double time) const = 0;
   virtual SensitiveSample sensitive_at(double time) const = 0;
   virtual SensitiveSample sensitive_end() const = 0;
+  virtual void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                            Eigen::MatrixXd* jacobian) const = 0;
 
   Scenario scenario;
   IntegrationOptions options;
@@ -34,6 +36,8 @@ class Run final : public Trajectory::Implementation {
   SensitiveSample sensitive_end() const override {
     return sensitive(scenario.end_time(), scenario.duration > 0);
   }
+  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                    Eigen::MatrixXd* jacobian) const override;
 
  private:
   SolverInput<T> prepare() const;
@@ -42,6 +46,7 @@ class Run final : public Trajectory::Implementation {
   SensitiveSample sensitive(double time, bool fixed_time) const;
   bool is_end(const Phase& phase) const { return phase.cycles == input_.cycles && phase.rest == input_.rest; }
   Motion<T> motion_at(const Phase& phase) const;
+  Sample sample(double time, const Phase& phase, const Motion<T>& m) const;
   Contact contact_at(const Phase& phase) const {
     return is_end(phase) ? solver_.end_contact() : solver_.contact(phase.cycles, phase.rest);
   }
@@ -139,7 +144,11 @@ Motion<T> Run<T>::motion_at(const Phase& phase) const {
 template <class T>
 Sample Run<T>::at(double time) const {
   const Phase phase = phase_at(time);
-  const Motion<T> m = motion_at(phase);
+  return sample(time, phase, motion_at(phase));
+}
+
+template <class T>
+Sample Run<T>::sample(double time, const Phase& phase, const Motion<T>& m) const {
   const double v = input_.problem.velocity_unit, x = v / scenario.drive.angular_frequency;
   Sample sample;
   sample.time = time;
@@ -155,13 +164,13 @@ Sample Run<T>::at(double time) const {
 template <class T>
 SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
   SensitiveSample result;
-  result.sample = at(time);
+  const Phase phase = phase_at(time);
+  const Motion<T> m = motion_at(phase);
+  result.sample = sample(time, phase, m);
   const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
   result.position_jacobian.setZero(2, columns);
   result.velocity_jacobian.setZero(2, columns);
   if constexpr (derivative_count < T >> 0) {
-    const Phase phase = phase_at(time);
-    const Motion<T> m = motion_at(phase);
     // From fixed phase s to fixed time: s = start phase + w t depends on the parameters.
     T moved = input_.start_shift;
     if (fixed_time) moved += change(w_) * time;
@@ -178,6 +187,42 @@ SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
     }
   }
   return result;
+}
+
+template <class T>
+void Run<T>::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                          Eigen::MatrixXd* jacobian) const {
+  const auto count = static_cast<Eigen::Index>(times.size());
+  const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
+  positions.resize(2, count);
+  if (jacobian) jacobian->resize(2 * count, columns);
+  const double w = scenario.drive.angular_frequency, unit = input_.problem.velocity_unit;
+  const T metres = T(unit / w_), w_change = change(w_);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double time = times[static_cast<std::size_t>(k)];
+    const Phase phase = phase_at(time);
+    const Motion<T> m = motion_at(phase);
+    positions.col(k) << unit / w * value(m.position.x), unit / w * value(m.position.y);
+    if constexpr (derivative_count < T >> 0) {
+      if (jacobian) {
+        const T moved = input_.start_shift + w_change * time;
+        const Pair<T> x = metres * (m.position + moved * m.velocity);
+        for (int j = 0; j < columns; ++j) {
+          (*jacobian)(2 * k, j) = x.x.d[j];
+          (*jacobian)(2 * k + 1, j) = x.y.d[j];
+        }
+      }
+    }
+    if (!(exposure > 0)) continue;
+    const Contact contact = contact_at(phase);
+    if (contact.sticks) continue;
+    const auto number = [](const Pair<T>& a) { return Pair<double>{value(a.x), value(a.y)}; };
+    const auto& d = solver_.drive();
+    const Pair<double> a = force(ScaledDrive<double>{number(d.constant), number(d.p), number(d.q)},
+                                 value(solver_.kappa(contact.reduced)), phase.rest, number(m.velocity));
+    const double share = unit * w * exposure * exposure / 24;
+    positions.col(k) += share * Eigen::Vector2d(a.x, a.y);
+  }
 }
 
 }  // namespace internal

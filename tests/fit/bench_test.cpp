@@ -57,7 +57,7 @@ TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
   FitBenchOptions options;
   options.quick = true;
   const auto rows = bench_fit(options);
-  ASSERT_EQ(rows.size(), 13u);
+  ASSERT_EQ(rows.size(), 14u);
   EXPECT_EQ(rows[0].method, "tribotrack");
   EXPECT_EQ(rows[0].off_minimum, 0);
   EXPECT_DOUBLE_EQ(rows[0].time_over_ours, 1);

@@ -19,7 +19,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::array<bool, kSlowParts> every{true, true, true, true};
+constexpr SlowWanted every{true, true, true, true, true, true};
 
 std::vector<double> times_of(int n, double rate) {
   std::vector<double> times;
@@ -43,7 +43,7 @@ Eigen::MatrixX2d white_of(int n, std::mt19937& random) {
 // Without a limit on modes: sum of products of Karhunen-Loeve modes = min(s, t).
 TEST(SlowErrors, TheWalksModesAreThoseOfBrownianMotion) {
   const auto times = times_of(200, 100);
-  const SlowShapes shapes = slow_shapes(times, 0, times.back(), {false, true, false, false});
+  const SlowShapes shapes = slow_shapes(times, 0, 0, times.back(), {false, true});
   ASSERT_EQ(shapes.count(), kWalkModes);
   const Eigen::MatrixXd covariance = shapes.values * shapes.values.transpose();
   const double tail = 1 / (pi * pi * static_cast<double>(kWalkModes));  // of the variance at the end
@@ -59,10 +59,10 @@ TEST(SlowErrors, WhiteningIsThatOfTheDenseCovariance) {
   std::normal_distribution<double> normal;
   const int n = 90;
   const auto times = times_of(n, 100);
-  const SlowShapes shapes = slow_shapes(times, 30, 1.7, every);
+  const SlowShapes shapes = slow_shapes(times, 30, 0.4, 1.7, kOwnSlowParts);
   const Eigen::MatrixX2d white = white_of(n, random);
   const SlowVariances variances{3, 0.5, 0.1, 20};
-  const SlowWhitening whitening(shapes, white, variances);
+  const SlowWhitening whitening(whitened_shapes(shapes, white), column_variances(shapes, variances));
 
   // V of the points as they are; the start point projected out by its normal equations under V.
   const auto rows = static_cast<Eigen::Index>(2 * n);
@@ -105,7 +105,8 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   std::mt19937 random(seed);
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 1e-6, .overtones = 0.7e-6};
+  test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 0.3e-6, .overtones = 0.7e-6};
+  slow.common = {Eigen::Vector2d(3e-6, -2e-6), Eigen::Vector2d(1e-6, 4e-6)};
   for (int k = 0; k < 3; ++k)
     problem.trajectory_runs.push_back(
         test::slow_track(test::scenario({}, 2.0 * k, 0.8 + 0.3 * k, 3), 200, 0.5e-6, slow, random));
@@ -116,13 +117,20 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   int present = 0;
   for (const double variance : found.variances) present += variance > 0;
   ASSERT_GE(present, 3);
+  constexpr auto circle = static_cast<std::size_t>(SlowPart::common_circle);
+  EXPECT_GT(found.variances[circle], std::pow(1e-6, 2));
+  EXPECT_LT(found.variances[circle], std::pow(8e-6, 2));
 
   Eigen::VectorXd r;
   Eigen::MatrixXd jacobian;
   ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
-  const auto likelihood = [&](const SlowVariances& variances) {
+  struct Dense {
+    Eigen::MatrixXd v, x;
+  };
+  const auto dense = [&](const SlowVariances& variances) {
     Eigen::MatrixXd v = Eigen::MatrixXd::Identity(r.size(), r.size());
     Eigen::MatrixXd x(r.size(), 3 + 6);
+    Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 12);
     x.leftCols(3) = jacobian * unknowns.natural_units(truth).asDiagonal();
     x.rightCols(6).setZero();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -130,14 +138,24 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
       const SlowShapes shapes = residuals.shapes(i, every);
       const Eigen::Index row = residuals.trajectory_row(i);
       x.block(row, 3 + 2 * static_cast<Eigen::Index>(i), white.rows(), 2) = white / white.norm();
+      Eigen::Index shared = 0;
       for (std::size_t j = 0; j < shapes.count(); ++j)
         for (Eigen::Index axis = 0; axis < 2; ++axis) {
           Eigen::VectorXd u = white.col(axis);
           for (Eigen::Index k = 0; k < u.size(); ++k)
             u(k) *= shapes.values(k / 2, static_cast<Eigen::Index>(j));
+          if (is_common(shapes.part[j])) {
+            common.col(shared++).segment(row, u.size()) = std::sqrt(variances[shapes.part[j]]) * u;
+            continue;
+          }
           v.block(row, row, u.size(), u.size()) += variances[shapes.part[j]] * u * u.transpose();
         }
     }
+    v += common * common.transpose();
+    return Dense{v, x};
+  };
+  const auto likelihood = [&](const SlowVariances& variances) {
+    const auto [v, x] = dense(variances);
     const Eigen::LLT<Eigen::MatrixXd> factor(v);
     const Eigen::MatrixXd solved = factor.solve(x), information = x.transpose() * solved;
     const Eigen::VectorXd across = solved.transpose() * r;
@@ -155,6 +173,31 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
       EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
     }
   }
+
+  // Whitened by them, in the runs and across the runs, the residuals have the sum of squares and the normal
+  // matrix of the dense covariance, and the common error expected is its own, too.
+  const auto [v, x] = dense(found.variances);
+  Scatter scatter = residuals.scatter();
+  scatter.slow = found.variances;
+  residuals.set_scatter(scatter);
+  const Eigen::VectorXd plain = r;
+  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+  jacobian *= unknowns.natural_units(truth).asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> factor(v);
+  Eigen::MatrixXd data(v.rows(), 4);
+  data << x.leftCols(3), plain;
+  const Eigen::MatrixXd start = x.rightCols(6), v_data = factor.solve(data),
+                        crossed = start.transpose() * v_data;
+  const Eigen::MatrixXd expected =
+      data.transpose() * v_data -
+      crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
+  Eigen::MatrixXd whitened(v.rows(), 4);
+  whitened << jacobian, r;
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
+  const Eigen::VectorXd common = residuals.common_error(truth);
+  ASSERT_GE(common.size(), 4);
+  const double told[] = {3e-6, -2e-6, 1e-6, 4e-6};
+  for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(common(k), told[k], 1.5e-6) << k;
 }
 
 // A track like one that is there is forecast to tell what that one tells.

@@ -1,6 +1,7 @@
 // Tracks with slow errors of known size.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -14,6 +15,8 @@ namespace tribotrack::test {
 struct SlowTruth {
   double drift = 0, walk = 0, circle = 0, overtones = 0;
   double time = 2;  ///< s
+  /// Of cos and sin of the platform's phase, m: the same in all runs that get it.
+  std::array<Eigen::Vector2d, 2> common{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 };
 
 /// `rate` frames/s of the scenario's motion in the platform's frame; white noise `sigma` per axis and slow
@@ -41,6 +44,8 @@ inline fit::TrajectoryRun slow_track(const model::Scenario& truth, double rate, 
       const double angle = (order + 1) * truth.drive.angular_frequency * t;
       seen += std::cos(angle) * sines[order][0] + std::sin(angle) * sines[order][1];
     }
+    const double phase = truth.start_phase + truth.drive.angular_frequency * t;
+    seen += std::cos(phase) * slow.common[0] + std::sin(phase) * slow.common[1];
     run.track.time.push_back(t);
     run.track.frame.push_back(k);
     run.track.position.push_back(seen);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "vision/layered_scenes.h"
@@ -93,6 +94,24 @@ TEST(LayeredStage, HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
   EXPECT_GT(result.summary.slow_sd, 0);
   EXPECT_LT(result.summary.slow_sd, 0.5 * s.bound());
   EXPECT_GT(result.summary.slow_time, 1.0 / 250);
+}
+
+// The light's slope over the disc changes along the path, which no frame by itself sees well: taken for one
+// and the same everywhere it draws the disc towards the brighter side, at one end of the path forth, at the
+// other back.
+TEST(LayeredStage, VignettingAlongAShortPathDrawsNothing) {
+  SlidingScene s;
+  s.frames = 600;
+  s.path_px = 70;
+  s.scene.vignetting = 0.02;
+  s.scene.platform.texture_rms = 10;
+  s.scene.read_noise = 2;
+  SceneSource source(s);
+  const TrackResult result = track(source, with_marker(s));
+  ASSERT_TRUE(result.summary.layered);
+  const TrackErrors e = report("vignetting", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.15 * s.bound());
+  EXPECT_LT(e.drift, 3.5 * s.bound() * std::sqrt(2.0 / 60));
 }
 
 TEST(LayeredStage, TurningScratchesInNoiseLeaveNoDrift) {

@@ -55,6 +55,10 @@ TEST(VectorKernels, SumsOverTiles) {
   constexpr float gain = 1.125F, offset = 90;
   std::array<SlowSum, 5> force;
   std::array<SlowSum, 15> normal;
+  std::array<std::array<SlowSum, 5>, kTiles> scores;
+  std::vector<float> sizes(kCount);
+  constexpr float small = 20;
+  ResidualCounts counts;
   SlowSum squares, weight, vl, ll;
   double largest = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -62,13 +66,19 @@ TEST(VectorKernels, SumsOverTiles) {
     const std::array<double, 5> jacobian = {-a.slope_x[i], -a.slope_y[i], a.value[i], 1, a.slope_theta[i]};
     for (std::size_t j = 0, at = 0; j < 5; ++j) {
       force[j].add(w * jacobian[j] * r);
+      scores[i / kTilePixels][j].add(w * jacobian[j] * r);
       for (std::size_t k = j; k < 5; ++k, ++at) normal[at].add(w * jacobian[j] * jacobian[k]);
     }
     squares.add(w * r * r);
     weight.add(w);
     vl.add(w * a.value[i] * a.level[i]);
     ll.add(w * a.level[i] * a.level[i]);
-    if (w > 0) largest = std::max(largest, std::abs(r));
+    if (w > 0) {
+      largest = std::max(largest, std::abs(r));
+      sizes[i] = static_cast<float>(std::abs(r));
+      ++counts.counted;
+      counts.small += std::abs(r) <= small;
+    }
   }
   for (const TileKernels& kernels : all_tile_kernels()) {
     SCOPED_TRACE(kernels.name);
@@ -82,6 +92,18 @@ TEST(VectorKernels, SumsOverTiles) {
     const CorrelationSums c = kernels.correlation(a, a.weight);
     vl.expect(c.vl, "vl");
     ll.expect(c.ll, "ll");
+    std::vector<float> found(kCount, -1);
+    const ResidualCounts told = kernels.residuals(a, a.weight, gain, offset, small, found);
+    EXPECT_EQ(told.counted, counts.counted);
+    EXPECT_EQ(told.small, counts.small);
+    for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(found[i], sizes[i], 1e-4) << i;
+    std::vector<unsigned char> marks(kCount, 2);
+    kernels.mark(found, small, marks);
+    for (std::size_t i = 0; i < kCount; ++i) EXPECT_EQ(marks[i], found[i] > small ? 1 : 0) << i;
+    std::vector<std::array<double, 5>> of_tiles(kTiles);
+    kernels.scores(a, gain, offset, of_tiles);
+    for (std::size_t t = 0; t < kTiles; ++t)
+      for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tiles[t][j], "score", 5 * t + j);
   }
 }
 
@@ -119,7 +141,9 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       const int columns = turning ? 7 : 6;
       std::array<SlowSum, 28> slow_normal;
       std::array<SlowSum, kLayerColumns> slow_force;
-      SlowSum squares, rim;
+      SlowSum squares, rim, qr, qq, xy, yr;
+      std::array<SlowSum, kTurn> mixed;
+      constexpr double mean = 70;
       for (std::size_t i = 0; i < kCount; ++i) {
         const double w = formed.weight[i];
         EXPECT_EQ(w == 0, mask[i] == 0) << i;
@@ -147,6 +171,23 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
         }
         squares.add(w * r * r);
         rim.add(w * r * r * a.rim[i]);
+        const double q = light.ground * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
+                                         double{a.share.slope_y[i]} * a.ground.slope_y[i]);
+        const double off = -light.ground * (a.ground.value[i] - mean);
+        const double shift_x = off * a.share.slope_x[i], shift_y = off * a.share.slope_y[i];
+        const double on_rim = w * a.rim[i];
+        qr.add(on_rim * q * r);
+        qq.add(on_rim * q * q);
+        xy.add(on_rim * shift_x * shift_y);
+        yr.add(on_rim * shift_y * r);
+        // Of the disc as it was formed: the turning column is left out.
+        const std::array<double, kTurn> own = {formed.step_x[i],
+                                               formed.step_y[i],
+                                               a.disc.value[i],
+                                               double{a.disc.value[i]} * a.u[i],
+                                               double{a.disc.value[i]} * a.v[i],
+                                               ground};
+        for (std::size_t j = 0; j < kTurn; ++j) mixed[j].add(on_rim * own[j] * shift_x);
       }
       for (int j = 0, at = 0; j < columns; ++j) {
         slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
@@ -157,6 +198,12 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       }
       squares.expect(force.squares, "squares");
       rim.expect(force.rim_squares, "rim squares");
+      const LayerRimSums told = kernels.rim(formed, mask, light, mean);
+      qr.expect(told.qr, "qr");
+      qq.expect(told.qq, "qq");
+      xy.expect(told.shift_normal[1], "shift xy");
+      yr.expect(told.shift_force[1], "shift y r");
+      for (std::size_t j = 0; j < kTurn; ++j) mixed[j].expect(told.mixed[j][0], "mixed", j);
     }
   }
 }

@@ -1,0 +1,50 @@
+// Light that stands in the picture, as a moving disc meets it: the slope g of the light over the disc (see
+// layered_state.h) as a function of where the disc is. Vignetting is nearly a parabola, its slope nearly
+// linear in the place:
+//   g(c) = g_0 + G (c - c_0), fitted to the slopes of single frames by least squares.
+// A frame by itself would pay for its two slopes with precision; holding them to one value for all places
+// instead would draw the disc the same way in every frame of a stretch of the path.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// What is known of the light's slope before a frame is looked at.
+struct LightPrior {
+  double slope_x = 0, slope_y = 0;  ///< 1/px
+  double sd = 0;                    ///< of each; 0: nothing is known
+};
+
+/// One frame's slope, measured without a prior.
+struct MeasuredSlope {
+  Point place;                      ///< of the disc, px
+  double slope_x = 0, slope_y = 0;  ///< 1/px
+  double variance = 0;              ///< of each
+};
+
+class LightField {
+ public:
+  /// Nothing is known.
+  LightField() = default;
+  /// At least four slopes.
+  explicit LightField(std::span<const MeasuredSlope> slopes);
+
+  /// With the variance of a frame's own light about the field (lamps are not linear, flicker is not even) and
+  /// of the field at this place.
+  LightPrior at(const Point& place) const;
+
+ private:
+  Eigen::Vector3d terms(const Point& place) const;
+
+  bool known_ = false;
+  Point middle_;
+  Eigen::Matrix<double, 3, 2> field_ = Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Zero();  ///< of the sum of terms terms^T
+  double noise_ = 0, scatter_ = 0;  ///< variances: of a measured slope, of the light itself
+};
+
+}  // namespace tribotrack::vision
