@@ -9,7 +9,6 @@
 #include "apps/errors.h"
 #include "apps/scope_file.h"
 #include "fit/gate_covariance.h"
-#include "fit/tracking_length.h"
 
 namespace tribotrack::apps {
 
@@ -237,7 +236,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   }
   // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
   // diameter).
-  problem.scale_sd = scaled > 0 ? fit::tracked_scale_sd(scale_sd / scaled) : 0;
+  problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
   return problem;
 }
 

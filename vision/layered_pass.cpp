@@ -28,7 +28,7 @@ constexpr double kRestless = 2;           ///< ground variance in time over the 
 constexpr double kBentShare = 0.1;        ///< of the windows: less is chance, or something that crosses
 constexpr int kLightRounds = 8;
 constexpr double kLightSettled = 0.1;  ///< of the standard deviation: windows that move less have settled
-constexpr double kMostExcess = 16;     ///< times the first pass's, in variance
+constexpr double kMostExcess = 64;     ///< times the first pass's, in variance
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
 Picture cut(const Picture& picture, const Rect& from, const Rect& part) {

@@ -196,7 +196,8 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       qq.expect(told.qq, "qq");
       xy.expect(told.shift_normal[1], "shift xy");
       yr.expect(told.shift_force[1], "shift y r");
-      for (std::size_t j = 0; j < mixed.size(); ++j) mixed[j].expect(told.mixed[j][0], "mixed", j);
+      for (int j = 0; j < columns; ++j)
+        mixed[static_cast<std::size_t>(j)].expect(told.mixed[static_cast<std::size_t>(j)][0], "mixed");
     }
   }
 }
