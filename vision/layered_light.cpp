@@ -56,7 +56,10 @@ struct Seen {
 double bent_share(std::span<const KeptWindow> windows, const LayeredDisc& disc, const NoiseLaw& noise) {
   const double inner = disc.rim().inner() - 1;
   QuinticSpline standing(disc.at(0));
-  int bent = 0, looked = 0;
+  int bent = 0;
+  std::vector<Eigen::Vector3d> bends;
+  std::vector<Eigen::Matrix3d> certain;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const KeptWindow& w : windows) {
     if (disc.turning()) standing = QuinticSpline(disc.at(w.state.theta));
     Seen seen(w, inner);
@@ -85,11 +88,16 @@ double bent_share(std::span<const KeptWindow> windows, const LayeredDisc& disc, 
     const Eigen::Matrix<double, 6, 1> found = normal.ldlt().solve(force);
     const Eigen::Matrix3d own = normal.inverse().bottomRightCorner<3, 3>();
     const Eigen::Vector3d bend = found.tail<3>();
-    const double square = bend.dot(own.ldlt().solve(bend)) / 3;
-    ++looked;
-    bent += square > kBent;
+    bends.push_back(bend);
+    certain.push_back(own.inverse());
+    mean += bend / static_cast<double>(windows.size());
   }
-  return looked > 0 ? static_cast<double>(bent) / looked : 0;
+  // What all windows share is an error of the disc's own picture.
+  for (std::size_t k = 0; k < bends.size(); ++k) {
+    const Eigen::Vector3d off = bends[k] - mean;
+    bent += off.dot(certain[k] * off) / 3 > kBent;
+  }
+  return bends.empty() ? 0 : static_cast<double>(bent) / static_cast<double>(bends.size());
 }
 
 LightLearning::LightLearning(const LayeredDisc& disc, const GroundPicture& ground, const NoiseLaw& noise,
