@@ -19,6 +19,15 @@ int LayeredDisc::half_of(double radius, double blur) {
   return static_cast<int>(std::ceil(RimProfile(radius, blur).outer())) + kContext;
 }
 
+void as_seen(const KeptWindow& window, int left, int top, int width, int height, float* levels) {
+  if (window.partly_unseen) {
+    const QuinticSpline passing = window.spline;
+    return passing.sample_window(left, top, width, height, levels, nullptr, nullptr);
+  }
+  for (int y = 0; y < height; ++y, levels += width)
+    std::copy_n(window.picture.row(top + y).begin() + left, width, levels);
+}
+
 LayeredDisc::LayeredDisc(double radius, double blur, bool turning)
     : radius_(radius), turning_(turning), rim_(radius, blur), half_(half_of(radius, blur)) {
   const int size = 2 * half_ + 1;

@@ -38,6 +38,10 @@ struct KeptWindow {
   }
 };
 
+/// The window's pixels from (left, top) of it on, unseen ones as they are. Not by the window's own spline
+/// where it can be avoided: each would keep its working memory.
+void as_seen(const KeptWindow& window, int left, int top, int width, int height, float* levels);
+
 class LayeredDisc {
  public:
   static constexpr double kTurningBytes = 48e6;  ///< that the pictures of a turning disc may take

@@ -47,7 +47,7 @@ struct Seen {
     for (auto* v : {&level, &disc, &disc_x, &disc_y, &share, &share_x, &share_y, &ground, &ground_x,
                     &ground_y, &known, &turn})
       v->resize(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-    w.spline.sample_window(left - w.x, top - w.y, size, size, level.data(), nullptr, nullptr);
+    as_seen(w, left - w.x, top - w.y, size, size, level.data());
   }
 };
 

@@ -11,15 +11,15 @@ constexpr double kSeenAlike = 0.25;             ///< of the windows see the same
 constexpr std::size_t kMostDisplacements = 24;  ///< over which the ground's light is averaged
 
 /// What the camera has seen there, pixel by pixel.
-Picture as_seen(const KeptWindow& w, const StandingLight& light) {
+Picture as_filmed(const KeptWindow& w, const StandingLight& light) {
   Picture out(w.picture.width(), w.picture.height());
-  w.spline.sample_window(0, 0, out.width(), out.height(), out.levels().data(), nullptr, nullptr);
+  as_seen(w, 0, 0, out.width(), out.height(), out.levels().data());
   light.put_in(out, w.x, w.y);
   return out;
 }
 
 void change(KeptWindow& w, const StandingLight& from, const StandingLight& to) {
-  Picture seen = as_seen(w, from);
+  Picture seen = as_filmed(w, from);
   w.picture = seen;
   to.take_out(seen, w.x, w.y, false);
   w.spline = QuinticSpline(seen);

@@ -26,8 +26,8 @@ constexpr double kHeldSd = 5;             ///< what is further off crosses the g
 constexpr double kLeastHeld = 0.7;        ///< of what is uncovered: else it moves
 constexpr double kRestless = 2;           ///< ground variance in time over the noise's: it moves
 constexpr double kBentShare = 0.1;        ///< of the windows: less is chance, or something that crosses
-constexpr int kLightRounds = 8;
-constexpr double kLightSettled = 0.1;  ///< of the standard deviation: windows that move less have settled
+constexpr int kLightRounds = 16;
+constexpr double kLightSettled = 0.05;  ///< of the standard deviation: windows that move less have settled
 constexpr double kMostExcess = 64;     ///< times the first pass's, in variance
 constexpr double kTurnVisible = 0.15;  ///< px at the rim: less rotation over the recording is none
 
