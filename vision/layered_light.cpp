@@ -25,7 +25,6 @@ constexpr float kFewestSeen = 4;               ///< frames that tell
 constexpr int kHiddenEdge = 3;                 ///< px about it that are half covered
 constexpr double kRing = 6;                    ///< px of moving ground about the rim that are looked at
 constexpr double kLeastGain = 0.2;
-constexpr double kBent = 5;  ///< mean square of three numbers of unit variance: once in 600
 
 /// Cubic B-spline: the four nodes about a place t past the second of them.
 std::array<double, 4> cubic_weights(double t) {
@@ -52,53 +51,6 @@ struct Seen {
 };
 
 }  // namespace
-
-double bent_share(std::span<const KeptWindow> windows, const LayeredDisc& disc, const NoiseLaw& noise) {
-  const double inner = disc.rim().inner() - 1;
-  QuinticSpline standing(disc.at(0));
-  int bent = 0;
-  std::vector<Eigen::Vector3d> bends;
-  std::vector<Eigen::Matrix3d> certain;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const KeptWindow& w : windows) {
-    if (disc.turning()) standing = QuinticSpline(disc.at(w.state.theta));
-    Seen seen(w, inner);
-    standing.sample_window(seen.left - w.state.centre.x + disc.half(),
-                           seen.top - w.state.centre.y + disc.half(), seen.size, seen.size, seen.disc.data(),
-                           nullptr, nullptr);
-    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> force = Eigen::Matrix<double, 6, 1>::Zero();
-    for (int j = 0; j < seen.size; ++j)
-      for (int i = 0; i < seen.size; ++i) {
-        const int x = seen.left + i - w.x, y = seen.top + j - w.y;
-        const double u = (seen.left + i - w.state.centre.x) / inner;
-        const double v = (seen.top + j - w.state.centre.y) / inner;
-        if (u * u + v * v > 1 || !w.sees(w.x + x, w.y + y)) continue;
-        const auto k =
-            static_cast<std::size_t>(j) * static_cast<std::size_t>(seen.size) + static_cast<std::size_t>(i);
-        const double s = seen.disc[k];
-        const double shine = w.state.gain * (1 + inner * (w.state.slope_x * u + w.state.slope_y * v));
-        const double r = static_cast<double>(w.picture.at(x, y)) - shine * s;
-        Eigen::Matrix<double, 6, 1> column;
-        column << s, u * s, v * s, u * u * s, u * v * s, v * v * s;
-        const double weight = 1 / noise.at(s);
-        normal.noalias() += weight * column * column.transpose();
-        force += weight * r * column;
-      }
-    const Eigen::Matrix<double, 6, 1> found = normal.ldlt().solve(force);
-    const Eigen::Matrix3d own = normal.inverse().bottomRightCorner<3, 3>();
-    const Eigen::Vector3d bend = found.tail<3>();
-    bends.push_back(bend);
-    certain.push_back(own.inverse());
-    mean += bend / static_cast<double>(windows.size());
-  }
-  // What all windows share is an error of the disc's own picture.
-  for (std::size_t k = 0; k < bends.size(); ++k) {
-    const Eigen::Vector3d off = bends[k] - mean;
-    bent += off.dot(certain[k] * off) / 3 > kBent;
-  }
-  return bends.empty() ? 0 : static_cast<double>(bent) / static_cast<double>(bends.size());
-}
 
 LightLearning::LightLearning(const LayeredDisc& disc, const GroundPicture& ground, const NoiseLaw& noise,
                              const StandingLight& light, bool first, double frames_of_moving_ground)

@@ -59,7 +59,7 @@ struct LayeredResult {
   int windows = 0;
   double ground_texture = 0;   ///< of the platform's picture, grey levels rms
   double crossed_share = 0;    ///< of the ground at rest, that showed something else than usual
-  double bent_share = 0;       ///< of the windows, see layered_light.h
+  double bent_share = 0;       ///< of the windows, see bent_light.h
   int light_rounds = 0;        ///< in which light that stands in the picture was learnt; 0: there is none
   double light_moved = 0;      ///< what taking it out moved the windows by, px rms, their mean not counted
   double light_unsettled = 0;  ///< likewise the last round: is in the covariances
