@@ -128,10 +128,10 @@ struct OneMinimum {
 /// axis, m, told from the residuals beside the points' own noise (restricted maximum likelihood). 0 where the
 /// residuals do not ask.
 struct SlowErrors {
-  double drift = 0;             ///< of a straight drift over `time`, another in every run
-  double walk = 0;              ///< of a Brownian walk over `time`
-  double circle = 0;            ///< of each of cos wt and sin wt
-  double overtones = 0;         ///< of each of cos and sin of 2wt and 3wt
+  double drift = 0;      ///< of a straight drift over `time`: a run's own and what all share along their ways
+  double walk = 0;       ///< of a Brownian walk over `time`
+  double circle = 0;     ///< of each of cos wt and sin wt
+  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
   double common_circle = 0;     ///< as circle, but one error that all runs share
   double common_overtones = 0;  ///< as overtones, likewise
   double time = 0;              ///< s, of the longest run; 0 where no driven track was fitted
