@@ -144,6 +144,7 @@ bool LayeredPass::learn_layers() {
 
 /// Layers and light in turn.
 bool LayeredPass::learn_light() {
+  if (!options_.standing_light) return true;
   out_.bent_share = bent_share(kept_, disc_, learning_->noise());
   if (!(out_.bent_share > kBentShare)) return true;
   const std::vector<Point> unlit = centres(kept_);

@@ -66,7 +66,13 @@ void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& 
 }
 
 /// Light that stands in the picture: looked for in what the layers leave.
-void note_light(const LayeredResult& result, TrackSummary& summary) {
+void note_light(const LayeredResult& result, bool coded, TrackSummary& summary) {
+  if (coded) {
+    summary.plan.push_back({"light that stands in the picture", false,
+                            "not looked for in a coded recording: the coder's own errors bend the light", 0,
+                            0, 0});
+    return;
+  }
   std::string text =
       format("the light over the disc is bent, by more than noise does it, in %.0f %% of %d frames",
              100 * result.bent_share, result.windows);
@@ -108,6 +114,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   options.noise_variance = first.noise_variance;
   options.excess = first.excess;
   options.top_level = std::ldexp(1.0, source.info().bits) - 1;
+  options.standing_light = !source.info().decoded;
   options.motion_known = track.has_marker;
   options.first_index = first.first_index;
   options.total = first.total;
@@ -169,7 +176,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
            format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
                   summary.slow_sd, summary.slow_time),
        0, bought, first.layers_cost});
-  note_light(result, summary);
+  note_light(result, source.info().decoded, summary);
   return true;
 }
 
