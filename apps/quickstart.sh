@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-apps/install_packages.sh build
+apps/install/install_packages.sh build
 # A build that was configured for the tests as well is kept as it is.
 [ -f build/release/build.ninja ] || cmake --preset release -DTRIBOTRACK_TESTS=OFF >/dev/null
 cmake --build build/release --target tribotrack

@@ -4,22 +4,22 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/internal/bootstrap.h"
-#include "fit/internal/display.h"
-#include "fit/internal/error_words.h"
-#include "fit/internal/identifiability.h"
-#include "fit/internal/model_check.h"
-#include "fit/internal/multi_start.h"
-#include "fit/internal/next_experiment.h"
-#include "fit/internal/outliers.h"
-#include "fit/internal/parallel.h"
-#include "fit/internal/profile.h"
-#include "fit/internal/results.h"
-#include "fit/internal/robust.h"
-#include "fit/internal/scatter.h"
-#include "fit/internal/settle.h"
-#include "fit/internal/statistics.h"
-#include "fit/internal/sticking.h"
+#include "fit/uncertainty/bootstrap.h"
+#include "fit/tools/parameter_text.h"
+#include "fit/report/error_text.h"
+#include "fit/uncertainty/identifiability.h"
+#include "fit/checks/model_check.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/design/next_experiment.h"
+#include "fit/checks/outliers.h"
+#include "fit/tools/parallel.h"
+#include "fit/uncertainty/profile.h"
+#include "fit/report/fill_result.h"
+#include "fit/variances/robust.h"
+#include "fit/variances/excess_variance.h"
+#include "fit/variances/reweighted_fit.h"
+#include "fit/tools/statistics.h"
+#include "fit/residuals/sticking.h"
 
 namespace tribotrack::fit {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "model/internal/run.h"
+#include "model/run/solved_run.h"
 
 namespace tribotrack::model {
 

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-apps/install_packages.sh test
+apps/install/install_packages.sh test
 cmake --preset release -DTRIBOTRACK_TESTS=ON >/dev/null
 cmake --build build/release
 if [ $# -gt 0 ]; then

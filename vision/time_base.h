@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/stamp_check.h"
+#include "vision/timing/timestamp_check.h"
 
 namespace tribotrack::vision {
 

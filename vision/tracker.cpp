@@ -5,18 +5,18 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "vision/bad_pixels.h"
-#include "vision/format_text.h"
-#include "vision/gate_lamp.h"
-#include "vision/internal/track_notes.h"
-#include "vision/internal/track_platform.h"
-#include "vision/internal/track_setup.h"
-#include "vision/kept_frames.h"
-#include "vision/layered_keeping.h"
-#include "vision/layered_pass.h"
-#include "vision/layered_stage.h"
-#include "vision/noise_estimate.h"
-#include "vision/rim_watch.h"
+#include "vision/camera/bad_pixels.h"
+#include "vision/io/format_text.h"
+#include "vision/tracking/gate_lamp.h"
+#include "vision/tracking/notes.h"
+#include "vision/tracking/platform.h"
+#include "vision/tracking/setup.h"
+#include "vision/camera/frame_cache.h"
+#include "vision/layers/keeping.h"
+#include "vision/layers/pass.h"
+#include "vision/layers/stage.h"
+#include "vision/camera/noise_estimate.h"
+#include "vision/discs/mean_radius.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/errors.h"
+#include "apps/program/errors.h"
 
 namespace tribotrack::apps {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/report_data.h"
-#include "apps/report_groups.h"
+#include "apps/report/data/data.h"
+#include "apps/report/data/groups.h"
 
 namespace tribotrack::apps::sample {
 

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <vector>
 
-#include "model/displacement_angle.h"
+#include "model/alpha_v.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <random>
 
-#include "model/internal/instruction_set.h"
+#include "model/processor/instruction_set.h"
 #include "model/laws.h"
 #include "model/laws_cycles.h"
 #include "model/random_scenario.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/internal/instruction_set.h"
+#include "model/processor/instruction_set.h"
 #include "model/quad_reference.h"
 #include "model/trajectory.h"
 

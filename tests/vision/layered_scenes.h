@@ -10,7 +10,7 @@
 
 #include "vision/frame_source.h"
 #include "vision/scene.h"
-#include "vision/scene_bound.h"
+#include "vision/cramer_rao_bound.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision::test {

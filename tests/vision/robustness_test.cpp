@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/bad_pixels.h"
+#include "vision/camera/bad_pixels.h"
 #include "vision/scene.h"
-#include "vision/scene_bound.h"
-#include "vision/strangers.h"
+#include "vision/cramer_rao_bound.h"
+#include "vision/kernels/outlier_pixels.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {

@@ -1,0 +1,60 @@
+// Sweeps of alpha and v for the table of model/claims.h.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "apps/bench/claims/claims.h"
+
+namespace tribotrack::model::internal {
+
+/// Direction and mean velocity of the displacement; NaN where there is no unique steady motion.
+struct Drift {
+  double alpha = NAN;  ///< rad
+  double v = NAN;      ///< m/s
+};
+
+Drift steady_drift(const Scenario& scenario);
+/// Over the scenario's cycles, from rest: as the paper counts them.
+Drift drift_from_rest(const Scenario& scenario);
+
+using DriftOf = std::function<Drift(const Scenario&)>;
+
+std::vector<double> grid(double from, double to, int count);
+/// The difference of two angles in (-pi, pi].
+double turn_between(double from, double to);
+double degrees(double radians);
+double max_of(const std::vector<double>& values);
+
+/// How far alpha is from a line of slope -1 in phi over a whole turn: largest distance from their mean, rad.
+/// And the spread of v, (largest - least)/mean.
+struct PhaseSweep {
+  double off_line = 0, v_spread = 0;
+};
+PhaseSweep sweep_phase(Scenario scenario, const DriftOf& drift, int count);
+
+/// Values along a sweep: does v only grow (sign = 1) or only fall (-1)? Where does it first not?
+struct Monotony {
+  bool holds = true;
+  double fails_from = NAN, fails_to = NAN;  ///< first stretch against the sign, by the swept value
+};
+Monotony monotony(const std::vector<double>& swept, const std::vector<double>& v, int sign);
+
+// The claims, by what they are about.
+PaperClaim circular_end_state(bool quick);
+PaperClaim full_circle(bool quick);
+PaperClaim linear_in_phase(bool quick);
+PaperClaim alpha_over_width(bool quick);
+PaperClaim alpha_over_ratio(bool quick);
+PaperClaim alpha_over_amplitude(bool quick);
+PaperClaim v_independent_of_phase(bool quick);
+PaperClaim v_over_width(bool quick);
+PaperClaim v_over_ratio(bool quick);
+PaperClaim v_over_amplitude(bool quick);
+PaperClaim v_over_frequency(bool quick);
+PaperClaim v_over_friction(bool quick);
+PaperClaim effect_of_tilt(bool quick);
+
+}  // namespace tribotrack::model::internal

@@ -1,0 +1,276 @@
+#include "apps/campaign/fit_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "apps/program/progress.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+const char* word_for(fit::Verdict verdict) {
+  switch (verdict) {
+    case fit::Verdict::identifiable:
+      return "identifiable";
+    case fit::Verdict::weak:
+      return "weak";
+    case fit::Verdict::not_identifiable:
+      return "not identifiable";
+  }
+  return "";
+}
+
+/// Open ends (infinite) become null.
+Json finite(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json interval_json(const fit::Interval& interval, double unit) {
+  return Json::array({finite(interval.low * unit), finite(interval.high * unit)});
+}
+
+Json parameters_json(const fit::FitResult& result, double mm_per_px) {
+  Json json = Json::object();
+  for (const fit::ParameterEstimate& p : result.parameters) {
+    const double unit =
+        p.parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(p.parameter);
+    json[fit::to_string(p.parameter)] = {{"estimate", finite(p.estimate * unit)},
+                                         {"sd", finite(p.sd * unit)},
+                                         {"ci95", interval_json(p.ci95, unit)},
+                                         {"profile_ci95", interval_json(p.profile_ci95, unit)}};
+    if (result.bootstrap > 0)
+      json[fit::to_string(p.parameter)]["bootstrap_ci95"] = interval_json(p.bootstrap_ci95, unit);
+  }
+  return json;
+}
+
+Json minima_json(const fit::FitResult& result, double mm_per_px) {
+  Json json = Json::array();
+  for (const fit::OneMinimum& minimum : result.minima) {
+    Json values = Json::object();
+    for (const auto& [parameter, value] : minimum.values)
+      values[fit::to_string(parameter)] = finite(
+          value * (parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter)));
+    json.push_back({{"parameters", values},
+                    {"chi2_above_best", finite(minimum.chi2_above)},
+                    {"sentence", minimum.sentence}});
+  }
+  return json;
+}
+
+/// Null where no driven track was fitted.
+Json slow_json(const fit::SlowErrors& slow) {
+  if (!(slow.time > 0)) return {};
+  return {{"time_s", slow.time},
+          {"drift_mm", slow.drift * 1e3},
+          {"walk_mm", slow.walk * 1e3},
+          {"circle_mm", slow.circle * 1e3},
+          {"overtones_mm", slow.overtones * 1e3},
+          {"common_circle_mm", slow.common_circle * 1e3},
+          {"common_overtones_mm", slow.common_overtones * 1e3}};
+}
+
+Json correlation_json(const fit::FitResult& result) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < result.parameters.size(); ++i)
+    for (std::size_t j = 0; j < result.parameters.size(); ++j)
+      json[fit::to_string(result.parameters[i].parameter)][fit::to_string(result.parameters[j].parameter)] =
+          finite(result.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+  return json;
+}
+
+Json slide_json(const fit::RunResult& run) {
+  Json json = {{"time_s", run.slide.time}, {"position_mm", Json::array()}, {"fitted_mm", Json::array()}};
+  for (const double m : run.slide.measured) json["position_mm"].push_back(m * 1e3);
+  for (const double m : run.slide.modelled) json["fitted_mm"].push_back(m * 1e3);
+  json["sentence"] = fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                                 run.nuisance.at("initial_speed_mm_s"), run.points, run.rms_m * 1e3);
+  return json;
+}
+
+Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
+  Json json = {{"name", analysed.run->name}, {"kind", analysed.run->free_slide ? "free_slide" : "pulses"}};
+  if (!analysed.failure.empty()) {
+    json["failure"] = analysed.failure;
+    return json;
+  }
+  if (!analysed.run->free_slide) {
+    const auto* gate =
+        analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
+    json["phi_rad"] = gate ? gate->phi.value : analysed.run->phi;
+    json["dtau_rad"] = gate ? gate->dtau.value : analysed.run->dtau;
+    json["phi_from"] = gate ? gate->source : "commanded";
+    if (gate) {
+      json["phi_rad_sd"] = gate->phi.sd;
+      json["dtau_rad_sd"] = gate->dtau.sd;
+      json["commanded"] = {{"phi_rad", analysed.run->phi}, {"dtau_rad", analysed.run->dtau}};
+    }
+  }
+  json["observables"] = Json::array();
+  for (const fit::RunResult& run : result.runs) {
+    if (run.name != analysed.run->name) continue;
+    json["scenario"] = json_of(run.fitted);
+    for (const fit::Residual& r : run.residuals)
+      json["observables"].push_back({{"observable", r.observable},
+                                     {"measured", finite(r.measured)},
+                                     {"modelled", finite(r.modelled)},
+                                     {"sd", finite(r.sd)},
+                                     {"standardised", finite(r.standardised)}});
+    if (run.points > 0) {
+      json["points"] = run.points;
+      json["residual_rms_mm"] = run.rms_m * 1e3;
+    }
+    if (!run.nuisance.empty()) json["nuisance"] = run.nuisance;
+    if (!run.slide.time.empty()) json["slide"] = slide_json(run);
+  }
+  return json;
+}
+
+const char* word_for(fit::Loss loss) {
+  switch (loss) {
+    case fit::Loss::squares:
+      return "squares";
+    case fit::Loss::huber:
+      return "huber";
+    case fit::Loss::cauchy:
+      return "cauchy";
+  }
+  return "";
+}
+
+Json next_json(const fit::NextExperiment& next, double mm_per_px) {
+  Json json = {{"phi_rad", next.phi},
+               {"dtau_rad", next.dtau},
+               {"amplitude_mm", next.amplitude * 1e3},
+               {"angular_frequency_rad_s", next.angular_frequency},
+               {"aim", next.aim ? Json(fit::to_string(*next.aim)) : Json()},
+               {"sentence", next.sentence}};
+  for (const auto& [parameter, sd] : next.predicted_sd) {
+    const double unit =
+        parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
+    json["predicted_sd"][fit::to_string(parameter)] = finite(sd * unit);
+    json["predicted_ci95"][fit::to_string(parameter)] =
+        interval_json(next.predicted_ci95.at(parameter), unit);
+  }
+  return json;
+}
+
+/// What was looked at besides the parameters: outliers, models, systematics.
+void add_checks(const fit::FitResult& result, Json& json) {
+  json["p_value"] = finite(result.p_value);
+  json["runs_test_p_value"] = finite(result.runs_test_p_value);
+  json["outliers"] = Json::array();
+  for (const fit::Outlier& outlier : result.outliers)
+    json["outliers"].push_back(
+        {{"run", outlier.run},
+         {"deviation", finite(outlier.deviation)},
+         {"chance", finite(outlier.chance)},
+         {"looks_like_phi_rad", outlier.looks_like_phi ? Json(*outlier.looks_like_phi) : Json()},
+         {"sentence", outlier.sentence}});
+  json["models"] = Json::array();
+  for (const fit::ModelComparison& model : result.models)
+    json["models"].push_back({{"name", model.name},
+                              {"unknowns", model.parameters},
+                              {"chi2", finite(model.chi2)},
+                              {"aic", finite(model.aic)},
+                              {"bic", finite(model.bic)},
+                              {"sentence", model.sentence}});
+  json["left_out"] = result.left_out;
+  json["systematics"] = result.systematics;
+  json["loss"] = word_for(result.loss);
+  if (result.bootstrap > 0)
+    json["bootstrap"] = {{"refits", result.bootstrap}, {"seed", result.bootstrap_seed}};
+}
+
+/// Whose zero phi counts from, and with it what a turned camera does to the lag. Empty without pulses.
+std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+  std::size_t by_camera = 0, by_sensor = 0;
+  for (const AnalysedRun& run : runs) {
+    if (!run.failure.empty() || run.run->free_slide || !run.measurement) continue;
+    if (run.measurement->phase_source == "assumed 0") continue;
+    ++(run.measurement->gate_reference == "camera" ? by_camera : by_sensor);
+  }
+  if (by_camera + by_sensor == 0) return "";
+  if (by_sensor == 0)
+    return "phi was measured in the camera's own phase in every run: the lag does not depend on how the "
+           "camera "
+           "is turned.";
+  return fmt::format(
+      "phi counts from the phase sensor in {} of {} runs (commanded, or from an oscilloscope not tied to the "
+      "camera): there an angle between the picture's x axis and the platform's displacement at the sensor's "
+      "pulse, beyond xi_axis_rad = {:.4g}, stands in the lag, radian for radian. A lamp in the picture "
+      "(gate_px) takes it out.",
+      by_sensor, by_camera + by_sensor, campaign.camera.xi_axis_rad);
+}
+
+}  // namespace
+
+Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result) {
+  Json json;
+  json["parameters"] = parameters_json(result, reference_mm_per_px(runs));
+  json["correlation"] = correlation_json(result);
+  json["chi2"] = finite(result.chi2);
+  json["dof"] = result.dof;
+  json["converged"] = result.converged;
+  json["usable"] = result.usable();
+  json["scatter_mm"] = result.scatter * 1e3;
+  json["scatter_along_m"] = result.scatter_along;
+  json["scatter_across_m"] = result.scatter_across;
+  json["slow_errors"] = slow_json(result.slow_errors);
+  json["minima"] = minima_json(result, reference_mm_per_px(runs));
+  json["covariance_meaning"] = result.covariance_meaning;
+  json["identifiability"] = {{"verdict", word_for(result.identifiability.verdict)},
+                             {"weak_directions", result.identifiability.weak_directions},
+                             {"singular_values", result.identifiability.singular_values}};
+  json["runs"] = Json::array();
+  for (const AnalysedRun& run : runs) json["runs"].push_back(run_json(run, result));
+  const double mm_per_px = reference_mm_per_px(runs);
+  json["next_experiment"] = result.next_experiment ? next_json(*result.next_experiment, mm_per_px) : Json();
+  json["other_next_experiments"] = Json::array();
+  for (const fit::NextExperiment& next : result.other_next_experiments)
+    json["other_next_experiments"].push_back(next_json(next, mm_per_px));
+  add_checks(result, json);
+  json["phase_reference"] = phase_reference(campaign, runs);
+  json["warnings"] = result.warnings;
+  for (const std::string& warning : campaign.warnings) json["warnings"].push_back(warning);
+  for (const AnalysedRun& run : runs)
+    if (run.measurement)
+      for (const std::string& warning : run.measurement->warnings) json["warnings"].push_back(warning);
+  return json;
+}
+
+std::string parameter_table(const Json& fit) {
+  std::string table =
+      fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", "parameter", "estimate", "sd", "ci95_low", "ci95_high");
+  const auto number = [](const Json& value) {
+    return value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : std::string("open");
+  };
+  for (const auto& [name, p] : fit.at("parameters").items())
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", name, number(p["estimate"]), number(p["sd"]),
+                         number(p["ci95"][0]), number(p["ci95"][1]));
+  return table;
+}
+
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                            const Context& context, fit::FitOptions options) {
+  options.threads = threads_to_use(context);
+  StageProgress progress(context.quiet);
+  options.progress = [&progress](const char* stage, std::size_t done, std::size_t total) {
+    progress.update(std::string("fit, ") + stage, done, total);
+  };
+  return fit::estimate(problem_of(campaign, runs), options);
+}
+
+std::vector<std::string> remedies(const fit::FitResult& result) {
+  if (result.usable()) return {};
+  std::vector<std::string> sentences = result.identifiability.weak_directions;
+  if (result.next_experiment) sentences.push_back(result.next_experiment->sentence);
+  for (const fit::NextExperiment& next : result.other_next_experiments)
+    if (!result.next_experiment) sentences.push_back(next.sentence);
+  return sentences;
+}
+
+}  // namespace tribotrack::apps

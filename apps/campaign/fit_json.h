@@ -1,0 +1,31 @@
+// fit.json: the fit's result for machines, and the table people read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/campaign/analysis.h"
+#include "apps/files/campaign.h"
+#include "apps/commands/command.h"
+#include "apps/files/meta_file.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::apps {
+
+/// The object of fit.json. Parameters stand in campaign units, as their names say.
+Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result);
+
+/// One line per parameter on stdout: name, estimate, sd, low and high end of the 95 % interval,
+/// blank-separated.
+std::string parameter_table(const Json& fit);
+
+/// With the command's threads, telling its progress; `options` hold what was asked for beyond the campaign
+/// file.
+fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                            const Context& context, fit::FitOptions options = {});
+
+/// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
+/// to film next. Empty for a usable one.
+std::vector<std::string> remedies(const fit::FitResult& result);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,229 @@
+#include "apps/campaign/measure_run.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+/// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
+void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
+  const double stated = std::sin(phase_shift), measured = std::sin(seen.phase_shift.value);
+  if (stated * measured >= 0 || std::abs(measured) < 5 * seen.phase_shift.sd) return;
+  throw InvalidInput(
+      fmt::format("{}: the platform is seen to turn {}, but phase_shift_rad = {:.4g} means {}; set "
+                  "phase_shift_rad = {:.4g}, or check "
+                  "whether the picture is mirrored",
+                  name, seen.clockwise ? "clockwise" : "counter-clockwise", phase_shift,
+                  seen.clockwise ? "counter-clockwise" : "clockwise", -phase_shift));
+}
+
+void compare(std::vector<std::string>& warnings, const std::string& name, const char* what,
+             const fit::Estimate& seen, double given) {
+  const double off = std::abs(seen.value - given);
+  if (off > 5 * seen.sd && off > 2e-3 * std::abs(given))
+    warnings.push_back(
+        fmt::format("{}: the marker says {} = {:.6g} +- {:.2g}, the campaign {:.6g}: the given value is "
+                    "used; leave it out to use the measured one",
+                    name, what, seen.value, seen.sd, given));
+}
+
+/// The platform's phase over the camera's time; nullopt where nothing tells it.
+std::optional<fit::PhaseClock> clock_of(const RunMeasurement& m, const GivenConditions& given) {
+  if (m.platform)
+    return fit::PhaseClock{m.platform->angular_frequency.value, m.platform->phase_at_zero.value,
+                           m.platform->phase_at_middle.sd};
+  if (m.angular_frequency && given.phase_at_zero)
+    return fit::PhaseClock{m.angular_frequency->value, *given.phase_at_zero, 0};
+  return std::nullopt;
+}
+
+void note_against_command(const std::string& name, const fit::GateTiming& gate, const GivenConditions& given,
+                          std::vector<std::string>& warnings) {
+  const auto differs = [&](const char* what, double seen, double commanded, double sd) {
+    const double off = std::remainder(seen - commanded, 2 * std::numbers::pi);
+    if (std::abs(off) > std::max(5 * sd, 0.05))
+      warnings.push_back(
+          fmt::format("{}: the {} shows {} = {:.4f} rad, commanded was {:.4f}: the measured value is used",
+                      name, gate.source, what, seen, commanded));
+  };
+  if (given.dtau) differs("dtau", gate.dtau.value, *given.dtau, gate.dtau.sd);
+}
+
+/// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else
+/// it counts from its own sensor.
+void measure_gate(const std::string& name, const TrackFile& track, const GivenConditions& given,
+                  RunMeasurement& m) {
+  const auto take = [&](const fit::GateMeasurement& seen, const char* what, const char* reference) {
+    if (seen.timing) {
+      m.gate = seen.timing;
+      m.gate_reference = reference;
+    } else {
+      m.warnings.push_back(
+          fmt::format("{}: {} does not tell the gate: {}; phi and dtau are taken as commanded", name, what,
+                      seen.why_not));
+    }
+  };
+  if (!track.lamp.time.empty()) {
+    if (m.phase_clock)
+      take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp", "camera");
+    else
+      m.warnings.push_back(fmt::format(
+          "{}: the lamp blinks against a platform whose phase nothing tells: phi and dtau are taken as "
+          "commanded; give a marker, or phase_at_zero_rad",
+          name));
+  }
+  if (!given.scope) {
+    if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
+    return;
+  }
+  const ScopeEvidence& scope = *given.scope;
+  if (m.gate) {  // the lamp gave phi in the camera's own phase
+    const fit::PhaseClock any{m.phase_clock->angular_frequency, 0, 0};
+    if (const auto seen = fit::gate_from_scope(scope.events, any); seen.timing) {
+      const fit::GateTiming lamp = *m.gate;
+      m.gate->dtau = seen.timing->dtau;
+      m.gate->covariance = 0;
+      m.gate->source = "lamp and scope";
+      if (std::abs(lamp.dtau.value - seen.timing->dtau.value) >
+          5 * std::hypot(lamp.dtau.sd, seen.timing->dtau.sd) + 0.01)
+        m.warnings.push_back(fmt::format(
+            "{}: the lamp shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
+            "used; does the lamp follow the actuator's gate?",
+            name, lamp.dtau.value, seen.timing->dtau.value));
+    }
+  } else if (scope.tie == ScopeTie::trigger && scope.trigger_time && m.phase_clock) {
+    fit::PhaseClock clock = *m.phase_clock;
+    clock.phase_at_zero += clock.angular_frequency * *scope.trigger_time;
+    take(fit::gate_from_scope(scope.events, clock, scope.tie_sd), "the oscilloscope", "camera");
+  } else if (scope.sensor) {
+    take(fit::gate_from_scope(scope.events, scope.sensor->clock), "the oscilloscope", "sensor");
+  } else {
+    m.warnings.push_back(
+        fmt::format("{}: the oscilloscope trace holds no reference pulses and is not tied to the camera: phi "
+                    "and dtau are "
+                    "taken as commanded; name [scope] sensor_channel, or tie = \"trigger\"",
+                    name));
+  }
+  if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
+}
+
+void put(Json& json, const std::string& name, const fit::Estimate& estimate, double unit = 1) {
+  json[name] = estimate.value / unit;
+  json[name + "_sd"] = estimate.sd / std::abs(unit);
+}
+
+}  // namespace
+
+RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given) {
+  if (track.table.time.size() < 2)
+    throw fit::DataError(fmt::format("{}: the part was tracked in {} frames; nothing can be measured", name,
+                                     track.table.time.size()));
+  RunMeasurement m;
+  m.platform = fit::measure_platform_motion(track.table);
+  if (m.platform && given.phase_shift) require_same_sense(name, *m.platform, *given.phase_shift);
+  if (m.platform && given.angular_frequency)
+    compare(m.warnings, name, "angular_frequency_rad_s", m.platform->angular_frequency,
+            *given.angular_frequency);
+  if (m.platform && given.amplitude && *given.amplitude > 0) {
+    const fit::Estimate mm{m.platform->amplitude.value * 1e3, m.platform->amplitude.sd * 1e3};
+    compare(m.warnings, name, "amplitude_mm", mm, *given.amplitude * 1e3);
+  }
+
+  if (given.angular_frequency)
+    m.angular_frequency = fit::Estimate{*given.angular_frequency, 0};
+  else if (m.platform)
+    m.angular_frequency = m.platform->angular_frequency;
+
+  const double start = track.table.time.front();
+  if (m.platform) {
+    // The measured w carries the measured phase to the start: they were fitted together.
+    m.phase_at_start = m.platform->angular_frequency.value * start + m.platform->phase_at_zero.value;
+    m.phase_source = track.platform_from_texture ? "texture" : "marker";
+  } else {
+    m.phase_at_start =
+        given.phase_at_zero.value_or(0) + (m.angular_frequency ? m.angular_frequency->value * start : 0);
+    m.phase_source = given.phase_at_zero ? "given" : "assumed 0";
+  }
+  m.phase_clock = clock_of(m, given);
+  measure_gate(name, track, given, m);
+  if (m.platform && m.platform->frequency_drifts())
+    m.warnings.push_back(
+        fmt::format("{}: the platform's frequency drifts by {:.3g} +- {:.2g} rad/s^2, {:.2g} % of w over the "
+                    "recording; w "
+                    "is its mean",
+                    name, m.platform->frequency_drift->value, m.platform->frequency_drift->sd,
+                    100 * std::abs(m.platform->frequency_drift->value) * (track.table.time.back() - start) /
+                        m.platform->angular_frequency.value));
+  if (m.angular_frequency) {
+    try {
+      m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
+    } catch (const fit::DataError& error) {
+      throw fit::DataError(fmt::format("{}: {}", name, error.what()));
+    }
+  }
+  return m;
+}
+
+Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
+  Json json = Json::object();
+  const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
+  if (m.displacement) {
+    const fit::Displacement d = fit::with_scale_sd(*m.displacement, scale_sd);
+    put(json, "dx_mm", {d.vector.x(), std::sqrt(d.covariance(0, 0))}, 1e-3);
+    put(json, "dy_mm", {d.vector.y(), std::sqrt(d.covariance(1, 1))}, 1e-3);
+    json["cov_dx_dy_mm2"] = d.covariance(0, 1) * 1e6;
+    if (d.alpha) put(json, "alpha_rad", *d.alpha);
+    put(json, "v_mm_s", d.mean_velocity, 1e-3);
+    json["cycles"] = d.cycles;
+  }
+  if (m.platform) {
+    const fit::PlatformMotion platform = fit::with_scale_sd(*m.platform, scale_sd);
+    put(json, "amplitude_mm", platform.amplitude, 1e-3);
+    put(json, "amplitude_y_mm", platform.amplitude_y, 1e-3);
+    put(json, "angular_frequency_rad_s", m.platform->angular_frequency);
+    put(json, "phase_shift_rad", m.platform->phase_shift);
+    put(json, "phase_at_zero_rad", m.platform->phase_at_zero);
+    if (m.platform->frequency_drift)
+      put(json, "angular_frequency_drift_rad_s2", *m.platform->frequency_drift);
+    json["harmonics"] = Json::array();
+    for (const fit::Harmonic& h : m.platform->harmonics) {
+      Json entry = {{"order", h.order}, {"seen", h.seen()}};
+      put(entry, "amplitude_mm", h.amplitude, 1e-3);
+      put(entry, "amplitude_y_mm", h.amplitude_y, 1e-3);
+      json["harmonics"].push_back(entry);
+    }
+    json["platform_residual_rms_mm"] = m.platform->residual_rms * 1e3;
+    json["sense"] = m.platform->clockwise ? "clockwise" : "counter-clockwise";
+  } else if (m.angular_frequency) {
+    put(json, "angular_frequency_rad_s", *m.angular_frequency);
+  }
+  if (m.gate) {
+    put(json, "phi_rad", m.gate->phi);
+    put(json, "dtau_rad", m.gate->dtau);
+    json["gate"] = {{"source", m.gate->source},
+                    {"phi_counts_from", m.gate_reference},
+                    {"cycles", m.gate->cycles},
+                    {"partly_lit_frames", m.gate->partly_lit},
+                    {"bracket_rad", m.gate->bracket},
+                    {"edge_jitter_rad", m.gate->jitter},
+                    {"cov_phi_dtau_rad2", m.gate->covariance}};
+  }
+  json["phase_at_start_rad"] = m.phase_at_start;
+  json["phase_source"] = m.phase_source;
+  if (track.mm_per_px) {
+    json["mm_per_px"] = *track.mm_per_px;
+    json["mm_per_px_sd"] = track.mm_per_px_sd.value_or(0);
+  }
+  json["frames"] = track.frames;
+  json["tracked"] = track.table.time.size();
+  json["warnings"] = m.warnings;
+  return json;
+}
+
+}  // namespace tribotrack::apps

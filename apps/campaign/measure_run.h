@@ -1,0 +1,64 @@
+// From a track table to what the fit takes: displacement, platform, phase at the start.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/files/track_file.h"
+#include "fit/gate_timing.h"
+#include "fit/measurement.h"
+#include "fit/scope_timing.h"
+
+namespace tribotrack::apps {
+
+/// How an oscilloscope's time is tied to the camera's.
+enum class ScopeTie {
+  sensor,   ///< not at all: phi counts from the reference sensor's pulses
+  trigger,  ///< both saw one trigger
+  lamp,     ///< the lamp in the picture gives phi, the trace dtau
+};
+
+/// A run's oscilloscope trace, read and searched for its events.
+struct ScopeEvidence {
+  fit::ScopeEvents events;
+  std::optional<fit::SensorClock> sensor;
+  ScopeTie tie = ScopeTie::sensor;
+  std::optional<double> trigger_time;  ///< s, of the oscilloscope's zero in the camera's time
+  double tie_sd = 0;                   ///< s
+};
+
+/// What is known beforehand of one run's conditions; what is empty is measured from the marker.
+struct GivenConditions {
+  std::optional<double> angular_frequency;  ///< rad/s
+  std::optional<double> amplitude;          ///< m
+  std::optional<double> phase_shift;        ///< rad
+  std::optional<double> phase_at_zero;      ///< rad
+  std::optional<double> phi, dtau;          ///< rad, as commanded: only compared with what is seen
+  std::optional<ScopeEvidence> scope;
+  int cycles = 20;
+};
+
+/// Everything one track tells.
+struct RunMeasurement {
+  std::optional<fit::PlatformMotion> platform;
+  std::optional<fit::Displacement> displacement;   ///< empty where w is neither given nor measured
+  std::optional<fit::Estimate> angular_frequency;  ///< the one used: given (sd 0) or measured
+  double phase_at_start = 0;                       ///< wt at the first tracked frame, rad
+  std::string phase_source;                        ///< "marker", "texture", "given", "assumed 0"
+  std::optional<fit::GateTiming> gate;             ///< phi and dtau as they were
+  /// What phi counts from: "camera" (the platform's phase in the picture: a turned camera cancels) or
+  /// "sensor" (the reference sensor, like a commanded phi).
+  std::string gate_reference;
+  std::optional<fit::PhaseClock> phase_clock;  ///< wt in the camera's time, where it is known
+  std::vector<std::string> warnings;
+};
+
+/// Throws fit::DataError (track shorter than one cycle) and InvalidInput (measured sense contradicts the
+/// given one); `name` stands in their messages.
+RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given);
+
+/// The object `measure --json` prints: every quantity that can be told, with its _sd.
+Json measurement_json(const RunMeasurement& measurement, const TrackFile& track);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,139 @@
+#include "apps/commands/command.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "apps/text/angle.h"
+#include "fit/measurement.h"
+#include "model/scenario.h"
+#include "vision/picture.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+using Parser = std::optional<double> (*)(std::string_view);
+
+void add_parsed(CLI::App& command, const std::string& flag, std::optional<double>& value,
+                const std::string& help, Parser parse, const std::string& kind) {
+  command
+      .add_option_function<std::string>(
+          flag,
+          [&value, flag, parse, kind](const std::string& text) {
+            value = parse(text);
+            if (!value) throw CLI::ValidationError(flag, fmt::format("must be {}, not \"{}\"", kind, text));
+          },
+          help)
+      ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");
+}
+
+void complain(const std::string& message) {
+  fmt::print(stderr, "tribotrack: {}\n", message);
+}
+
+void add_commands(CLI::App& app, Context& context) {
+  add_run(app, context);
+  add_track(app, context);
+  add_measure(app, context);
+  add_fit(app, context);
+  add_report(app, context);
+  add_probe(app, context);
+  add_calibrate(app, context);
+  add_simulate(app, context);
+  add_sweep(app, context);
+  add_synth(app, context);
+  add_bench(app, context);
+  add_init(app, context);
+}
+
+}  // namespace
+
+void add_common(CLI::App& command, Context& context, const std::string& example) {
+  command.add_flag("--quiet,-q", context.quiet, "No progress and no notes on stderr; errors only");
+  command.add_option("--threads", context.threads, "Threads to use (default: all this process may use)")
+      ->check(CLI::Range(1, 4096));
+  command.set_version_flag("--version", "tribotrack " TRIBOTRACK_VERSION);
+  command.footer(
+      "Example:\n" + example +
+      "\n\nExit codes: 0 done, 2 usage, 3 bad input or output, 4 a quality gate failed, 5 fit unusable.");
+}
+
+void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
+               const std::string& help) {
+  add_parsed(command, flag, value, help, parse_angle, "an angle in radians such as 0.5, pi/2 or 11pi/9");
+}
+
+void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
+                const std::string& help) {
+  add_parsed(command, flag, value, help, parse_number, "a finite number");
+}
+
+int threads_to_use(const Context& context) {
+  if (context.threads > 0) return context.threads;
+  int count = 1;
+  cpu_set_t cpus;
+  if (sched_getaffinity(0, sizeof cpus, &cpus) == 0) count = CPU_COUNT(&cpus);
+  if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
+    if (const int given = std::atoi(slurm); given > 0) count = std::min(count, given);
+  std::ifstream quota_file("/sys/fs/cgroup/cpu.max");
+  std::string quota;
+  double period = 0;
+  if (quota_file >> quota >> period && quota != "max" && period > 0)
+    count = std::min(count, std::max(1, static_cast<int>(std::atof(quota.c_str()) / period)));
+  return std::max(1, count);
+}
+
+int run_program(int argc, const char* const* argv) {
+  Context context;
+  CLI::App app{
+      "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters"};
+  app.set_version_flag("--version", "tribotrack " TRIBOTRACK_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
+      "-o OUT`.\n"
+      "Each command explains itself: tribotrack COMMAND --help");
+  add_commands(app, context);
+  try {
+    app.parse(argc, argv);
+    return context.exit_code;
+  } catch (const CLI::ParseError& error) {
+    // CLI11's own codes (100-110) collide with those workflow engines retry on.
+    if (error.get_exit_code() == 0) return app.exit(error);
+    complain(fmt::format("{} (see --help)", error.what()));
+    return kUsage;
+  } catch (const UsageError& error) {
+    complain(error.what());
+    return kUsage;
+  } catch (const InvalidInput& error) {
+    complain(error.what());
+    return kInvalidInput;
+  } catch (const vision::InputError& error) {
+    complain(error.what());
+    return kInvalidInput;
+  } catch (const fit::DataError& error) {
+    complain(error.what());
+    return kInvalidInput;
+  } catch (const model::InvalidParameter& error) {
+    complain(error.what());
+    return kInvalidInput;
+  } catch (const std::invalid_argument& error) {
+    complain(error.what());
+    return kInvalidInput;
+  } catch (const std::bad_alloc&) {
+    complain("out of memory");
+    return kUnexpected;
+  } catch (const std::exception& error) {
+    complain(
+        fmt::format("unexpected error: {}; please report it with the input that shows it", error.what()));
+    return kUnexpected;
+  }
+}
+
+}  // namespace tribotrack::apps

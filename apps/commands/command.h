@@ -1,0 +1,49 @@
+// The commands of the program: what they share, and one function each that adds them to the command line.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+/// What every command can be told, and how it ended.
+struct Context {
+  bool quiet = false;
+  int threads = 0;             ///< 0: as many as this process may use
+  ExitCode exit_code = kDone;  ///< set by a command that ends orderly but not well
+};
+
+/// Adds --quiet, --threads and --version and the example at the end of --help.
+void add_common(CLI::App& command, Context& context, const std::string& example);
+
+/// Adds an option that takes an angle in radians: a number or "11pi/9".
+void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
+               const std::string& help);
+/// Adds an option that takes a finite number.
+void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
+                const std::string& help);
+
+/// min(affinity, SLURM_CPUS_PER_TASK, cgroup quota) where the user does not say.
+int threads_to_use(const Context& context);
+
+void add_simulate(CLI::App& app, Context& context);
+void add_sweep(CLI::App& app, Context& context);
+void add_synth(CLI::App& app, Context& context);
+void add_probe(CLI::App& app, Context& context);
+void add_track(CLI::App& app, Context& context);
+void add_measure(CLI::App& app, Context& context);
+void add_fit(CLI::App& app, Context& context);
+void add_report(CLI::App& app, Context& context);
+void add_run(CLI::App& app, Context& context);
+void add_bench(CLI::App& app, Context& context);
+void add_calibrate(CLI::App& app, Context& context);
+void add_init(CLI::App& app, Context& context);
+
+/// Parses a command line and carries it out. Errors go to stderr as one sentence; the result is the exit
+/// code.
+int run_program(int argc, const char* const* argv);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,103 @@
+// tribotrack init: a commented campaign to start from.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/text/output_file.h"
+#include "apps/program/progress.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr const char* kCampaign = R"(# A tribotrack campaign: edit the lines that are not comments, then
+#   tribotrack run campaign.toml -o out
+# Units stand in the key names. Angles are radians: a number, or a text such as "pi/3".
+
+[platform]                      # xi = A cos(wt) to the right, eta = A cos(wt + epsilon) upwards
+# amplitude_mm = 0.28           # A; leave out to measure it from the marker. 0 = platform at rest
+# angular_frequency_rad_s = 62.8  # w; likewise
+phase_shift_rad = "pi/2"        # epsilon: pi/2 turns clockwise, "-pi/2" counter-clockwise (as seen, y up)
+gravity_m_s2 = 9.81
+
+[part]
+diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
+
+[camera]
+# frame_rate_hz = 1000.0        # only where the recording does not say it (`tribotrack probe VIDEO` tells)
+# mm_per_px = 0.02
+# xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
+# disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
+marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none
+# marker = "texture"            # without marker_px: follow the platform's own texture; "auto": a round mark, else texture
+# gate_px = [30, 30, 6]         # a lamp that is lit while the actuator is on: phi and dtau are measured from it
+
+# [scope]                       # for runs with `scope = "trace.csv"` (Rigol DS1000Z, DS1102E, MSO5000 layouts)
+# sensor_channel = 1            # reference pulses of the platform's phase sensor; 0 = none
+# actuator_channel = 2          # the bursts that drive the actuator; 0 = none
+# carrier_hz = 5890
+# sensor_delay_s = 0.0          # by which the sensor's filter makes its pulse late, with its sd
+# sensor_delay_sd_s = 0.0
+# tie = "sensor"                # phi counts from the sensor; "trigger": both zero at one trigger; "lamp": phi from gate_px
+# trigger_time_s = 0.0          # the trigger in the recording's time; a .cine tells it by itself
+
+[fit]
+parameters = ["mu1", "mu2", "phase_lag_rad"]
+start = "rest"                  # how runs start at their first analysed frame: rest, circling or steady
+cycles = 20                     # whole cycles alpha and v are measured over, at most
+
+# One [[run]] per recording. Vary phi AND dtau: a sweep of phi alone cannot tell mu1 from the lag.
+[[run]]
+video = "phi000_dtau060.cine"   # relative to this file
+phi_rad = 0
+dtau_rad = "pi/3"
+
+[[run]]
+video = "phi090_dtau060.cine"
+phi_rad = "pi/2"
+dtau_rad = "pi/3"
+
+[[run]]
+video = "phi000_dtau120.cine"
+phi_rad = 0
+dtau_rad = "2pi/3"
+
+# A run measured elsewhere needs no video:
+# [[run]]
+# phi_rad = 0
+# dtau_rad = "pi/6"
+# alpha_rad = 5.93
+# alpha_sd_rad = 0.02
+# v_mm_s = 1.78
+# v_sd_mm_s = 0.04
+
+# The part set sliding by hand on the resting platform gives mu1 by itself:
+# [[run]]
+# video = "free_slide.mp4"
+# kind = "free_slide"
+# frames = [120, 480]           # from just after it is let go until it leaves the picture or rests
+)";
+
+}  // namespace
+
+void add_init(CLI::App& app, Context& context) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App& command = *app.add_subcommand("init", "Write a commented campaign to start from");
+  command.add_option("DIR", *folder, "Folder to write campaign.toml into; made if it is not there")
+      ->required();
+  add_common(command, context, "  tribotrack init my_campaign");
+  command.callback([folder, &context] {
+    create_folder(*folder);
+    const std::filesystem::path file = std::filesystem::path(*folder) / "campaign.toml";
+    if (std::filesystem::exists(file))
+      throw InvalidInput(
+          fmt::format("{}: is there already and is not overwritten; give another folder", file.string()));
+    write_file(file, kCampaign);
+    fmt::print("{}\n", file.string());
+    say(context.quiet, fmt::format("edit it, then: tribotrack run {} -o {}", file.string(),
+                                   (std::filesystem::path(*folder) / "out").string()));
+  });
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,76 @@
+// tribotrack measure: alpha, v and what else one track tells.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/campaign/measure_text.h"
+#include "apps/campaign/measure_run.h"
+#include "apps/text/output_file.h"
+#include "apps/program/progress.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+struct MeasureOptions {
+  std::string track, output;
+  std::optional<double> angular_frequency, phase_shift, cycles;
+  bool json = false;
+};
+
+void measure_command(const MeasureOptions& options, const Context& context) {
+  if (!options.output.empty()) require_writable(options.output);
+  const TrackFile track = read_track_file(options.track);
+  GivenConditions given;
+  if (options.angular_frequency && !(*options.angular_frequency > 0))
+    throw UsageError("--omega-rad-s must be greater than 0");
+  given.angular_frequency = options.angular_frequency;
+  given.phase_shift = options.phase_shift;
+  if (options.cycles) {
+    if (!(*options.cycles >= 1 && *options.cycles <= 1e6))
+      throw UsageError("--cycles must be between 1 and 1000000");
+    given.cycles = static_cast<int>(*options.cycles);
+  }
+  const RunMeasurement measurement = measure_run(options.track, track, given);
+  if (!measurement.displacement)
+    throw InvalidInput(
+        fmt::format("{}: the platform's frequency is neither given nor seen in the track; give "
+                    "--omega-rad-s, or track with --marker",
+                    options.track));
+  const Json json = measurement_json(measurement, track);
+  if (!options.output.empty()) {
+    MetaFile meta;
+    meta.command = "measure";
+    meta.inputs = {options.track};
+    meta.configuration = {{"omega_rad_s", given.angular_frequency ? Json(*given.angular_frequency) : Json()},
+                          {"cycles", given.cycles}};
+    write_file(options.output, text_of(json));
+    meta.write_beside(options.output);
+  }
+  fmt::print("{}", options.json ? text_of(json) : measurement_text(measurement, track));
+  for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Context& context) {
+  auto options = std::make_shared<MeasureOptions>();
+  CLI::App& command =
+      *app.add_subcommand("measure", "alpha, v and, where visible, the platform's motion, from a track");
+  command.add_option("TRACK", options->track, "A table written by `tribotrack track`")
+      ->type_name("T.csv")
+      ->required();
+  add_number(command, "--omega-rad-s", options->angular_frequency,
+             "Angular frequency of the platform, where no marker shows it");
+  add_angle(command, "--epsilon-rad", options->phase_shift,
+            "Phase shift the platform should have: its sense is checked");
+  add_number(command, "--cycles", options->cycles, "Whole cycles to measure over, at most (default 20)");
+  command.add_option("-o,--output", options->output, "Write the results as JSON")->type_name("M.json");
+  command.add_flag("--json", options->json, "Print the results as one JSON object");
+  add_common(command, context,
+             "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8");
+  command.callback([options, &context] { measure_command(*options, context); });
+}
+
+}  // namespace tribotrack::apps

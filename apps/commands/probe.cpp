@@ -1,0 +1,135 @@
+// tribotrack probe: what a recording is, and where its frame rate comes from.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/files/meta_file.h"
+#include "vision/frame_source.h"
+#include "vision/duplicate_frames.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+/// Frames are compared until so many pixels have been: a second or two.
+constexpr double kPixelsToCompare = 3e8;
+
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json stamps_json(const vision::StampCheck& check, std::int64_t first_image) {
+  Json stretches = Json::array(), missing = Json::array(), strays = Json::array();
+  for (const auto& s : check.stretches)
+    stretches.push_back({{"first_image", first_image + s.first},
+                         {"last_image", first_image + s.last},
+                         {"rate_hz", s.rate_hz}});
+  for (const auto& gap : check.missing)
+    missing.push_back({{"after_image", first_image + gap.after}, {"frames", gap.count}});
+  for (const std::int64_t stray : check.strays) strays.push_back(first_image + stray);
+  return {{"uniform", check.uniform},
+          {"variable_rate", check.variable},
+          {"stretches", stretches},
+          {"missing", missing},
+          {"stray_images", strays}};
+}
+
+Json repeats_json(const vision::RepeatedFrames& repeats, std::int64_t first_image) {
+  Json images = Json::array(), still = Json::array();
+  for (const std::int64_t k : repeats.repeated) images.push_back(first_image + k);
+  for (const auto& [first, last] : repeats.still)
+    still.push_back(Json::array({first_image + first, first_image + last}));
+  return {{"frames_compared", repeats.looked_at}, {"repeated_images", images}, {"still_images", still}};
+}
+
+Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
+  Json json = {{"path", info.path.string()},
+               {"format", info.format},
+               {"codec", info.codec},
+               {"width_px", info.width},
+               {"height_px", info.height},
+               {"bits", info.bits},
+               {"colour", info.colour},
+               {"frames", info.frame_count},
+               {"first_image", info.first_number},
+               {"last_image", info.first_number + info.frame_count - 1},
+               {"exposure_s", optional_json(info.exposure_s)},
+               {"exposure_varies", !info.exposures_s.empty()},
+               {"black_level", optional_json(info.black_level)},
+               {"white_level", optional_json(info.white_level)},
+               {"camera", info.camera},
+               {"trigger_time", info.trigger_time},
+               {"time_base", json_of(info.time_base)}};
+  if (info.time_base.known() && info.frame_count > 0)
+    json["last_time_s"] = info.time_base.time_s(info.frame_count - 1);
+  if (!info.time_base.known()) json["time_base"]["why_unknown"] = info.time_base.why_unknown();
+  if (info.time_base.check.rate_hz > 0)
+    json["time_base"]["stamps_say"] = stamps_json(info.time_base.check, info.first_number);
+  json["repeats"] = repeats_json(repeats, info.first_number);
+  json["notes"] = info.notes;
+  return json;
+}
+
+void print(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
+  fmt::print("{}\n  {} ({}), {} x {} pixels, {} bits{}\n", info.path.string(), info.format, info.codec,
+             info.width, info.height, info.bits, info.colour ? ", colour" : "");
+  fmt::print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
+             info.first_number + info.frame_count - 1);
+  if (info.time_base.known())
+    fmt::print("  recorded at {} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
+               info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
+  else
+    fmt::print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
+               info.time_base.why_unknown());
+  for (const auto& candidate : info.time_base.candidates)
+    fmt::print("    {} {} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected",
+               candidate.rate_hz, candidate.source, candidate.reason);
+  if (!info.exposures_s.empty())
+    fmt::print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
+               std::ranges::max(info.exposures_s));
+  else if (info.exposure_s)
+    fmt::print("  exposure {:.6g} s\n", *info.exposure_s);
+  if (info.black_level && info.white_level)
+    fmt::print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
+  if (!info.camera.empty()) fmt::print("  camera {}\n", info.camera);
+  if (!info.trigger_time.empty()) fmt::print("  triggered {}\n", info.trigger_time);
+  for (const auto& note : info.notes) fmt::print("  note: {}\n", note);
+  if (repeats.looked_at < info.frame_count)
+    fmt::print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
+}
+
+}  // namespace
+
+void add_probe(CLI::App& app, Context& context) {
+  auto video = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  auto fps = std::make_shared<std::optional<double>>();
+  CLI::App& command =
+      *app.add_subcommand("probe", "Say what a recording is and where its frame rate comes from");
+  command.add_option("VIDEO", *video, "The recording")->required();
+  add_number(command, "--fps", *fps, "Your word on the frame rate, to see how it is taken");
+  command.add_flag("--json", *json, "Print one JSON object");
+  add_common(command, context, "  tribotrack probe phi000.cine");
+  command.callback([video, json, fps] {
+    const auto source = vision::open_source(*video, {*fps});
+    vision::SourceInfo info = source->info();
+    const double pixels = static_cast<double>(info.width) * info.height;
+    vision::RepeatedFrames repeats;
+    try {
+      repeats =
+          vision::find_repeated_frames(*source, static_cast<std::int64_t>(kPixelsToCompare / pixels) + 2);
+    } catch (const vision::InputError& error) {
+      info.notes.push_back(std::string("not every frame can be read: ") + error.what());
+    }
+    for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
+    if (*json)
+      fmt::print("{}", text_of(description_of(info, repeats)));
+    else
+      print(info, repeats);
+  });
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,152 @@
+// tribotrack sweep: alpha and v over one or two parameters.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+
+#include "apps/text/angle.h"
+#include "apps/commands/command.h"
+#include "apps/files/meta_file.h"
+#include "apps/text/number_text.h"
+#include "apps/text/output_file.h"
+#include "apps/program/progress.h"
+#include "apps/files/scenario_file.h"
+#include "model/batch.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+struct Axis {
+  std::string name;
+  double from = 0, to = 0;
+  long count = 0;
+  double value(long k) const {
+    return count == 1 ? from : from + (to - from) * static_cast<double>(k) / static_cast<double>(count - 1);
+  }
+};
+
+Axis parse_axis(const std::string& text) {
+  const auto refuse = [&] {
+    throw UsageError(fmt::format("--over {}: must read NAME=FROM:TO:COUNT, such as phi_rad=0:2pi:73", text));
+  };
+  const auto equals = text.find('=');
+  const auto first = text.find(':', equals == std::string::npos ? 0 : equals);
+  const auto second = first == std::string::npos ? first : text.find(':', first + 1);
+  if (equals == std::string::npos || second == std::string::npos) refuse();
+  Axis axis;
+  axis.name = text.substr(0, equals);
+  const auto from = parse_angle(text.substr(equals + 1, first - equals - 1));
+  const auto to = parse_angle(text.substr(first + 1, second - first - 1));
+  const auto count = parse_number(text.substr(second + 1));
+  if (!from || !to || !count || *count < 1 || *count > 1e8 || *count != std::floor(*count)) refuse();
+  axis.from = *from;
+  axis.to = *to;
+  axis.count = static_cast<long>(*count);
+  return axis;
+}
+
+/// All scenarios' ends and steady motions, on all threads.
+model::BatchOutcome solve(std::size_t total, const std::function<model::Scenario(std::size_t)>& scenario_at,
+                          const Context& context) {
+  Progress progress("sweep", context.quiet);
+  model::BatchOptions options;
+  options.steady = true;
+  options.threads = threads_to_use(context);
+  options.progress = [&progress](std::size_t done, std::size_t of) {
+    progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(of));
+  };
+  model::BatchOutcome outcome = model::solve_batch(total, scenario_at, options);
+  for (std::size_t k = 0; k < total; ++k) {
+    if (outcome.ends[k].status == model::BatchStatus::failed) throw std::runtime_error(outcome.reasons.at(k));
+    if (outcome.ends[k].status != model::BatchStatus::done)
+      throw model::InvalidParameter(outcome.reasons.at(k));
+  }
+  return outcome;
+}
+
+/// alpha and v, mm/s; empty where there is none.
+template <class Solution>
+std::string cells(const Solution& solution) {
+  if (solution.status != model::BatchStatus::done) return ",";
+  return compact(solution.alpha) + "," + compact(solution.v * 1e3);
+}
+
+struct SweepOptions {
+  std::string scenario;
+  std::vector<std::string> over;
+  std::string output;
+};
+
+void sweep(const SweepOptions& options, const Context& context) {
+  const ScenarioFile base = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
+  const auto& texts = options.over.empty() ? base.over : options.over;
+  if (texts.empty() || texts.size() > 2)
+    throw UsageError(
+        "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
+  std::vector<Axis> axes;
+  for (const auto& text : texts) axes.push_back(parse_axis(text));
+  require_writable(options.output);
+
+  const std::size_t inner = axes.size() == 2 ? static_cast<std::size_t>(axes[1].count) : 1;
+  const std::size_t total = static_cast<std::size_t>(axes[0].count) * inner;
+  ScenarioFile common = base;
+  common.over.clear();
+  const auto scenario_at = [&](std::size_t index) {
+    ScenarioFile file = common;
+    set_scenario_parameter(file, axes[0].name, axes[0].value(static_cast<long>(index / inner)));
+    if (axes.size() == 2)
+      set_scenario_parameter(file, axes[1].name, axes[1].value(static_cast<long>(index % inner)));
+    file.settle();
+    return file.scenario;
+  };
+  for (std::size_t index = 0; index < total; ++index)
+    scenario_at(index).validate();  // refuse before the work, not after it
+  const model::BatchOutcome outcome = solve(total, scenario_at, context);
+
+  std::string table;
+  for (const Axis& axis : axes) table += axis.name + ",";
+  table += "alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s\n";
+  for (std::size_t index = 0; index < total; ++index) {
+    table += compact(axes[0].value(static_cast<long>(index / inner))) + ",";
+    if (axes.size() == 2) table += compact(axes[1].value(static_cast<long>(index % inner))) + ",";
+    table += cells(outcome.ends[index]) + "," + cells(outcome.steady[index]) + "\n";
+  }
+  MetaFile meta;
+  meta.command = "sweep";
+  if (!options.scenario.empty()) meta.inputs = {options.scenario};
+  meta.configuration = json_of(base.scenario);
+  meta.configuration["over"] = texts;
+  write_file(options.output, table);
+  meta.write_beside(options.output);
+  say(context.quiet,
+      fmt::format("{}: {} scenarios; {}", options.output, total, outcome.summary.full_report()));
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, Context& context) {
+  auto options = std::make_shared<SweepOptions>();
+  CLI::App& command = *app.add_subcommand("sweep", "alpha and v of the model over one or two parameters");
+  command.add_option("SCENARIO", options->scenario,
+                     "Scenario file (TOML). Without one: the paper's conditions");
+  command
+      .add_option("--over", options->over,
+                  "NAME=FROM:TO:COUNT, once or twice; names: " +
+                      fmt::format("{}", fmt::join(scenario_parameter_names(), ", ")))
+      ->type_name("AXIS");
+  command
+      .add_option("-o,--output", options->output,
+                  "Write the table: swept names, alpha_rad, v_mm_s and those of the steady motion")
+      ->type_name("S.csv")
+      ->required();
+  add_common(
+      command, context,
+      "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o sweep.csv");
+  command.callback([options, &context] { sweep(*options, context); });
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,187 @@
+// tribotrack synth: recordings with exactly known truth.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "apps/commands/command.h"
+#include "apps/text/number_text.h"
+#include "apps/text/output_file.h"
+#include "apps/program/parallel.h"
+#include "apps/program/progress.h"
+#include "apps/files/scene_file.h"
+#include "model/gate.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The scene's geometry over time: where the model's motion puts disc and platform in the picture.
+class Motion {
+ public:
+  explicit Motion(const SceneShot& shot) : shot_(shot), trajectory_(model::integrate(lasting(shot))) {
+    start_px_ =
+        shot.start_px ? Eigen::Vector2d(shot.start_px->x, shot.start_px->y) : start_that_centres_the_path();
+  }
+
+  long frames() const { return frames_of(shot_); }
+  double time(long frame) const { return static_cast<double>(frame) / shot_.frame_rate_hz; }
+  double phase(double t) const {
+    return shot_.motion.scenario.start_phase + shot_.motion.scenario.drive.angular_frequency * t;
+  }
+
+  /// The part relative to the platform, m. The first exposure begins before the run does: there the part goes
+  /// on as it started, so that it rests when it starts from rest and slides when it starts sliding.
+  Eigen::Vector2d part(double t) const {
+    if (t < 0) return trajectory_.at(0).velocity * t;
+    return trajectory_.at(std::min(t, trajectory_.end_time())).position;
+  }
+
+  vision::ScenePose pose(double t) const {
+    const Eigen::Vector2d platform = pixels(shot_.motion.scenario.drive.displacement(phase(t)));
+    const Eigen::Vector2d disc = start_px_ + pixels(part(t)) + platform - platform_at_start();
+    return {{disc.x(), disc.y()}, shot_.theta_rad + shot_.spin_rad_s * t, {platform.x(), platform.y()}};
+  }
+
+ private:
+  static long frames_of(const SceneShot& shot) {
+    if (shot.frames > 0) return shot.frames;
+    // The last frame has to lie beyond the last whole cycle, so that it can be interpolated to.
+    return static_cast<long>(std::ceil(shot.motion.scenario.end_time() * shot.frame_rate_hz)) + 4;
+  }
+  static model::Scenario lasting(const SceneShot& shot) {
+    model::Scenario scenario = shot.motion.scenario;
+    scenario.duration = (static_cast<double>(frames_of(shot)) + 1) / shot.frame_rate_hz;
+    return scenario;
+  }
+  /// Campaign axes in m to picture axes in px: turned by xi_axis, y down.
+  Eigen::Vector2d pixels(const Eigen::Vector2d& m) const {
+    const Eigen::Vector2d up = Eigen::Rotation2Dd(shot_.xi_axis_rad) * m / (shot_.mm_per_px * 1e-3);
+    return {up.x(), -up.y()};
+  }
+  Eigen::Vector2d platform_at_start() const {
+    return pixels(shot_.motion.scenario.drive.displacement(phase(0)));
+  }
+  Eigen::Vector2d start_that_centres_the_path() const {
+    Eigen::Vector2d low(0, 0), high(0, 0);
+    for (long k = 0; k < frames(); ++k) {
+      const Eigen::Vector2d at = pixels(part(time(k)));
+      low = low.cwiseMin(at);
+      high = high.cwiseMax(at);
+    }
+    return Eigen::Vector2d((shot_.scene.width - 1) / 2.0, (shot_.scene.height - 1) / 2.0) - (low + high) / 2;
+  }
+
+  const SceneShot& shot_;
+  model::Trajectory trajectory_;
+  Eigen::Vector2d start_px_;
+};
+
+std::string truth_row(const SceneShot& shot, const Motion& motion, long frame) {
+  const double t = motion.time(frame);
+  const vision::ScenePose pose = motion.pose(t);
+  const Eigen::Vector2d mm = motion.part(t) * 1e3;
+  std::string marker = ",";
+  if (shot.scene.marker)
+    marker = fmt::format("{},{}", exact(shot.scene.marker->position.x + pose.platform.x),
+                         exact(shot.scene.marker->position.y + pose.platform.y));
+  return fmt::format("{},{},{},{},{},{},{},{}\n", frame, exact(t), exact(pose.disc.x), exact(pose.disc.y),
+                     exact(pose.theta), marker, exact(mm.x()), exact(mm.y()));
+}
+
+template <class Report>
+void render(const SceneShot& shot, const fs::path& video, const Report& report) {
+  const Motion motion(shot);
+  const vision::SceneRenderer renderer(shot.scene);
+  vision::SinkOptions options = shot.sink;
+  options.width = shot.scene.width;
+  options.height = shot.scene.height;
+  options.bits = shot.scene.bits;
+  options.frame_rate_hz = shot.frame_rate_hz;
+  options.exposure_s = shot.exposure_s;
+  // A pattern names many files: its sink keeps them whole by itself.
+  std::optional<TemporaryFile> file;
+  if (video.filename().string().find('%') == std::string::npos) file.emplace(video);
+  const auto sink = vision::create_sink(file ? file->name() : video, options);
+
+  std::string truth = "frame,time_s,x_px,y_px,theta_rad,marker_x_px,marker_y_px,x_mm,y_mm\n";
+  const auto pose = [&](double t) { return motion.pose(t); };
+  for (long frame = 0; frame < motion.frames(); ++frame) {
+    const double t = motion.time(frame);
+    const double lamp =
+        model::gate_share(shot.motion.scenario.friction, motion.phase(t - shot.exposure_s / 2),
+                          motion.phase(t + shot.exposure_s / 2));
+    sink->write(renderer.render(frame, t, shot.exposure_s, pose, lamp));
+    truth += truth_row(shot, motion, frame);
+    report(motion.frames());
+  }
+  sink->close();
+  if (file) file->commit();
+  write_file(video.string() + ".truth.csv", truth);
+}
+
+struct SynthOptions {
+  std::string scene, output, extension = "cine";
+};
+
+void synth(const SynthOptions& options, const Context& context) {
+  const std::vector<SceneShot> shots = read_scene_file(options.scene);
+  const bool many = !shots.front().name.empty();
+  if (many)
+    create_folder(options.output);
+  else
+    require_writable(options.output);
+  const auto video_of = [&](const SceneShot& shot) {
+    return many ? fs::path(options.output) / (shot.name + "." + options.extension) : fs::path(options.output);
+  };
+  const auto write_meta = [&](const SceneShot& shot) {
+    MetaFile meta;
+    meta.command = "synth";
+    meta.inputs = {options.scene};
+    meta.configuration = json_of(shot);
+    meta.write_beside(video_of(shot));
+  };
+  Progress progress("synth", context.quiet);
+  std::atomic<long> frames = 0;
+  for_each_index(static_cast<long>(shots.size()), threads_to_use(context), [&](long k) {
+    const SceneShot& shot = shots[static_cast<std::size_t>(k)];
+    render(shot, video_of(shot),
+           [&](long total) { progress.update(++frames, total * static_cast<long>(shots.size())); });
+    write_meta(shot);
+  });
+  say(context.quiet, many ? fmt::format("{}: {} recordings", options.output, shots.size())
+                          : fmt::format("{}: {} frames", options.output, frames.load()));
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, Context& context) {
+  auto options = std::make_shared<SynthOptions>();
+  CLI::App& command =
+      *app.add_subcommand("synth", "Render a recording with exactly known truth (VIDEO.truth.csv)");
+  command.add_option("SCENE", options->scene, "Scene file (TOML); with [[shot]] entries, one recording each")
+      ->type_name("SCENE.toml")
+      ->required();
+  command
+      .add_option("-o,--output", options->output,
+                  "The recording: .cine, .mkv (FFV1), .avi (MJPEG), .mp4 (H.264), a pattern dir/%05d.png or "
+                  ".tif; with "
+                  "[[shot]] entries a folder")
+      ->type_name("VIDEO")
+      ->required();
+  command
+      .add_option("--extension", options->extension,
+                  "With [[shot]] entries: the recordings' file type (default cine)")
+      ->type_name("EXT");
+  add_common(command, context, "  tribotrack synth data/example/scene.toml -o recordings");
+  command.callback([options, &context] { synth(*options, context); });
+}
+
+}  // namespace tribotrack::apps

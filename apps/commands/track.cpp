@@ -1,0 +1,288 @@
+// tribotrack track: a recording to a sub-pixel trajectory.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/text/angle.h"
+#include "apps/commands/command.h"
+#include "apps/text/output_file.h"
+#include "apps/program/progress.h"
+#include "apps/campaign/track_recording.h"
+#include "apps/text/strict_toml.h"
+#include "vision/overlay.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+struct TrackCommandOptions {
+  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
+  std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
+  bool json = false;
+  bool explain = false;
+};
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == at)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+std::vector<double> numbers_of(const std::string& flag, const std::string& text, std::size_t count,
+                               const char* form) {
+  std::vector<double> values;
+  for (const std::string& part : split(text, ','))
+    if (const auto value = parse_number(part)) values.push_back(*value);
+  if (values.size() != count || split(text, ',').size() != count)
+    throw UsageError(fmt::format("{} must read {}, not \"{}\"", flag, form, text));
+  return values;
+}
+
+vision::Circle circle_of(const std::string& flag, const std::string& text) {
+  const auto v = numbers_of(flag, text, 3, "X,Y,R in pixels, such as 640,400,150");
+  if (!(v[2] > 0)) throw UsageError(fmt::format("{} {}: the radius must be greater than 0", flag, text));
+  return {v[0], v[1], v[2]};
+}
+
+vision::Rect rectangle_of(const std::string& text) {
+  const auto v = numbers_of("--template", text, 4, "X,Y,W,H in whole pixels, such as 100,40,41,41");
+  for (const double value : v)
+    if (value != std::floor(value)) throw UsageError("--template must be whole pixels");
+  if (!(v[2] > 0 && v[3] > 0)) throw UsageError("--template must have a width and a height greater than 0");
+  return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
+}
+
+void set_frames(vision::TrackOptions& track, const std::string& text) {
+  const auto parts = split(text, ':');
+  const auto number = [&](const std::string& part) -> std::optional<std::int64_t> {
+    if (part.empty()) return std::nullopt;
+    const auto value = parse_number(part);
+    if (!value || *value != std::floor(*value))
+      throw UsageError(fmt::format(
+          "--frames must read A:B in the recording's own image numbers (either may be empty), not \"{}\"",
+          text));
+    return static_cast<std::int64_t>(*value);
+  };
+  if (parts.size() != 2) number("x");
+  track.first_frame = number(parts[0]);
+  track.last_frame = number(parts[1]);
+  if (track.first_frame && track.last_frame && *track.first_frame > *track.last_frame)
+    throw UsageError(fmt::format("--frames {}: the first frame comes after the last", text));
+}
+
+/// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
+void apply_config(RecordingJob& job, const std::string& file) {
+  StrictTable top = StrictTable::read(file);
+  if (auto part = top.table("part")) {
+    job.diameter_mm = part->positive("diameter_mm");
+    job.diameter_sd_mm = part->not_negative("diameter_sd_mm").value_or(0);
+    job.height_mm = part->positive("height_mm");
+    part->finish();
+  }
+  if (auto camera = top.table("camera")) {
+    job.frame_rate_hz = camera->positive("frame_rate_hz");
+    job.mm_per_px = camera->positive("mm_per_px");
+    job.mm_per_px_sd = camera->not_negative("mm_per_px_sd").value_or(0);
+    job.working_distance_mm = camera->positive("working_distance_mm");
+    if (const auto text = camera->text("calibration")) {
+      if (job.mm_per_px) camera->fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+      job.calibration = std::filesystem::path(file).parent_path() / *text;
+    }
+    job.xi_axis_rad = camera->angle("xi_axis_rad").value_or(0);
+    if (const auto v = camera->numbers("disc_px", 3)) {
+      job.track.target.kind = vision::Target::Kind::disc;
+      job.track.target.disc = {(*v)[0], (*v)[1], (*v)[2]};
+    }
+    if (const auto v = camera->numbers("marker_px", 3)) {
+      job.track.marker.kind = vision::MarkerChoice::Kind::circle;
+      job.track.marker.circle = {(*v)[0], (*v)[1], (*v)[2]};
+    }
+    if (const auto v = camera->numbers("gate_px", 3))
+      job.track.gate = vision::Circle{(*v)[0], (*v)[1], (*v)[2]};
+    camera->finish();
+  }
+  if (auto track = top.table("track")) {
+    job.track.min_ncc = track->number("min_ncc").value_or(job.track.min_ncc);
+    job.track.max_lost_share = track->not_negative("max_lost_share").value_or(job.track.max_lost_share);
+    job.track.search_margin_px = static_cast<int>(track->integer("search_margin_px").value_or(0));
+    track->finish();
+  }
+  top.finish();
+}
+
+RecordingJob job_of(const TrackCommandOptions& options) {
+  RecordingJob job;
+  job.video = options.input;
+  if (!options.config.empty()) apply_config(job, options.config);
+  const auto positive = [](const char* flag, const std::optional<double>& value) {
+    if (value && !(*value > 0))
+      throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *value));
+    return value;
+  };
+  if (positive("--fps", options.fps)) job.frame_rate_hz = options.fps;
+  if (options.mm_per_px && options.diameter_mm)
+    throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
+  if (!options.calibration.empty() && (options.mm_per_px || options.diameter_mm))
+    throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
+  if (positive("--mm-per-px", options.mm_per_px)) {
+    job.mm_per_px = options.mm_per_px;
+    job.mm_per_px_sd = 0;
+    job.calibration.reset();
+  }
+  if (positive("--disc-diameter-mm", options.diameter_mm)) {
+    job.diameter_mm = options.diameter_mm;
+    job.diameter_sd_mm = 0;
+    job.mm_per_px.reset();
+    job.calibration.reset();
+  }
+  if (!options.calibration.empty()) {
+    job.calibration = options.calibration;
+    job.mm_per_px.reset();
+  }
+  if (positive("--height-mm", options.height_mm)) job.height_mm = options.height_mm;
+  if (positive("--working-distance-mm", options.working_distance_mm))
+    job.working_distance_mm = options.working_distance_mm;
+  if (options.xi_axis_rad) job.xi_axis_rad = *options.xi_axis_rad;
+  if (!options.disc.empty() && !options.target.empty())
+    throw UsageError("give --disc or --template, not both");
+  if (!options.disc.empty()) {
+    job.track.target.kind = vision::Target::Kind::disc;
+    job.track.target.disc = circle_of("--disc", options.disc);
+  } else if (!options.target.empty()) {
+    job.track.target.kind = vision::Target::Kind::rectangle;
+    job.track.target.rectangle = rectangle_of(options.target);
+  }
+  if (options.marker == "auto") {
+    job.track.marker.kind = vision::MarkerChoice::Kind::find;
+  } else if (options.marker == "texture") {
+    job.track.marker.kind = vision::MarkerChoice::Kind::texture;
+  } else if (options.marker == "none") {
+    job.track.marker.kind = vision::MarkerChoice::Kind::none;
+  } else if (!options.marker.empty()) {
+    job.track.marker.kind = vision::MarkerChoice::Kind::circle;
+    job.track.marker.circle = circle_of("--marker", options.marker);
+  }
+  if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
+  if (!options.frames.empty()) set_frames(job.track, options.frames);
+  if (options.layers == "off")
+    job.track.layers = vision::Layers::off;
+  else if (options.layers == "on")
+    job.track.layers = vision::Layers::on;
+  else if (!options.layers.empty() && options.layers != "auto")
+    throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
+  return job;
+}
+
+void track_command(const TrackCommandOptions& options, Context& context) {
+  RecordingJob job = job_of(options);
+  require_writable(options.output);
+  if (!options.overlay.empty()) require_writable(options.overlay);
+
+  TrackedRecording recording;
+  {
+    Progress progress("track", context.quiet);
+    job.track.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+    recording = track_recording(job);
+  }
+  if (!options.overlay.empty()) {
+    const auto source = vision::open_source(job.video, {job.frame_rate_hz});
+    TemporaryFile file(options.overlay);
+    vision::write_overlay(*source, recording.result, file.name());
+    file.commit();
+  }
+  write_track(options.output, job, recording);
+
+  const vision::TrackSummary& summary = recording.result.summary;
+  if (options.explain)
+    for (const auto& stage : summary.plan)
+      fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
+  for (const auto& note : recording.info.notes) say(context.quiet, "note: " + note);
+  if (!recording.scale)
+    say(context.quiet,
+        "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm or "
+        "--calibration)");
+  for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
+  say(context.quiet, summary.brief_report());
+  if (options.json) fmt::print("{}", text_of(summary_json(recording)));
+  if (!summary.gate_passed) {
+    fmt::print(stderr,
+               "tribotrack: {}: the part was lost in {} of {} frames, more than the allowed share {}; look "
+               "at --overlay, give --disc, or leave "
+               "frames out with --frames\n",
+               options.input, summary.lost_counted, summary.frames, job.track.max_lost_share);
+    context.exit_code = kQualityGate;
+  }
+}
+
+}  // namespace
+
+void add_track(CLI::App& app, Context& context) {
+  auto options = std::make_shared<TrackCommandOptions>();
+  CLI::App& command = *app.add_subcommand("track", "Track the part in a recording to a sub-pixel trajectory");
+  command
+      .add_option(
+          "INPUT", options->input,
+          "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png")
+      ->required();
+  command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
+  add_number(command, "--fps", options->fps,
+             "Rate it was recorded at, frames/s, where the file does not say it reliably");
+  add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
+  add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
+  command
+      .add_option("--calibration", options->calibration,
+                  "Scale, lens and plane of the platform from `tribotrack calibrate`")
+      ->type_name("FILE");
+  add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
+  add_number(command, "--working-distance-mm", options->working_distance_mm,
+             "From the lens to the marker's plane: with --height-mm it corrects the parallax");
+  command.add_option("--disc", options->disc, "The disc in the first analysed frame, or where it is first seen there (default: found)")
+      ->type_name("X,Y,R");
+  command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
+      ->type_name("X,Y,W,H");
+  command
+      .add_option(
+          "--marker", options->marker,
+          "Mark fixed to the platform: its motion is subtracted (default none). texture: a patch of the "
+          "platform's own texture that the part never covers; auto: a round mark, else texture")
+      ->type_name("X,Y,R|auto|texture|none");
+  command
+      .add_option(
+          "--gate", options->gate,
+          "Lamp that is lit while the actuator is on: its brightness is recorded, `measure` finds phi "
+          "and dtau from it")
+      ->type_name("X,Y,R");
+  command
+      .add_option("--frames", options->frames,
+                  "Image numbers of the first and last frame to analyse, both included")
+      ->type_name("A:B");
+  add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
+            "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
+  command
+      .add_option(
+          "--layers", options->layers,
+          "Second pass that models the platform seen through the disc's rim (default auto: where it matters)")
+      ->type_name("auto|on|off");
+  command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
+      ->type_name("FILE");
+  command
+      .add_option(
+          "--config", options->config,
+          "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
+      ->type_name("C.toml");
+  command.add_flag("--json", options->json, "Print a summary as one JSON object");
+  command.add_flag("--explain", options->explain, "Say which stages this scene needed and why");
+  add_common(
+      command, context,
+      "  tribotrack track phi000.cine --disc-diameter-mm 6 --marker auto -o phi000.csv --overlay phi000.mp4\n"
+      "  tribotrack track slide.mp4 --fps 240 --disc 151,87,9 --disc-diameter-mm 31 --frames 188: -o "
+      "slide.csv");
+  command.callback([options, &context] { track_command(*options, context); });
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,97 @@
+#include "apps/files/calibration_file.h"
+
+#include <fmt/format.h>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+template <class Matrix>
+Json matrix_json(const Matrix& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json pictures_json(const std::vector<vision::PictureResult>& pictures) {
+  Json rows = Json::array();
+  for (const auto& p : pictures)
+    rows.push_back({{"picture", p.name},
+                    {"corners", p.corners},
+                    {"rms_px", p.rms_px},
+                    {"worst_px", p.worst_px},
+                    {"tilt_rad", p.tilt_rad}});
+  return rows;
+}
+
+}  // namespace
+
+Json calibration_json(const vision::CalibrationResult& result) {
+  const vision::CameraCalibration& c = result.calibration;
+  const vision::LensModel& lens = c.lens;
+  return {
+      {"schema", "tribotrack calibration 1"},
+      {"width_px", c.width},
+      {"height_px", c.height},
+      {"mm_per_px", c.mm_per_px},
+      {"mm_per_px_sd", c.mm_per_px_sd},
+      {"distance_mm", c.distance_mm()},
+      {"camera_matrix", Json::array({{lens.fx, 0.0, lens.cx}, {0.0, lens.fy, lens.cy}, {0.0, 0.0, 1.0}})},
+      {"distortion", {{"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}}},
+      {"model", result.model},
+      {"models_tried", result.tried},
+      {"plane",
+       {{"rotation", matrix_json(c.plane.rotation)},
+        {"translation_mm", {c.plane.translation.x(), c.plane.translation.y(), c.plane.translation.z()}},
+        {"homography_from_undistorted_px", matrix_json(vision::plane_homography(c))}}},
+      {"rms_px", result.rms_px},
+      {"pictures", pictures_json(result.pictures)},
+      {"left_out", result.left_out},
+      {"covariance_of", result.covariance_of},
+      {"covariance", matrix_json(result.covariance)}};
+}
+
+vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  vision::CameraCalibration c;
+  try {
+    c.width = json.at("width_px").get<int>();
+    c.height = json.at("height_px").get<int>();
+    c.mm_per_px = json.at("mm_per_px").get<double>();
+    c.mm_per_px_sd = json.at("mm_per_px_sd").get<double>();
+    const Json& camera = json.at("camera_matrix");
+    c.lens.fx = camera.at(0).at(0).get<double>();
+    c.lens.fy = camera.at(1).at(1).get<double>();
+    c.lens.cx = camera.at(0).at(2).get<double>();
+    c.lens.cy = camera.at(1).at(2).get<double>();
+    const Json& d = json.at("distortion");
+    c.lens.k1 = d.at("k1").get<double>();
+    c.lens.k2 = d.at("k2").get<double>();
+    c.lens.p1 = d.at("p1").get<double>();
+    c.lens.p2 = d.at("p2").get<double>();
+    c.lens.k3 = d.at("k3").get<double>();
+    const Json& plane = json.at("plane");
+    for (int i = 0; i < 3; ++i) {
+      c.plane.translation(i) = plane.at("translation_mm").at(i).get<double>();
+      for (int j = 0; j < 3; ++j) c.plane.rotation(i, j) = plane.at("rotation").at(i).at(j).get<double>();
+    }
+  } catch (const Json::exception& error) {
+    throw InvalidInput(fmt::format("{}: is no calibration: {}; make one with `tribotrack calibrate`",
+                                   path.string(), error.what()));
+  }
+  if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
+        c.distance_mm() > 0))
+    throw InvalidInput(
+        fmt::format("{}: is no calibration: its sizes must be greater than 0; make it anew with "
+                    "`tribotrack calibrate`",
+                    path.string()));
+  return c;
+}
+
+}  // namespace tribotrack::apps

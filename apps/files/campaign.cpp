@@ -1,0 +1,373 @@
+#include "apps/files/campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <regex>
+#include <set>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+using fit::FitParameter;
+
+namespace {
+
+const std::vector<FitParameter> kFitParameters = {
+    FitParameter::mu1,   FitParameter::mu2,       FitParameter::lag,
+    FitParameter::delay, FitParameter::amplitude, FitParameter::angular_frequency,
+    FitParameter::scale, FitParameter::tilt_x,    FitParameter::tilt_y};
+
+// Campaigns may hold both `start = "rest"` in [fit] and first guesses in [fit.start]: TOML takes these for
+// one key defined twice. The table's header is renamed before parsing, to a word of the same length so that
+// columns stay right.
+constexpr const char* kGuesses = "guess";
+
+std::string with_guesses_renamed(const std::string& text) {
+  static const std::regex header(R"((^|\n)([ \t]*\[[ \t]*fit[ \t]*\.[ \t]*)start([ \t]*\]))");
+  return std::regex_replace(text, header, std::string("$1$2") + kGuesses + "$3");
+}
+
+std::vector<std::string> fit_parameter_names() {
+  std::vector<std::string> names;
+  for (const FitParameter parameter : kFitParameters) names.emplace_back(fit::to_string(parameter));
+  return names;
+}
+
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
+  const auto values = table.numbers(key, 3);
+  if (!values) return std::nullopt;
+  if (!((*values)[2] > 0))
+    table.fail(key, fmt::format("must have a radius greater than 0, not {}", (*values)[2]));
+  return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
+  CameraSection camera;
+  camera.frame_rate_hz = table.positive("frame_rate_hz");
+  camera.mm_per_px = table.positive("mm_per_px");
+  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (const auto file = table.text("calibration")) {
+    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+    camera.calibration = folder / *file;
+  }
+  camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
+  camera.working_distance_mm = table.positive("working_distance_mm");
+  camera.disc_px = read_circle(table, "disc_px");
+  camera.marker_px = read_circle(table, "marker_px");
+  camera.gate_px = read_circle(table, "gate_px");
+  using Marker = vision::MarkerChoice::Kind;
+  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
+  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
+  table.finish();
+  return camera;
+}
+
+ScopeSection read_scope(StrictTable& table) {
+  ScopeSection scope;
+  const auto channel = [&](const char* key, int fallback) {
+    const auto value = table.integer(key).value_or(fallback);
+    if (value < 0 || value > 4)
+      table.fail(key, fmt::format("must be 1 to 4, the file's first to fourth channel, or 0 for none, not {}",
+                                  value));
+    return static_cast<int>(value);
+  };
+  scope.sensor_channel = channel("sensor_channel", scope.sensor_channel);
+  scope.actuator_channel = channel("actuator_channel", scope.actuator_channel);
+  scope.carrier_hz = table.positive("carrier_hz").value_or(scope.carrier_hz);
+  scope.sensor_delay_s = table.number("sensor_delay_s").value_or(0);
+  scope.sensor_delay_sd_s = table.not_negative("sensor_delay_sd_s").value_or(0);
+  constexpr std::array<const char*, 3> ties = {"sensor", "trigger", "lamp"};
+  scope.tie = ties[table.choice("tie", {"sensor", "trigger", "lamp"}).value_or(0)];
+  scope.trigger_time_s = table.number("trigger_time_s");
+  scope.tie_sd_s = table.not_negative("tie_sd_s").value_or(0);
+  table.finish();
+  return scope;
+}
+
+FitParameter require_fit_parameter(const StrictTable& table, std::string_view key, const std::string& name) {
+  if (const auto parameter = fit_parameter_named(name)) return *parameter;
+  const std::string near = nearest_word(name, fit_parameter_names());
+  table.fail(key,
+             fmt::format("names \"{}\", which cannot be fitted; {}", name,
+                         near.empty() ? fmt::format("these can: {}", fmt::join(fit_parameter_names(), ", "))
+                                      : fmt::format("did you mean \"{}\"?", near)));
+}
+
+/// A table of values by parameter name. Angles may be texts.
+std::map<FitParameter, double> read_values(StrictTable table, const std::vector<FitParameter>& allowed) {
+  std::map<FitParameter, double> values;
+  for (const FitParameter parameter : allowed) {
+    const char* name = fit::to_string(parameter);
+    const bool angle = std::string_view(name).ends_with("_rad");
+    if (const auto value = angle ? table.angle(name) : table.number(name)) values[parameter] = *value;
+  }
+  table.finish();
+  return values;
+}
+
+struct FitDefaults {
+  model::Start start = model::Start::rest;
+  int cycles = 20;
+};
+
+int read_cycles(StrictTable& table, int fallback) {
+  const auto cycles = table.integer("cycles").value_or(fallback);
+  if (cycles < 1 || cycles > 1'000'000)
+    table.fail("cycles", fmt::format("must be between 1 and 1000000, not {}", cycles));
+  return static_cast<int>(cycles);
+}
+
+model::Start read_start(StrictTable& table, model::Start fallback) {
+  const auto choice = table.choice("start", {"rest", "circling", "steady"});
+  return choice ? static_cast<model::Start>(*choice) : fallback;
+}
+
+FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
+  FitSection section;
+  if (const auto names = table.texts("parameters")) {
+    section.parameters.clear();
+    for (const auto& name : *names) {
+      const FitParameter parameter = require_fit_parameter(table, "parameters", name);
+      if (std::count(section.parameters.begin(), section.parameters.end(), parameter) > 0)
+        table.fail("parameters", fmt::format("names \"{}\" twice", name));
+      section.parameters.push_back(parameter);
+    }
+    if (section.parameters.empty())
+      table.fail("parameters", "is empty; name what is to be fitted, such as [\"mu1\"]");
+  }
+  section.trajectory = table.choice("data", {"summary", "trajectory"}).value_or(0) == 1;
+  defaults.start = read_start(table, defaults.start);
+  if (auto guesses = table.table(kGuesses)) section.start = read_values(*guesses, kFitParameters);
+  defaults.cycles = read_cycles(table, defaults.cycles);
+  if (auto fixed = table.table("fixed"))
+    section.fixed =
+        read_values(*fixed, {FitParameter::mu1, FitParameter::mu2, FitParameter::lag, FitParameter::delay});
+  for (const auto& [parameter, value] : section.fixed)
+    if (std::count(section.parameters.begin(), section.parameters.end(), parameter) > 0)
+      table.fail("fixed", fmt::format("holds {}, which `parameters` asks to fit; take it out of one of them",
+                                      fit::to_string(parameter)));
+  if (auto prior = table.table("prior")) {
+    for (const std::string& name : prior->keys()) {
+      const FitParameter parameter = require_fit_parameter(*prior, name, name);
+      auto entry = prior->table(name);
+      const auto mean =
+          std::string_view(name).ends_with("_rad") ? entry->angle("mean") : entry->number("mean");
+      const auto sd = entry->positive("sd");
+      entry->finish();
+      if (!mean || !sd) prior->fail(name, "needs a mean and an sd: { mean = 0.1, sd = 0.01 }");
+      section.prior[parameter] = {*mean, *sd};
+    }
+    prior->finish();
+  }
+  table.finish();
+  return section;
+}
+
+CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefaults& defaults) {
+  CampaignRun run;
+  run.place = table.place();
+  if (const auto video = table.text("video")) run.video = campaign.file.parent_path() / *video;
+  run.name = table.text("name").value_or("");
+  run.free_slide = table.choice("kind", {"pulses", "free_slide"}).value_or(0) == 1;
+  const auto phi = table.angle("phi_rad");
+  const auto dtau = table.angle("dtau_rad");
+  if (dtau && !(*dtau >= 0 && *dtau <= 6.283185307179587))
+    table.fail("dtau_rad", fmt::format("must lie between 0 and 2pi, not {}", *dtau));
+  run.phi = phi.value_or(0);
+  run.dtau = dtau.value_or(0);
+  if (const auto amplitude = table.not_negative("amplitude_mm")) run.amplitude = *amplitude * 1e-3;
+  run.angular_frequency = table.positive("angular_frequency_rad_s");
+  run.phase_at_zero = table.angle("phase_at_zero_rad");
+  run.start_phase = table.angle("start_phase_rad");
+  run.start = read_start(table, defaults.start);
+  run.cycles = read_cycles(table, defaults.cycles);
+  if (const auto frames = table.integers("frames", 2)) {
+    if ((*frames)[0] > (*frames)[1]) table.fail("frames", "must be [first, last], both included");
+    run.first_frame = (*frames)[0];
+    run.last_frame = (*frames)[1];
+  }
+  run.mm_per_px = table.positive("mm_per_px");
+  run.disc_px = read_circle(table, "disc_px");
+  run.marker_px = read_circle(table, "marker_px");
+  if (const auto scope = table.text("scope")) run.scope = campaign.file.parent_path() / *scope;
+  run.alpha = table.angle("alpha_rad");
+  run.alpha_sd = table.positive("alpha_sd_rad");
+  run.v = table.not_negative("v_mm_s");
+  run.v_sd = table.positive("v_sd_mm_s");
+  table.finish();
+  for (auto* value : {&run.v, &run.v_sd})
+    if (*value) **value *= 1e-3;
+
+  const bool any_summary = run.alpha || run.alpha_sd || run.v || run.v_sd;
+  const bool whole_summary = run.alpha && run.alpha_sd && run.v && run.v_sd;
+  if (run.video && any_summary)
+    throw InvalidInput(fmt::format(
+        "{}: a run has either a video or alpha_rad, v_mm_s measured elsewhere, not both", run.place));
+  if (!run.video && !whole_summary)
+    throw InvalidInput(fmt::format(
+        "{}: a run needs `video`, or all of alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s", run.place));
+  if (!run.video && run.free_slide)
+    throw InvalidInput(
+        fmt::format("{}: a free slide needs `video`: mu1 comes from its whole track", run.place));
+  if (!run.free_slide && (!phi || !dtau))
+    throw InvalidInput(
+        fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
+  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
+      !campaign.diameter_mm)
+    throw InvalidInput(
+        fmt::format("{}: nothing says how large a pixel is; give `diameter_mm` in [part], or `mm_per_px` or "
+                    "`calibration` in [camera]",
+                    run.place));
+  return run;
+}
+
+void name_runs(std::vector<CampaignRun>& runs) {
+  std::set<std::string> taken;
+  for (const CampaignRun& run : runs)
+    if (!run.name.empty() && !taken.insert(run.name).second)
+      throw InvalidInput(fmt::format("{}: the name \"{}\" is taken by an earlier run", run.place, run.name));
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    CampaignRun& run = runs[k];
+    if (run.name.find('/') != std::string::npos || run.name == "." || run.name == "..")
+      throw InvalidInput(fmt::format("{}: the name \"{}\" cannot be a folder's name", run.place, run.name));
+    if (!run.name.empty()) continue;
+    const std::string base = run.video ? run.video->stem().string() : fmt::format("run{:02}", k + 1);
+    run.name = base;
+    for (int n = 2; !taken.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", base, n);
+  }
+}
+
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json circle_json(const std::optional<vision::Circle>& circle) {
+  return circle ? Json::array({circle->x, circle->y, circle->radius}) : Json();
+}
+
+}  // namespace
+
+std::optional<FitParameter> fit_parameter_named(const std::string& name) {
+  for (const FitParameter parameter : kFitParameters)
+    if (name == fit::to_string(parameter)) return parameter;
+  return std::nullopt;
+}
+
+double si_per_campaign_unit(FitParameter parameter) {
+  return parameter == FitParameter::amplitude ? 1e-3 : 1;
+}
+
+Campaign read_campaign(const fs::path& file) {
+  StrictTable top = StrictTable::parse(with_guesses_renamed(read_text(file)), file.string());
+  Campaign campaign;
+  campaign.file = file;
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
+  if (auto table = top.table("part")) {
+    campaign.diameter_mm = table->positive("diameter_mm");
+    campaign.diameter_sd_mm = table->not_negative("diameter_sd_mm").value_or(0);
+    campaign.height_mm = table->positive("height_mm");
+    table->finish();
+  }
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
+  if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
+  FitDefaults defaults;
+  if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
+  for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
+  top.finish();
+  if (campaign.runs.empty())
+    throw InvalidInput(
+        fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
+  name_runs(campaign.runs);
+
+  return campaign;
+}
+
+Json Campaign::effective_configuration(const CampaignRun& run) const {
+  return {{"name", run.name},
+          {"video", run.video ? Json(run.video->filename().string()) : Json()},
+          {"kind", run.free_slide ? "free_slide" : "pulses"},
+          {"phi_rad", run.phi},
+          {"dtau_rad", run.dtau},
+          {"start", model::to_string(run.start)},
+          {"cycles", run.cycles},
+          {"amplitude_mm", run.amplitude || platform.amplitude
+                               ? Json(run.amplitude.value_or(platform.amplitude.value_or(0)) * 1e3)
+                               : Json()},
+          {"amplitude_y_mm", platform.amplitude_y ? Json(*platform.amplitude_y * 1e3) : Json()},
+          {"angular_frequency_rad_s",
+           optional_json(run.angular_frequency ? run.angular_frequency : platform.angular_frequency)},
+          {"phase_shift_rad", optional_json(platform.phase_shift)},
+          {"phase_at_zero_rad", optional_json(run.phase_at_zero)},
+          {"start_phase_rad", optional_json(run.start_phase)},
+          {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
+          {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
+          {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
+          {"mm_per_px_sd", camera.mm_per_px_sd},
+          {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
+          {"diameter_mm", optional_json(diameter_mm)},
+          {"diameter_sd_mm", diameter_sd_mm},
+          {"height_mm", optional_json(height_mm)},
+          {"working_distance_mm", optional_json(camera.working_distance_mm)},
+          {"xi_axis_rad", camera.xi_axis_rad},
+          {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
+          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+          {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
+                     : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
+                                                                          : "none"},
+          {"gate_px", circle_json(camera.gate_px)},
+          {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
+}
+
+Json Campaign::effective_configuration() const {
+  Json json;
+  json["platform"] = {{"amplitude_mm", platform.amplitude ? Json(*platform.amplitude * 1e3) : Json()},
+                      {"amplitude_y_mm", platform.amplitude_y ? Json(*platform.amplitude_y * 1e3) : Json()},
+                      {"angular_frequency_rad_s", optional_json(platform.angular_frequency)},
+                      {"phase_shift_rad", optional_json(platform.phase_shift)},
+                      {"gravity_m_s2", platform.gravity},
+                      {"tilt_x_rad", platform.tilt_x},
+                      {"tilt_y_rad", platform.tilt_y}};
+  json["scope"] = {{"sensor_channel", scope.sensor_channel},
+                   {"actuator_channel", scope.actuator_channel},
+                   {"carrier_hz", scope.carrier_hz},
+                   {"sensor_delay_s", scope.sensor_delay_s},
+                   {"sensor_delay_sd_s", scope.sensor_delay_sd_s},
+                   {"tie", scope.tie},
+                   {"trigger_time_s", optional_json(scope.trigger_time_s)},
+                   {"tie_sd_s", scope.tie_sd_s}};
+  json["part"] = {{"diameter_mm", optional_json(diameter_mm)},
+                  {"diameter_sd_mm", diameter_sd_mm},
+                  {"height_mm", optional_json(height_mm)}};
+  Json fit_json;
+  fit_json["parameters"] = Json::array();
+  for (const FitParameter parameter : fit.parameters)
+    fit_json["parameters"].push_back(fit::to_string(parameter));
+  fit_json["data"] = fit.trajectory ? "trajectory" : "summary";
+  for (const auto& [name, values] : {std::pair{"fixed", &fit.fixed}, std::pair{"start", &fit.start}}) {
+    fit_json[name] = Json::object();
+    for (const auto& [parameter, value] : *values) fit_json[name][fit::to_string(parameter)] = value;
+  }
+  fit_json["prior"] = Json::object();
+  for (const auto& [parameter, prior] : fit.prior)
+    fit_json["prior"][fit::to_string(parameter)] = {{"mean", prior.mean}, {"sd", prior.sd}};
+  json["fit"] = fit_json;
+  json["runs"] = Json::array();
+  for (const CampaignRun& run : runs) {
+    Json entry = effective_configuration(run);
+    if (run.alpha)
+      for (const auto& [name, value] :
+           {std::pair{"alpha_rad", *run.alpha}, std::pair{"alpha_sd_rad", *run.alpha_sd},
+            std::pair{"v_mm_s", *run.v * 1e3}, std::pair{"v_sd_mm_s", *run.v_sd * 1e3}})
+        entry[name] = value;
+    json["runs"].push_back(entry);
+  }
+  return json;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,96 @@
+// The campaign file: a lab's recordings and what is to be learnt from them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/files/meta_file.h"
+#include "apps/files/scenario_file.h"
+#include "fit/problem.h"
+#include "model/scenario.h"
+#include "vision/picture.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::apps {
+
+struct CameraSection {
+  std::optional<double> frame_rate_hz;
+  std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< resolved against the campaign's folder
+  double xi_axis_rad = 0;
+  std::optional<double> working_distance_mm;
+  std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  /// Without marker_px: how the platform's motion is seen.
+  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
+};
+
+/// [scope]: which channel is what, and how its time is tied to the camera's.
+struct ScopeSection {
+  int sensor_channel = 1, actuator_channel = 2;  ///< 1 = the file's first; 0 = there is none
+  double carrier_hz = 5890;
+  double sensor_delay_s = 0, sensor_delay_sd_s = 0;
+  std::string tie = "sensor";  ///< "sensor", "trigger", "lamp"
+  std::optional<double> trigger_time_s;
+  double tie_sd_s = 0;
+};
+
+struct FitSection {
+  std::vector<fit::FitParameter> parameters = {fit::FitParameter::mu1, fit::FitParameter::mu2,
+                                               fit::FitParameter::lag};
+  bool trajectory = false;  ///< data = "trajectory"
+  // In campaign units: mm, rad, s, mm/px.
+  std::map<fit::FitParameter, double> fixed, start;
+  std::map<fit::FitParameter, fit::Prior> prior;
+};
+
+/// One [[run]], defaults of the campaign filled in.
+struct CampaignRun {
+  std::string name;                            ///< given, else the video's stem, else "runNN"; unique
+  std::string place;                           ///< "campaign.toml:31:1"
+  std::optional<std::filesystem::path> video;  ///< resolved against the campaign's folder
+  bool free_slide = false;
+  double phi = 0, dtau = 0;                            ///< rad
+  std::optional<double> amplitude, angular_frequency;  ///< SI, of this run
+  std::optional<double> phase_at_zero, start_phase;    ///< rad
+  model::Start start = model::Start::rest;
+  int cycles = 20;
+  std::optional<std::int64_t> first_frame, last_frame;
+  std::optional<double> mm_per_px;
+  std::optional<vision::Circle> disc_px, marker_px;
+  std::optional<std::filesystem::path> scope;
+  // Measured elsewhere.
+  std::optional<double> alpha, alpha_sd;  ///< rad
+  std::optional<double> v, v_sd;          ///< m/s
+};
+
+struct Campaign {
+  std::filesystem::path file;
+  PlatformSection platform;
+  std::optional<double> diameter_mm, height_mm;
+  double diameter_sd_mm = 0;
+  CameraSection camera;
+  ScopeSection scope;
+  FitSection fit;
+  std::vector<CampaignRun> runs;
+  /// Keys that are understood but not yet acted on, each a sentence for the user.
+  std::vector<std::string> warnings;
+  Json effective_configuration() const;
+  Json effective_configuration(
+      const CampaignRun& run) const;  ///< what tracking and measuring this run depends on
+};
+
+/// Reads and checks a campaign. Throws InvalidInput with file, line and column.
+Campaign read_campaign(const std::filesystem::path& file);
+
+/// The names of fit parameters in campaigns, and back.
+std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
+
+/// Factor from campaign units (mm) to SI (m).
+double si_per_campaign_unit(fit::FitParameter parameter);
+
+}  // namespace tribotrack::apps

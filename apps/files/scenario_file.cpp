@@ -1,0 +1,181 @@
+#include "apps/files/scenario_file.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
+
+using Setter = std::function<void(ScenarioFile&, double)>;
+
+const std::map<std::string, Setter>& setters() {
+  static const std::map<std::string, Setter> table = {
+      {"mu1", [](ScenarioFile& f, double v) { f.scenario.friction.nominal = v; }},
+      {"mu2",
+       [](ScenarioFile& f, double v) {
+         f.scenario.friction.reduced = v;
+         f.mu1_over_mu2.reset();
+       }},
+      {"mu1_over_mu2", [](ScenarioFile& f, double v) { f.mu1_over_mu2 = v; }},
+      {"phi_rad", [](ScenarioFile& f, double v) { f.scenario.friction.phase = v; }},
+      {"dtau_rad", [](ScenarioFile& f, double v) { f.scenario.friction.pulse_width = v; }},
+      {"lag_rad", [](ScenarioFile& f, double v) { f.scenario.friction.lag = v; }},
+      {"amplitude_mm",
+       [](ScenarioFile& f, double v) {
+         f.scenario.drive.amplitude = f.scenario.drive.amplitude_y = v * 1e-3;
+       }},
+      {"amplitude_y_mm", [](ScenarioFile& f, double v) { f.scenario.drive.amplitude_y = v * 1e-3; }},
+      {"omega_rad_s", [](ScenarioFile& f, double v) { f.scenario.drive.angular_frequency = v; }},
+      {"epsilon_rad", [](ScenarioFile& f, double v) { f.scenario.drive.phase_shift = v; }},
+      {"gravity_m_s2", [](ScenarioFile& f, double v) { f.scenario.drive.gravity = v; }},
+      {"tilt_x_rad", [](ScenarioFile& f, double v) { f.scenario.drive.tilt_x = v; }},
+      {"tilt_y_rad", [](ScenarioFile& f, double v) { f.scenario.drive.tilt_y = v; }},
+      {"velocity_x_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.x() = v * 1e-3; }},
+      {"velocity_y_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.y() = v * 1e-3; }},
+      {"start_phase_rad", [](ScenarioFile& f, double v) { f.scenario.start_phase = v; }},
+      {"cycles", [](ScenarioFile& f, double v) { f.scenario.cycles = v; }},
+  };
+  return table;
+}
+
+}  // namespace
+
+PlatformSection read_platform(StrictTable& table) {
+  PlatformSection platform;
+  const auto millimetres = [&](const char* key) {
+    auto value = table.not_negative(key);
+    if (value) *value *= 1e-3;
+    return value;
+  };
+  platform.amplitude = millimetres("amplitude_mm");
+  platform.amplitude_y = millimetres("amplitude_y_mm");
+  platform.angular_frequency = table.positive("angular_frequency_rad_s");
+  platform.phase_shift = table.angle("phase_shift_rad");
+  platform.gravity = table.positive("gravity_m_s2").value_or(9.81);
+  platform.tilt_x = table.angle("tilt_x_rad").value_or(0);
+  platform.tilt_y = table.angle("tilt_y_rad").value_or(0);
+  table.finish();
+  return platform;
+}
+
+void ScenarioFile::settle() {
+  if (!mu1_over_mu2) return;
+  if (!(*mu1_over_mu2 > 0))
+    throw InvalidInput(fmt::format("mu1_over_mu2 must be greater than 0, not {}", *mu1_over_mu2));
+  scenario.friction.reduced = scenario.friction.nominal / *mu1_over_mu2;
+}
+
+ScenarioFile read_scenario_file(const std::filesystem::path& path) {
+  StrictTable top = StrictTable::read(path);
+  ScenarioFile file = read_scenario_tables(top);
+  top.finish();
+  return file;
+}
+
+ScenarioFile read_scenario_tables(StrictTable& top) {
+  ScenarioFile file;
+  if (auto table = top.table("platform")) {
+    const PlatformSection platform = read_platform(*table);
+    auto& drive = file.scenario.drive;
+    drive.amplitude = platform.amplitude.value_or(drive.amplitude);
+    drive.amplitude_y = platform.amplitude_y.value_or(drive.amplitude);
+    drive.angular_frequency = platform.angular_frequency.value_or(drive.angular_frequency);
+    drive.phase_shift = platform.phase_shift.value_or(drive.phase_shift);
+    drive.gravity = platform.gravity;
+    drive.tilt_x = platform.tilt_x;
+    drive.tilt_y = platform.tilt_y;
+  }
+  if (auto table = top.table("friction")) {
+    auto& friction = file.scenario.friction;
+    friction.nominal = table->not_negative("mu1").value_or(friction.nominal);
+    const auto mu2 = table->not_negative("mu2");
+    file.mu1_over_mu2 = table->positive("mu1_over_mu2");
+    if (mu2 && file.mu1_over_mu2) table->fail("mu2", "and `mu1_over_mu2` say the same; give one of them");
+    friction.reduced = mu2.value_or(friction.reduced);
+    friction.phase = table->angle("phi_rad").value_or(friction.phase);
+    friction.pulse_width = table->angle("dtau_rad").value_or(friction.pulse_width);
+    friction.lag = table->angle("lag_rad").value_or(friction.lag);
+    table->finish();
+  }
+  if (auto table = top.table("run")) {
+    file.scenario.cycles = table->positive("cycles").value_or(file.scenario.cycles);
+    if (const auto start = table->choice("start", kStarts))
+      file.scenario.start = static_cast<model::Start>(*start);
+    file.scenario.start_phase = table->angle("start_phase_rad").value_or(0);
+    file.scenario.initial_velocity.x() = table->number("velocity_x_mm_s").value_or(0) * 1e-3;
+    file.scenario.initial_velocity.y() = table->number("velocity_y_mm_s").value_or(0) * 1e-3;
+    const auto samples = table->integer("samples_per_cycle").value_or(file.samples_per_cycle);
+    if (samples < 1 || samples > 1'000'000) table->fail("samples_per_cycle", "must be between 1 and 1000000");
+    file.samples_per_cycle = static_cast<int>(samples);
+    table->finish();
+  }
+  if (auto table = top.table("sweep")) {
+    file.over = table->texts("over").value_or(std::vector<std::string>{});
+    table->finish();
+  }
+  file.settle();
+  return file;
+}
+
+std::vector<std::string> scenario_parameter_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, setter] : setters()) names.push_back(name);
+  return names;
+}
+
+void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value) {
+  const auto found = setters().find(name);
+  if (found == setters().end()) {
+    const std::string near = nearest_word(name, scenario_parameter_names());
+    throw UsageError(fmt::format("\"{}\" is not a parameter of a scenario{}; known: {}", name,
+                                 near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
+                                 fmt::join(scenario_parameter_names(), ", ")));
+  }
+  found->second(file, value);
+}
+
+model::Start parse_start(const std::string& word) {
+  for (std::size_t i = 0; i < kStarts.size(); ++i)
+    if (kStarts[i] == word) return static_cast<model::Start>(i);
+  throw UsageError(fmt::format("the start must be one of {}, not \"{}\"", fmt::join(kStarts, ", "), word));
+}
+
+Json json_of(const model::Scenario& scenario) {
+  const auto& d = scenario.drive;
+  const auto& f = scenario.friction;
+  return {{"amplitude_mm", d.amplitude * 1e3},
+          {"amplitude_y_mm", d.amplitude_y * 1e3},
+          {"omega_rad_s", d.angular_frequency},
+          {"epsilon_rad", d.phase_shift},
+          {"gravity_m_s2", d.gravity},
+          {"tilt_x_rad", d.tilt_x},
+          {"tilt_y_rad", d.tilt_y},
+          {"mu1", f.nominal},
+          {"mu2", f.reduced},
+          {"phi_rad", f.phase},
+          {"dtau_rad", f.pulse_width},
+          {"lag_rad", f.lag},
+          {"start", model::to_string(scenario.start)},
+          {"start_phase_rad", scenario.start_phase},
+          {"velocity_x_mm_s", scenario.initial_velocity.x() * 1e3},
+          {"velocity_y_mm_s", scenario.initial_velocity.y() * 1e3},
+          {"cycles", scenario.cycles}};
+}
+
+model::Scenario scenario_from(const Json& json) {
+  ScenarioFile file;
+  // In the order written: amplitude_mm sets both axes, amplitude_y_mm after it corrects the second.
+  for (const auto& [name, value] : json.items())
+    if (name != "start") set_scenario_parameter(file, name, value.get<double>());
+  file.scenario.start = parse_start(json.at("start").get<std::string>());
+  return file.scenario;
+}
+
+}  // namespace tribotrack::apps

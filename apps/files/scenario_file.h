@@ -1,0 +1,50 @@
+// SCENARIO.toml: one run of the friction model, and what to sweep it over.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/files/meta_file.h"
+#include "apps/text/strict_toml.h"
+#include "model/scenario.h"
+
+namespace tribotrack::apps {
+
+/// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured.
+struct PlatformSection {
+  std::optional<double> amplitude, amplitude_y;  ///< m
+  std::optional<double> angular_frequency;       ///< rad/s
+  std::optional<double> phase_shift;             ///< rad
+  double gravity = 9.81;
+  double tilt_x = 0, tilt_y = 0;
+};
+PlatformSection read_platform(StrictTable& table);
+
+/// Keys: [platform]; [friction] mu1, mu2 or mu1_over_mu2, phi_rad, dtau_rad, lag_rad; [run] cycles, start,
+/// start_phase_rad, velocity_x_mm_s, velocity_y_mm_s, samples_per_cycle; [sweep] over =
+/// ["NAME=FROM:TO:COUNT", ...].
+struct ScenarioFile {
+  model::Scenario scenario;
+  std::optional<double> mu1_over_mu2;  ///< ties mu2 to mu1, also in sweeps
+  int samples_per_cycle = 100;
+  std::vector<std::string> over;
+  /// Applies the tie.
+  void settle();
+};
+ScenarioFile read_scenario_file(const std::filesystem::path& file);
+/// The same tables out of a larger file; its other keys are left to the caller.
+ScenarioFile read_scenario_tables(StrictTable& top);
+
+/// A parameter of a scenario under its command-line name: "phi_rad", "amplitude_mm", "mu1_over_mu2", ... with
+/// units as in the name.
+std::vector<std::string> scenario_parameter_names();
+void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value);
+
+model::Start parse_start(const std::string& word);
+Json json_of(const model::Scenario& scenario);
+/// Back from json_of.
+model::Scenario scenario_from(const Json& json);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,17 @@
+// From the folder `run` leaves to the numbers of its report.
+#pragma once
+
+#include <string>
+
+#include "apps/report/data/data.h"
+#include "apps/files/run_folder.h"
+
+namespace tribotrack::apps {
+
+/// Reads fit.json, its meta file, the tracks and measurements. Throws InvalidInput naming what is missing.
+ReportData collect_report(const RunFolder& folder);
+
+/// The whole page.
+std::string report_page_of(const RunFolder& folder);
+
+}  // namespace tribotrack::apps

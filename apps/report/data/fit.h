@@ -1,0 +1,13 @@
+// What the report page takes from fit.json.
+#pragma once
+
+#include "apps/files/meta_file.h"
+#include "apps/report/data/data.h"
+
+namespace tribotrack::apps {
+
+/// Everything of `fit` but its runs. What an older file lacks stays absent on the page. Throws
+/// Json::exception where a key that every fit.json holds is missing.
+void collect_fit(const Json& fit, ReportData& data);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,144 @@
+#include "apps/report/page/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/text/text.h"
+#include "apps/report/page/verdict.h"
+
+namespace tribotrack::apps {
+namespace {
+
+constexpr double few_runs_alike = 0.01;  // below: neighbouring runs err alike by more than chance
+
+/// "in 6.9 of 100 campaigns".
+std::string how_often(double probability) {
+  return probability < 1e-3 ? "in fewer than one of 1000 campaigns"
+                            : fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
+}
+
+/// Of a table. What underflows is said to be small, not to be nothing.
+std::string chance(double probability) {
+  return probability == 0 ? "&lt; 1e-300" : number(probability, 1);
+}
+
+std::string goodness(const ReportData& data) {
+  if (!std::isfinite(data.chi2)) return "<p>χ² was not computed.</p>\n";
+  std::string html = fmt::format("<p>χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
+                                 data.dof == 1 ? "" : "s");
+  if (data.dof > 0) {
+    html += fmt::format(
+        ": {} per degree of freedom, where {} is expected 99 times out of 100 if the model and the "
+        "stated errors are right",
+        number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
+  }
+  html += data.dof > 0 ? "." : ": there are no more data than unknowns, and nothing checks the model.";
+  if (data.scatter_mm > 0)
+    html += fmt::format(" Scatter of up to {} mm per axis beyond the measurement errors is included.",
+                        number(data.scatter_mm, 2));
+  html += "</p>\n";
+  if (std::isfinite(data.p_value) && data.dof > 0)
+    html += fmt::format("<p><b>p {}</b>: {}chance alone would make χ² so large {}.</p>\n",
+                        data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
+                        data.scatter_mm > 0 ? "without scatter read off the residuals, " : "",
+                        how_often(data.p_value));
+  return html;
+}
+
+std::string runs_test(const ReportData& data) {
+  const double p = data.runs_test_p_value;
+  if (!std::isfinite(p)) return "";
+  const char* words =
+      p < few_runs_alike
+          ? "neighbouring runs err to the same side, more often than chance lets them. That is "
+            "the mark of a wrong model, not of scatter."
+      : p < 1 ? "no sign that neighbouring runs err to the same side, as they would under a wrong model."
+              : "nothing to object, as also where there are too few runs (under eight) to ask.";
+  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), words);
+}
+
+std::string phi_or_dash(double phi) {
+  return std::isfinite(phi) ? angle(phi) : "–";
+}
+
+std::string outlier_table(const ReportData& data) {
+  if (data.outliers.empty()) return "";
+  const bool mislabelled = std::any_of(data.outliers.begin(), data.outliers.end(), [](const auto& outlier) {
+    return std::isfinite(outlier.looks_like_phi_rad);
+  });
+  std::string html =
+      "<h3>Runs that contradict the others</h3>\n<p>Each is compared with what all other runs say; check "
+      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table class=\"compact "
+      "outliers\"><thead><tr><th>Run</th><th class=\"n\">lies off by</th><th class=\"n\">by chance</th>";
+  if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">moved as if φ were</th>";
+  html += "</tr></thead><tbody>";
+  for (const ReportOutlier& outlier : data.outliers) {
+    html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
+            number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
+    if (mislabelled) {
+      const auto run = std::find_if(data.runs.begin(), data.runs.end(),
+                                    [&](const ReportRun& r) { return r.name == outlier.run; });
+      html += number_cell(run != data.runs.end() ? phi_or_dash(run->phi_rad) : "–") +
+              number_cell(phi_or_dash(outlier.looks_like_phi_rad));
+    }
+    html += "</tr>";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string outlying_points(const ReportData& data) {
+  std::string items;
+  for (const ReportRun& run : data.runs)
+    if (run.outlying_points > 0)
+      items += fmt::format("<li><b>{}</b>: {} of {} points.</li>", escape_html(run.name), run.outlying_points,
+                           run.points);
+  if (items.empty()) return "";
+  return "<h3>Points that contradict their run</h3>\n<p>They lie beyond 6 σ of the run’s other points; the "
+         "warnings name their frames.</p>\n<ul>" +
+         items + "</ul>\n";
+}
+
+std::string model_table(const ReportData& data) {
+  if (data.models.empty()) return "";
+  const ReportModel& fitted = data.models.front();
+  std::string html =
+      "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
+      "unknowns: lower is better, and a lead of less than 6 in AIC is not taken as proof.</p>\n<div "
+      "class=\"wide\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
+      "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">against the "
+      "first</th><th class=\"n\">BIC</th><th class=\"n\">against the first</th><th>What it "
+      "found</th></tr></thead><tbody>\n";
+  const auto signed_difference = [](double value, double first) {
+    const double difference = value - first;
+    return std::isfinite(difference) ? (difference > 0 ? "+" : "") + rounded_to_sd(difference, 1) : "–";
+  };
+  for (const ReportModel& model : data.models) {
+    const bool first = &model == &fitted;
+    const std::string name = escape_html(model.name);
+    html +=
+        "<tr>" + cell(first ? "<b>" + name + "</b> (fitted)" : name) +
+        number_cell(std::to_string(model.unknowns)) + number_cell(number(model.chi2)) +
+        number_cell(number(model.aic)) + number_cell(first ? "" : signed_difference(model.aic, fitted.aic)) +
+        number_cell(number(model.bic)) + number_cell(first ? "" : signed_difference(model.bic, fitted.bic)) +
+        cell(escape_html(model.finding)) + "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string not_needed(const ReportData& data) {
+  if (data.left_out.empty()) return "";
+  return "<h3>What was not tried or not needed</h3>\n" + html_list(data.left_out);
+}
+
+}  // namespace
+
+std::string check_section(const ReportData& data) {
+  if (!data.fitted || data.parameters.empty()) return "";
+  return "<section id=\"check\"><h2>Does the model describe the data?</h2>\n" + goodness(data) +
+         runs_test(data) + outlier_table(data) + outlying_points(data) + model_table(data) +
+         not_needed(data) + "</section>\n";
+}
+
+}  // namespace tribotrack::apps

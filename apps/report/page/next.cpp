@@ -1,0 +1,87 @@
+#include "apps/report/page/next.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/text/text.h"
+
+namespace tribotrack::apps {
+namespace {
+
+/// Runs that are the same but for their aim stand in one row.
+struct Row {
+  ReportNextRun run;
+  std::string aims;  ///< HTML
+};
+
+bool same(const ReportNextRun& a, const ReportNextRun& b) {
+  const auto alike = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return alike(a.phi_rad, b.phi_rad) && alike(a.dtau_rad, b.dtau_rad) &&
+         alike(a.amplitude_mm, b.amplitude_mm) && alike(a.w_rad_s, b.w_rad_s);
+}
+
+std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
+  std::vector<Row> rows;
+  for (const ReportNextRun& run : runs) {
+    const std::string aim = run.aim.empty() ? "all together" : parameter_words(run.aim).symbol + " alone";
+    const auto known = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return same(r.run, run); });
+    if (known == rows.end())
+      rows.push_back({run, aim});
+    else
+      known->aims += ", " + aim;
+  }
+  return rows;
+}
+
+/// Rounded where its own width says.
+std::string interval(const ReportInterval& range) {
+  return interval_words(range, (range.high - range.low) / 4);
+}
+
+std::string next_table(const ReportData& data) {
+  std::string html =
+      "<div class=\"wide\"><table class=\"next\"><thead><tr><th>Best for</th><th class=\"n\">φ</th><th "
+      "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
+  for (const ReportParameter& parameter : data.parameters) {
+    const ParameterWords words = parameter_words(parameter.name);
+    html += fmt::format("<th class=\"n\">{}{}</th>", words.symbol,
+                        words.unit.empty() ? "" : fmt::format(", {}", words.unit));
+  }
+  html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
+  for (const ReportParameter& parameter : data.parameters) html += number_cell(interval(parameter.ci95));
+  html += "</tr>\n";
+  for (const Row& row : rows_of(data.next_runs)) {
+    html += "<tr>" + cell("<b>" + row.aims + "</b>") + number_cell(angle(row.run.phi_rad)) +
+            number_cell(angle(row.run.dtau_rad)) + number_cell(number(row.run.amplitude_mm)) +
+            number_cell(number(row.run.w_rad_s));
+    for (std::size_t i = 0; i < data.parameters.size(); ++i)
+      html += number_cell(i < row.run.predicted_ci95.size() ? interval(row.run.predicted_ci95[i]) : "–");
+    html += "</tr>\n";
+  }
+  html +=
+      "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
+      "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
+      "so.";
+  if (data.identifiability == ReportVerdict::not_identifiable)
+    html +=
+        " The prediction is made at the values above, which these runs do not tell: read how wide the "
+        "intervals are, not where they lie.";
+  return html + "</p>\n";
+}
+
+}  // namespace
+
+std::string next_section(const ReportData& data) {
+  if (!data.fitted || data.parameters.empty()) return "";
+  if (data.next_experiment.empty() && data.next_runs.empty()) return "";
+  const std::string sentence =
+      data.next_experiment.empty() ? data.next_runs.front().sentence : data.next_experiment;
+  std::string html =
+      "<section id=\"next\"><h2>What to film next</h2>\n<p>" + escape_html(sentence) + "</p>\n";
+  if (!data.next_runs.empty()) html += next_table(data);
+  return html + "</section>\n";
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,281 @@
+#include "apps/text/strict_toml.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+#include "apps/text/angle.h"
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+struct StrictTable::Node {
+  std::shared_ptr<const toml::table> document;  // keeps the tree alive
+  const toml::table* table = nullptr;
+  std::string file;
+  std::string name;  // "platform", "" for the top
+  std::set<std::string, std::less<>> asked;
+
+  const toml::node* find(std::string_view key) {
+    asked.emplace(key);
+    return table->get(key);
+  }
+};
+
+namespace {
+
+std::string kind_of(const toml::node& node) {
+  if (node.is_string()) return fmt::format("the text \"{}\"", node.ref<std::string>());
+  if (node.is_integer() || node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+  if (node.is_boolean()) return "true/false";
+  if (node.is_array()) return "a list";
+  if (node.is_table()) return "a table";
+  return "a date or time";
+}
+
+std::optional<double> number_in(const toml::node& node) {
+  if (node.is_integer()) return static_cast<double>(*node.value<std::int64_t>());
+  if (node.is_floating_point()) return *node.value<double>();
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw InvalidInput(fmt::format("{}: there is no such file; check its name", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file))
+    throw InvalidInput(fmt::format("{}: cannot be read; give a text file", file.string()));
+  std::ostringstream content;
+  content << stream.rdbuf();
+  return content.str();
+}
+
+StrictTable StrictTable::read(const std::filesystem::path& file) {
+  return parse(read_text(file), file.string());
+}
+
+StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
+  try {
+    auto node = std::make_shared<Node>();
+    node->document = std::make_shared<const toml::table>(toml::parse(text, name));
+    node->table = node->document.get();
+    node->file = name;
+    return StrictTable(std::move(node));
+  } catch (const toml::parse_error& error) {
+    throw InvalidInput(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
+                                   error.source().begin.column, error.description()));
+  }
+}
+
+std::string StrictTable::place(std::string_view key) const {
+  const toml::node* node = key.empty() ? nullptr : node_->table->get(key);
+  auto source = node != nullptr ? node->source() : node_->table->source();
+  if (!source.begin) source.begin = {1, 1};
+  if (node != nullptr)
+    for (auto&& [name, value] : *node_->table)
+      if (name.str() == key && name.source().begin) source = name.source();
+  return fmt::format("{}:{}:{}", node_->file, source.begin.line, source.begin.column);
+}
+
+void StrictTable::fail(std::string_view key, const std::string& message) const {
+  const std::string where = node_->name.empty() ? "" : fmt::format(" in [{}]", node_->name);
+  throw InvalidInput(fmt::format("{}: `{}`{} {}", place(key), key, where, message));
+}
+
+std::optional<double> StrictTable::number(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto value = number_in(*node);
+  if (!value) fail(key, fmt::format("must be a number, not {}", kind_of(*node)));
+  if (!std::isfinite(*value)) fail(key, "must be a finite number");
+  return value;
+}
+
+std::optional<double> StrictTable::positive(std::string_view key) {
+  const auto value = number(key);
+  if (value && !(*value > 0)) fail(key, fmt::format("must be greater than 0, not {}", *value));
+  return value;
+}
+
+std::optional<double> StrictTable::not_negative(std::string_view key) {
+  const auto value = number(key);
+  if (value && !(*value >= 0)) fail(key, fmt::format("must be 0 or more, not {}", *value));
+  return value;
+}
+
+std::optional<double> StrictTable::angle(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto text = node->value_exact<std::string>()) {
+    const auto value = parse_angle(*text);
+    if (!value)
+      fail(key,
+           fmt::format(
+               "must be an angle in radians, a number or a text such as \"11pi/9\" or \"-pi/2\", not \"{}\"",
+               *text));
+    return value;
+  }
+  const auto value = number_in(*node);
+  if (!value) fail(key, fmt::format("must be an angle in radians, not {}", kind_of(*node)));
+  if (!std::isfinite(*value)) fail(key, "must be a finite angle");
+  return value;
+}
+
+std::optional<std::int64_t> StrictTable::integer(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_integer()) fail(key, fmt::format("must be a whole number, not {}", kind_of(*node)));
+  return node->value<std::int64_t>();
+}
+
+std::optional<bool> StrictTable::boolean(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_boolean()) fail(key, fmt::format("must be true or false, not {}", kind_of(*node)));
+  return node->value<bool>();
+}
+
+std::optional<std::string> StrictTable::text(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_string()) fail(key, fmt::format("must be a text in quotes, not {}", kind_of(*node)));
+  return node->value<std::string>();
+}
+
+std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, std::size_t count) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* list = node->as_array();
+  std::vector<double> values;
+  if (list != nullptr)
+    for (const toml::node& item : *list)
+      if (const auto value = number_in(item); value && std::isfinite(*value)) values.push_back(*value);
+  if (list == nullptr || values.size() != list->size() || values.size() != count)
+    fail(key, fmt::format("must be a list of {} numbers", count));
+  return values;
+}
+
+std::optional<std::vector<std::int64_t>> StrictTable::integers(std::string_view key, std::size_t count) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* list = node->as_array();
+  std::vector<std::int64_t> values;
+  if (list != nullptr)
+    for (const toml::node& item : *list)
+      if (item.is_integer()) values.push_back(*item.value<std::int64_t>());
+  if (list == nullptr || values.size() != list->size() || values.size() != count)
+    fail(key, fmt::format("must be a list of {} whole numbers", count));
+  return values;
+}
+
+std::optional<std::vector<std::string>> StrictTable::texts(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* list = node->as_array();
+  std::vector<std::string> values;
+  if (list != nullptr)
+    for (const toml::node& item : *list)
+      if (item.is_string()) values.push_back(*item.value<std::string>());
+  if (list == nullptr || values.size() != list->size()) fail(key, "must be a list of texts in quotes");
+  return values;
+}
+
+std::optional<StrictTable> StrictTable::table(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::table* table = node->as_table();
+  if (table == nullptr) fail(key, fmt::format("must be a table, [{}], not {}", key, kind_of(*node)));
+  auto inner = std::make_shared<Node>();
+  inner->document = node_->document;
+  inner->table = table;
+  inner->file = node_->file;
+  inner->name = node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key);
+  return StrictTable(std::move(inner));
+}
+
+std::vector<StrictTable> StrictTable::tables(std::string_view key) {
+  const toml::node* node = node_->find(key);
+  std::vector<StrictTable> found;
+  if (node == nullptr) return found;
+  const toml::array* list = node->as_array();
+  if (list == nullptr) fail(key, fmt::format("must be a list of tables, [[{}]]", key));
+  for (const toml::node& item : *list) {
+    const toml::table* table = item.as_table();
+    if (table == nullptr) fail(key, fmt::format("must be a list of tables, [[{}]]", key));
+    auto inner = std::make_shared<Node>();
+    inner->document = node_->document;
+    inner->table = table;
+    inner->file = node_->file;
+    inner->name = fmt::format("[{}]", key);
+    found.push_back(StrictTable(std::move(inner)));
+  }
+  return found;
+}
+
+std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::vector<std::string>& words) {
+  const auto word = text(key);
+  if (!word) return std::nullopt;
+  const auto at = std::find(words.begin(), words.end(), *word);
+  if (at == words.end()) {
+    const std::string near = nearest_word(*word, words);
+    fail(key, fmt::format("must be one of {}, not \"{}\"{}", fmt::join(words, ", "), *word,
+                          near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+  }
+  return static_cast<std::size_t>(at - words.begin());
+}
+
+bool StrictTable::has(std::string_view key) const {
+  return node_->table->contains(key);
+}
+
+std::vector<std::string> StrictTable::keys() const {
+  std::vector<std::string> names;
+  for (auto&& [name, value] : *node_->table) names.emplace_back(name.str());
+  return names;
+}
+
+void StrictTable::finish() const {
+  for (auto&& [name, value] : *node_->table) {
+    const std::string key(name.str());
+    if (node_->asked.contains(key)) continue;
+    const std::vector<std::string> valid(node_->asked.begin(), node_->asked.end());
+    const std::string near = nearest_word(key, valid);
+    fail(key, near.empty() ? fmt::format("is not a known key; known here: {}", fmt::join(valid, ", "))
+                           : fmt::format("is not a known key; did you mean `{}`?", near));
+  }
+}
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& words) {
+  // Levenshtein distance, one row at a time.
+  const auto distance = [&](std::string_view other) {
+    std::vector<std::size_t> row(other.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= word.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i;
+      for (std::size_t j = 1; j <= other.size(); ++j) {
+        const std::size_t substituted = diagonal + (word[i - 1] != other[j - 1]);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+      }
+    }
+    return row.back();
+  };
+  std::string best;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 2);
+  for (const std::string& candidate : words)
+    if (const std::size_t d = distance(candidate); d <= least && (best.empty() || d < least)) {
+      least = d;
+      best = candidate;
+    }
+  return best;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,106 @@
+#include "fit/checks/outliers.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fit/uncertainty/covariance.h"
+#include "fit/tools/parameter_text.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr double kChance = 0.01;
+
+/// P of `drop` in chi^2 by leaving out two data, when the rest has `rest` at `dof` degrees of freedom.
+double chance(double drop, double rest, double dof) {
+  if (dof < 1 || rest <= dof) return std::exp(-0.5 * drop);  // chi^2 with 2 degrees of freedom
+  return std::pow(1 + drop / rest, -0.5 * dof);              // F with 2 and dof
+}
+
+/// The angle by which the run's pulse would have to be turned, where that explains its displacement.
+/// nullopt, too, where it is no more than the run's own error in angle.
+std::optional<double> looks_like(const SummaryRun& run, const Eigen::Vector2d& modelled, double sigma) {
+  const Eigen::Vector2d& measured = run.measured.vector;
+  if (std::abs(measured.norm() - modelled.norm()) > 4 * sigma + 0.1 * modelled.norm()) return std::nullopt;
+  double turned = std::atan2(measured.y(), measured.x()) - std::atan2(modelled.y(), modelled.x());
+  if (std::sin(run.scenario.drive.phase_shift) >= 0) turned = -turned;  // clockwise
+  turned = std::remainder(turned, 2 * std::numbers::pi);
+  if (std::abs(turned) < std::max(0.05, 3 * sigma / std::max(modelled.norm(), sigma))) return std::nullopt;
+  return std::remainder(run.scenario.friction.phase + turned, 2 * std::numbers::pi);
+}
+
+/// The run whose leaving out lowers chi^2 most, to first order, and by how much.
+std::pair<std::size_t, double> worst(const Residuals& residuals, const Minimum& best,
+                                     const std::vector<bool>& out) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const Eigen::MatrixXd covariance =
+      uncertainty(unknowns, unknowns.values(best.z), best.jacobian).full_covariance;
+  std::pair<std::size_t, double> found{0, 0};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i]) continue;
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d r = best.residuals.segment<2>(row);
+    const Eigen::MatrixXd j = best.jacobian.middleRows(row, 2);
+    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - j * covariance * j.transpose();
+    if (!(left.determinant() > 1e-6)) continue;  // the run alone pins something: nothing checks it
+    const double drop = r.dot(left.inverse() * r);
+    if (drop > found.second) found = {i, drop};
+  }
+  return found;
+}
+
+Outlier tell(const SummaryRun& run, double deviation, double probability, std::optional<double> phi) {
+  Outlier outlier;
+  outlier.run = run.name;
+  outlier.deviation = deviation;
+  outlier.chance = probability;
+  outlier.sentence = "Run '" + run.name + "' lies " + number(deviation, 2) +
+                     " sigma from what all other runs say (chance " + number(probability, 1) +
+                     "); check its phi, dtau and label";
+  if (phi) {
+    outlier.looks_like_phi = *phi < 0 ? *phi + 2 * std::numbers::pi : *phi;
+    outlier.sentence += ": it moved as if phi were " + number(*outlier.looks_like_phi / std::numbers::pi, 2) +
+                        " pi instead of " + number(run.scenario.friction.phase / std::numbers::pi, 2) + " pi";
+  }
+  outlier.sentence += ".";
+  return outlier;
+}
+
+}  // namespace
+
+std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
+  constexpr double kLeftOut = 1e-12;  ///< weight of a run that does not count but is still compared
+  const Problem& problem = residuals.unknowns().problem();
+  const std::size_t runs = problem.summary_runs.size();
+  std::vector<bool> out(runs, false);
+  std::vector<Outlier> found;
+  double dof = residuals.degrees_of_freedom();
+  if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
+  while (found.size() < runs / 4 && dof > 3 && best.jacobian.rows() > 0) {
+    const auto [i, first_order] = worst(residuals, best, out);
+    const double count = static_cast<double>(runs);
+    if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kChance)) break;
+    out[i] = true;
+    Weights weights;
+    for (std::size_t k = 0; k < runs; ++k) weights.runs.push_back(out[k] ? kLeftOut : 1);
+    residuals.set_weights(weights);
+    Minimum without = minimise(residuals, best.z, {.held = {}, .decrement = 1e-6});
+    if (without.jacobian.rows() == 0) without = with_curvature(residuals, without).minimum;
+    const double drop = best.chi2 - without.chi2;
+    const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
+    if (!(probability < kChance) || without.jacobian.rows() == 0) break;
+    const double spread = std::sqrt(std::max(1.0, without.chi2 / (dof - 2)));
+    const Eigen::Vector2d modelled =
+        problem.summary_runs[i].measured.vector - residuals.difference(without.residuals, i);
+    const double sigma = spread * std::sqrt(0.5 * residuals.covariance(i).trace());
+    found.push_back(tell(problem.summary_runs[i], std::sqrt(drop) / spread, probability,
+                         looks_like(problem.summary_runs[i], modelled, sigma)));
+    best = without;
+    dof -= 2;
+  }
+  return found;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,55 @@
+#include "fit/checks/thinned.h"
+
+#include <algorithm>
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr std::size_t kMostPoints = 150;
+
+std::size_t every_of(const TrajectoryRun& run) {
+  return run.free_slide ? 1 : (run.track.time.size() + kMostPoints - 1) / kMostPoints;
+}
+
+void thin(TrackTable& track, std::size_t every) {
+  const std::size_t n = track.time.size();
+  TrackTable few;
+  few.platform_frame = track.platform_frame;
+  for (std::size_t i = 0; i < n; i += every) {
+    if (i < track.frame.size()) few.frame.push_back(track.frame[i]);
+    few.time.push_back(track.time[i]);
+    few.position.push_back(track.position[i]);
+    few.covariance.push_back(track.covariance[i]);
+  }
+  track = few;
+}
+
+Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
+  Problem problem = unknowns.problem();
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    TrajectoryRun& run = problem.trajectory_runs[i];
+    run.track.exposure = 0;
+    if (const Eigen::Index phase = unknowns.phase_index(i); phase >= 0)
+      run.scenario.start_phase += values(phase);
+    run.start_phase_sd = 0;
+    thin(run.track, every_of(run));
+  }
+  return problem;
+}
+
+}  // namespace
+
+Thinned::Thinned(const Residuals& residuals, const Minimum& best)
+    : problem_(thinned(residuals.unknowns(), residuals.unknowns().values(best.z))),
+      unknowns_(problem_),
+      residuals_(problem_, unknowns_) {
+  residuals_.set_tolerance(1e-8);
+  // Scatter between points was estimated under the paper's law and would hide what that law misses.
+  Scatter scatter = residuals_.scatter();
+  scatter.slow = residuals.scatter().slow;
+  residuals_.set_scatter(scatter);
+  // The phases came last.
+  best_ = minimise(residuals_, best.z.head(unknowns_.size()), {.held = {}, .decrement = 1e-6});
+}
+
+}  // namespace tribotrack::fit::internal

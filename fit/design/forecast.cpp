@@ -1,0 +1,163 @@
+#include "fit/design/forecast.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fit/residuals/end_point.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr std::size_t kMostPoints = 240;  ///< of a forecast track: more only repeat what these tell
+
+}  // namespace
+
+Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values)
+    : residuals_(residuals), values_(values), units_(residuals.unknowns().natural_units(values)) {
+  const Problem& problem = residuals.unknowns().problem();
+  const auto& runs = problem.summary_runs;
+  const auto driven = [](const TrajectoryRun& run) { return !run.free_slide; };
+  const auto& tracks = problem.trajectory_runs;
+  const auto first = std::find_if(tracks.begin(), tracks.end(), driven);
+  if (std::count_if(tracks.begin(), tracks.end(), driven) > static_cast<std::ptrdiff_t>(runs.size())) {
+    track_ = static_cast<std::size_t>(first - tracks.begin());
+    base_ = first->scenario;
+    base_.duration = first->track.time.back() - first->track.time.front();
+    amplitude_from_track_ = first->amplitude_from_track;
+  } else {
+    base_ = runs.front().scenario;
+    amplitude_from_track_ = runs.front().amplitude_from_track;
+  }
+  clockwise_ = std::sin(base_.drive.phase_shift) >= 0;
+  if (track_) return;
+  // ln sd = ln sd_ + power ln(length/length_), a straight line through the runs.
+  double mean_x = 0, mean_y = 0, square = 0, product = 0;
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    x.push_back(std::log(std::max(runs[i].measured.vector.norm(), 1e-9)));
+    y.push_back(0.5 * std::log(0.5 * residuals.covariance(i).trace()));
+    mean_x += x.back() / static_cast<double>(runs.size());
+    mean_y += y.back() / static_cast<double>(runs.size());
+  }
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    square += (x[i] - mean_x) * (x[i] - mean_x);
+    product += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  power_ = square > 1e-6 ? std::clamp(product / square, 0.0, 1.0) : 0;
+  sd_ = std::exp(mean_y);
+  length_ = std::exp(mean_x);
+}
+
+Candidate Forecaster::drive_so_far() const {
+  return {base_.friction.phase, base_.friction.pulse_width, base_.drive.amplitude,
+          base_.drive.angular_frequency};
+}
+
+double Forecaster::variance(const Eigen::Vector2d& displacement) const {
+  const double sd = sd_ * std::pow(std::max(displacement.norm(), 0.1 * length_) / length_, power_);
+  return sd * sd;
+}
+
+model::Scenario Forecaster::scenario(const Candidate& candidate) const {
+  model::Scenario scenario = base_;
+  scenario.friction.phase = candidate.phi;
+  scenario.friction.pulse_width = candidate.dtau;
+  const double cycles = base_.end_time() * base_.drive.angular_frequency / (2 * std::numbers::pi);
+  scenario.duration =
+      (track_ ? cycles : std::round(cycles)) * 2 * std::numbers::pi / candidate.angular_frequency;
+  scenario.drive.amplitude_y *= candidate.amplitude / base_.drive.amplitude;
+  scenario.drive.amplitude = candidate.amplitude;
+  scenario.drive.angular_frequency = candidate.angular_frequency;
+  return scenario;
+}
+
+Eigen::MatrixXd Forecaster::of_displacement(const model::Scenario& scenario, double tolerance) const {
+  const Unknowns& unknowns = residuals_.unknowns();
+  const auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
+  if (applied.wanted.empty()) return {};
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance);
+  const Eigen::Vector2d displacement = end.position / applied.scale;
+  Eigen::MatrixXd rows = end.jacobian * applied.chain / applied.scale;
+  if (const auto scale = unknowns.find(FitParameter::scale)) rows.col(*scale) -= displacement / applied.scale;
+  rows = (rows * units_.asDiagonal()).eval() / std::sqrt(variance(displacement));
+  return rows.transpose() * rows;
+}
+
+Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tolerance) const {
+  const Unknowns& unknowns = residuals_.unknowns();
+  const TrajectoryRun& like = unknowns.problem().trajectory_runs[*track_];
+  auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
+  if (applied.wanted.empty()) return {};
+  // Its own phase is one more unknown, the last.
+  const Eigen::Index wanted = applied.chain.rows(), known = applied.chain.cols();
+  applied.wanted.push_back(model::Parameter::start_phase);
+  applied.chain.conservativeResize(wanted + 1, known + 1);
+  applied.chain.row(wanted).setZero();
+  applied.chain.col(known).setZero();
+  applied.chain(wanted, known) = 1;
+
+  const std::size_t seen = like.track.time.size(), n = std::min(kMostPoints, seen);
+  std::vector<double> times;
+  for (std::size_t k = 0; k < n; ++k)
+    times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
+  const PointModel points = model_points(unknowns, applied, times,
+                                         {!like.track.platform_frame, like.track.exposure}, tolerance, true);
+  const auto& scatter = residuals_.scatter().trajectories[*track_];
+  const double variance =
+      0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
+  // Of one of the n points, which stand for all that are seen.
+  const double white =
+      variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
+  SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
+                                residuals_.slow_reference_time(), kAllSlowParts);
+  for (std::size_t j = 0; j < slow.count(); ++j)
+    slow.values.col(static_cast<Eigen::Index>(j)) *=
+        std::sqrt(residuals_.scatter().slow[slow.part[j]] / white);
+  slow.values.rowwise() -= slow.values.colwise().mean().eval();
+  const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd::Identity(slow.values.cols(), slow.values.cols()) +
+                                           slow.values.transpose() * slow.values);
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(known + 1, known + 1);
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {  // its own start point: less the mean
+    Eigen::MatrixXd rows = points.jacobian(Eigen::seqN(axis, n, 2), Eigen::all);
+    rows.rowwise() -= rows.colwise().mean().eval();
+    const Eigen::MatrixXd hidden = factor.matrixL().solve(slow.values.transpose() * rows);
+    information += (rows.transpose() * rows - hidden.transpose() * hidden) / white;
+  }
+  if (like.start_phase_sd > 0) {
+    const Eigen::VectorXd by_phase = information.col(known).head(known);
+    const double own = information(known, known) + 1 / (like.start_phase_sd * like.start_phase_sd);
+    information.topLeftCorner(known, known) -= by_phase * by_phase.transpose() / own;
+  }
+  return units_.asDiagonal() * information.topLeftCorner(known, known) * units_.asDiagonal();
+}
+
+std::optional<Forecast> Forecaster::forecast(const Candidate& candidate, double tolerance) const {
+  Forecast forecast{candidate, {}};
+  try {
+    forecast.information =
+        track_ ? of_track(scenario(candidate), tolerance) : of_displacement(scenario(candidate), tolerance);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+  if (forecast.information.size() == 0 || !forecast.information.allFinite()) return std::nullopt;
+  return forecast;
+}
+
+Forecast Forecaster::turned(const Forecast& forecast, double phi) const {
+  Forecast result = forecast;
+  result.candidate.phi = phi;
+  const Unknowns& unknowns = residuals_.unknowns();
+  const auto x = unknowns.find(FitParameter::tilt_x), y = unknowns.find(FitParameter::tilt_y);
+  if (!x || !y) return result;
+  const double angle = (phi - forecast.candidate.phi) * (clockwise_ ? -1 : 1);
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(unknowns.size(), unknowns.size());
+  turn(*x, *x) = turn(*y, *y) = std::cos(angle);
+  turn(*x, *y) = std::sin(angle);
+  turn(*y, *x) = -std::sin(angle);
+  result.information = turn.transpose() * forecast.information * turn;
+  return result;
+}
+
+}  // namespace tribotrack::fit::internal

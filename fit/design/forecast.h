@@ -1,0 +1,57 @@
+// What a run not yet filmed would tell.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fit/residuals/residuals.h"
+#include "fit/tools/stage_progress.h"
+
+namespace tribotrack::fit::internal {
+
+/// A run that could be filmed.
+struct Candidate {
+  double phi = 0, dtau = 0;                     ///< rad
+  double amplitude = 0, angular_frequency = 0;  ///< m, rad/s, of the first driven run's kind
+};
+
+/// What it would add to the information on all unknowns, in natural units: J'J of its whitened sensitivity.
+struct Forecast {
+  Candidate candidate;
+  Eigen::MatrixXd information;
+};
+
+/// Forecasts with the start, length and kind of the runs so far (displacements or whole tracks, whichever are
+/// more) and an error like theirs. A displacement's error is that of the run whose displacement is nearest in
+/// length, growing with the length as it does among them; a track has as many points per cycle as the first,
+/// its scatter, correlation and slow errors, and a start point and phase of its own.
+class Forecaster {
+ public:
+  Forecaster(const Residuals& residuals, const Eigen::VectorXd& values);
+  Candidate drive_so_far() const;
+  /// nullopt where the model cannot be evaluated or nothing fitted moves the run.
+  std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
+  /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
+  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
+                                                 int threads, Stage& stage) const;
+  /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
+  /// good to some degrees from rest. The information on everything but a tilt, which stays where it is, is
+  /// then the same.
+  Forecast turned(const Forecast& forecast, double phi) const;
+
+ private:
+  double variance(const Eigen::Vector2d& displacement) const;
+  model::Scenario scenario(const Candidate& candidate) const;
+  Eigen::MatrixXd of_displacement(const model::Scenario& scenario, double tolerance) const;
+  Eigen::MatrixXd of_track(const model::Scenario& scenario, double tolerance) const;
+
+  const Residuals& residuals_;
+  Eigen::VectorXd values_, units_;
+  model::Scenario base_;
+  bool amplitude_from_track_ = false;
+  std::optional<std::size_t> track_;  ///< the trajectory run it is like; else like the summary runs
+  double sd_ = 0, length_ = 1, power_ = 0;
+  bool clockwise_ = true;
+};
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,203 @@
+#include "fit/design/next_experiment.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fit/tools/parameter_text.h"
+#include "fit/design/forecast.h"
+#include "fit/uncertainty/identifiability.h"
+#include "fit/report/fill_result.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr int kPhases = 8, kWidths = 7;
+constexpr double kStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
+constexpr double kWorthTelling = 0.02;          ///< shorter standard deviation than with the best for all
+constexpr double kWorthAnotherDrive = 0.1;      ///< shorter standard deviations than with the own drive
+constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
+constexpr std::size_t kForecastAgain = 3;  ///< best places of the grid, at every phi
+constexpr double kTolerance = 1e-3;        ///< of the forecasts: derivatives to better than 1e-3
+
+/// Covariance of the reported parameters from the information on all.
+Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
+  return information.ldlt()
+      .solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()))
+      .topLeftCorner(reported, reported);
+}
+
+double log_determinant(const Eigen::MatrixXd& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return 2 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum();
+}
+
+/// What is to become small: the log-determinant, or the log-variance of one parameter.
+double size(const Eigen::MatrixXd& covariance, std::optional<Eigen::Index> aim) {
+  return aim ? std::log(covariance(*aim, *aim)) : log_determinant(covariance);
+}
+
+class Search {
+ public:
+  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian, double t,
+         const FitOptions& options)
+      : unknowns_(residuals.unknowns()),
+        values_(values),
+        units_(unknowns_.natural_units(values)),
+        t_(t),
+        forecaster_(residuals, values),
+        threads_(options.threads),
+        stage_(options, "next experiment") {
+    information_ = units_.asDiagonal() * (jacobian.transpose() * jacobian) * units_.asDiagonal();
+    for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
+      const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
+      information_(i, i) += 1 / (widest * widest);
+    }
+    now_ = reported_covariance(information_, unknowns_.reported());
+  }
+
+  /// Forecasts over the whole grid, at phi = 0.
+  void sample() {
+    const Candidate own = forecaster_.drive_so_far();
+    for (const auto& [a, w] : kDrives)
+      for (int j = 1; j <= kWidths; ++j)
+        places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
+    std::vector<Candidate> seeds;
+    for (const Place& place : places_) seeds.push_back(place.seed);
+    const auto forecasts = forecaster_.forecasts(seeds, kTolerance, threads_, stage_);
+    for (std::size_t k = 0; k < places_.size(); ++k) places_[k].at_zero = forecasts[k];
+  }
+
+  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
+    std::vector<std::pair<double, Place*>> order;
+    for (Place& place : places_)
+      if (place.at_zero && place.own_drive == own_drive)
+        order.emplace_back(smallest_when_turned(*place.at_zero, aim), &place);
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    const Forecast* chosen = nullptr;
+    double smallest = size(now_, aim);
+    for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k)
+      for (const auto& forecast : at_every_phase(*order[k].second)) {
+        if (!forecast || !(size(after(*forecast), aim) < smallest)) continue;
+        smallest = size(after(*forecast), aim);
+        chosen = &*forecast;
+      }
+    if (!chosen) return std::nullopt;
+    return tell(*chosen, aim, own_drive);
+  }
+
+  /// How much the standard deviation aimed at (their geometric mean without an aim) shrinks, as a logarithm.
+  double gain(const std::optional<NextExperiment>& next, std::optional<Eigen::Index> aim) const {
+    if (!next) return 0;
+    double sum = 0;
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      if (!aim || i == *aim)
+        sum += std::log(std::sqrt(now_(i, i)) * units_(i) / next->predicted_sd.at(unknowns_.parameter(i)));
+    return aim ? sum : sum / static_cast<double>(unknowns_.reported());
+  }
+
+ private:
+  /// A place of the grid over dtau, A and w, and what it promises.
+  struct Place {
+    Candidate seed;
+    bool own_drive = false;
+    std::optional<Forecast> at_zero = {};            ///< phi = 0
+    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once it was asked for
+  };
+
+  double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
+    double smallest = size(after(forecast), aim);
+    if (!unknowns_.find(FitParameter::tilt_x) || !unknowns_.find(FitParameter::tilt_y)) return smallest;
+    for (int i = 1; i < kPhases; ++i)
+      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kStep)), aim));
+    return smallest;
+  }
+
+  const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
+    if (!place.good.empty()) return place.good;
+    std::vector<Candidate> turned(kPhases - 1, place.seed);
+    for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kStep;
+    place.good = forecaster_.forecasts(turned, kTolerance, threads_, stage_);
+    place.good.insert(place.good.begin(), place.at_zero);
+    return place.good;
+  }
+
+  Eigen::MatrixXd after(const Forecast& forecast) const {
+    return reported_covariance(information_ + forecast.information, unknowns_.reported());
+  }
+
+  NextExperiment tell(const Forecast& forecast, std::optional<Eigen::Index> aim, bool own_drive) const {
+    const Eigen::MatrixXd covariance = after(forecast);
+    NextExperiment next;
+    next.phi = forecast.candidate.phi;
+    next.dtau = forecast.candidate.dtau;
+    next.amplitude = forecast.candidate.amplitude;
+    next.angular_frequency = forecast.candidate.angular_frequency;
+    if (aim) next.aim = unknowns_.parameter(*aim);
+    next.sentence = aim ? std::string("For ") + to_string(*next.aim) + " alone film"
+                        : std::string(own_drive ? "Film next" : "More would tell");
+    if (!own_drive) next.sentence += ", if the platform can be driven so,";
+    next.sentence += " phi = " + number(next.phi / std::numbers::pi) +
+                     " pi, dtau = " + number(next.dtau / std::numbers::pi) + " pi";
+    if (!own_drive)
+      next.sentence +=
+          ", A = " + number(1e3 * next.amplitude) + " mm, w = " + number(next.angular_frequency) + " rad/s";
+    next.sentence += ", measured as well as the runs so far:";
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
+      const FitParameter parameter = unknowns_.parameter(i);
+      const double before = std::sqrt(now_(i, i)) * units_(i), sd = std::sqrt(covariance(i, i)) * units_(i);
+      next.predicted_sd[parameter] = sd;
+      next.predicted_ci95[parameter] = interval95(unknowns_.transform(i), parameter, values_(i), sd, t_);
+      next.sentence += std::string(i > 0 ? ", " : " ") + "sd(" + to_string(parameter) + ") " +
+                       number(before * display_factor(parameter), 2) + " -> " +
+                       number(sd * display_factor(parameter), 2);
+    }
+    next.sentence += ".";
+    return next;
+  }
+
+  const Unknowns& unknowns_;
+  Eigen::VectorXd values_, units_;
+  double t_;
+  Forecaster forecaster_;
+  int threads_;
+  Stage stage_;
+  Eigen::MatrixXd information_, now_;
+  std::vector<Place> places_;
+};
+
+}  // namespace
+
+NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
+                                 const Eigen::MatrixXd& jacobian, double t, const FitOptions& options) {
+  NextExperiments result;
+  const Unknowns& unknowns = residuals.unknowns();
+  if (!(unknowns.reference_amplitude() > 0)) return result;
+  Search search(residuals, values, jacobian, t, options);
+  search.sample();
+  result.best = search.best(std::nullopt, true);
+  const auto same = [](const NextExperiment& a, const std::optional<NextExperiment>& b) {
+    return b && a.phi == b->phi && a.dtau == b->dtau && a.amplitude == b->amplitude &&
+           a.angular_frequency == b->angular_frequency;
+  };
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
+    if (const auto aimed = search.best(i, true);
+        aimed && search.gain(aimed, i) > search.gain(result.best, i) + kWorthTelling)
+      result.others.push_back(*aimed);
+  const auto driven = search.best(std::nullopt, false);
+  if (driven &&
+      search.gain(driven, std::nullopt) > search.gain(result.best, std::nullopt) + kWorthAnotherDrive)
+    result.others.push_back(*driven);
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    const auto own = search.best(i, true), aimed = search.best(i, false);
+    if (aimed && !same(*aimed, driven) && search.gain(aimed, i) > search.gain(own, i) + kWorthAnotherDrive)
+      result.others.push_back(*aimed);
+  }
+  return result;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,215 @@
+// Displacement over whole cycles, interpolated between frames with its error estimated from the track itself.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <sstream>
+#include <vector>
+
+#include "fit/measuring/local_polynomial.h"
+#include "fit/measurement.h"
+#include "model/alpha_v.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using internal::LocalPolynomial;
+
+void check(const TrackTable& track, const Estimate& w, int cycles) {
+  const std::size_t points = track.time.size();
+  if (track.position.size() != points || track.covariance.size() != points)
+    throw DataError("The track's columns have different lengths; track the recording again.");
+  if (!(w.value > 0) || !std::isfinite(w.value) || !(w.sd >= 0)) {
+    std::ostringstream text;
+    text << "The angular frequency is " << w.value << " rad/s; it must be positive: give "
+         << "angular_frequency_rad_s or track a marker.";
+    throw DataError(text.str());
+  }
+  if (cycles < 1) throw DataError("cycles = " + std::to_string(cycles) + "; at least 1 is needed.");
+  for (std::size_t i = 1; i < points; ++i)
+    if (!(track.time[i] > track.time[i - 1]))
+      throw DataError("The track's times do not increase at row " + std::to_string(i + 1) +
+                      "; check time_s in the track file.");
+  for (std::size_t i = 0; i < points; ++i)
+    if (!std::isfinite(track.time[i]) || !track.position[i].allFinite() || !track.covariance[i].allFinite())
+      throw DataError("The track's row " + std::to_string(i + 1) + " holds a value that is not a number.");
+}
+
+/// Interior frames seen at about the platform phase of `time`, at least eight of them where there are so
+/// many.
+std::vector<std::size_t> frames_of_same_phase(const TrackTable& track, double time, double w, double window) {
+  std::vector<std::pair<double, std::size_t>> by_distance;
+  for (std::size_t i = 2; i + 2 < track.time.size(); ++i)
+    by_distance.emplace_back(std::abs(model::wrap_angle(w * (track.time[i] - time))) / w, i);
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<std::size_t> frames;
+  for (const auto& [distance, i] : by_distance)
+    if (distance <= window || frames.size() < 8) frames.push_back(i);
+  return frames;
+}
+
+struct Interpolated {
+  Eigen::Vector2d position, velocity;
+  Eigen::Matrix2d noise;          ///< of the tracked points used, without the error of interpolating
+  Eigen::Matrix2d interpolation;  ///< mean square error of interpolating
+};
+
+Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(matrix);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// What interpolating between `left` and `right` costs at `time`: each frame of the same platform phase is
+/// left out and predicted from its neighbours, as friction switches come back at the same phase. Where the
+/// acceleration jumps, the error goes with the product of the distances to both neighbours.
+struct LeaveOneOut {
+  Eigen::Matrix2d mean_square = Eigen::Matrix2d::Zero();  ///< scaled to `time`, noise taken off
+  double score = 0;                                       ///< mean square as it is, noise included
+};
+
+LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t>& frames, std::size_t points,
+                          double product) {
+  LeaveOneOut result;
+  double weights = 0;
+  for (const std::size_t i : frames) {
+    const LocalPolynomial around(track.time, track.time[i], points, i);
+    const Eigen::Vector2d difference = around.value(track.position) - track.position[i];
+    const Eigen::Matrix2d noise = around.covariance(track.covariance) + track.covariance[i];
+    const double own_product = (track.time[i] - track.time[i - 1]) * (track.time[i + 1] - track.time[i]);
+    const double factor = product / own_product;
+    result.mean_square += factor * factor * (difference * difference.transpose() - noise);
+    result.score += difference.squaredNorm();
+    weights += 1;
+  }
+  if (weights > 0) {
+    result.mean_square = without_negative_eigenvalues(result.mean_square / weights);
+    result.score /= weights;
+  }
+  return result;
+}
+
+Interpolated interpolate(const TrackTable& track, double time, double w, std::size_t left) {
+  const double before = time - track.time[left];
+  const double after = track.time[left + 1] - time;
+  const auto frames = frames_of_same_phase(track, time, w, before + after);
+  // Two, four or six points: whichever predicts the frames left out best.
+  std::size_t best_points = std::min<std::size_t>(4, track.time.size());
+  LeaveOneOut best;
+  for (const std::size_t points : {2UL, 4UL, 6UL}) {
+    if (track.time.size() < points + 1 || frames.empty()) continue;
+    const LeaveOneOut tried = leave_one_out(track, frames, points, before * after);
+    if (best.score > 0 && tried.score >= best.score) continue;
+    best = tried;
+    best_points = points;
+  }
+  const LocalPolynomial here(track.time, time, best_points);
+  const LocalPolynomial slope(track.time, time, std::min<std::size_t>(4, track.time.size()));
+  return {here.value(track.position), slope.derivative(track.position), here.covariance(track.covariance),
+          best.mean_square};
+}
+
+[[noreturn]] void refuse_short(double span, double period, double w) {
+  std::ostringstream text;
+  text << "The track covers " << span << " s, less than one platform cycle of " << period << " s (w = " << w
+       << " rad/s): analyse more frames, or check frame_rate_hz and angular_frequency_rad_s.";
+  throw DataError(text.str());
+}
+
+}  // namespace
+
+void derive_alpha_and_v(Displacement& displacement) {
+  const Eigen::Vector2d& d = displacement.vector;
+  const double length = d.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(displacement.covariance, Eigen::EigenvaluesOnly);
+  const double widest = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+  displacement.alpha.reset();
+  if (length > 0) {
+    const Eigen::Vector2d along = d / length;
+    const Eigen::Vector2d across(-along.y(), along.x());
+    displacement.mean_velocity = {
+        length / displacement.duration,
+        std::sqrt(std::max(0.0, along.dot(displacement.covariance * along))) / displacement.duration};
+    if (length >= 3 * widest)
+      displacement.alpha = {model::displacement_angle(d),
+                            std::sqrt(std::max(0.0, across.dot(displacement.covariance * across))) / length};
+  } else {
+    displacement.mean_velocity = {0, widest / displacement.duration};
+  }
+}
+
+Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& velocity,
+                                       double angular_frequency, int cycles) {
+  if (!(angular_frequency > 0) || cycles < 1 || !(velocity.value >= 0) || !(velocity.sd > 0) ||
+      !(alpha.sd > 0) || !std::isfinite(alpha.value) || !std::isfinite(velocity.value))
+    throw DataError(
+        "A run measured elsewhere needs a finite alpha_rad, v_mm_s >= 0, and alpha_sd_rad, v_sd_mm_s > 0.");
+  Displacement result;
+  result.told_as_velocity = true;
+  result.cycles = cycles;
+  result.duration = cycles * 2 * std::numbers::pi / angular_frequency;
+  const double length = velocity.value * result.duration;
+  const Eigen::Vector2d along(std::cos(alpha.value), std::sin(alpha.value));
+  const Eigen::Vector2d across(-along.y(), along.x());
+  const double sd_along = velocity.sd * result.duration;
+  // At v = 0 the direction says nothing: the vector is as uncertain across as along.
+  const double sd_across = std::max(length * std::min(alpha.sd, 1.0), length > 0 ? 0.0 : sd_along);
+  result.vector = length * along;
+  result.covariance =
+      sd_along * sd_along * along * along.transpose() + sd_across * sd_across * across * across.transpose();
+  derive_alpha_and_v(result);
+  return result;
+}
+
+Displacement measure_displacement(const TrackTable& track, const Estimate& angular_frequency, int cycles) {
+  check(track, angular_frequency, cycles);
+  const double w = angular_frequency.value;
+  const double period = 2 * std::numbers::pi / w;
+  if (track.time.size() < 3)
+    refuse_short(track.time.empty() ? 0 : track.time.back() - track.time.front(), period, w);
+  const double start = track.time.front();
+  const double span = track.time.back() - start;
+  const double rounding = 1e-6 * (track.time.back() - track.time[track.time.size() - 2]);
+  int n = static_cast<int>(std::min<double>(cycles, std::floor((span + rounding) / period)));
+  if (n < 1) refuse_short(span, period, w);
+
+  // The end may fall into a gap of lost frames: then whole cycles are given up until it does not.
+  std::size_t left = 0;
+  double end = 0;
+  for (; n >= 1; --n) {
+    end = std::min(start + n * period, track.time.back());
+    const auto next = std::upper_bound(track.time.begin(), track.time.end(), end);
+    left = static_cast<std::size_t>(std::min<std::ptrdiff_t>(
+        next - track.time.begin() - 1, static_cast<std::ptrdiff_t>(track.time.size()) - 2));
+    if (track.time[left + 1] - track.time[left] <= period / 6 || end == track.time[left]) break;
+  }
+  if (n < 1)
+    throw DataError(
+        "No frame was tracked near the end of any whole cycle (gaps longer than a sixth of a cycle): record "
+        "at "
+        "more than 6 frames a cycle, or find out why the part was lost.");
+
+  const Interpolated last = interpolate(track, end, w, left);
+  Displacement result;
+  result.cycles = n;
+  result.start_time = start;
+  result.duration = n * period;
+  result.vector = last.position - track.position.front();
+  // End time N 2 pi / w: d(end)/dw = -u T / w. In the camera's frame u holds the platform's velocity, too.
+  const Eigen::Vector2d by_w = -last.velocity * result.duration / w;
+  result.covariance = track.covariance.front() + last.noise + last.interpolation;
+  derive_alpha_and_v(result);
+  const double sd_w = angular_frequency.sd;
+  const double length = result.vector.norm();
+  const double v_by_w =
+      length > 0 ? result.vector.dot(by_w) / length / result.duration + length / result.duration / w
+                 : by_w.norm() / result.duration;
+  const double v_sd = std::hypot(result.mean_velocity.sd, v_by_w * sd_w);
+  result.covariance += by_w * by_w.transpose() * sd_w * sd_w;
+  derive_alpha_and_v(result);
+  result.mean_velocity.sd = v_sd;
+  return result;
+}
+
+}  // namespace tribotrack::fit

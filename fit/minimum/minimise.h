@@ -1,0 +1,46 @@
+// One descent with Ceres.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "fit/residuals/residuals.h"
+
+namespace tribotrack::fit::internal {
+
+struct Minimum {
+  Eigen::VectorXd z;
+  double chi2 = 0;
+  bool converged = false;
+  bool joined = false;        ///< stopped because it entered the basin of a known minimum
+  bool abandoned = false;     ///< stopped because it crawls far above a known minimum
+  Eigen::VectorXd residuals;  ///< at z, as the descent saw them last
+  Eigen::MatrixXd jacobian;   ///< by physical values, likewise
+};
+
+/// A minimum with its curvature, so that other starts can tell that they fall into it.
+struct KnownMinimum {
+  Minimum minimum;
+  Eigen::MatrixXd curvature;  ///< J'J by z
+};
+
+struct MinimiseOptions {
+  std::optional<Eigen::Index> held;  ///< this z stays as it is (profiles)
+  /// Newton's decrement at which to stop: by how much chi^2 would still fall if the model were linear. 1e-10
+  /// is 1e-5 standard deviations from the minimum.
+  double decrement = 1e-10;
+  int max_iterations = 100;
+  const std::vector<KnownMinimum>* known = nullptr;
+  /// The evaluation at the start, where it was made before (same tolerance, scatter and weights).
+  const Minimum* evaluated = nullptr;
+};
+
+/// Levenberg-Marquardt on DENSE_QR (rank-deficient steps are damped), one thread, no bounds: the z axes have
+/// none. Derivatives are the model's; every point is evaluated once, derivatives and all.
+Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
+                 const MinimiseOptions& options = {});
+
+KnownMinimum with_curvature(const Residuals& residuals, const Minimum& minimum);
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,113 @@
+#include "fit/minimum/multi_start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/tools/parallel.h"
+#include "fit/minimum/screen.h"
+#include "fit/tools/stage_progress.h"
+#include "fit/tools/statistics.h"
+#include "model/alpha_v.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr int kScreenedPerStart = 3;
+constexpr double kSurprise = 1e-3;
+constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
+
+/// Within half a standard deviation; standard deviations as wide as the residuals ask for (`spread` =
+/// chi^2/dof).
+bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread) {
+  Eigen::VectorXd distance = b.z - a.minimum.z;
+  if (const auto lag = unknowns.find(FitParameter::lag)) distance(*lag) = model::wrap_angle(distance(*lag));
+  return distance.dot(a.curvature * distance) < 0.25 * spread &&
+         std::abs(b.chi2 - a.minimum.chi2) < 0.5 * spread;
+}
+
+}  // namespace
+
+Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
+  if (const auto lag = unknowns.find(FitParameter::lag)) z(*lag) = model::wrap_angle(z(*lag));
+  return z;
+}
+
+Search multi_start(const Residuals& residuals, const FitOptions& options) {
+  const auto& unknowns = residuals.unknowns();
+  Residuals rough = residuals;
+  rough.set_tolerance(residuals.tolerance_for(0.3, 1e-4));
+  Search search;
+
+  // Start 0 is the user's, or the scene's own scale where nothing better is known.
+  const std::size_t wanted = static_cast<std::size_t>(std::max(1, options.multi_starts));
+  const bool guessed = !unknowns.problem().start.empty();
+  std::vector<Eigen::VectorXd> starts, reserve;
+  if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
+  if (wanted > 1) {
+    search.screened = kScreenedPerStart * static_cast<int>(wanted);
+    for (const auto& point : worth_a_descent(unknowns, screen(residuals, search.screened, options.threads)))
+      (point.worth_a_descent && starts.size() < wanted ? starts : reserve).push_back(point.z);
+  }
+  if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
+
+  std::vector<int> hits;
+  const auto keep = [&](const Minimum& minimum) {
+    ++search.starts;
+    if (!std::isfinite(minimum.chi2) || minimum.abandoned) return;
+    for (std::size_t i = 0; i < search.minima.size(); ++i)
+      if (same(unknowns, search.minima[i], minimum, residuals.excess(search.minima[i].minimum.chi2))) {
+        ++hits[i];
+        if (minimum.chi2 < search.minima[i].minimum.chi2 && !minimum.joined)
+          search.minima[i] = with_curvature(rough, minimum);
+        return;
+      }
+    search.minima.push_back(with_curvature(rough, minimum));
+    hits.push_back(1);
+  };
+  // The most promising start finds the minimum that most others then join early.
+  const std::size_t first = starts.size() > 1 && guessed ? 1 : 0;
+  MinimiseOptions descent;
+  descent.decrement = kRoughDecrement;
+  Stage stage(options, "starts", starts.size());
+  keep(minimise(rough, starts[first], descent));
+  stage.done();
+  starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
+  const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places, Stage& told) {
+    std::vector<Minimum> found(places.size());
+    const std::vector<KnownMinimum> known = search.minima;
+    descent.known = known.empty() ? nullptr : &known;
+    parallel_for(places.size(), options.threads, [&](std::size_t i) {
+      found[i] = minimise(rough, places[i], descent);
+      told.done();
+    });
+    for (const Minimum& minimum : found) keep(minimum);
+  };
+  descend_from(starts, stage);
+  // While chi^2 says that the best minimum cannot be the truth, the next points are tried as well.
+  const auto surprising = [&] {
+    double lowest = HUGE_VAL;
+    for (const KnownMinimum& known : search.minima) lowest = std::min(lowest, known.minimum.chi2);
+    return !(chi2_survival(lowest, residuals.degrees_of_freedom()) >= kSurprise);
+  };
+  Stage further(options, "further starts",
+                std::min(reserve.size(), wanted - std::min(wanted, starts.size() + 1)));
+  for (std::size_t k = 0; k < reserve.size() && search.starts < static_cast<int>(wanted) && surprising();
+       k += 2)
+    descend_from({reserve.begin() + static_cast<std::ptrdiff_t>(k),
+                  reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size()))},
+                 further);
+
+  std::vector<std::size_t> order(search.minima.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return search.minima[a].minimum.chi2 < search.minima[b].minimum.chi2;
+  });
+  Search sorted;
+  sorted.screened = search.screened;
+  sorted.starts = search.starts;
+  for (const std::size_t i : order) sorted.minima.push_back(search.minima[i]);
+  if (!order.empty()) sorted.at_best = hits[order.front()];
+  return sorted;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,132 @@
+#include "fit/residuals/residuals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fit/residuals/free_slide.h"
+#include "fit/tools/parallel.h"
+
+namespace tribotrack::fit::internal {
+
+Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threads)
+    : problem_(&problem), unknowns_(&unknowns), threads_(threads) {
+  rows_ = 2 * static_cast<Eigen::Index>(problem.summary_runs.size());
+  for (const auto& run : problem.trajectory_runs) {
+    first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
+    rows_ += 2 * static_cast<Eigen::Index>(point_count(first_point_.size() - 1));
+  }
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
+    const FitParameter parameter = unknowns.parameter(i);
+    if (const auto it = problem.prior.find(parameter); it != problem.prior.end())
+      priors_.emplace_back(i, it->second);
+    else if (parameter == FitParameter::scale && problem.scale_sd > 0)
+      priors_.emplace_back(i, Prior{1, problem.scale_sd});
+  }
+  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
+    if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
+      priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
+  rows_ += static_cast<Eigen::Index>(priors_.size());
+  scatter_.trajectories.resize(problem.trajectory_runs.size());
+  prepared_.resize(problem.trajectory_runs.size());
+  for (const auto& run : problem.trajectory_runs)
+    if (!run.free_slide)
+      slow_reference_time_ = std::max(slow_reference_time_, run.track.time.back() - run.track.time.front());
+  prepare();
+}
+
+void Residuals::set_scatter(const Scatter& scatter) {
+  scatter_ = scatter;
+  prepare();
+}
+
+void Residuals::set_weights(const Weights& weights) {
+  weights_ = weights;
+  prepare();
+}
+
+std::size_t Residuals::point_count(std::size_t run) const {
+  return problem_->trajectory_runs[run].track.time.size() - first_point_[run];
+}
+
+Eigen::Index Residuals::trajectory_row(std::size_t run) const {
+  std::size_t row = 2 * problem_->summary_runs.size();
+  for (std::size_t i = 0; i < run; ++i) row += 2 * point_count(i);
+  return static_cast<Eigen::Index>(row);
+}
+
+double Residuals::degrees_of_freedom() const {
+  double dof = 2.0 * static_cast<double>(problem_->summary_runs.size()) +
+               static_cast<double>(priors_.size()) - static_cast<double>(unknowns_->size());
+  for (std::size_t i = 0; i < first_point_.size(); ++i)
+    dof += 2.0 * static_cast<double>(point_count(i)) / scatter_.trajectories[i].correlation_time - 2;
+  return dof;
+}
+
+double Residuals::excess(double chi2) const {
+  const double dof = degrees_of_freedom();
+  return dof > 0 ? std::max(1.0, chi2 / dof) : 1;
+}
+
+double Residuals::tolerance_for(double share, double coarsest) const {
+  // A path that differs by less than its sigma tells nothing apart.
+  std::vector<double> relative;
+  for (const auto& run : problem_->summary_runs) {
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.runs();
+    relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
+  }
+  for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
+    const auto& track = problem_->trajectory_runs[i].track;
+    const double sigma =
+        std::sqrt(0.5 * track.covariance.front().trace()) + scatter_.trajectories[i].between_points;
+    const double path = (track.position.back() - track.position.front()).norm();
+    relative.push_back(sigma / std::max(path, sigma) / std::sqrt(static_cast<double>(track.time.size())));
+  }
+  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+  std::nth_element(relative.begin(), middle, relative.end());
+  return std::clamp(share * *middle, 1e-9, coarsest);
+}
+
+bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,
+                         Eigen::MatrixXd* jacobian) const {
+  residuals.setZero(rows_);
+  if (jacobian) jacobian->setZero(rows_, unknowns_->size());
+  const std::size_t summaries = problem_->summary_runs.size();
+  try {
+    parallel_for(summaries + first_point_.size(), threads_, [&](std::size_t i) {
+      if (i < summaries) {
+        const auto row = 2 * static_cast<Eigen::Index>(i);
+        summary(values, i, residuals.segment(row, 2), jacobian, row);
+      } else {
+        const std::size_t run = i - summaries;
+        const auto row = trajectory_row(run);
+        trajectory(values, run, residuals.segment(row, 2 * static_cast<Eigen::Index>(point_count(run))),
+                   jacobian, row);
+      }
+    });
+  } catch (const model::InvalidParameter&) {
+    return false;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  if (common_) {
+    whiten_common(residuals);
+    if (jacobian)
+      for (Eigen::Index j = 0; j < jacobian->cols(); ++j) whiten_common(jacobian->col(j));
+  }
+  Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size());
+  for (const auto& [unknown, prior] : priors_) {
+    residuals(row) = (values(unknown) - prior.mean) / prior.sd;
+    if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
+    ++row;
+  }
+  return residuals.allFinite() && (!jacobian || jacobian->allFinite());
+}
+
+double Residuals::chi2(const Eigen::VectorXd& values) const {
+  Eigen::VectorXd residuals;
+  return evaluate(values, residuals, nullptr) ? residuals.squaredNorm()
+                                              : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace tribotrack::fit::internal

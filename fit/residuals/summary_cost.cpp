@@ -1,0 +1,60 @@
+// Displacement vectors: two whitened residuals a run.
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "fit/estimate.h"
+#include "fit/residuals/end_point.h"
+#include "fit/residuals/residuals.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::fit {
+
+Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
+  model::IntegrationOptions options;
+  options.dense = false;
+  return model::integrate(scenario, options).end().position;
+}
+
+namespace internal {
+
+Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
+  const Displacement& measured = problem_->summary_runs[index].measured;
+  const double along = scatter_.along * scatter_.along, across = scatter_.across * scatter_.across;
+  const double length = measured.vector.norm();
+  if (!(length > 0))  // no direction
+    return measured.covariance + std::max(along, across) * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d u = measured.vector / length;
+  return measured.covariance + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
+}
+
+Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
+  return factor.matrixL() * whitened.segment<2>(2 * static_cast<Eigen::Index>(index)) /
+         std::sqrt(run_weight(index));
+}
+
+void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
+                        Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
+                        Eigen::Index row) const {
+  const SummaryRun& run = problem_->summary_runs[index];
+  const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
+  // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
+  // the scale.
+  const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
+  const double root = std::sqrt(run_weight(index));
+  residuals = root * factor.matrixL().solve(run.measured.vector - position);
+  if (!jacobian) return;
+  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
+  if (!applied.wanted.empty())
+    by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
+  if (const auto scale = unknowns_->find(FitParameter::scale))
+    by_unknowns.col(*scale) += position / applied.scale;
+  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.told_as_velocity)
+    by_unknowns.col(*w) -= position / values(*w);
+  jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
+}
+
+}  // namespace internal
+}  // namespace tribotrack::fit

@@ -1,0 +1,294 @@
+#include "fit/residuals/unknowns.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/residuals/free_slide.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+Transform transform_of(FitParameter parameter, double w, double threshold) {
+  using Kind = Transform::Kind;
+  switch (parameter) {
+    case FitParameter::mu1:
+    case FitParameter::amplitude:
+    case FitParameter::angular_frequency:
+    case FitParameter::scale:
+      return {Kind::logarithm, 1};
+    case FitParameter::mu2:
+      return {Kind::hyperbola, 0.05 * threshold};
+    case FitParameter::lag:
+      return {Kind::linear, 1};
+    case FitParameter::delay:
+      return {Kind::linear, 1 / w};
+    case FitParameter::tilt_x:
+    case FitParameter::tilt_y:
+      return {Kind::linear, 0.01};
+  }
+  return {Kind::linear, 1};
+}
+
+class Chain {
+ public:
+  Chain(AppliedScenario& applied, Eigen::Index unknowns) : applied_(applied), unknowns_(unknowns) {}
+  void add(model::Parameter parameter, std::optional<Eigen::Index> unknown, double derivative) {
+    if (!unknown || derivative == 0) return;
+    auto& wanted = applied_.wanted;
+    const auto place = std::find(wanted.begin(), wanted.end(), parameter);
+    const auto row = place - wanted.begin();
+    if (place == wanted.end()) {
+      wanted.push_back(parameter);
+      applied_.chain.conservativeResize(row + 1, unknowns_);
+      applied_.chain.row(row).setZero();
+    }
+    applied_.chain(row, *unknown) += derivative;
+  }
+
+ private:
+  AppliedScenario& applied_;
+  Eigen::Index unknowns_;
+};
+
+}  // namespace
+
+Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem.free) {
+  const auto consider = [&](const model::Scenario& scenario) {
+    if (amplitude_ > 0) return;
+    amplitude_ = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
+    frequency_ = scenario.drive.angular_frequency;
+  };
+  for (const auto& run : problem.summary_runs) consider(run.scenario);
+  for (const auto& run : problem.trajectory_runs)
+    if (!run.free_slide) consider(run.scenario);
+  if (!(frequency_ > 0)) frequency_ = 1;
+
+  if (problem.scale_sd > 0 && !find(FitParameter::scale)) common_.push_back(FitParameter::scale);
+  for (const auto parameter : common_)
+    transforms_.push_back(transform_of(parameter, frequency_, sliding_threshold().value_or(0.2)));
+  for (const auto& run : problem.trajectory_runs) {
+    velocity_.push_back(run.free_slide ? size() : -1);
+    if (!run.free_slide) continue;
+    const FreeSlideGuess guess = guess_free_slide(run);
+    slide_velocity_.push_back(guess.velocity);
+    if (!slide_mu_) slide_mu_ = guess.mu;
+    const double speed = std::max(guess.velocity.norm(), 1e-6);
+    transforms_.insert(transforms_.end(), 2, Transform(Transform::Kind::linear, speed));
+  }
+  for (const auto& run : problem.trajectory_runs) {
+    const bool unknown = !run.free_slide && run.start_phase_sd > 0;
+    phase_.push_back(unknown ? size() : -1);
+    if (unknown) transforms_.emplace_back(Transform::Kind::linear, run.start_phase_sd);
+  }
+}
+
+std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {
+  const auto place = std::find(common_.begin(), common_.end(), parameter);
+  if (place == common_.end()) return std::nullopt;
+  return place - common_.begin();
+}
+
+Eigen::VectorXd Unknowns::values(const Eigen::VectorXd& z) const {
+  Eigen::VectorXd result(size());
+  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).value(z(i));
+  return result;
+}
+
+Eigen::VectorXd Unknowns::z(const Eigen::VectorXd& values) const {
+  Eigen::VectorXd result(size());
+  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).z(values(i));
+  return result;
+}
+
+Eigen::VectorXd Unknowns::slopes(const Eigen::VectorXd& z) const {
+  Eigen::VectorXd result(size());
+  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).slope(z(i));
+  return result;
+}
+
+Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
+  const double mu1 = std::max(value_of(FitParameter::mu1, values), 1e-6);
+  Eigen::VectorXd units(size());
+  for (Eigen::Index i = 0; i < common(); ++i) {
+    switch (parameter(i)) {
+      case FitParameter::lag:
+        units(i) = 1;
+        break;
+      case FitParameter::delay:
+        units(i) = 1 / frequency_;
+        break;
+      case FitParameter::tilt_x:
+      case FitParameter::tilt_y:
+        units(i) = mu1;
+        break;
+      case FitParameter::mu2:
+        units(i) = std::max(values(i), 0.05 * mu1);
+        break;
+      default:
+        units(i) = std::abs(values(i));
+    }
+  }
+  for (const Eigen::Index v : velocity_)
+    if (v >= 0) units.segment<2>(v).setConstant(std::max(values.segment<2>(v).norm(), 1e-9));
+  for (const Eigen::Index phase : phase_)
+    if (phase >= 0) units(phase) = 1;
+  return units;
+}
+
+Eigen::VectorXd Unknowns::first_guess() const {
+  const double threshold = sliding_threshold().value_or(slide_mu_.value_or(0.2));
+  Eigen::VectorXd guess = Eigen::VectorXd::Zero(size());
+  // mu1 first: mu2 is guessed from it.
+  const auto own = [&](FitParameter parameter) -> std::optional<double> {
+    if (const auto it = problem_->start.find(parameter); it != problem_->start.end()) return it->second;
+    if (const auto it = problem_->prior.find(parameter); it != problem_->prior.end()) return it->second.mean;
+    return std::nullopt;
+  };
+  double mu1 = slide_mu_.value_or(0.8 * threshold);
+  if (const auto it = problem_->fixed.find(FitParameter::mu1); it != problem_->fixed.end()) mu1 = it->second;
+  mu1 = own(FitParameter::mu1).value_or(mu1);
+  for (Eigen::Index i = 0; i < common(); ++i) {
+    double value = 0;
+    switch (parameter(i)) {
+      case FitParameter::mu1:
+        value = mu1;
+        break;
+      case FitParameter::mu2:
+        value = 0.2 * mu1;
+        break;
+      case FitParameter::amplitude:
+        value = amplitude_;
+        break;
+      case FitParameter::angular_frequency:
+        value = frequency_;
+        break;
+      case FitParameter::scale:
+        value = 1;
+        break;
+      default:
+        break;
+    }
+    guess(i) = own(parameter(i)).value_or(value);
+  }
+  for (std::size_t run = 0, slide = 0; run < velocity_.size(); ++run)
+    if (velocity_[run] >= 0) guess.segment<2>(velocity_[run]) = slide_velocity_[slide++];
+  return guess;
+}
+
+double Unknowns::value_of(FitParameter parameter, const Eigen::VectorXd& values) const {
+  if (const auto i = find(parameter)) return values(*i);
+  if (const auto it = problem_->fixed.find(parameter); it != problem_->fixed.end()) return it->second;
+  switch (parameter) {
+    case FitParameter::amplitude:
+      return amplitude_;
+    case FitParameter::angular_frequency:
+      return frequency_;
+    case FitParameter::scale:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scenario& base,
+                                bool amplitude_from_track, bool derivatives) const {
+  AppliedScenario result;
+  result.scenario = base;
+  result.chain.resize(0, size());
+  auto& drive = result.scenario.drive;
+  auto& friction = result.scenario.friction;
+  result.scale = value_of(FitParameter::scale, values);
+
+  // Amplitude and frequency are told as the first driven run's; the others keep their ratio to it.
+  const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
+  const double picture = amplitude_from_track ? result.scale : 1;
+  drive.amplitude *= amplitude_factor * picture;
+  drive.amplitude_y *= amplitude_factor * picture;
+  const double frequency_ratio = base.drive.angular_frequency / frequency_;
+  drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
+
+  const double delay = value_of(FitParameter::delay, values);
+  friction.nominal = value_of(FitParameter::mu1, values);
+  friction.reduced = value_of(FitParameter::mu2, values);
+  friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay;
+  const auto override_tilt = [&](FitParameter parameter, double& tilt) {
+    if (find(parameter) || problem_->fixed.count(parameter)) tilt = value_of(parameter, values);
+  };
+  override_tilt(FitParameter::tilt_x, drive.tilt_x);
+  override_tilt(FitParameter::tilt_y, drive.tilt_y);
+  if (!derivatives) return result;
+
+  Chain chain(result, size());
+  chain.add(model::Parameter::mu1, find(FitParameter::mu1), 1);
+  if (friction.pulse_width > 0) {
+    chain.add(model::Parameter::mu2, find(FitParameter::mu2), 1);
+    chain.add(model::Parameter::lag, find(FitParameter::lag), 1);
+    chain.add(model::Parameter::lag, find(FitParameter::delay), drive.angular_frequency);
+    chain.add(model::Parameter::lag, find(FitParameter::angular_frequency), delay * frequency_ratio);
+  }
+  const auto by_amplitude = [&](model::Parameter parameter, double own) {
+    if (amplitude_ > 0) chain.add(parameter, find(FitParameter::amplitude), own * picture / amplitude_);
+    if (amplitude_from_track) chain.add(parameter, find(FitParameter::scale), own * amplitude_factor);
+  };
+  by_amplitude(model::Parameter::amplitude, base.drive.amplitude);
+  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y);
+  chain.add(model::Parameter::angular_frequency, find(FitParameter::angular_frequency), frequency_ratio);
+  chain.add(model::Parameter::tilt_x, find(FitParameter::tilt_x), 1);
+  chain.add(model::Parameter::tilt_y, find(FitParameter::tilt_y), 1);
+  return result;
+}
+
+AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
+                                        bool derivatives) const {
+  const bool follows =
+      run.measured.told_as_velocity &&
+      (find(FitParameter::angular_frequency) || problem_->fixed.count(FitParameter::angular_frequency));
+  model::Scenario base = run.scenario;
+  if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;
+  AppliedScenario result = apply(values, base, run.amplitude_from_track, derivatives);
+  if (follows)
+    result.stretch = result.scenario.drive.angular_frequency / run.scenario.drive.angular_frequency;
+  return result;
+}
+
+AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t run,
+                                           bool derivatives) const {
+  const TrajectoryRun& data = problem_->trajectory_runs[run];
+  AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
+  const Eigen::Index shift = phase_[run];
+  if (shift < 0) return result;
+  result.scenario.start_phase += values(shift);
+  if (derivatives) Chain(result, size()).add(model::Parameter::start_phase, shift, 1);
+  return result;
+}
+
+AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::size_t run,
+                                           bool derivatives) const {
+  model::Scenario base = problem_->trajectory_runs[run].scenario;
+  base.drive.amplitude = base.drive.amplitude_y = 0;
+  base.friction.pulse_width = 0;
+  base.start = model::Start::rest;
+  AppliedScenario result = apply(values, base, false, derivatives);
+  const Eigen::Index v = velocity_[run];
+  result.scenario.initial_velocity = values.segment<2>(v);
+  if (derivatives) {
+    Chain chain(result, size());
+    chain.add(model::Parameter::velocity_x, v, 1);
+    chain.add(model::Parameter::velocity_y, v + 1, 1);
+    // The platform rests: its frequency is only the clock of the model.
+    if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
+  }
+  return result;
+}
+
+std::optional<double> Unknowns::sliding_threshold() const {
+  if (!(amplitude_ > 0)) return std::nullopt;
+  double gravity = 9.81;
+  if (!problem_->summary_runs.empty())
+    gravity = problem_->summary_runs.front().scenario.drive.gravity;
+  else if (!problem_->trajectory_runs.empty())
+    gravity = problem_->trajectory_runs.front().scenario.drive.gravity;
+  return amplitude_ * frequency_ * frequency_ / gravity;
+}
+
+}  // namespace tribotrack::fit::internal

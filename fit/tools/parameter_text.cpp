@@ -1,0 +1,26 @@
+#include "fit/tools/parameter_text.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace tribotrack::fit::internal {
+
+std::string number(double value, int significant) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*g", significant, value);
+  return text;
+}
+
+std::string change_in_words(FitParameter parameter, double change, double value) {
+  const std::string direction = change < 0 ? " down " : " up ";
+  const double size = std::abs(change);
+  if (is_relative(parameter) && value != 0)
+    return to_string(parameter) + direction + number(100 * size / std::abs(value), 2) + " %";
+  const std::string text = to_string(parameter) + direction + number(size * display_factor(parameter), 2);
+  const bool angle = parameter == FitParameter::lag || parameter == FitParameter::tilt_x ||
+                     parameter == FitParameter::tilt_y;
+  return angle ? text + " (" + number(size * 180 / std::numbers::pi, 2) + " deg)" : text;
+}
+
+}  // namespace tribotrack::fit::internal

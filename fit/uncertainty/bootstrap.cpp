@@ -1,0 +1,239 @@
+#include "fit/uncertainty/bootstrap.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+
+#include "fit/uncertainty/displacement_refits.h"
+#include "fit/tools/parallel.h"
+#include "fit/variances/reweighted_fit.h"
+#include "fit/tools/stage_progress.h"
+#include "model/alpha_v.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+using Random = std::mt19937_64;
+
+class Draw {
+ public:
+  Draw(const Residuals& residuals, const Minimum& best, double noise, Random& random)
+      : residuals_(residuals),
+        best_(best),
+        noise_(noise),
+        random_(random),
+        problem_(residuals.unknowns().problem()) {}
+
+  Problem problem() {
+    const Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
+    for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) summary(i);
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) trajectory(i, values);
+    for (auto& [parameter, prior] : problem_.prior)
+      if (const auto k = residuals_.unknowns().find(parameter))
+        prior.mean = values(*k) + prior.sd * normal_(random_);
+    return problem_;
+  }
+
+ private:
+  Eigen::Vector2d pair() { return {normal_(random_), normal_(random_)}; }
+
+  void summary(std::size_t i) {
+    auto& measured = problem_.summary_runs[i].measured;
+    const Eigen::LLT<Eigen::Matrix2d> factor(residuals_.covariance(i));
+    measured.vector -= residuals_.difference(best_.residuals, i);
+    measured.vector += noise_ * Eigen::Vector2d(factor.matrixL() * pair());
+  }
+
+  void trajectory(std::size_t i, const Eigen::VectorXd& values) {
+    TrajectoryRun& run = problem_.trajectory_runs[i];
+    auto& track = run.track;
+    if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
+      run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
+    const PointResiduals points = residuals_.points(values, i);
+    const auto& scatter = residuals_.scatter().trajectories[i];
+    // A first-order process with the residuals' correlation time.
+    const double time = scatter.correlation_time, rho = (time - 1) / (time + 1);
+    Eigen::Vector2d wander = pair();
+    for (std::size_t k = 0; k < points.row.size(); ++k) {
+      const Eigen::Matrix2d covariance = track.covariance[points.row[k]] + scatter.between_points *
+                                                                               scatter.between_points *
+                                                                               Eigen::Matrix2d::Identity();
+      if (k > 0) wander = rho * wander + std::sqrt(1 - rho * rho) * pair();
+      track.position[points.row[k]] +=
+          noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
+    }
+    const SlowShapes slow = residuals_.shapes(i, kAllSlowParts);
+    std::size_t shared = 0;
+    for (std::size_t j = 0; j < slow.count(); ++j) {
+      Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
+      if (is_common(slow.part[j])) {  // as the first run drew it
+        if (shared == common_.size()) common_.push_back(size);
+        size = common_[shared++];
+      }
+      for (std::size_t k = 0; k < points.row.size(); ++k)
+        track.position[points.row[k]] +=
+            slow.axes(j) * size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+    }
+  }
+
+  const Residuals& residuals_;
+  const Minimum& best_;
+  double noise_;
+  Random& random_;
+  Problem problem_;
+  std::vector<Eigen::Vector2d> common_;  ///< sizes of the slow errors that all runs share
+  std::normal_distribution<double> normal_;
+};
+
+/// Refits to data drawn from the fitted model, from its minimum.
+class Refits {
+ public:
+  Refits(const Residuals& residuals, const Minimum& best, bool scatter_estimated, const FitOptions& options)
+      : residuals_(residuals),
+        best_(best),
+        scatter_estimated_(scatter_estimated),
+        options_(options),
+        problem_(residuals.unknowns().problem()),
+        fine_(residuals.tolerance_for(kRefitTolerance, 1e-6)) {
+    const auto n = static_cast<std::size_t>(residuals.unknowns().size());
+    const bool fits = static_cast<std::size_t>(residuals.size()) * n * n < kMostNumbers;
+    // Whitening is to be the same for all draws.
+    const bool alike =
+        options.loss == Loss::squares && residuals.scatter().along == residuals.scatter().across;
+    if (!alike || !fits || n >= static_cast<std::size_t>(options.bootstrap)) return;
+    Residuals fine = residuals;
+    fine.set_tolerance(fine_);
+    curved_ = CurvedResiduals::about(fine, best, options.threads);
+  }
+
+  /// Values of all unknowns, a draw each; empty where the refit did not converge.
+  std::vector<Eigen::VectorXd> all() const {
+    const auto count = static_cast<std::size_t>(options_.bootstrap);
+    std::vector<Eigen::VectorXd> estimates(count);
+    Stage stage(options_, "bootstrap", count);
+    const std::size_t many = curved_ && problem_.trajectory_runs.empty() ? kTogether : 1;
+    for (std::size_t begin = 0; many > 1 && begin < count; begin += many)
+      displacements(begin, std::min(begin + many, count), estimates, stage);
+    if (many == 1)
+      parallel_for(count, options_.threads, [&](std::size_t k) {
+        refit(drawn(k), estimates[k]);
+        stage.done();
+      });
+    return estimates;
+  }
+
+ private:
+  static constexpr std::size_t kTogether = 256;            ///< draws of displacements
+  static constexpr std::size_t kMostNumbers = 30'000'000;  ///< in the second derivatives
+
+  Problem drawn(std::size_t k) const {
+    std::seed_seq seed{options_.bootstrap_seed, static_cast<unsigned>(k)};
+    Random random(seed);
+    const double dof = std::max(1.0, residuals_.degrees_of_freedom());
+    const double noise =
+        scatter_estimated_ ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
+    return Draw(residuals_, best_, noise, random).problem();
+  }
+
+  void displacements(std::size_t begin, std::size_t end, std::vector<Eigen::VectorXd>& estimates,
+                     Stage& stage) const {
+    std::vector<Problem> problems;
+    for (std::size_t k = begin; k < end; ++k) problems.push_back(drawn(k));
+    const auto refits = refit_displacements(residuals_, best_, *curved_, problems, options_.threads);
+    parallel_for(refits.size(), options_.threads, [&](std::size_t i) {
+      if (refits[i].found)
+        estimates[begin + i] = residuals_.unknowns().values(refits[i].z);
+      else
+        descend(problems[i], refits[i].z, estimates[begin + i]);
+      stage.done();
+    });
+  }
+
+  void refit(const Problem& problem, Eigen::VectorXd& estimate) const {
+    if (!curved_ || !from_second_order(problem, estimate)) descend(problem, best_.z, estimate);
+  }
+
+  void descend(const Problem& problem, const Eigen::VectorXd& start, Eigen::VectorXd& estimate) const {
+    const Unknowns own(problem);
+    Residuals refit(problem, own);
+    refit.set_scatter(residuals_.scatter());
+    refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
+    if (refit.size() != residuals_.size()) return;  // a free slide whose strike moved by a frame
+    Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
+    if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
+      settle(refit, minimum, {.loss = options_.loss});
+    if (minimum.converged) estimate = own.values(minimum.z);
+  }
+
+  /// Tracks: two evaluations without derivatives; false where a descent is to do it.
+  bool from_second_order(const Problem& problem, Eigen::VectorXd& estimate) const {
+    const Unknowns own(problem);
+    Residuals refit(problem, own);
+    refit.set_scatter(residuals_.scatter());
+    refit.set_tolerance(fine_);
+    if (refit.size() != residuals_.size()) return false;
+    const Eigen::VectorXd by = same_motion(problem, own) - best_.z;
+    Eigen::VectorXd r0, exact;
+    if (!refit.evaluate(own.values(best_.z + by), r0, nullptr)) return false;
+    const auto t = curved_->minimum(r0);
+    if (!t || !refit.evaluate(own.values(curved_->z(*t) + by), exact, nullptr)) return false;
+    const auto end = curved_->confirmed(r0, *t, exact);
+    if (end) estimate = own.values(curved_->z(*end) + by);
+    return end.has_value();
+  }
+
+  /// Where `own`'s motions are those of the best fit: a drawn run's phase holds what it was shifted by.
+  Eigen::VectorXd same_motion(const Problem& problem, const Unknowns& own) const {
+    Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
+    for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
+      if (const Eigen::Index phase = own.phase_index(i); phase >= 0)
+        values(phase) -= problem.trajectory_runs[i].scenario.start_phase -
+                         problem_.trajectory_runs[i].scenario.start_phase;
+    return own.z(values);
+  }
+
+  const Residuals& residuals_;
+  const Minimum& best_;
+  bool scatter_estimated_;
+  const FitOptions& options_;
+  const Problem& problem_;
+  double fine_;  ///< tolerance
+  std::optional<CurvedResiduals> curved_;
+};
+
+/// The point below which `share` of the sorted values lie.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto k = static_cast<std::size_t>(place);
+  if (k + 1 >= sorted.size()) return sorted.back();
+  return sorted[k] + (place - static_cast<double>(k)) * (sorted[k + 1] - sorted[k]);
+}
+
+}  // namespace
+
+Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatter_estimated,
+                    const FitOptions& options) {
+  const Unknowns& unknowns = residuals.unknowns();
+  std::vector<Eigen::VectorXd> estimates = Refits(residuals, best, scatter_estimated, options).all();
+  Bootstrap result;
+  std::erase_if(estimates, [](const Eigen::VectorXd& values) { return values.size() == 0; });
+  result.converged = static_cast<int>(estimates.size());
+  const Eigen::VectorXd centre = unknowns.values(best.z);
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    std::vector<double> sorted;
+    for (const Eigen::VectorXd& values : estimates)
+      sorted.push_back(unknowns.parameter(i) == FitParameter::lag
+                           ? centre(i) + model::wrap_angle(values(i) - centre(i))
+                           : values(i));
+    std::sort(sorted.begin(), sorted.end());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    result.ci95.push_back(sorted.size() < 20 ? Interval{nan, nan}
+                                             : Interval{quantile(sorted, 0.025), quantile(sorted, 0.975)});
+  }
+  return result;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,173 @@
+#include "fit/variances/correlated_likelihood.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace tribotrack::fit::internal {
+namespace {
+
+/// The inverse, directions that the data do not see left out, and ln of the determinant of the rest.
+std::pair<Eigen::MatrixXd, double> inverse_of(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
+                                                             scale.asDiagonal());
+  Eigen::VectorXd inverse = Eigen::VectorXd::Zero(information.rows());
+  double log_determinant = -2 * scale.array().log().sum();
+  for (Eigen::Index i = 0; i < inverse.size(); ++i) {
+    if (!(eigen.eigenvalues()(i) > 1e-13)) continue;
+    inverse(i) = 1 / eigen.eigenvalues()(i);
+    log_determinant += std::log(eigen.eigenvalues()(i));
+  }
+  return {scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
+              eigen.eigenvectors().transpose() * scale.asDiagonal(),
+          log_determinant};
+}
+
+/// What is common to the runs is a vector of unknowns more, known beforehand to be 0 +- the root of its
+/// variance: with X = [C G_c^(1/2), J] and S = (X' V_0^-1 X + diag(1, 0))^-1, V_0 the runs' own covariance,
+/// P = V_0^-1 - V_0^-1 X S X' V_0^-1, and S holds the unknowns' covariance.
+class LikelihoodAt {
+ public:
+  LikelihoodAt(const SlowSums& sums, const SlowNumbers& variances)
+      : sums_(sums), variances_(variances), unknowns_(sums.data.cols() - 1) {
+    for (std::size_t k = 0; sums.common && k < sums.common_part.size(); ++k) {
+      const auto part = static_cast<Eigen::Index>(sums.common_part[k]);
+      common_unit_.conservativeResize(common_unit_.size() + 1);
+      common_unit_.tail<1>()(0) = std::sqrt(sums.unit(part));
+      common_root_.conservativeResize(common_unit_.size());
+      common_root_.tail<1>()(0) = std::sqrt(variances(part));
+    }
+    eliminate_runs();
+    solve();
+    for (std::size_t i = 0; i < sums.runs.size(); ++i) add_run(i);
+    add_common();
+    for (std::size_t g = 0; g < kSlowParts; ++g)
+      for (std::size_t h = 0; h < kSlowParts; ++h)
+        result.information(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(h)) +=
+            0.5 * (squares_[g] * s_).cwiseProduct((squares_[h] * s_).transpose()).sum();
+    for (std::size_t g = 0; g < kSlowParts; ++g) {
+      const Eigen::MatrixXd moved = s_ * (is_common(g) ? common_squares_[g] : squares_[g]) * s_;
+      result.by_variance[g] = moved.bottomRightCorner(unknowns_, unknowns_);
+    }
+    result.covariance = s_.bottomRightCorner(unknowns_, unknowns_);
+  }
+
+  SlowLikelihood result;
+
+ private:
+  Eigen::Index shared() const { return common_root_.size(); }
+  Eigen::Index width() const { return shared() + unknowns_; }
+
+  /// U'V_0^-1 U and U' V_0^-1 [C J r] of each run, [C J r]' V_0^-1 [C J r] of all. U and C in their units.
+  void eliminate_runs() {
+    data_ = Eigen::MatrixXd::Zero(width() + 1, width() + 1);
+    data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) = sums_.data;
+    for (const SlowRunSums& run : sums_.runs) {
+      const auto m = static_cast<Eigen::Index>(run.part.size());
+      Eigen::VectorXd root(m), unit(m);
+      for (Eigen::Index j = 0; j < m; ++j) {
+        const auto part = static_cast<Eigen::Index>(run.part[static_cast<std::size_t>(j)]);
+        unit(j) = std::sqrt(sums_.unit(part));
+        root(j) = std::sqrt(variances_(part)) * unit(j);
+      }
+      const Eigen::MatrixXd shapes = root.asDiagonal() * run.shapes, own = root.asDiagonal() * run.data;
+      const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(shapes * root.asDiagonal()) +
+                                               Eigen::MatrixXd::Identity(m, m));
+      result.log -= factor.matrixLLT().diagonal().array().log().sum();
+      const Eigen::MatrixXd l_shapes = factor.matrixL().solve(shapes), l_own = factor.matrixL().solve(own);
+      const Eigen::MatrixXd bare = run.shapes - l_shapes.transpose() * l_shapes;
+      Eigen::MatrixXd across = Eigen::MatrixXd::Zero(m, width() + 1);
+      across.rightCols(unknowns_ + 1) = run.data - l_shapes.transpose() * l_own;
+      data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) -= l_own.transpose() * l_own;
+      if (shared() > 0) {
+        const Eigen::MatrixXd to_common = run.to_common * common_unit_.asDiagonal();
+        const Eigen::MatrixXd c = bare * to_common;
+        across.leftCols(shared()) = c;
+        data_.topLeftCorner(shared(), shared()) += to_common.transpose() * c;
+        data_.topRightCorner(shared(), unknowns_ + 1) +=
+            to_common.transpose() * across.rightCols(unknowns_ + 1);
+      }
+      inside_.push_back(unit.asDiagonal() * bare * unit.asDiagonal());
+      across_.push_back(unit.asDiagonal() * across);
+    }
+    data_.bottomLeftCorner(unknowns_ + 1, shared()) =
+        data_.topRightCorner(shared(), unknowns_ + 1).transpose();
+  }
+
+  void solve() {
+    const Eigen::Index p = width();
+    scale_ = Eigen::VectorXd::Ones(p);
+    scale_.head(shared()) = common_root_;
+    Eigen::MatrixXd normal = scale_.asDiagonal() * data_.topLeftCorner(p, p) * scale_.asDiagonal();
+    normal.diagonal().head(shared()).array() += 1;
+    double log_determinant = 0;
+    std::tie(s_, log_determinant) = inverse_of(normal);
+    const Eigen::VectorXd by_r = scale_.cwiseProduct(data_.topRightCorner(p, 1).col(0));
+    shift_ = s_ * by_r;
+    result.log -= 0.5 * (log_determinant + data_(p, p) - by_r.dot(shift_));
+    squares_.fill(Eigen::MatrixXd::Zero(p, p));
+    common_squares_.fill(Eigen::MatrixXd::Zero(p, p));
+    by_common_ = data_.topLeftCorner(shared(), p) * scale_.asDiagonal();
+  }
+
+  void add_run(std::size_t i) {
+    const auto& part = sums_.runs[i].part;
+    const Eigen::MatrixXd by_x = across_[i].leftCols(width()) * scale_.asDiagonal();
+    const Eigen::MatrixXd solved = by_x * s_, taken = solved * by_x.transpose();
+    const Eigen::MatrixXd projected = inside_[i] - taken;
+    const Eigen::VectorXd score = across_[i].col(width()) - by_x * shift_;
+    const Eigen::MatrixXd with_common = across_[i].leftCols(shared()) - solved * by_common_.transpose();
+    for (std::size_t a = 0; a < part.size(); ++a) {
+      const auto k = static_cast<Eigen::Index>(a), g = static_cast<Eigen::Index>(part[a]);
+      result.slope(g) += 0.5 * (score(k) * score(k) - projected(k, k));
+      squares_[part[a]] += by_x.row(k).transpose() * by_x.row(k);
+      for (std::size_t b = 0; b < part.size(); ++b) {  // runs among themselves, less what is added at last
+        const auto l = static_cast<Eigen::Index>(b), h = static_cast<Eigen::Index>(part[b]);
+        result.information(g, h) += 0.5 * (projected(k, l) * projected(k, l) - taken(k, l) * taken(k, l));
+      }
+      for (Eigen::Index c = 0; c < shared(); ++c) {
+        const auto h = static_cast<Eigen::Index>(sums_.common_part[static_cast<std::size_t>(c)]);
+        const double information = 0.5 * with_common(k, c) * with_common(k, c);
+        result.information(g, h) += information;
+        result.information(h, g) += information;
+      }
+    }
+  }
+
+  void add_common() {
+    const Eigen::MatrixXd projected =
+        data_.topLeftCorner(shared(), shared()) - by_common_ * s_ * by_common_.transpose();
+    const Eigen::VectorXd score = data_.topRightCorner(shared(), 1).col(0) - by_common_ * shift_;
+    for (Eigen::Index c = 0; c < shared(); ++c) {
+      const std::size_t part = sums_.common_part[static_cast<std::size_t>(c)];
+      const auto g = static_cast<Eigen::Index>(part);
+      result.slope(g) += 0.5 * (score(c) * score(c) - projected(c, c));
+      common_squares_[part] += by_common_.row(c).transpose() * by_common_.row(c);
+      for (Eigen::Index d = 0; d < shared(); ++d) {
+        const auto h = static_cast<Eigen::Index>(sums_.common_part[static_cast<std::size_t>(d)]);
+        result.information(g, h) += 0.5 * projected(c, d) * projected(c, d);
+      }
+    }
+  }
+
+  const SlowSums& sums_;
+  const SlowNumbers& variances_;
+  Eigen::Index unknowns_;
+  Eigen::VectorXd common_unit_, common_root_;
+  Eigen::MatrixXd data_, s_, by_common_;  ///< by_common_: C' V_0^-1 X
+  Eigen::VectorXd scale_, shift_;
+  std::vector<Eigen::MatrixXd> inside_, across_;
+  std::array<Eigen::MatrixXd, kSlowParts> squares_, common_squares_;  ///< sums of X' V_0^-1 u u' V_0^-1 X
+};
+
+}  // namespace
+
+SlowLikelihood slow_likelihood_at(const SlowSums& sums, const SlowNumbers& variances) {
+  return LikelihoodAt(sums, variances).result;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,86 @@
+#include "fit/variances/reweighted_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "fit/variances/robust.h"
+#include "fit/variances/excess_variance.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr int kRounds = 12;
+
+/// The same evaluation under other weights, without simulating again: summary rows only differ by factors.
+bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
+  const Problem& problem = now.unknowns().problem();
+  if (!problem.trajectory_runs.empty() || at.jacobian.rows() == 0) return false;
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::LLT<Eigen::Matrix2d> old_factor(before.covariance(i)), new_factor(now.covariance(i));
+    const double root = std::sqrt(now.run_weight(i) / before.run_weight(i));
+    const Eigen::Matrix2d old_root = old_factor.matrixL();
+    const Eigen::Matrix2d factor = root * new_factor.matrixL().solve(old_root);
+    at.residuals.segment<2>(row) = (factor * at.residuals.segment<2>(row)).eval();
+    at.jacobian.middleRows(row, 2) = (factor * at.jacobian.middleRows(row, 2)).eval();
+  }
+  at.chi2 = at.residuals.squaredNorm();
+  return true;
+}
+
+double largest_change(const Weights& a, const Weights& b) {
+  double change = 0;
+  for (std::size_t i = 0; i < a.runs.size(); ++i)
+    change = std::max(change, std::abs(a.runs[i] - (b.runs.empty() ? 1 : b.runs[i])));
+  return change;
+}
+
+bool unchanged(const Scatter& was, const Scatter& is) {
+  bool same = std::abs(is.along - was.along) <= 1e-3 * was.along &&
+              std::abs(is.across - was.across) <= 1e-3 * was.across;
+  for (std::size_t i = 0; i < is.trajectories.size(); ++i)
+    same = same && std::abs(is.trajectories[i].between_points - was.trajectories[i].between_points) <=
+                       1e-2 * was.trajectories[i].between_points;
+  for (std::size_t part = 0; part < kSlowParts; ++part)
+    same = same && std::abs(is.slow[part] - was.slow[part]) <= 3e-2 * was.slow[part];  // known to 20 %
+  return same;
+}
+
+}  // namespace
+
+bool any(const Scatter& scatter) {
+  return scatter.runs() > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
+                                           [](const auto& run) { return run.between_points > 0; });
+}
+
+SlowEstimate settle(Residuals& residuals, Minimum& best, const Settling& settling) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const bool squares = settling.loss == Loss::squares;
+  SlowEstimate slow;
+  for (int round = 0; round < kRounds; ++round) {
+    const Residuals before = residuals;
+    if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
+    const Eigen::VectorXd values = unknowns.values(best.z);
+    if (settling.slow_errors) {
+      slow = estimate_slow_errors(residuals, values);
+      Scatter scatter = residuals.scatter();
+      scatter.slow = slow.variances;
+      residuals.set_scatter(scatter);
+    }
+    if (settling.scatter)
+      residuals.set_scatter(squares ? estimate_scatter(residuals, values, best.residuals)
+                                    : robust_scatter(residuals, values, best.residuals));
+    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, settling.loss));
+    const Scatter &was = before.scatter(), &is = residuals.scatter();
+    if (squares && !any(is) && is.slow == SlowVariances{} && was.slow == is.slow) return slow;
+    const double change = largest_change(residuals.weights(), before.weights());
+    MinimiseOptions options;
+    if (reweigh(best, before, residuals)) options.evaluated = &best;
+    best = minimise(residuals, best.z, options);
+    if (round > (settling.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return slow;
+  }
+  return slow;
+}
+
+}  // namespace tribotrack::fit::internal

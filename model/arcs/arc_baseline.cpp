@@ -1,0 +1,14 @@
+// The arc kernel for any processor.
+#include "model/arcs/arc_kernel.h"
+
+namespace tribotrack::model::internal {
+
+namespace {
+struct Here;  // makes every function of the kernel this file's own
+}
+
+ArcSolvers arc_solvers_baseline() {
+  return {ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve};
+}
+
+}  // namespace tribotrack::model::internal

@@ -1,0 +1,184 @@
+// Runs under way, of which eight at a time take a step side by side.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "model/batch/lane_run.h"
+#include "model/lanes/slide_lanes.h"
+
+namespace tribotrack::model::internal {
+
+struct LaneCount {
+  long steps = 0, slots = 0;
+};
+
+/// Keeps enough runs under way that nearly always one kind of step has eight of them waiting. `Run` is EndRun
+/// or OrbitRun.
+template <class Run, bool kNeighbours>
+class LanePool {
+ public:
+  LanePool() : machines_(slide_machines()), runs_(kUnderWay) {
+    for (std::size_t i = 0; i < kUnderWay; ++i) spare_.push_back(i);
+  }
+
+  /// `source()` gives the next run's number or nothing; `begin(run, number)` prepares it; `end(run, number,
+  /// need)` takes what is done or needs the scalar integrator.
+  template <class Source, class Begin, class End>
+  void work(const Source& source, const Begin& begin, const End& end);
+  const LaneCount& count() const { return count_; }
+
+ private:
+  static constexpr int kWidth = SlideLanes::kWidth;
+  static constexpr std::size_t kUnderWay = 6 * kWidth;
+  struct Slot {
+    Run run;
+    std::size_t number = 0;
+  };
+  /// The lanes of one kind of step: who sits where, and who waits.
+  struct Group {
+    SlideLanes lanes{};
+    std::array<int, kWidth> seat;
+    int seated = 0;
+    std::vector<int> waiting;
+    int size() const { return seated + static_cast<int>(waiting.size()); }
+    Group() {
+      seat.fill(-1);
+      for (int lane = 0; lane < kWidth; ++lane) put(LaneState{}, lanes, lane);
+    }
+  };
+
+  static void put(const LaneState& from, SlideLanes& to, int lane);
+  static void take(const SlideLanes& from, int lane, LaneState& to);
+  SlideStep step_of(int kind) const {
+    const SlideSteps& steps = kind == static_cast<int>(Need::slide) ? machines_.slide : machines_.creep;
+    if (kind == static_cast<int>(Need::start)) return machines_.start;
+    return kNeighbours ? steps.with_neighbours : steps.alone;
+  }
+  int busiest() const {
+    for (const Need kind : {Need::slide, Need::creep, Need::start})
+      if (group_[static_cast<int>(kind)].size() >= kWidth) return static_cast<int>(kind);
+    int best = 0;
+    for (int kind = 1; kind < kStepKinds; ++kind)
+      if (group_[kind].size() > group_[best].size()) best = kind;
+    return best;
+  }
+  template <class End>
+  void settle(int slot, Need need, const End& end);
+  template <class End>
+  void step(int kind, const End& end);
+
+  SlideMachines machines_;
+  std::vector<Slot> runs_;
+  std::vector<std::size_t> spare_;
+  Group group_[kStepKinds];
+  LaneCount count_;
+};
+
+template <class Run, bool kNeighbours>
+template <class Source, class Begin, class End>
+void LanePool<Run, kNeighbours>::work(const Source& source, const Begin& begin, const End& end) {
+  bool more = true;
+  while (true) {
+    while (more && !spare_.empty()) {
+      const std::optional<std::size_t> number = source();
+      if (!(more = number.has_value())) break;
+      const std::size_t slot = spare_.back();
+      spare_.pop_back();
+      runs_[slot].run = Run{};
+      runs_[slot].number = *number;
+      settle(static_cast<int>(slot), begin(runs_[slot].run, *number), end);
+    }
+    if (spare_.size() == kUnderWay) return;
+    step(busiest(), end);
+  }
+}
+
+/// To where it waits for what it needs.
+template <class Run, bool kNeighbours>
+template <class End>
+void LanePool<Run, kNeighbours>::settle(int slot, Need need, const End& end) {
+  Slot& s = runs_[static_cast<std::size_t>(slot)];
+  if (need == Need::edge) need = s.run.pass_edge();
+  if (need == Need::done || need == Need::scalar) {
+    count_.steps += s.run.steps;
+    end(s.run, s.number, need);
+    spare_.push_back(static_cast<std::size_t>(slot));
+  } else {
+    group_[static_cast<int>(need)].waiting.push_back(slot);
+  }
+}
+
+template <class Run, bool kNeighbours>
+template <class End>
+void LanePool<Run, kNeighbours>::step(int kind, const End& end) {
+  Group& g = group_[kind];
+  for (int lane = 0; lane < kWidth && !g.waiting.empty(); ++lane) {
+    if (g.seat[static_cast<std::size_t>(lane)] >= 0) continue;
+    const int slot = g.waiting.back();
+    g.waiting.pop_back();
+    g.seat[static_cast<std::size_t>(lane)] = slot;
+    ++g.seated;
+    put(runs_[static_cast<std::size_t>(slot)].run.lane, g.lanes, lane);
+  }
+  step_of(kind)(g.lanes);
+  count_.slots += kWidth;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    int& seat = g.seat[static_cast<std::size_t>(lane)];
+    if (seat < 0) continue;
+    Run& run = runs_[static_cast<std::size_t>(seat)].run;
+    take(g.lanes, lane, run.lane);
+    Need need = run.look(static_cast<Need>(kind));
+    if (need == static_cast<Need>(kind)) continue;
+    if (need == Need::edge) {
+      need = run.pass_edge();
+      if (need == static_cast<Need>(kind)) {
+        put(run.lane, g.lanes, lane);
+        continue;
+      }
+    }
+    const int slot = seat;
+    seat = -1;
+    --g.seated;
+    put(LaneState{}, g.lanes, lane);
+    settle(slot, need, end);
+  }
+}
+
+template <class Run, bool kNeighbours>
+void LanePool<Run, kNeighbours>::put(const LaneState& from, SlideLanes& to, int lane) {
+  to.kappa[lane] = from.kappa;
+  to.left[lane] = from.left;
+  to.tolerance[lane] = from.tolerance;
+  to.vx[lane] = from.vx;
+  to.vy[lane] = from.vy;
+  to.zx[lane] = from.zx;
+  to.zy[lane] = from.zy;
+  for (int i = 0; kNeighbours && i < 2; ++i) {
+    to.ux[i][lane] = from.ux[i];
+    to.uy[i][lane] = from.uy[i];
+    to.yx[i][lane] = from.yx[i];
+    to.yy[i][lane] = from.yy[i];
+  }
+}
+
+template <class Run, bool kNeighbours>
+void LanePool<Run, kNeighbours>::take(const SlideLanes& from, int lane, LaneState& to) {
+  to.left = from.left[lane];
+  to.vx = from.vx[lane];
+  to.vy = from.vy[lane];
+  to.zx = from.zx[lane];
+  to.zy = from.zy[lane];
+  for (int i = 0; kNeighbours && i < 2; ++i) {
+    to.ux[i] = from.ux[i][lane];
+    to.uy[i] = from.uy[i][lane];
+    to.yx[i] = from.yx[i][lane];
+    to.yy[i] = from.yy[i][lane];
+  }
+}
+
+}  // namespace tribotrack::model::internal

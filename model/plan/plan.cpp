@@ -1,0 +1,184 @@
+#include "model/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "model/plan/plan_cost.h"
+#include "model/steady_orbit.h"
+
+namespace tribotrack::model {
+
+namespace {
+
+namespace cost = internal::plan_cost;
+
+std::string with_figures(const char* format, double a, double b = 0, double c = 0) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, a, b, c);
+  return text;
+}
+
+/// The scene in the terms the decisions are made in.
+struct Scene {
+  explicit Scene(const Scenario& s)
+      : scenario(s),
+        least(least_drive(s.drive)),
+        pulses(s.friction.pulse_width > 0 && s.friction.nominal != s.friction.reduced),
+        friction(std::max(s.friction.nominal, pulses ? s.friction.reduced : 0.0) * s.drive.gravity),
+        may_stick(least <= friction),
+        cycles(s.end_time() * s.drive.angular_frequency / (2 * std::numbers::pi)) {}
+
+  /// One cycle by the cost model.
+  double cycle_cost() const {
+    return (pulses ? cost::kSwitchedCycle : cost::kSmoothCycle) + (may_stick ? cost::kStop : 0);
+  }
+
+  const Scenario& scenario;
+  double least;
+  bool pulses;
+  double friction;
+  bool may_stick;
+  double cycles;
+};
+
+PlanStage stick(const Scene& scene) {
+  if (scene.may_stick)
+    return {"stick and release", true,
+            with_figures("friction %.4g m/s^2 can hold the part: the drive falls to %.4g m/s^2",
+                         scene.friction, scene.least),
+            0, 0};
+  return {
+      "stick and release", false,
+      with_figures("the drive never falls below %.4g m/s^2, friction is at most %.4g m/s^2: the part, once "
+                   "sliding, never sticks",
+                   scene.least, scene.friction),
+      cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kStop), 0};
+}
+
+PlanStage switches(const Scene& scene) {
+  const Friction& f = scene.scenario.friction;
+  if (scene.pulses)
+    return {"friction switches", true,
+            with_figures("mu switches between %.4g and %.4g twice a cycle", f.nominal, f.reduced), 0, 0};
+  return {"friction switches", false, "mu is constant: a pulse of no width, or mu2 = mu1",
+          cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kSwitchedCycle - cost::kSmoothCycle),
+          0};
+}
+
+PlanStage driven(const Scene& scene) {
+  const Drive& d = scene.scenario.drive;
+  const double w = d.angular_frequency, a = std::max(d.amplitude, d.amplitude_y) * w * w;
+  if (a > 0) return {"platform drive", true, with_figures("a = A w^2 = %.4g m/s^2", a), 0, 0};
+  // A straight line, and rest after it, whatever the number of cycles.
+  const double with = scene.cycles * (scene.pulses ? cost::kSwitchedCycle : cost::kSmoothCycle);
+  return {"platform drive", false, "A = 0: a free slide along a straight line",
+          cost::saving(std::min(with, cost::kFreeSlide), with), 0};
+}
+
+PlanStage elliptic(const Scene& scene) {
+  const Drive& d = scene.scenario.drive;
+  const bool circular = d.amplitude == d.amplitude_y && std::fabs(std::cos(d.phase_shift)) < 1e-15;
+  if (circular)
+    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both",
+            0, 0};
+  return {"elliptic drive", true,
+          with_figures("the drive's x and y differ: A = %.4g mm, A_y = %.4g mm, epsilon = %.6g rad",
+                       1e3 * d.amplitude, 1e3 * d.amplitude_y, d.phase_shift),
+          0, 0};
+}
+
+PlanStage tilt(const Scene& scene) {
+  const Drive& d = scene.scenario.drive;
+  const double pull = d.gravity * std::hypot(std::sin(d.tilt_x), std::sin(d.tilt_y));
+  if (pull == 0) return {"tilt", false, "no tilt was given", 0, 0};
+  return {"tilt", true, with_figures("gravity pulls along the platform with %.4g m/s^2", pull), 0, 0};
+}
+
+PlanStage transient(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
+  if (scene.scenario.start == Start::rest)
+    return {"transient", true, "the run starts from rest: its first cycles differ from the others", 0, 0};
+  if (scene.scenario.start == Start::circling)
+    return {"transient", scene.pulses,
+            scene.pulses
+                ? "the run starts circling at constant mu1: with the pulses its first cycles differ from "
+                  "the others"
+                : "the run starts on the circle of constant mu1 and stays there",
+            0, 0};
+  if (!orbit) return {"transient", true, "no unique periodic motion exists to start from", 0, 0};
+  const double settle = cost::cycles_until_repeating(orbit->contraction);
+  const double direct = orbit->contraction > 0 ? cost::kOrbitInCycles : cost::kStickingOrbitInCycles;
+  return {"transient", false,
+          with_figures(
+              "the run starts on a periodic motion, found directly by Newton's method in %.0f iterations; "
+              "a run would settle in %.0f cycles",
+              orbit->newton_iterations, settle),
+          cost::saving(1 + direct, 1 + settle), 0};
+}
+
+/// No two motions separate, and near the orbit they approach by its contraction c per cycle: once two
+/// cycles begin within e of each other all later ones begin within e/(1 - c), and each adds its own drift to
+/// within that times the period.
+PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
+  const char* name = "every cycle";
+  if (!orbit) return {name, true, "no unique periodic motion: cycles need not repeat", 0, 0};
+  const double c = orbit->contraction;
+  const bool on_orbit = scene.scenario.start == Start::steady;
+  const double integrated = on_orbit ? 2 : cost::cycles_until_repeating(c);
+  if (scene.cycles <= integrated)
+    return {
+        name, true,
+        with_figures("%.4g cycles are fewer than the %.4g after which they repeat (contraction %.3g a cycle)",
+                     scene.cycles, integrated, c),
+        0, 0};
+  const Drive& d = scene.scenario.drive;
+  const double w = d.angular_frequency, unit = std::max(d.amplitude, d.amplitude_y) * w;
+  const double copies = scene.cycles - integrated, period = 2 * std::numbers::pi / w;
+  const double apart = c > 0 ? cost::kSameVelocity * (orbit->velocity.norm() + 2 * unit) / (1 - c) : 0;
+  return {name, false,
+          with_figures("cycles repeat after %.0f (contraction %.3g a cycle): the other %.6g are added",
+                       integrated, c, copies),
+          cost::saving(integrated, cost::every_cycle(scene.cycles, integrated, scene.may_stick)),
+          copies * period * apart};
+}
+
+PlanStage dense_output(const Scene& scene, const PlanPurpose& purpose) {
+  if (purpose.path)
+    return {"dense output", true,
+            "the motion between start and end is wanted: shorter arcs, all of them kept", 0, 0};
+  return {"dense output", false,
+          "the end alone is wanted: arcs as long as their ends allow, none of them kept",
+          cost::saving(1, scene.may_stick ? cost::kDenseSticking : cost::kDense), 0};
+}
+
+PlanStage derivatives(const PlanPurpose& purpose) {
+  if (purpose.derivatives > 0)
+    return {"derivatives", true,
+            with_figures("%.0f parameters: %.2g times the time of a plain run", purpose.derivatives,
+                         cost::derivatives(purpose.derivatives)),
+            0, 0};
+  return {"derivatives", false, "nobody asks for them: only a fit does",
+          cost::saving(1, cost::derivatives(3)), 0};
+}
+
+}  // namespace
+
+std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose) {
+  scenario.validate();
+  const Scene scene(scenario);
+  const bool worth_knowing = scenario.start != Start::rest || scene.cycles > 2;
+  const auto orbit = worth_knowing ? steady_orbit(scenario) : std::nullopt;
+  std::vector<PlanStage> stages{stick(scene), switches(scene), driven(scene), elliptic(scene), tilt(scene)};
+  stages.push_back(transient(scene, orbit));
+  if (worth_knowing)
+    stages.push_back(every_cycle(scene, orbit));
+  else
+    stages.push_back(
+        {"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles), 0, 0});
+  stages.push_back(dense_output(scene, purpose));
+  stages.push_back(derivatives(purpose));
+  return stages;
+}
+
+}  // namespace tribotrack::model

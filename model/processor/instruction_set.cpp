@@ -1,0 +1,55 @@
+#include "model/processor/instruction_set.h"
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <string>
+
+namespace tribotrack::model::internal {
+
+namespace {
+
+std::atomic<InstructionSet>& in_use() {
+  static std::atomic<InstructionSet> set = available_instruction_sets().back();
+  return set;
+}
+
+}  // namespace
+
+const char* to_string(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::avx512:
+      return "AVX-512";
+    case InstructionSet::avx2:
+      return "AVX2";
+    case InstructionSet::baseline:
+      break;
+  }
+  return "baseline";
+}
+
+std::vector<InstructionSet> available_instruction_sets() {
+  std::vector<InstructionSet> sets{InstructionSet::baseline};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    sets.push_back(InstructionSet::avx2);
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl"))
+      sets.push_back(InstructionSet::avx512);
+  }
+#endif
+  return sets;
+}
+
+InstructionSet instruction_set() {
+  return in_use();
+}
+
+void use_instruction_set(InstructionSet set) {
+  const auto sets = available_instruction_sets();
+  if (std::find(sets.begin(), sets.end(), set) == sets.end())
+    throw std::invalid_argument(std::string("this processor has no ") + to_string(set));
+  in_use() = set;
+}
+
+}  // namespace tribotrack::model::internal

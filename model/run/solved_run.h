@@ -1,0 +1,229 @@
+// A solved run behind Trajectory, for any number of derivatives.
+#pragma once
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <memory>
+#include <stdexcept>
+
+#include "model/orbit/orbit.h"
+#include "model/solver/set_up.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+
+struct Trajectory::Implementation {
+  virtual ~Implementation() = default;
+  virtual Sample at(double time) const = 0;
+  virtual SensitiveSample sensitive_at(double time) const = 0;
+  virtual SensitiveSample sensitive_end() const = 0;
+  virtual void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                            Eigen::MatrixXd* jacobian) const = 0;
+
+  Scenario scenario;
+  IntegrationOptions options;
+  IntegrationSummary summary;
+};
+
+namespace internal {
+
+template <class T>
+class Run final : public Trajectory::Implementation {
+ public:
+  Run(const Scenario& s, const IntegrationOptions& o);
+  Sample at(double time) const override;
+  SensitiveSample sensitive_at(double time) const override { return sensitive(time, true); }
+  SensitiveSample sensitive_end() const override {
+    return sensitive(scenario.end_time(), scenario.duration > 0);
+  }
+  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                    Eigen::MatrixXd* jacobian) const override;
+
+ private:
+  SolverInput<T> prepare() const;
+  void start_on_orbit(SolverInput<T>& in, bool with_pulses) const;
+  Phase phase_at(double time) const;
+  SensitiveSample sensitive(double time, bool fixed_time) const;
+  bool is_end(const Phase& phase) const { return phase.cycles == input_.cycles && phase.rest == input_.rest; }
+  Motion<T> motion_at(const Phase& phase) const;
+  Sample sample(double time, const Phase& phase, const Motion<T>& m) const;
+  Contact contact_at(const Phase& phase) const {
+    return is_end(phase) ? solver_.end_contact() : solver_.contact(phase.cycles, phase.rest);
+  }
+
+  T w_;
+  SolverInput<T> input_;
+  Solver<T> solver_;
+};
+
+template <class T>
+Run<T>::Run(const Scenario& s, const IntegrationOptions& o)
+    : w_((scenario = s, options = o, seeded<T>(s, Parameter::angular_frequency, o.derivatives))),
+      input_(prepare()),
+      solver_(input_) {
+  solver_.run();
+  const StepCounts& counts = solver_.counts();
+  summary.steps = counts.steps;
+  summary.stops = static_cast<int>(counts.stops);
+  summary.releases = static_cast<int>(counts.releases);
+  summary.stick_time = counts.stick_phase / s.drive.angular_frequency;
+  summary.error_bound = solver_.error_bound() * input_.problem.velocity_unit / s.drive.angular_frequency;
+  const double phase = input_.cycles * kTwoPi + input_.rest;
+  summary.sticking_fraction = phase > 0 ? counts.stick_phase / phase : 0;
+  const auto& e = input_.edges;
+  summary.one_sided = s.start == Start::rest && e.count > 0 && s.friction.nominal != s.friction.reduced &&
+                      (e.edge[0].s == 0 || e.edge[1].s == 0);
+}
+
+template <class T>
+SolverInput<T> Run<T>::prepare() const {
+  SolverInput<T> in = set_up<T>(scenario, options.derivatives);
+  in.tolerance = options.tolerance;
+  in.max_steps = options.max_steps;
+  in.dense = options.dense;
+  in.reuse = options.reuse_repeating_cycles;
+  if (scenario.start != Start::rest) start_on_orbit(in, scenario.start == Start::steady);
+  return in;
+}
+
+/// U0 = P(U0, p) differentiated: dU0 = (I - dP/dU)^-1 dP/dp.
+template <class T>
+void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
+  const auto orbit =
+      find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
+  if (!orbit)
+    throw InvalidParameter(
+        std::string("start = ") + to_string(scenario.start) +
+        ": no unique periodic motion exists for these parameters (no friction in the cycle, or "
+        "tilt beyond the friction angle); use start = rest");
+  in.velocity = {T(orbit->velocity.x()), T(orbit->velocity.y())};
+  in.on_orbit = true;
+  in.contraction = orbit->jacobian.eigenvalues().cwiseAbs().maxCoeff();
+  if constexpr (derivative_count < T >> 0) {
+    Scenario free = scenario;
+    free.start = Start::rest;
+    SolverInput<T> cycle = set_up<T>(free, options.derivatives, with_pulses);
+    cycle.problem = in.problem;
+    cycle.velocity = in.velocity;
+    cycle.start_shift = T{};
+    cycle.tolerance = in.tolerance;
+    cycle.max_steps = in.max_steps;
+    cycle.cycles = 1;
+    cycle.rest = 0;
+    Solver<T> solver(cycle);
+    solver.run();
+    const Pair<T> end = solver.end().velocity;
+    const Eigen::Matrix2d inverse = (Eigen::Matrix2d::Identity() - orbit->jacobian).inverse();
+    for (int j = 0; j < derivative_count<T>; ++j) {
+      const Eigen::Vector2d d = inverse * Eigen::Vector2d(end.x.d[j], end.y.d[j]);
+      in.velocity.x.d[j] = d.x();
+      in.velocity.y.d[j] = d.y();
+    }
+  }
+}
+
+template <class T>
+Phase Run<T>::phase_at(double time) const {
+  if (!(time > 0)) return {};
+  Phase phase = reduce_product(scenario.drive.angular_frequency, time);
+  const Phase end{input_.cycles, input_.rest};
+  if (time >= scenario.end_time() || phase.cycles > end.cycles ||
+      (phase.cycles == end.cycles && phase.rest > end.rest))
+    return end;
+  return phase;
+}
+
+template <class T>
+Motion<T> Run<T>::motion_at(const Phase& phase) const {
+  if (is_end(phase)) return solver_.end();
+  if (!options.dense)
+    throw std::logic_error("Trajectory: only the end is known of a run without IntegrationOptions::dense");
+  return solver_.at(phase.cycles, phase.rest);
+}
+
+template <class T>
+Sample Run<T>::at(double time) const {
+  const Phase phase = phase_at(time);
+  return sample(time, phase, motion_at(phase));
+}
+
+template <class T>
+Sample Run<T>::sample(double time, const Phase& phase, const Motion<T>& m) const {
+  const double v = input_.problem.velocity_unit, x = v / scenario.drive.angular_frequency;
+  Sample sample;
+  sample.time = time;
+  sample.position = {x * value(m.position.x), x * value(m.position.y)};
+  sample.velocity = {v * value(m.velocity.x), v * value(m.velocity.y)};
+  if (input_.cycles == 0 && input_.rest == 0) return sample;
+  const Contact contact = contact_at(phase);
+  sample.mu = contact.reduced ? scenario.friction.reduced : scenario.friction.nominal;
+  sample.state = contact.sticks ? State::stick : State::slip;
+  return sample;
+}
+
+template <class T>
+SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
+  SensitiveSample result;
+  const Phase phase = phase_at(time);
+  const Motion<T> m = motion_at(phase);
+  result.sample = sample(time, phase, m);
+  const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
+  result.position_jacobian.setZero(2, columns);
+  result.velocity_jacobian.setZero(2, columns);
+  if constexpr (derivative_count < T >> 0) {
+    // From fixed phase s to fixed time: s = start phase + w t depends on the parameters.
+    T moved = input_.start_shift;
+    if (fixed_time) moved += change(w_) * time;
+    Pair<T> acceleration{};
+    if (result.sample.state == State::slip) {
+      acceleration = force(solver_.drive(), solver_.kappa(contact_at(phase).reduced), phase.rest, m.velocity);
+    }
+    const double unit = input_.problem.velocity_unit;
+    const Pair<T> x = T(unit / w_) * (m.position + moved * m.velocity);
+    const Pair<T> u = T(unit) * (m.velocity + moved * acceleration);
+    for (int j = 0; j < columns; ++j) {
+      result.position_jacobian.col(j) << x.x.d[j], x.y.d[j];
+      result.velocity_jacobian.col(j) << u.x.d[j], u.y.d[j];
+    }
+  }
+  return result;
+}
+
+template <class T>
+void Run<T>::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                          Eigen::MatrixXd* jacobian) const {
+  const auto count = static_cast<Eigen::Index>(times.size());
+  const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
+  positions.resize(2, count);
+  if (jacobian) jacobian->resize(2 * count, columns);
+  const double w = scenario.drive.angular_frequency, unit = input_.problem.velocity_unit;
+  const T metres = T(unit / w_), w_change = change(w_);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double time = times[static_cast<std::size_t>(k)];
+    const Phase phase = phase_at(time);
+    const Motion<T> m = motion_at(phase);
+    positions.col(k) << unit / w * value(m.position.x), unit / w * value(m.position.y);
+    if constexpr (derivative_count < T >> 0) {
+      if (jacobian) {
+        const T moved = input_.start_shift + w_change * time;
+        const Pair<T> x = metres * (m.position + moved * m.velocity);
+        for (int j = 0; j < columns; ++j) {
+          (*jacobian)(2 * k, j) = x.x.d[j];
+          (*jacobian)(2 * k + 1, j) = x.y.d[j];
+        }
+      }
+    }
+    if (!(exposure > 0)) continue;
+    const Contact contact = contact_at(phase);
+    if (contact.sticks) continue;
+    const auto number = [](const Pair<T>& a) { return Pair<double>{value(a.x), value(a.y)}; };
+    const auto& d = solver_.drive();
+    const Pair<double> a = force(ScaledDrive<double>{number(d.constant), number(d.p), number(d.q)},
+                                 value(solver_.kappa(contact.reduced)), phase.rest, number(m.velocity));
+    const double share = unit * w * exposure * exposure / 24;
+    positions.col(k) += share * Eigen::Vector2d(a.x, a.y);
+  }
+}
+
+}  // namespace internal
+}  // namespace tribotrack::model

@@ -1,0 +1,221 @@
+// One run through its cycles: edges passed, repeating cycles taken as copies.
+#pragma once
+
+#include <cmath>
+
+#include "model/solver/repetition.h"
+#include "model/solver/stepper.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model::internal {
+
+/// Carries U, X from the start to the end of a run.
+template <class T>
+class Solver {
+ public:
+  explicit Solver(const SolverInput<T>& input) : in_(input), part_(in_), shrinking_(in_.contraction) {}
+
+  void run();
+  /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
+  /// phase of the next, with its derivatives by u. `memory` is what is known of its arcs, before and after.
+  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory);
+  /// The cycle alone, from the local phase 0.
+  Motion<T> run_one_cycle(bool reduced, const Pair<T>& u, ArcMemory& memory);
+  Motion<T> end() const { return {part_.velocity(), part_.position()}; }
+  /// Motion at the local phase s of a cycle, derivatives at fixed s.
+  Motion<T> at(double cycle, double s) const;
+  /// Which friction holds, and whether it holds the part, at a phase of a dense run and at the end.
+  Contact contact(double cycle, double s) const {
+    const Piece<T>& piece = part_.chain().find(source_cycle(cycle), s);
+    return {piece.reduced, piece.kind == PieceKind::stick};
+  }
+  Contact end_contact() const { return part_.contact(); }
+  const ScaledDrive<T>& drive() const { return part_.drive(); }
+  const T& kappa(bool reduced) const { return part_.kappa(reduced); }
+  const StepCounts& counts() const { return part_.counts; }
+  /// Of X at the end, from cycles that were not integrated.
+  double error_bound() const { return error_bound_; }
+
+ private:
+  struct CycleStart {
+    double gap = 0;  ///< of its velocity to the one before
+    Pair<T> u, x;
+    Pair<double> rounded;
+    StepCounts counts;
+  };
+
+  void run_cycle();
+  void run_until(double s);
+  void pass_edges(double until);
+  void note_cycle_start();
+  void skip_repeating_cycles();
+  void extrapolate_cycles(const Pair<T>& previous_start, double allowed);
+  Pair<T> drift_since(const CycleStart& start) const {
+    const Pair<double>&now = part_.rounded(), &then = start.rounded;
+    return (part_.position() - start.x) + Pair<T>{T(now.x - then.x), T(now.y - then.y)};
+  }
+  double source_cycle(double cycle) const {
+    return cycle >= repeat_from_ && cycle < repeat_to_ ? repeat_from_ - 1 : cycle;
+  }
+
+  SolverInput<T> in_;
+  Stepper<T> part_;
+  // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
+  double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
+  Pair<T> repeat_drift_;
+  CycleStart last_start_;
+  Shrinking shrinking_;
+  double error_bound_ = 0;
+};
+
+template <class T>
+void Solver<T>::run() {
+  const bool reduced = in_.edges.open_at_start && !in_.circling;
+  const T& kappa = part_.kappa(reduced);
+  const Pair<T> f = force(part_.drive(), kappa, 0.0, in_.velocity);
+  const Pair<T> u = in_.on_orbit ? in_.velocity : in_.velocity - in_.start_shift * f;
+  part_.begin(0, reduced, u, Pair<T>{} - in_.start_shift * in_.velocity);
+  while (part_.cycle() < in_.cycles) {
+    if (part_.cycle() >= 1 && in_.reuse) skip_repeating_cycles();
+    if (part_.cycle() < in_.cycles) run_cycle();
+  }
+  run_until(in_.rest);
+}
+
+/// To the same phase of the next cycle. Where nobody asks for the time between, that is the last edge's: the
+/// stretch from there to the next cycle's first edge is one.
+template <class T>
+void Solver<T>::run_cycle() {
+  pass_edges(kTwoPi);
+  if (in_.dense || in_.edges.count == 0) part_.advance(kTwoPi);
+  part_.enter_next_cycle();
+}
+
+template <class T>
+void Solver<T>::run_until(double s) {
+  pass_edges(s);
+  part_.advance(s);
+}
+
+template <class T>
+void Solver<T>::pass_edges(double until) {
+  for (int i = 0; i < in_.edges.count; ++i) {
+    const Edge<T>& edge = in_.edges.edge[i];
+    if (edge.s >= until) break;
+    part_.advance(edge.s);
+    part_.apply(edge);
+  }
+}
+
+template <class T>
+void Solver<T>::note_cycle_start() {
+  const Pair<T>& u = part_.velocity();
+  last_start_ = {length(Pair<T>(u - last_start_.u)), u, part_.position(), part_.rounded(), part_.counts};
+}
+
+/// To 1e-13, or the tolerance, of the largest.
+template <class T>
+bool same_derivatives(const Pair<T>& a, const Pair<T>& b, double tolerance) {
+  if constexpr (derivative_count < T >> 0) {
+    for (int j = 0; j < derivative_count<T>; ++j) {
+      const double size = std::hypot(a.x.d[j], a.y.d[j]);
+      if (std::hypot(a.x.d[j] - b.x.d[j], a.y.d[j] - b.y.d[j]) > std::fmax(1e-13, tolerance) * size + 1e-15)
+        return false;
+    }
+  }
+  return true;
+}
+
+/// Once a cycle begins as the last one did, all later ones are copies and only add their drift.
+template <class T>
+void Solver<T>::skip_repeating_cycles() {
+  const Pair<T> u = part_.velocity();
+  const double scale = std::fmax(length(u), 1e-3), copies = in_.cycles - part_.cycle();
+  const CycleStart before = last_start_;
+  note_cycle_start();
+  if (part_.cycle() < 2) return;
+  const StepCounts &now = last_start_.counts, &then = before.counts;
+  const double gap = last_start_.gap, q = part_.cycle() > 2 && before.gap > 0 ? gap / before.gap : 1;
+  // However many copies: how far a cycle's velocity may be from the one it stands for.
+  const double allowed = in_.tolerance * scale;
+  const bool exact = same(u.x, before.u.x) && same(u.y, before.u.y);
+  const bool settled = shrinking_.settled(gap, before.gap, static_cast<double>(now.steps - then.steps),
+                                          now.stops > then.stops);
+  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
+  const bool close = settled || gap <= 4e-16 * scale || (q < 1 && gap <= (1 - q) * allowed);
+  if (exact || (close && same_derivatives(u, before.u, in_.tolerance))) {
+    error_bound_ = error;
+    repeat_from_ = part_.cycle();
+    repeat_to_ = in_.cycles;
+    repeat_drift_ = drift_since(before);
+    part_.skip(copies, u, T(copies) * repeat_drift_);
+    part_.counts.stops += copies * (now.stops - then.stops);
+    part_.counts.releases += copies * (now.releases - then.releases);
+    part_.counts.stick_phase += copies * (now.stick_phase - then.stick_phase);
+    return;
+  }
+  if constexpr (derivative_count<T> == 0) {
+    // Worth a try? Terms of second order in the next gap are left out.
+    const double next = gap * (part_.cycle() > 2 ? q : 0.1);
+    if (!in_.dense && now.stops == then.stops && next < 0.3 * gap && copies > 2 &&
+        next * next <= kTwoPi * allowed)
+      extrapolate_cycles(before.u, allowed);
+  }
+}
+
+/// One more cycle with its dependence on where it begins, which tells of all later ones.
+template <class T>
+void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
+  Solver<Jet<2>> solver(lifted<Jet<2>>(in_));
+  const Pair<T> u = part_.velocity();
+  const CycleMap map = solver.map_cycle(part_.s(), part_.reduced(), u, part_.arcs().memory());
+  const Eigen::Vector2d start(u.x, u.y), before(u.x - previous_start.x, u.y - previous_start.y);
+  const double stops = solver.counts().stops;
+  part_.counts.steps += solver.counts().steps;
+  part_.counts.stops += stops;
+  part_.skip(1, {map.end.x(), map.end.y()}, {map.drift.x(), map.drift.y()});
+  const double copies = in_.cycles - part_.cycle();
+  const Remainder rest = extrapolate(map, start, before, copies);
+  if (stops > 0 || !(rest.apart <= allowed)) return note_cycle_start();
+  const Pair<T> change{rest.velocity_change.x(), rest.velocity_change.y()};
+  part_.skip(copies, part_.velocity() + change, {rest.displacement.x(), rest.displacement.y()});
+  error_bound_ = rest.error;
+}
+
+template <class T>
+CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory) {
+  static_assert(derivative_count<T> == 2);
+  Pair<T> start{T(u.x), T(u.y)};
+  start.x.d[0] = start.y.d[1] = 1;
+  part_.begin(s, reduced, start);
+  part_.arcs().share(memory);
+  if (s < 0)
+    run_cycle();
+  else
+    run_until(kTwoPi);
+  const Motion<T> m = end();
+  const auto values = [](const Pair<T>& a) { return Eigen::Vector2d(a.x.v, a.y.v); };
+  const auto slopes = [](const Pair<T>& a) {
+    return Eigen::Matrix2d{{a.x.d[0], a.x.d[1]}, {a.y.d[0], a.y.d[1]}};
+  };
+  return {values(m.velocity), values(m.position), slopes(m.velocity), slopes(m.position)};
+}
+
+template <class T>
+Motion<T> Solver<T>::run_one_cycle(bool reduced, const Pair<T>& u, ArcMemory& memory) {
+  part_.begin(0, reduced, u);
+  part_.arcs().share(memory);
+  run_until(kTwoPi);
+  return end();
+}
+
+template <class T>
+Motion<T> Solver<T>::at(double cycle, double s) const {
+  const double source = source_cycle(cycle);
+  const Piece<T>& piece = part_.chain().find(source, s);
+  Motion<T> motion = part_.chain().at(piece, s, drive(), kappa(piece.reduced));
+  if (source != cycle) motion.position = motion.position + T(cycle - source) * repeat_drift_;
+  return motion;
+}
+
+}  // namespace tribotrack::model::internal

@@ -1,0 +1,147 @@
+// tribotrack bench as a user calls it.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "apps/bench/plot.h"
+#include "apps/bench/tables.h"
+
+namespace tribotrack::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_in(const fs::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string first_line(const fs::path& path) {
+  const std::string text = text_in(path);
+  return text.substr(0, text.find('\n'));
+}
+
+class BenchCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "tribotrack_bench_XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  int call(const std::string& arguments) const {
+    const std::string command = std::string(TRIBOTRACK_BINARY) + " bench " + arguments + " > " +
+                                (folder_ / "stdout").string() + " 2> " + (folder_ / "stderr").string();
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  fs::path folder_;
+};
+
+TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
+  const fs::path out = folder_ / "out";
+  ASSERT_EQ(call("all --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
+  EXPECT_EQ(first_line(out / "bench_model.csv"),
+            "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
+            "repetitions,time_over_ours,reference");
+  EXPECT_EQ(
+      first_line(out / "bench_model_extremes.csv"),
+      "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
+      "allowed,held,derivatives_finite,one_sided,failure");
+  EXPECT_EQ(
+      first_line(out / "bench_model_plan.csv"),
+      "omission,scene,time_with_s,time_without_s,saving,predicted_saving,error_m,error_bound_m,repetitions");
+  EXPECT_EQ(first_line(out / "bench_model_claims.csv"), "claim,verdict,conditions,quantity,value,unit");
+  EXPECT_EQ(first_line(out / "bench_vision.csv"),
+            "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
+            "peak_locking_px,time_s,rms_over_ours,time_over_ours");
+  EXPECT_EQ(first_line(out / "bench_vision_limit.csv"),
+            "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
+            "standardised_rms,noise_found_levels,time_s");
+  EXPECT_EQ(
+      first_line(out / "bench_vision_decoding.csv"),
+      "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding");
+  EXPECT_EQ(
+      first_line(out / "bench_fit.csv"),
+      "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
+      "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
+      "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
+  EXPECT_EQ(first_line(out / "bench_fit_coverage.csv"),
+            "campaigns,parameter,counted,weak,unusable,covered,covered_by_profile");
+  for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
+    EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
+  EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
+            "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
+            "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
+  for (const char* name :
+       {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch", "bench_model_claims",
+        "bench_vision", "bench_vision_limit", "bench_vision_decoding", "bench_fit", "bench_fit_coverage"})
+    EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
+  const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
+  for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["results"]["model"]["laws_broken"], 0);
+  // Results on stdout, tables for people on stderr.
+  EXPECT_NE(text_in(folder_ / "stdout").find("bench_fit.csv\n"), std::string::npos);
+  EXPECT_EQ(text_in(folder_ / "stdout").find("always slipping"), std::string::npos);
+  EXPECT_NE(text_in(folder_ / "stderr").find("always slipping"), std::string::npos);
+}
+
+TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
+  const fs::path out = folder_ / "out";
+  ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
+  EXPECT_EQ(text_in(folder_ / "stderr"), "");
+  const std::string before = text_in(out / "bench_fit.csv.meta.json");
+  ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
+  EXPECT_EQ(text_in(out / "bench_fit.csv.meta.json"), before);
+}
+
+TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
+  EXPECT_EQ(call("speed -o " + folder_.string()), 2);
+  EXPECT_EQ(call("model"), 2);
+  EXPECT_EQ(call("model --quick -o /proc/none"), 3);
+}
+
+TEST(BenchTables, SayWhereAPeerWins) {
+  model::ModelBenchRow ours, peer;
+  ours.scene = peer.scene = "s";
+  ours.method = "tribotrack";
+  ours.ours = true;
+  peer.method = "quick, \"rough\"";
+  peer.time_over_ours = 0.5;
+  const BenchTable table = table_of(std::vector{ours, peer});
+  EXPECT_NE(table.text.find("PEER WINS x2.00"), std::string::npos);
+  EXPECT_NE(table.csv.find("\"quick, \"\"rough\"\"\""), std::string::npos);
+  peer.time_over_ours = 3;
+  EXPECT_EQ(table_of(std::vector{ours, peer}).text.find("PEER WINS"), std::string::npos);
+}
+
+TEST(BenchPlot, PutsDecadesWhereTheyBelong) {
+  // x 1e-4 .. 1e-2 over 375 px from 70, y 1e-8 .. 1e-6 over 250 px from 34: the middle decades in the middle.
+  const std::string svg =
+      log_log_svg({{"<t>", {{"a", {{1e-4, 1e-8}, {1e-3, 1e-7}, {1e-2, 1e-6}}, true}}}}, "x", "y");
+  EXPECT_NE(svg.find("cx=\"70.0\" cy=\"284.0\""), std::string::npos);
+  EXPECT_NE(svg.find("cx=\"257.5\" cy=\"159.0\""), std::string::npos);
+  EXPECT_NE(svg.find("cx=\"445.0\" cy=\"34.0\""), std::string::npos);
+  EXPECT_NE(svg.find("&lt;t>"), std::string::npos);
+}
+
+TEST(BenchPlot, SurvivesErrorsOfZeroAndNoPointsAtAll) {
+  const std::string svg =
+      log_log_svg({{"t", {{"a", {{1e-3, 0}, {0, 1}}, false}, {"b", {}, false}}}}, "x", "y");
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+  EXPECT_TRUE(log_log_svg({}, "x", "y").ends_with("</svg>\n"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

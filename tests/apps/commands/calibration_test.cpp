@@ -1,0 +1,134 @@
+// Scale from a calibrated camera and between two planes, as a user gives it.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+class Calibrated : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    put(in_folder("scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s "
+        "= 40\n"
+        "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n"
+        "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = "
+        "0\n[surface]\ntexture_rms = "
+        "0\n");
+    ASSERT_EQ(run("synth scene.toml -o slide.cine -q").exit_code, 0);
+  }
+  /// A camera that looks straight down from 100 mm: 0.05 mm/px, distortion as given.
+  void calibration(double k1, int width = 160) const {
+    const Json json = {
+        {"width_px", width},
+        {"height_px", 120},
+        {"mm_per_px", 0.05},
+        {"mm_per_px_sd", 1e-5},
+        {"camera_matrix", {{2000, 0, 79.5}, {0, 2000, 59.5}, {0, 0, 1}}},
+        {"distortion", {{"k1", k1}, {"k2", 0}, {"p1", 0}, {"p2", 0}, {"k3", 0}}},
+        {"plane", {{"rotation", {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}}, {"translation_mm", {0, 0, 100}}}}};
+    put(in_folder("calibration.json"), json.dump());
+  }
+  /// x_mm of the track's last row.
+  double last_x(const std::string& table) const {
+    const std::string text = content_of(in_folder(table));
+    const std::string row = text.substr(text.rfind('\n', text.size() - 2) + 1);
+    double x = std::nan("");
+    std::sscanf(row.c_str(), "%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%lf", &x);
+    return x;
+  }
+};
+
+TEST_F(Calibrated, AStraightLensIsAScaleAndThePlanSaysSo) {
+  calibration(0);
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o plain.csv -q").exit_code, 0);
+  const Outcome outcome = run("track slide.cine --calibration calibration.json -o t.csv --explain");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(content_of(in_folder("t.csv")), content_of(in_folder("plain.csv")));
+  EXPECT_THAT(outcome.err, HasSubstr("lens and tilt"));
+  const Json meta = Json::parse(content_of(in_folder("t.csv.meta.json")));
+  EXPECT_EQ(meta["scale"]["source"], "calibration");
+  EXPECT_EQ(meta["scale"]["mm_per_px_sd"], 1e-5);
+  EXPECT_EQ(meta["scale"]["calibrated_camera"], false) << "left out: nothing to correct";
+}
+
+TEST_F(Calibrated, ABentLensIsStraightened) {
+  calibration(-20);  // (x/f)^2 is 1.6e-3 at the border: 3 % of distortion
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o plain.csv -q").exit_code, 0);
+  ASSERT_EQ(run("track slide.cine --calibration calibration.json -o t.csv -q").exit_code, 0);
+  EXPECT_THAT(content_of(in_folder("t.csv")), HasSubstr("rho_xy_mm,marker_x_mm"));
+  EXPECT_EQ(Json::parse(content_of(in_folder("t.csv.meta.json")))["scale"]["calibrated_camera"], true);
+  EXPECT_GT(std::abs(last_x("t.csv") - last_x("plain.csv")), 1e-3);
+  const Outcome measured = run("measure t.csv --omega-rad-s 1000 --json -q");
+  EXPECT_EQ(measured.exit_code, 0) << measured.err;
+}
+
+TEST_F(Calibrated, HeightAboveTheCalibratedPlaneMakesLengthsShorter) {
+  calibration(0);
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o plain.csv -q").exit_code, 0);
+  for (const char* scale : {"--calibration calibration.json", "--mm-per-px 0.05 --working-distance-mm 100"}) {
+    const Outcome outcome = run(std::string("track slide.cine --height-mm 2 -o t.csv --explain ") + scale);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NEAR(last_x("t.csv") / last_x("plain.csv"), 0.98, 1e-6) << scale;
+    EXPECT_THAT(outcome.err, HasSubstr("parallax"));
+  }
+  // By its own diameter the part's top needs no correction, and there is no marker below.
+  ASSERT_EQ(run("track slide.cine --disc-diameter-mm 1.2 -o plain.csv -q").exit_code, 0);
+  ASSERT_EQ(run("track slide.cine --disc-diameter-mm 1.2 --height-mm 2 --working-distance-mm 100 -o t.csv -q")
+                .exit_code,
+            0);
+  EXPECT_EQ(last_x("t.csv"), last_x("plain.csv"));
+}
+
+TEST_F(Calibrated, WhatDoesNotFitIsRefused) {
+  calibration(0, 200);
+  expect_refused(run("track slide.cine --calibration calibration.json -o t.csv -q"), 3,
+                 {"calibration.json", "200 x 120", "160 x 120"});
+  calibration(0);
+  expect_refused(run("track slide.cine --calibration calibration.json --mm-per-px 0.05 -o t.csv -q"), 2,
+                 {"--calibration", "--mm-per-px"});
+  expect_refused(run("track slide.cine --calibration calibration.json --height-mm 200 -o t.csv -q"), 3,
+                 {"height_mm"});
+  put(in_folder("calibration.json"), "{\"width_px\": 3}");
+  expect_refused(run("track slide.cine --calibration calibration.json -o t.csv -q"), 3,
+                 {"calibration.json", "height_px", "tribotrack calibrate"});
+  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9x7 --square-mm 2 -o c.json -q"), 3,
+                 {"slide.cine", "no board"});
+  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9 --square-mm 2 -o c.json -q"), 2,
+                 {"--squares", "10x7"});
+  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9x7 --square-mm -2 -o c.json -q"), 2,
+                 {"square_mm"});
+}
+
+TEST_F(Calibrated, ACampaignNamesIt) {
+  calibration(-20);
+  put(in_folder("campaign.toml"),
+      "[platform]\namplitude_mm = 0\n[part]\nheight_mm = 0.8\n[camera]\ncalibration = "
+      "\"calibration.json\"\n[fit]\n"
+      "parameters = [\"mu1\"]\n[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n");
+  const Outcome outcome = run("run campaign.toml -o out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, Not(HasSubstr("parallax")));
+  const Json meta = Json::parse(content_of(in_folder("out/tracks/slide.csv.meta.json")));
+  EXPECT_EQ(meta["scale"]["calibrated_camera"], true);
+  // Another calibration, another track.
+  calibration(-10);
+  EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("track, measure"));
+  put(in_folder("both.toml"),
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\ncalibration = "
+      "\"calibration.json\"\n[[run]]\nvideo = "
+      "\"slide.cine\"\nkind = \"free_slide\"\n");
+  expect_refused(run("run both.toml -o out2 -q"), 3, {"both.toml:5", "calibration", "mm_per_px"});
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

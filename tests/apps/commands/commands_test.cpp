@@ -1,0 +1,344 @@
+// Every command as a user types it: what it prints, writes and refuses.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+using Json = nlohmann::json;
+
+const std::vector<std::string> kCommands = {"simulate", "sweep", "synth",  "probe", "track", "calibrate",
+                                            "measure",  "fit",   "report", "run",   "bench", "init"};
+
+class Commands : public ProgramTest {
+ protected:
+  /// A small recording: 40 frames of a disc of 12 px radius, platform at rest, the disc sliding freely.
+  void render_slide(const std::string& name, const std::string& video_extra = "") {
+    put(in_folder("slide_scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s "
+        "= 40\n"
+        "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n" +
+            video_extra +
+            "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = "
+            "0\n[surface]\ntexture_rms = 0\n");
+    const Outcome outcome = run("synth slide_scene.toml -o " + name + " -q");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+};
+
+TEST_F(Commands, EachHasHelpWithAnExampleAndAVersion) {
+  for (const std::string& command : kCommands) {
+    const Outcome help = run(command + " --help");
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_THAT(help.out, HasSubstr("Example:")) << command;
+    EXPECT_THAT(help.out, HasSubstr("tribotrack " + command)) << command;
+    EXPECT_EQ(run(command + " --version").exit_code, 0) << command;
+  }
+  EXPECT_EQ(run("--help").exit_code, 0);
+  EXPECT_THAT(run("--version").out, HasSubstr("tribotrack 0."));
+}
+
+TEST_F(Commands, UsageErrorsAreExit2) {
+  expect_refused(run(""), 2, {"--help"});
+  expect_refused(run("no-such-command"), 2, {});
+  for (const std::string& command : kCommands)
+    expect_refused(run(command + " --no-such-option"), 2, {"--help"});
+  expect_refused(run("track v.cine --frames 5:2 -o t.csv"), 2, {"--frames"});
+  expect_refused(run("track v.cine --disc 1,2 -o t.csv"), 2, {"--disc", "X,Y,R"});
+  expect_refused(run("track v.cine --disc 1,2,3 --template 1,2,3,4 -o t.csv"), 2, {"--template"});
+  expect_refused(run("track v.cine --disc-diameter-mm 0 -o t.csv"), 2, {"--disc-diameter-mm"});
+  expect_refused(run("track v.cine --disc-diameter-mm -6 -o t.csv"), 2, {"--disc-diameter-mm"});
+  expect_refused(run("sweep --over phi_rad=0:1 -o s.csv"), 2, {"--over"});
+  expect_refused(run("sweep --over phy_rad=0:1:3 -o s.csv"), 2, {"phi_rad"});
+  EXPECT_THAT(left_behind(), IsEmpty());
+}
+
+TEST_F(Commands, SimulateReachesTheKnownEndPoint) {
+  const Outcome outcome =
+      run("simulate --mu1 .1 --mu2 .0125 --amplitude-mm .28 --omega-rad-s 62.8 --phi-rad 0.5 --dtau-rad pi/2 "
+          "--cycles 20 --json -o t.csv");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_NEAR(json["end_x_mm"], 5.470210818697445, 1e-11);
+  EXPECT_NEAR(json["end_y_mm"], -10.98396194698849, 1e-11);
+  EXPECT_EQ(json["stops"], 0);
+  const std::string table = content_of(in_folder("t.csv"));
+  EXPECT_EQ(table.substr(0, table.find('\n')), "time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2002);
+  EXPECT_THAT(content_of(in_folder("t.csv.meta.json")), HasSubstr("\"schema\": 1"));
+}
+
+TEST_F(Commands, SimulateTellsOfNoSteadyMotion) {
+  const Json json = Json::parse(run("simulate --mu1 0 --mu2 0 --json").out);
+  EXPECT_TRUE(json["steady"].is_null());
+}
+
+TEST_F(Commands, SimulateRefusesWhatIsNotPhysical) {
+  for (const char* bad : {"--mu1=-1", "--mu2 nan", "--gravity-m-s2 0", "--dtau-rad 7", "--amplitude-mm abc",
+                          "--omega-rad-s 0", "--phi-rad pi/0"}) {
+    const Outcome outcome = run(std::string("simulate ") + bad);
+    EXPECT_TRUE(outcome.exit_code == 2 || outcome.exit_code == 3) << bad;
+    EXPECT_EQ(outcome.out, "") << bad;
+    EXPECT_NE(outcome.err, "") << bad;
+  }
+}
+
+TEST_F(Commands, EveryScenarioOfThePapersFiguresRuns) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source("data"))) {
+    if (entry.path().extension() != ".toml") continue;
+    ++count;
+    const std::string file = "'" + entry.path().string() + "'";
+    const bool sweeps = content_of(entry.path()).find("[sweep]") != std::string::npos;
+    const Outcome outcome =
+        run(sweeps ? "sweep " + file + " -o out.csv -q" : "simulate " + file + " -o out.csv -q");
+    EXPECT_EQ(outcome.exit_code, 0) << file << outcome.err;
+    EXPECT_GT(content_of(in_folder("out.csv")).size(), 1000u) << file;
+  }
+  EXPECT_GE(count, 13);
+}
+
+// The paper's figure 7a: alpha falls with phi with slope -1; in the steady state exactly.
+TEST_F(Commands, SweepShowsTheSteadySlopeOfMinusOne) {
+  ASSERT_EQ(run("sweep '" + source("data/figure7a.toml").string() + "' --over phi_rad=0:2pi:9 -o s.csv -q")
+                .exit_code,
+            0);
+  std::istringstream table(content_of(in_folder("s.csv")));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "phi_rad,alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s");
+  std::vector<double> turned, speeds;
+  while (std::getline(table, line)) {
+    double phi = 0, alpha = 0, v = 0, steady_alpha = 0, steady_v = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf", &phi, &alpha, &v, &steady_alpha, &steady_v), 5)
+        << line;
+    turned.push_back(std::remainder(steady_alpha + phi, 2 * std::numbers::pi));
+    speeds.push_back(steady_v);
+  }
+  ASSERT_EQ(turned.size(), 9u);
+  for (std::size_t k = 1; k < 9; ++k) {
+    EXPECT_NEAR(std::remainder(turned[k] - turned[0], 2 * std::numbers::pi), 0, 2e-9);
+    EXPECT_NEAR(speeds[k], speeds[0], 1e-8);
+  }
+}
+
+TEST_F(Commands, ARenderedSlideIsTrackedOntoItsTruth) {
+  render_slide("slide.cine");
+  const Outcome outcome = run("track slide.cine --mm-per-px 0.05 -o t.csv --overlay t.png --json -q");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["ok"], 40);
+  std::istringstream track(content_of(in_folder("t.csv"))),
+      truth(content_of(in_folder("slide.cine.truth.csv")));
+  std::string row, true_row;
+  std::getline(track, row);
+  std::getline(truth, true_row);
+  EXPECT_EQ(row,
+            "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm");
+  double worst = 0;
+  int rows = 0;
+  while (std::getline(track, row) && std::getline(truth, true_row)) {
+    double x = 0, y = 0, true_x = 0, true_y = 0;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%*[^,],%*[^,],%lf,%lf", &x, &y), 2) << row;
+    ASSERT_EQ(std::sscanf(true_row.c_str(), "%*[^,],%*[^,],%lf,%lf", &true_x, &true_y), 2) << true_row;
+    worst = std::max(worst, std::hypot(x - true_x, y - true_y));
+    ++rows;
+  }
+  EXPECT_EQ(rows, 40);
+  EXPECT_LT(worst, 0.02);  // noise of 0.003 px, and a constant: the centre found in the first frame
+}
+
+TEST_F(Commands, EveryFormatOfSynthIsReadBackAndTracked) {
+  for (const char* format : {"a.cine", "b.mkv", "c.avi", "d.mp4", "e/%05d.png", "f/%05d.tif"}) {
+    std::filesystem::create_directories(in_folder("e"));
+    std::filesystem::create_directories(in_folder("f"));
+    render_slide(format);
+    const Outcome outcome =
+        run(std::string("track ") + format + " --fps 1000 --mm-per-px 0.05 -o t.csv --json -q");
+    ASSERT_EQ(outcome.exit_code, 0) << format << ": " << outcome.err;
+    EXPECT_EQ(Json::parse(outcome.out)["ok"], 40) << format;
+  }
+  for (const char* bits : {"10", "12"}) {
+    render_slide("deep.cine", std::string("bits = ") + bits + "\n");
+    const Json info = Json::parse(run("probe deep.cine --json").out);
+    EXPECT_EQ(info["bits"], 12) << "P10 comes out linear, with 12 bits";
+    EXPECT_EQ(info["frames"], 40);
+    EXPECT_EQ(info["time_base"]["rate_hz"], 1000);
+  }
+}
+
+TEST_F(Commands, AFreeSlideGivesMuAndAReport) {
+  render_slide("slide.cine");
+  put(in_folder("campaign.toml"),
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = "
+      "[\"mu1\"]\n[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n");
+  const Outcome outcome = run("run campaign.toml -o out -q");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json fit = Json::parse(content_of(in_folder("out/fit.json")));
+  const Json& mu1 = fit["parameters"]["mu1"];
+  EXPECT_NEAR(mu1["estimate"], 0.2, 5 * mu1["sd"].get<double>());
+  EXPECT_LT(mu1["sd"], 0.004);
+  EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("<!DOCTYPE html>"));
+
+  // Same inputs, same bytes; a second call keeps the track.
+  const std::string first = content_of(in_folder("out/fit.json")),
+                    page = content_of(in_folder("out/report.html"));
+  const Outcome again = run("run campaign.toml -o out");
+  EXPECT_THAT(again.err, HasSubstr("1 of 1 tracks were current"));
+  EXPECT_EQ(content_of(in_folder("out/fit.json")), first);
+  EXPECT_EQ(content_of(in_folder("out/report.html")), page);
+  EXPECT_EQ(run("report out -o again.html -q").exit_code, 0);
+  EXPECT_EQ(content_of(in_folder("again.html")), page);
+  EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("its track is current"));
+
+  // fit by itself, from the same tracks and from the video.
+  ASSERT_EQ(run("fit campaign.toml --tracks out/tracks -o f1.json -q").exit_code, 0);
+  ASSERT_EQ(run("fit campaign.toml -o f2.json -q").exit_code, 0);
+  EXPECT_EQ(content_of(in_folder("f1.json")), first);
+  EXPECT_EQ(content_of(in_folder("f2.json")), first);
+}
+
+TEST_F(Commands, ABadRunIsLeftOutAndSaid) {
+  render_slide("slide.cine");
+  const std::string head =
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n";
+  const std::string good = "[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n",
+                    bad = "[[run]]\nvideo = \"gone.cine\"\nkind = \"free_slide\"\n";
+  put(in_folder("one_bad.toml"), head + good + bad);
+  const Outcome run_outcome = run("run one_bad.toml -o out -q");
+  EXPECT_EQ(run_outcome.exit_code, 4);
+  EXPECT_THAT(run_outcome.err, HasSubstr("gone.cine"));
+  EXPECT_TRUE(std::filesystem::exists(in_folder("out/report.html")));
+  expect_refused(run("fit one_bad.toml -o f.json -q"), 3, {"gone.cine"});
+  EXPECT_EQ(run("fit one_bad.toml --allow-missing 1 -o f.json -q").exit_code, 0);
+
+  put(in_folder("all_bad.toml"), head + bad);
+  expect_refused(run("run all_bad.toml -o out2 -q"), 3, {"gone.cine"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("out2")));
+}
+
+TEST_F(Commands, AnUnusableFitIsExit5AndSaysWhatCanBeTold) {
+  // The same phi and dtau again and again: two numbers for three parameters.
+  std::string text = "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
+  for (int k = 0; k < 4; ++k)
+    text +=
+        "[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = 4.2\nv_sd_mm_s = "
+        "0.05\n";
+  put(in_folder("c.toml"), text);
+  const Outcome outcome = run("fit c.toml -o fit.json");
+  EXPECT_EQ(outcome.exit_code, 5) << outcome.err;
+  const Json fit = Json::parse(content_of(in_folder("fit.json")));
+  EXPECT_EQ(fit["identifiability"]["verdict"], "not identifiable");
+  EXPECT_FALSE(fit["identifiability"]["weak_directions"].empty());
+  // The words and the remedy come without asking.
+  EXPECT_THAT(outcome.err, HasSubstr("is hidden by"));
+  EXPECT_THAT(outcome.err, HasSubstr("Film next phi = "));
+  EXPECT_TRUE(fit["next_experiment"]["predicted_ci95"]["mu1"].is_array());
+  EXPECT_TRUE(fit["next_experiment"]["amplitude_mm"].is_number());
+}
+
+TEST_F(Commands, OneRunOnlyIsAnAnswer) {
+  put(in_folder("one.toml"),
+      "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[[run]]\nphi_rad = 0\ndtau_rad = "
+      "1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = 4.2\nv_sd_mm_s = 0.05\n");
+  const Outcome outcome = run("fit one.toml -o fit.json");
+  EXPECT_EQ(outcome.exit_code, 5) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("2 numbers for 3 unknowns: add runs, fix a parameter"));
+  EXPECT_TRUE(Json::parse(content_of(in_folder("fit.json")))["parameters"]["mu1"]["sd"].is_null());
+}
+
+TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
+  std::string text = "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
+  const double alpha[] = {5.7, 5.2, 4.9, 4.6}, v[] = {2.2, 4.2, 5.6, 6.6};
+  for (int k = 0; k < 4; ++k)
+    text += "[[run]]\nphi_rad = 0\ndtau_rad = " + std::to_string(0.5 + 0.5 * k) +
+            "\nalpha_rad = " + std::to_string(alpha[k]) +
+            "\nalpha_sd_rad = 0.3\nv_mm_s = " + std::to_string(v[k]) + "\nv_sd_mm_s = 0.5\n";
+  put(in_folder("c.toml"), text);
+  EXPECT_NE(run("fit c.toml -o fit.json --bootstrap 30 --seed 7 --compare-models -q").exit_code, 2);
+  Json fit = Json::parse(content_of(in_folder("fit.json")));
+  EXPECT_EQ(fit["bootstrap"]["seed"], 7);
+  EXPECT_TRUE(fit["parameters"]["mu1"]["bootstrap_ci95"].is_array());
+  EXPECT_THAT(run("fit c.toml -o fit.json --bootstrap 30").err, Not(HasSubstr("\r")));  // off a terminal
+  EXPECT_GE(fit["models"].size(), 4U);
+  EXPECT_NE(run("fit c.toml -o fit.json --loss cauchy -q").exit_code, 2);
+  fit = Json::parse(content_of(in_folder("fit.json")));
+  EXPECT_EQ(fit["loss"], "cauchy");
+  EXPECT_THAT(fit["covariance_meaning"].get<std::string>(), HasSubstr("Robust loss (Cauchy)"));
+  expect_refused(run("fit c.toml -o fit.json --loss mean"), 2, {"--loss"});
+}
+
+TEST_F(Commands, BadRecordingsAreExit3AndLeaveNothing) {
+  render_slide("good.cine");
+  render_slide("good.mp4");
+  const std::string cine = content_of(in_folder("good.cine")), mp4 = content_of(in_folder("good.mp4"));
+  put(in_folder("empty.cine"), "");
+  put(in_folder("cut.cine"), cine.substr(0, cine.size() / 2));
+  put(in_folder("head.cine"), cine.substr(0, 30));
+  put(in_folder("cut.mp4"), mp4.substr(0, mp4.size() / 2));
+  put(in_folder("text.mp4"), "hello\n");
+  for (const char* bad :
+       {"missing.cine", "empty.cine", "cut.cine", "head.cine", "cut.mp4", "text.mp4", "nowhere/%03d.png"}) {
+    const Outcome outcome =
+        run(std::string("track ") + bad + " --fps 1000 --disc 40,40,9 --mm-per-px 1 -o t.csv");
+    const std::string name = bad;
+    expect_refused(outcome, 3, {name.substr(0, name.find('/'))});
+    EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv"))) << bad;
+  }
+  expect_refused(run("track good.cine --disc 500,40,9 --mm-per-px 1 -o t.csv"), 3, {"500"});
+  expect_refused(run("track good.cine --frames 90:95 --mm-per-px 1 -o t.csv"), 3, {"90"});
+  expect_refused(run("track good.cine --mm-per-px 1 -o nowhere/t.csv"), 3, {"nowhere/t.csv"});
+  expect_refused(run("run good.cine -o out"), 3, {"good.cine:1"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv")));
+  EXPECT_FALSE(std::filesystem::exists(in_folder("out")));
+}
+
+TEST_F(Commands, APictureSequenceNeedsItsFrameRate) {
+  std::filesystem::create_directories(in_folder("s"));
+  render_slide("s/%05d.png");
+  expect_refused(run("track s --mm-per-px 1 -o t.csv"), 3, {"--fps"});
+  EXPECT_EQ(run("track s --fps 1000 --mm-per-px 1 -o t.csv -q").exit_code, 0);
+}
+
+TEST_F(Commands, ARecordingShorterThanOneCycleIsExit3) {
+  render_slide("slide.cine");
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o t.csv -q").exit_code, 0);
+  expect_refused(run("measure t.csv --omega-rad-s 62.8"), 3, {"t.csv", "cycle"});
+  expect_refused(run("measure t.csv"), 3, {"--omega-rad-s"});
+  put(in_folder("c.toml"),
+      "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[camera]\nmm_per_px = "
+      "0.05\n[[run]]\nvideo = \"slide.cine\"\nphi_rad = 0\ndtau_rad = 1\n");
+  expect_refused(run("fit c.toml -o f.json"), 3, {"cycle"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("f.json")));
+}
+
+TEST_F(Commands, AnOutputFolderThatCannotBeWrittenIsExit3) {
+  render_slide("slide.cine");
+  put(in_folder("c.toml"),
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = "
+      "[\"mu1\"]\n[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n");
+  put(in_folder("file"), "in the way");
+  expect_refused(run("run c.toml -o file/out"), 3, {"file/out"});
+  expect_refused(run("report nothing_here -o r.html"), 3, {"fit.json"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("r.html")));
+}
+
+TEST_F(Commands, InitWritesACampaignThatIsReadAndIsNotOverwritten) {
+  EXPECT_EQ(run("init new").exit_code, 0);
+  // Its recordings do not exist, but every key is known.
+  const Outcome plan = run("run new/campaign.toml -o out --dry-run");
+  EXPECT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_THAT(plan.out, HasSubstr("phi000_dtau060"));
+  expect_refused(run("init new"), 3, {"campaign.toml"});
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

@@ -1,0 +1,147 @@
+#include "apps/files/campaign.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "apps/program/errors.h"
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double pi = std::numbers::pi;
+
+class CampaignTest : public ProgramTest {
+ protected:
+  Campaign read(const std::string& text) {
+    put(in_folder("c.toml"), text);
+    return read_campaign(in_folder("c.toml"));
+  }
+  std::string complaint(const std::string& text) {
+    return complaint_of([&] { read(text); });
+  }
+};
+
+const std::string kRun =
+    "[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = 0.1\nv_mm_s = 2\nv_sd_mm_s = 0.1\n";
+
+// The campaign printed in the interface description, whole: `start` as a word and [fit.start] as a table live
+// side by side.
+TEST_F(CampaignTest, ReadsEveryKeyOfTheInterface) {
+  const Campaign c = read(R"(
+[platform]
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+phase_shift_rad = "pi/2"
+gravity_m_s2 = 9.81
+tilt_x_rad = 0.0
+tilt_y_rad = 0.001
+[part]
+diameter_mm = 6.0
+height_mm = 0.8
+[camera]
+frame_rate_hz = 1000.0
+mm_per_px = 0.02
+xi_axis_rad = 0.1
+working_distance_mm = 100.0
+disc_px = [640, 400, 150]
+marker_px = [200, 180, 24]
+gate_px = [30, 30, 6]
+[fit]
+parameters = ["mu1", "mu2", "phase_lag_rad", "tilt_x_rad"]
+data = "summary"
+start = "circling"
+cycles = 18
+[fit.fixed]
+delay_s = 1e-4
+[fit.start]
+mu1 = 0.12
+phase_lag_rad = "pi/8"
+[fit.prior]
+amplitude_mm = { mean = 0.28, sd = 0.001 }
+[[run]]
+video = "phi000_dtau060.cine"
+phi_rad = 0
+dtau_rad = "pi/3"
+amplitude_mm = 0.29
+angular_frequency_rad_s = 60
+phase_at_zero_rad = 0.3
+start = "steady"
+start_phase_rad = "pi/4"
+cycles = 10
+frames = [3, 500]
+mm_per_px = 0.03
+disc_px = [1, 2, 3]
+marker_px = [4, 5, 6]
+scope = "trace.csv"
+name = "first"
+[[run]]
+phi_rad = 0
+dtau_rad = "pi/6"
+alpha_rad = 5.93
+alpha_sd_rad = 0.02
+v_mm_s = 1.78
+v_sd_mm_s = 0.04
+[[run]]
+video = "free_slide.mp4"
+kind = "free_slide"
+frames = [120, 480]
+)");
+  EXPECT_DOUBLE_EQ(*c.platform.amplitude, 0.28e-3);
+  EXPECT_DOUBLE_EQ(*c.platform.phase_shift, pi / 2);
+  EXPECT_DOUBLE_EQ(c.platform.tilt_y, 0.001);
+  EXPECT_EQ(c.fit.parameters.size(), 4u);
+  EXPECT_EQ(c.fit.parameters[3], fit::FitParameter::tilt_x);
+  EXPECT_DOUBLE_EQ(c.fit.start.at(fit::FitParameter::lag), pi / 8);
+  EXPECT_DOUBLE_EQ(c.fit.fixed.at(fit::FitParameter::delay), 1e-4);
+  EXPECT_DOUBLE_EQ(c.fit.prior.at(fit::FitParameter::amplitude).sd, 0.001);
+  ASSERT_EQ(c.runs.size(), 3u);
+  EXPECT_EQ(c.runs[0].name, "first");
+  EXPECT_EQ(c.runs[0].video, in_folder("phi000_dtau060.cine"));
+  EXPECT_EQ(c.runs[0].start, model::Start::steady);
+  EXPECT_EQ(c.runs[0].cycles, 10);
+  EXPECT_EQ(c.runs[0].first_frame, 3);
+  EXPECT_DOUBLE_EQ(*c.runs[0].amplitude, 0.29e-3);
+  EXPECT_EQ(c.runs[1].name, "run02");
+  EXPECT_EQ(c.runs[1].start, model::Start::circling);
+  EXPECT_EQ(c.runs[1].cycles, 18);
+  EXPECT_DOUBLE_EQ(*c.runs[1].v, 1.78e-3);
+  EXPECT_TRUE(c.runs[2].free_slide);
+  EXPECT_EQ(c.runs[2].name, "free_slide");
+  EXPECT_TRUE(c.warnings.empty());
+}
+
+TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
+  EXPECT_THAT(complaint("[fit]\ncycels = 20\n" + kRun), HasSubstr("c.toml:2:1"));
+  EXPECT_THAT(complaint("[part]\ndiameter_mm = 0\n" + kRun),
+              HasSubstr("c.toml:2:1: `diameter_mm` in [part] must be greater than 0"));
+  EXPECT_THAT(complaint("[part]\ndiameter_mm = -6\n" + kRun), HasSubstr("greater than 0"));
+  EXPECT_THAT(complaint("[[run]]\nphi_rad = nan\ndtau_rad = 1\n"), HasSubstr("c.toml:2:1: `phi_rad`"));
+  EXPECT_THAT(complaint("[[run]]\nphi_rad = \"pie\"\ndtau_rad = 1\n"), HasSubstr("angle"));
+  EXPECT_THAT(complaint("[[run]]\nphi_rad = 0\ndtau_rad = 7\n"), HasSubstr("2pi"));
+  EXPECT_THAT(complaint("[[run]]\nphi_rad = 0\ndtau_rad = 1\n"), HasSubstr("needs `video`"));
+  EXPECT_THAT(complaint("[[run]]\nvideo = \"v.cine\"\nphi_rad = 0\ndtau_rad = 1\n"),
+              HasSubstr("diameter_mm"));
+  EXPECT_THAT(complaint("[fit]\nparameters = [\"mu3\"]\n" + kRun), HasSubstr("did you mean \"mu1\""));
+  EXPECT_THAT(complaint("[fit]\nparameters = [\"mu1\"]\n[fit.fixed]\nmu1 = 0.1\n" + kRun),
+              HasSubstr("asks to fit"));
+  EXPECT_THAT(complaint("[fit]\n"), HasSubstr("no [[run]]"));
+  EXPECT_THAT(complaint("[[run]]\nname = \"a\"\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = "
+                        "0\nv_mm_s = 1\nv_sd_mm_s = 1\n"),
+              HasSubstr("alpha_sd_rad"));
+  EXPECT_THAT(complaint("[platform]\namplitude_mm = 0.28\n[platform]\n" + kRun), HasSubstr("c.toml:3:"));
+}
+
+TEST_F(CampaignTest, RunsWithoutANameGetOneOfTheirOwn) {
+  const std::string run = "[[run]]\nvideo = \"a/slide.mp4\"\nkind = \"free_slide\"\n";
+  const Campaign c = read("[part]\ndiameter_mm = 6\n" + run + run + kRun);
+  EXPECT_EQ(c.runs[0].name, "slide");
+  EXPECT_EQ(c.runs[1].name, "slide_2");
+  EXPECT_EQ(c.runs[2].name, "run03");
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

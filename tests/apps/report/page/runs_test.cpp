@@ -1,0 +1,108 @@
+#include "apps/report/page/runs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/report_sample.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+ReportData one_run() {
+  ReportData data;
+  ReportRun run;
+  run.name = "a";
+  run.video = "a.cine";
+  run.kind = "displacement";
+  run.phi_rad = sample::pi / 2;
+  run.dtau_rad = sample::pi / 3;
+  run.alpha_rad = 1.2345;
+  run.alpha_sd_rad = 0.012;
+  run.v_mm_s = 2.5;
+  run.v_sd_mm_s = 0.05;
+  run.modelled_alpha_rad = 1.23;
+  run.modelled_v_mm_s = 2.51;
+  run.cycles = 20;
+  run.frames_ok = 7;
+  run.frames_lost = 2;
+  run.frames_edge = 1;
+  run.frame_rate_hz = 1000;
+  run.time_base = "camera header";
+  run.sigma_px = 0.0123;
+  data.runs = {run};
+  return data;
+}
+
+TEST(RunSection, ARowSaysAllThatWasMeasured) {
+  EXPECT_THAT(
+      run_section(one_run()),
+      HasSubstr(
+          "<td class=\"n\">1</td><td><b>a</b></td><td class=\"n\">π/2</td><td class=\"n\">π/3</td>"
+          "<td class=\"n\">1.234 ± 0.012</td><td class=\"n\">1.230</td><td class=\"n\">2.500 ± 0.050</td>"
+          "<td class=\"n\">2.510</td><td class=\"n\">20</td><td class=\"n\">7 / 2 / 1</td>"
+          "<td class=\"n\">0.012</td><td>1000 Hz, camera header</td></tr>"));
+}
+
+TEST(RunSection, AFailedRunSaysWhy) {
+  ReportData data = one_run();
+  data.runs[0].failure = "a.cine is empty.";
+  EXPECT_THAT(run_section(data), HasSubstr("failed: a.cine is empty.</td></tr>"));
+}
+
+TEST(RunSection, TheFileIsNamedWhereTheRunIsNotNamedAfterIt) {
+  ReportData data = one_run();
+  EXPECT_THAT(run_section(data), Not(HasSubstr("a.cine")));
+  data.runs[0].video = "other/b.cine";
+  EXPECT_THAT(run_section(data), HasSubstr("other/b.cine"));
+}
+
+TEST(RunSection, RemarksCarryTheRunsNumber) {
+  ReportData data = one_run();
+  data.runs[0].notes = {"no marker"};
+  EXPECT_THAT(run_section(data), HasSubstr("<li><b>1</b> a: no marker</li>"));
+}
+
+TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
+  ReportData data = one_run();
+  ReportRun& run = data.runs[0];
+  run.first_frame = sample::grey_png(2, 1, {0, 255});
+  run.frame_width_px = 64;
+  run.frame_height_px = 48;
+  run.x_px = {no_value, 10, 11, no_value, 13, no_value};
+  run.y_px = {no_value, 20, 21, no_value, 23, no_value};
+  const std::string html = picture_section(data);
+  EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
+  // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
+  EXPECT_THAT(html, HasSubstr("class=\"path\" d=\"M10.5 20.5L11.5 21.5M13.5 23.5\""));
+  EXPECT_THAT(html, HasSubstr("class=\"start\" cx=\"10.5\" cy=\"20.5\""));
+  EXPECT_THAT(html, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_THAT(html, HasSubstr("φ = π/2, Δτ = π/3"));
+}
+
+TEST(PictureSection, JpegIsToldFromPng) {
+  ReportData data = one_run();
+  data.runs[0].first_frame = {0xff, 0xd8, 0xff};
+  data.runs[0].frame_width_px = data.runs[0].frame_height_px = 10;
+  EXPECT_THAT(picture_section(data), HasSubstr("data:image/jpeg;base64,/9j/"));
+}
+
+TEST(PictureSection, WithoutPicturesItSaysSo) {
+  EXPECT_THAT(picture_section(one_run()), HasSubstr("left out"));
+}
+
+TEST(PlanSection, SaysWhatWasLeftOutWhyAndAtWhatCost) {
+  ReportData data = one_run();
+  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", 0.31, "0.002 px"},
+                       {"marker", true, "moves", no_value, ""}};
+  const std::string html = plan_section(data);
+  EXPECT_THAT(html, HasSubstr("1 a: 1 of 2 stages left out"));
+  EXPECT_THAT(html, HasSubstr("<td>rotation</td><td><b>left out</b></td><td>turns by 0.1°</td>"
+                              "<td class=\"n\">31 %</td><td>0.002 px</td>"));
+  EXPECT_EQ(plan_section(one_run()), "");
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

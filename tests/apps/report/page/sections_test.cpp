@@ -1,0 +1,83 @@
+#include "apps/report/page/sections.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "apps/report_sample.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+TEST(ParameterSection, EachParameterHasItsRow) {
+  const std::string html = parameter_section(sample::campaign());
+  EXPECT_THAT(
+      html,
+      HasSubstr("<th>μ<sub>1</sub></th><td class=\"n\">0.10012</td><td class=\"n\">0.00031</td>"
+                "<td class=\"n ends\">0.09952 to 0.10073</td><td class=\"n ends\">0.09949 to 0.10079</td>"
+                "<td class=\"n\">0.10000</td><td>1</td>"));
+  EXPECT_THAT(html, HasSubstr("−0.71</td>"));
+}
+
+TEST(ParameterSection, TheTruthColumnIsThereOnlyWhereATruthIsKnown) {
+  ReportData data = sample::campaign();
+  for (ReportParameter& parameter : data.parameters) parameter.truth.reset();
+  EXPECT_THAT(parameter_section(data), Not(HasSubstr("True value")));
+}
+
+TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
+  ReportData data = sample::campaign();
+  data.parameters[0].ci95 = {0.05, infinity};
+  data.parameters[0].profile_ci95 = {};
+  EXPECT_THAT(
+      parameter_section(data),
+      HasSubstr(
+          "<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">–</td><td class=\"n\">0.10000</td>"));
+}
+
+TEST(ParameterSection, WhatWasTakenAsKnownIsListedWithItsSource) {
+  const std::string html = parameter_section(sample::campaign());
+  EXPECT_THAT(html,
+              HasSubstr("<th>A</th><td class=\"n\">0.28</td><td>mm</td><td>measured from the marker</td>"));
+  EXPECT_THAT(html, HasSubstr("<th>ε</th><td class=\"n\">π/2</td><td></td><td>campaign</td>"));
+}
+
+TEST(ParameterSection, WeakDirectionsAreListed) {
+  ReportData data = sample::campaign();
+  data.identifiability = ReportVerdict::weak;
+  data.weak_directions = {"mu1 up 1 % is hidden by phase_lag_rad down 0.021"};
+  EXPECT_THAT(parameter_section(data),
+              HasSubstr("<li>mu1 up 1 % is hidden by phase_lag_rad down 0.021</li>"));
+}
+
+TEST(ParameterSection, IsLeftOutWithoutAFit) {
+  EXPECT_EQ(parameter_section(ReportData{}), "");
+}
+
+TEST(VerdictSection, WarningsAreAllShown) {
+  ReportData data = sample::campaign();
+  data.warnings = {"first", "second <b>"};
+  const std::string html = verdict_section(data);
+  EXPECT_THAT(html, HasSubstr("<h2>2 warnings</h2>"));
+  EXPECT_THAT(html, HasSubstr("<li>first</li><li>second &lt;b&gt;</li>"));
+  data.warnings.clear();
+  EXPECT_THAT(verdict_section(data), Not(HasSubstr("id=\"warnings\"")));
+}
+
+TEST(ProvenanceSection, NamesVersionInputsAndConfiguration) {
+  const std::string html = provenance_section(sample::campaign());
+  EXPECT_THAT(html, HasSubstr("tribotrack 0.1.0"));
+  EXPECT_THAT(
+      html,
+      HasSubstr("<td>campaign.toml</td><td><code>xxh3-128:0123456789abcdef0123456789abcdef</code></td>"));
+  EXPECT_THAT(html, HasSubstr("parameters = [&quot;mu1&quot;"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

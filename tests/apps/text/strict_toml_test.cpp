@@ -1,0 +1,87 @@
+#include "apps/text/strict_toml.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class Action>
+std::string complaint(const Action& action) {
+  try {
+    action();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+TEST(StrictToml, HandsOutWhatIsThere) {
+  StrictTable t = StrictTable::parse(
+      "a = 1\nb = 2.5\nc = \"11pi/9\"\nd = [1, 2.5]\ne = \"word\"\nf = true\n[g]\nx = 3\n[[h]]\n[[h]]\n",
+      "t.toml");
+  EXPECT_EQ(t.number("a"), 1.0);
+  EXPECT_EQ(t.positive("b"), 2.5);
+  EXPECT_EQ(t.angle("c"), 11 * std::numbers::pi / 9);
+  EXPECT_EQ(t.numbers("d", 2), (std::vector<double>{1, 2.5}));
+  EXPECT_EQ(t.text("e"), "word");
+  EXPECT_EQ(t.boolean("f"), true);
+  EXPECT_EQ(t.table("g")->integer("x"), 3);
+  EXPECT_EQ(t.tables("h").size(), 2u);
+  EXPECT_FALSE(t.number("not there"));
+  t.finish();
+}
+
+TEST(StrictToml, ErrorsNameFileLineColumnAndRemedy) {
+  StrictTable t = StrictTable::parse("\namplitude_mm = \"x\"\n", "t.toml");
+  const std::string text = complaint([&] { t.number("amplitude_mm"); });
+  EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
+  EXPECT_THAT(text, HasSubstr("`amplitude_mm`"));
+  EXPECT_THAT(text, HasSubstr("number"));
+}
+
+TEST(StrictToml, AnUnknownKeyIsNamedWithTheNearestOne) {
+  StrictTable t = StrictTable::parse("[fit]\ncycels = 20\n", "t.toml");
+  StrictTable fit = *t.table("fit");
+  fit.integer("cycles");
+  fit.text("start");
+  const std::string text = complaint([&] { fit.finish(); });
+  EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
+  EXPECT_THAT(text, HasSubstr("cycels"));
+  EXPECT_THAT(text, HasSubstr("did you mean `cycles`"));
+}
+
+TEST(StrictToml, DuplicateKeysAndBrokenSyntaxHaveAPlace) {
+  EXPECT_THAT(complaint([] { StrictTable::parse("a = 1\na = 2\n", "t.toml"); }), HasSubstr("t.toml:2:"));
+  EXPECT_THAT(complaint([] { StrictTable::parse("a = \n", "t.toml"); }), HasSubstr("t.toml:1:"));
+}
+
+TEST(StrictToml, NumbersMustBeFiniteAndInRange) {
+  StrictTable t = StrictTable::parse("a = nan\nb = inf\nc = 0\nd = -1\ne = [1, nan]\n", "t.toml");
+  EXPECT_THAT(complaint([&] { t.angle("a"); }), HasSubstr("finite"));
+  EXPECT_THAT(complaint([&] { t.number("b"); }), HasSubstr("finite"));
+  EXPECT_THAT(complaint([&] { t.positive("c"); }), HasSubstr("greater than 0"));
+  EXPECT_THAT(complaint([&] { t.not_negative("d"); }), HasSubstr("0 or more"));
+  EXPECT_THAT(complaint([&] { t.numbers("e", 2); }), HasSubstr("2 numbers"));
+}
+
+TEST(StrictToml, AChoiceListsItsWords) {
+  StrictTable t = StrictTable::parse("start = \"circlin\"\n", "t.toml");
+  const std::string text = complaint([&] { t.choice("start", {"rest", "circling", "steady"}); });
+  EXPECT_THAT(text, HasSubstr("rest, circling, steady"));
+  EXPECT_THAT(text, HasSubstr("did you mean \"circling\""));
+}
+
+TEST(StrictToml, NearestWordIsNearOrNothing) {
+  EXPECT_EQ(nearest_word("phase_lag", {"phi_rad", "phase_lag_rad"}), "phase_lag_rad");
+  EXPECT_EQ(nearest_word("zzzz", {"phi_rad", "mu1"}), "");
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

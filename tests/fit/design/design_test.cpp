@@ -1,0 +1,121 @@
+// Transforms and profiles at the edge.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+#include "fit/uncertainty/profile.h"
+#include "fit/residuals/transform.h"
+
+namespace tribotrack::fit {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
+  using internal::Transform;
+  for (const auto kind : {Transform::Kind::linear, Transform::Kind::logarithm, Transform::Kind::hyperbola}) {
+    const Transform transform(kind, 0.005);
+    for (const double value : {1e-6, 1e-3, 0.0125, 0.1, 3.0}) {
+      const double z = transform.z(value);
+      EXPECT_NEAR(transform.value(z), value, 1e-12 * value);
+      const double h = 1e-5 * std::max(1.0, std::abs(z));
+      EXPECT_NEAR((transform.value(z + h) - transform.value(z - h)) / (2 * h), transform.slope(z),
+                  1e-7 * std::abs(transform.slope(z)));
+    }
+    if (transform.positive()) {
+      EXPECT_GE(transform.value(-1e9), 0);
+    }
+  }
+}
+
+// mu2 = 0 is legal: its interval is one-sided and closed by 0.
+TEST(Profile, Mu2CompatibleWithZeroIsOneSided) {
+  std::mt19937 random(2);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({0.1, 0.0004, 0.1}))
+    problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  FitOptions options;
+  options.multi_starts = 2;
+  const FitResult result = estimate(problem, options);
+  const auto& mu2 = result.parameters[1];
+  EXPECT_EQ(mu2.profile_ci95.low, 0);
+  EXPECT_EQ(mu2.ci95.low, 0);
+  EXPECT_GT(mu2.profile_ci95.high, 0.0004);
+  EXPECT_LT(mu2.profile_ci95.high, 0.01);
+  EXPECT_LT(mu2.estimate, mu2.profile_ci95.high);
+}
+
+// chi^2 at the end of a profile, minimised again by other means, is 3.84 above the minimum.
+TEST(Profile, ItsEndsAreWhereChiSquareHasRisenBy384) {
+  std::mt19937 random(9);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({}))
+    if (s.friction.phase < 0.5)
+      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  FitOptions options;
+  options.multi_starts = 2;
+  const FitResult result = estimate(problem, options);
+  options.profiles = false;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const double end : {result.parameters[i].profile_ci95.low, result.parameters[i].profile_ci95.high}) {
+      Problem held = problem;
+      held.free.erase(held.free.begin() + long(i));
+      held.fixed[result.parameters[i].parameter] = end;
+      EXPECT_NEAR(estimate(held, options).chi2 - result.chi2, 3.8415, 0.06);
+    }
+}
+
+// Handed a place that is no minimum as if it were one, the profiles find the better one and start anew.
+TEST(Profile, ABetterOptimumRestartsThem) {
+  using namespace internal;
+  std::mt19937 random(9);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({}))
+    if (s.friction.phase < 0.5)
+      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
+  KnownMinimum best = with_curvature(residuals, minimise(residuals, unknowns.z(truth)));
+  const double lowest = best.minimum.chi2;
+  const std::vector<bool> open(3, false);
+  const std::vector<double> rises(3, 3.84);
+  const auto expected = profiles(residuals, best, open, rises, 1);
+  EXPECT_EQ(best.minimum.chi2, lowest);
+
+  Minimum mistaken;
+  mistaken.z = unknowns.z(Eigen::Vector3d(1.05 * truth(0), truth(1), truth(2) - 0.1));
+  mistaken.chi2 = residuals.chi2(unknowns.values(mistaken.z));
+  ASSERT_GT(mistaken.chi2, lowest + 1);
+  KnownMinimum restarted = with_curvature(residuals, mistaken);
+  const auto found = profiles(residuals, restarted, open, rises, 2);
+  EXPECT_NEAR(restarted.minimum.chi2, lowest, 1e-6);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double width = expected[i].high - expected[i].low;
+    EXPECT_NEAR(found[i].low, expected[i].low, 0.02 * width);
+    EXPECT_NEAR(found[i].high, expected[i].high, 0.02 * width);
+  }
+}
+
+TEST(Threads, DoNotChangeTheAnswer) {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  std::mt19937 random(9);
+  for (int k = 0; k < 4; ++k)
+    problem.summary_runs.push_back(
+        test::summary_run(test::scenario({}, k, 0.5 + 0.5 * k), 0.01, 0.05e-3, &random, 500));
+  FitOptions one, many;
+  many.threads = 4;
+  const FitResult a = estimate(problem, one), b = estimate(problem, many);
+  EXPECT_EQ(a.full_report(), b.full_report());
+}
+
+}  // namespace
+}  // namespace tribotrack::fit

@@ -1,0 +1,272 @@
+// Slow errors: whitening and restricted likelihood against dense matrices of all points.
+#include "fit/residuals/correlated_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+#include "fit/design/forecast.h"
+#include "fit/variances/correlated_variances.h"
+#include "fit/slow_tracks.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr SlowWanted every = kAllSlowParts;
+
+std::vector<double> times_of(int n, double rate) {
+  std::vector<double> times;
+  for (int k = 0; k < n; ++k) times.push_back(k / rate);
+  return times;
+}
+
+// The stack of L^-1 for points whose axes are correlated and unequal.
+Eigen::MatrixX2d white_of(int n, std::mt19937& random) {
+  std::uniform_real_distribution<double> sigma(0.5, 2);
+  Eigen::MatrixX2d white(2 * n, 2);
+  for (int k = 0; k < n; ++k) {
+    const double a = sigma(random), b = sigma(random);
+    Eigen::Matrix2d covariance;
+    covariance << a * a, 0.3 * a * b, 0.3 * a * b, b * b;
+    white.middleRows<2>(2 * k) = covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity()).eval();
+  }
+  return white;
+}
+
+// Without a limit on modes: sum of products of Karhunen-Loeve modes = min(s, t).
+TEST(SlowErrors, TheWalksModesAreThoseOfBrownianMotion) {
+  const auto times = times_of(200, 100);
+  const SlowShapes shapes = slow_shapes(times, 0, 0, times.back(), {false, true});
+  ASSERT_EQ(shapes.count(), kWalkModes);
+  const Eigen::MatrixXd covariance = shapes.values * shapes.values.transpose();
+  const double tail = 1 / (pi * pi * static_cast<double>(kWalkModes));  // of the variance at the end
+  for (const int i : {20, 100, 199})
+    for (const int j : {5, 100, 199})
+      EXPECT_NEAR(covariance(i, j), std::min(i, j) / 199.0, 2.5 * tail) << i << " " << j;
+}
+
+TEST(SlowErrors, WhiteningIsThatOfTheDenseCovariance) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const int n = 90;
+  const auto times = times_of(n, 100);
+  const SlowShapes shapes = slow_shapes(times, 30, 0.4, 1.7, kOwnSlowParts);
+  const Eigen::MatrixX2d white = white_of(n, random);
+  const SlowVariances variances{3, 0.5, 0.1, 20};
+  const SlowWhitening whitening(whitened_shapes(shapes, white), column_variances(shapes, variances));
+
+  // V of the points as they are; the start point projected out by its normal equations under V.
+  const auto rows = static_cast<Eigen::Index>(2 * n);
+  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(2 * shapes.count()));
+  Eigen::VectorXd g(u.cols());
+  for (Eigen::Index j = 0; j < u.cols(); ++j) {
+    for (Eigen::Index k = 0; k < n; ++k) u(2 * k + j % 2, j) = shapes.values(k, j / 2);
+    g(j) = variances[shapes.part[static_cast<std::size_t>(j / 2)]];
+  }
+  Eigen::MatrixXd v = u * g.asDiagonal() * u.transpose();
+  Eigen::MatrixXd start(rows, 2);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Matrix2d factor = white.middleRows<2>(2 * k);
+    v.block<2, 2>(2 * k, 2 * k) += (factor.transpose() * factor).inverse();
+    start.middleRows<2>(2 * k).setIdentity();
+  }
+  const Eigen::LLT<Eigen::MatrixXd> dense(v);
+  const Eigen::MatrixXd v_start = dense.solve(start);
+  Eigen::MatrixXd data(rows, 3);
+  for (auto& value : data.reshaped()) value = normal(random);
+  const Eigen::MatrixXd v_data = dense.solve(data), crossed = start.transpose() * v_data;
+  const Eigen::MatrixXd expected =
+      data.transpose() * v_data -
+      crossed.transpose() * Eigen::MatrixXd(start.transpose() * v_start).ldlt().solve(crossed);
+
+  Eigen::MatrixXd whitened(rows, 3);
+  for (Eigen::Index k = 0; k < n; ++k)
+    whitened.middleRows<2>(2 * k) = white.middleRows<2>(2 * k) * data.middleRows<2>(2 * k);
+  const Eigen::MatrixXd normal_start = white.transpose() * white;
+  whitened -= white * normal_start.ldlt().solve(white.transpose() * whitened).eval();
+  for (Eigen::Index j = 0; j < 3; ++j) whitening.apply(whitened.col(j));
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-10 * expected.norm());
+}
+
+// ln |V| + ln |X' V^-1 X| + r' P r by dense matrices, start points among the unknowns: no neighbour of the
+// variances found is more likely, and the sds are those of its curvature.
+TEST(SlowErrors, VariancesAreTheMostLikely) {
+  const unsigned seed = 12;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 0.3e-6, .overtones = 0.7e-6};
+  slow.common_drift = 20e-6;
+  slow.common = {Eigen::Vector2d(3e-6, -2e-6), Eigen::Vector2d(1e-6, 4e-6)};
+  for (int k = 0; k < 3; ++k)
+    problem.trajectory_runs.push_back(
+        test::slow_track(test::scenario({}, 2.0 * k, 0.8 + 0.3 * k, 3), 200, 0.5e-6, slow, random));
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
+  const SlowEstimate found = estimate_slow_errors(residuals, truth);
+  int present = 0;
+  for (const double variance : found.variances) present += variance > 0;
+  ASSERT_GE(present, 3);
+  constexpr auto circle = static_cast<std::size_t>(SlowPart::common_circle);
+  EXPECT_GT(found.variances[circle], std::pow(1e-6, 2));
+  EXPECT_LT(found.variances[circle], std::pow(8e-6, 2));
+
+  Eigen::VectorXd r;
+  Eigen::MatrixXd jacobian;
+  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+  struct Dense {
+    Eigen::MatrixXd v, x;
+  };
+  const auto dense = [&](const SlowVariances& variances) {
+    Eigen::MatrixXd v = Eigen::MatrixXd::Identity(r.size(), r.size());
+    Eigen::MatrixXd x(r.size(), 3 + 6);
+    Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 14);
+    x.leftCols(3) = jacobian * unknowns.natural_units(truth).asDiagonal();
+    x.rightCols(6).setZero();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::MatrixX2d white = residuals.white(i);
+      const SlowShapes shapes = residuals.shapes(i, every);
+      const Eigen::Index row = residuals.trajectory_row(i);
+      x.block(row, 3 + 2 * static_cast<Eigen::Index>(i), white.rows(), 2) = white / white.norm();
+      Eigen::Index shared = 0;
+      for (std::size_t j = 0; j < shapes.count(); ++j)
+        for (Eigen::Index axis = 0; axis < 2; ++axis) {
+          Eigen::VectorXd u = white * shapes.axes(j).col(axis);
+          for (Eigen::Index k = 0; k < u.size(); ++k)
+            u(k) *= shapes.values(k / 2, static_cast<Eigen::Index>(j));
+          if (is_common(shapes.part[j])) {
+            common.col(shared++).segment(row, u.size()) = std::sqrt(variances[shapes.part[j]]) * u;
+            continue;
+          }
+          v.block(row, row, u.size(), u.size()) += variances[shapes.part[j]] * u * u.transpose();
+        }
+    }
+    v += common * common.transpose();
+    return Dense{v, x};
+  };
+  const auto likelihood = [&](const SlowVariances& variances) {
+    const auto [v, x] = dense(variances);
+    const Eigen::LLT<Eigen::MatrixXd> factor(v);
+    const Eigen::MatrixXd solved = factor.solve(x), information = x.transpose() * solved;
+    const Eigen::VectorXd across = solved.transpose() * r;
+    return -factor.matrixLLT().diagonal().array().log().sum() -
+           0.5 * (std::log(information.determinant()) + r.dot(factor.solve(r)) -
+                  across.dot(information.ldlt().solve(across)));
+  };
+  const double best = likelihood(found.variances);
+  for (std::size_t part = 0; part < kSlowParts; ++part) {
+    if (!(found.variances[part] > 0)) continue;
+    const double sd = found.sd[part];
+    for (const double step : {-0.2, 0.2}) {
+      SlowVariances moved = found.variances;
+      moved[part] = std::max(0.0, moved[part] + step * sd);
+      EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
+    }
+  }
+
+  // Whitened by them, in the runs and across the runs, the residuals have the sum of squares and the normal
+  // matrix of the dense covariance, and the common error expected is its own, too.
+  const auto [v, x] = dense(found.variances);
+  Scatter scatter = residuals.scatter();
+  scatter.slow = found.variances;
+  residuals.set_scatter(scatter);
+  const Eigen::VectorXd plain = r;
+  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+  jacobian *= unknowns.natural_units(truth).asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> factor(v);
+  Eigen::MatrixXd data(v.rows(), 4);
+  data << x.leftCols(3), plain;
+  const Eigen::MatrixXd start = x.rightCols(6), v_data = factor.solve(data),
+                        crossed = start.transpose() * v_data;
+  const Eigen::MatrixXd expected =
+      data.transpose() * v_data -
+      crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
+  Eigen::MatrixXd whitened(v.rows(), 4);
+  whitened << jacobian, r;
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
+  const Eigen::VectorXd common = residuals.common_error(truth);
+  ASSERT_GE(common.size(), 4);
+  const double told[] = {3e-6, -2e-6, 1e-6, 4e-6};
+  for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(common(k), told[k], 1.5e-6) << k;
+}
+
+// A track like one that is there is forecast to tell what that one tells.
+TEST(SlowErrors, AForecastCountsThem) {
+  const unsigned seed = 6;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  const model::Scenario scenario = test::scenario({}, 1, 1.2, 20);
+  problem.trajectory_runs = {test::slow_track(scenario, 250, 0.5e-6, {}, random)};
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
+  Scatter scatter = residuals.scatter();
+  double without = 0;
+  for (const bool slow : {false, true}) {
+    if (slow) scatter.slow = {1e-12, 0.3e-12, 0.1e-12, 0.05e-12};
+    residuals.set_scatter(scatter);
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian;
+    ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+    jacobian *= unknowns.natural_units(truth).asDiagonal();
+    const Eigen::MatrixXd told = jacobian.transpose() * jacobian;
+    const auto& drive = scenario.drive;
+    const auto forecast =
+        Forecaster(residuals, truth).forecast({1, 1.2, drive.amplitude, drive.angular_frequency}, 1e-10);
+    ASSERT_TRUE(forecast);
+    for (Eigen::Index i = 0; i < 3; ++i)
+      EXPECT_NEAR(forecast->information(i, i), told(i, i), 0.05 * told(i, i)) << i;
+    if (slow) {
+      EXPECT_LT(told(0, 0), 0.5 * without);
+    }
+    without = told(0, 0);
+  }
+}
+
+// White noise alone: the estimate is nothing or next to nothing, and the intervals those of white noise.
+TEST(SlowErrors, WhiteNoiseStaysWhite) {
+  const unsigned seed = 3;
+  SCOPED_TRACE(seed);
+  double widest = 0, mean = 0;
+  const int trials = 12;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::mt19937 random(seed + static_cast<unsigned>(trial));
+    Problem problem;
+    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+    for (const auto& scenario : test::fourteen({}))
+      problem.trajectory_runs.push_back(test::slow_track(scenario, 100, 0.5e-6, {}, random));
+    FitOptions options;
+    options.profiles = options.next_experiment = false;
+    options.multi_starts = 1;
+    problem.start = {{FitParameter::mu1, 0.1}, {FitParameter::mu2, 0.0125}, {FitParameter::lag, 0.1}};
+    const FitResult with = estimate(problem, options);
+    options.estimate_scatter = false;
+    const FitResult without = estimate(problem, options);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto width = [i](const FitResult& result) {
+        return result.parameters[i].ci95.high - result.parameters[i].ci95.low;
+      };
+      widest = std::max(widest, width(with) / width(without));
+      mean += width(with) / width(without) / (3 * trials);
+    }
+  }
+  std::printf("intervals with slow errors estimated from white noise: %.3f of theirs, %.3f at most\n", mean,
+              widest);
+  EXPECT_LT(mean, 1.05);
+}
+
+}  // namespace
+}  // namespace tribotrack::fit::internal

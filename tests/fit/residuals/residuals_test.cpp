@@ -1,0 +1,72 @@
+// The Jacobian of all residuals against differences, every unknown at once.
+#include "fit/residuals/residuals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+TrajectoryRun track(const model::Scenario& scenario, bool platform_frame, std::mt19937& random) {
+  std::normal_distribution<double> noise(0, 1e-5);
+  TrajectoryRun run;
+  run.name = "track";
+  run.scenario = scenario;
+  run.amplitude_from_track = !platform_frame;
+  run.start_phase_sd = 0.1;
+  run.track.platform_frame = platform_frame;
+  for (int k = 0; k < 40; ++k) {
+    run.track.time.push_back(0.3 + 0.011 * k);
+    run.track.position.emplace_back(noise(random), noise(random));
+    run.track.covariance.push_back(1e-12 * Eigen::Matrix2d::Identity());
+  }
+  return run;
+}
+
+TEST(Residuals, JacobianIsThatOfDifferences) {
+  const unsigned seed = 3;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem;
+  using enum FitParameter;
+  problem.free = {mu1, mu2, lag, delay, amplitude, angular_frequency, scale, tilt_x, tilt_y};
+  problem.prior[tilt_x] = {0, 0.01};
+  for (const double phi : {0.4, 2.0}) {
+    problem.summary_runs.push_back(test::summary_run(test::scenario({}, phi, 1.1), 0.02, 0.1e-3));  // told
+    problem.summary_runs.push_back(problem.summary_runs.back());  // seen in a recording
+    problem.summary_runs.back().measured.told_as_velocity = false;
+    problem.summary_runs.back().amplitude_from_track = true;
+  }
+  problem.summary_runs[2].scenario.drive.angular_frequency *= 1.1;
+  problem.trajectory_runs = {track(test::scenario({}, 1, pi / 3), true, random),
+                             track(test::scenario({}, 2, pi / 2), false, random)};
+  const Unknowns unknowns(problem);
+  Residuals residuals(problem, unknowns);
+  residuals.set_tolerance(1e-14);
+  Eigen::VectorXd values(unknowns.size());
+  values << 0.098, 0.013, 0.2, 1e-3, 0.27e-3, 62.1, 1.01, 1e-3, -2e-3, 0.03, -0.02;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd jacobian;
+  ASSERT_TRUE(residuals.evaluate(values, r, &jacobian));
+  const Eigen::VectorXd units = unknowns.natural_units(values);
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const double h = 1e-6 * units(i);
+    Eigen::VectorXd up, down, moved = values;
+    moved(i) = values(i) + h;
+    ASSERT_TRUE(residuals.evaluate(moved, up, nullptr));
+    moved(i) = values(i) - h;
+    ASSERT_TRUE(residuals.evaluate(moved, down, nullptr));
+    const Eigen::VectorXd slope = (up - down) / (2 * h);
+    EXPECT_LT((slope - jacobian.col(i)).norm(), 1e-5 * jacobian.col(i).norm()) << "unknown " << i;
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::fit::internal

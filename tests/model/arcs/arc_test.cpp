@@ -1,0 +1,231 @@
+// The collocated arcs: their table, their instruction sets, and what they may leave out.
+#include "model/arcs/arc.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <random>
+
+#include "model/processor/instruction_set.h"
+#include "model/laws.h"
+#include "model/random_scenario.h"
+#include "model/steady_orbit.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+using internal::GaussTable;
+using internal::InstructionSet;
+using laws::kPi;
+
+Scenario reference_run() {
+  Scenario s;
+  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
+  return s;
+}
+
+/// Scenarios of every kind, some sticking, some not.
+std::vector<Scenario> scenarios(unsigned seed, int count) {
+  RandomScenario random(seed);
+  std::vector<Scenario> all = {reference_run()};
+  for (int i = 0; i < count; ++i) {
+    all.push_back(random.circular());
+    all.push_back(random.general());
+  }
+  return all;
+}
+
+double size_of(const Scenario& s, const Eigen::Vector2d& x) {
+  return std::max({x.norm(), s.drive.amplitude, s.drive.amplitude_y});
+}
+
+/// Puts the instruction set back.
+struct WithSet {
+  explicit WithSet(InstructionSet set) { internal::use_instruction_set(set); }
+  ~WithSet() { internal::use_instruction_set(before); }
+  WithSet(const WithSet&) = delete;
+  WithSet& operator=(const WithSet&) = delete;
+  InstructionSet before = internal::instruction_set();
+};
+
+/// Gauss-Legendre collocation with n nodes integrates polynomials to degree n - 1 up to each node, to 2n - 1
+/// up to the end.
+TEST(GaussTable, IntegratesPolynomials) {
+  for (const int pairs : {3, 7}) {
+    const GaussTable& g = GaussTable::of_pairs(pairs);
+    const int n = 2 * pairs;
+    for (int k = 0; k < 2 * n; ++k) {
+      double end = 0, moment = 0;
+      for (int j = 0; j < n; ++j) {
+        end += g.weight[j] * std::pow(g.node[j], k);
+        moment += g.moment[j] * std::pow(g.node[j], k);
+      }
+      EXPECT_NEAR(end, 1.0 / (k + 1), 2e-15);
+      if (k < 2 * n - 1) {
+        EXPECT_NEAR(moment, 1.0 / (k + 1) - 1.0 / (k + 2), 2e-15);
+      }
+      if (k >= n) continue;
+      for (int i = 0; i < n; ++i) {
+        double integral = 0;
+        for (int j = 0; j < n; ++j) integral += g.integrate[i][j] * std::pow(g.node[j], k);
+        EXPECT_NEAR(integral, std::pow(g.node[i], k + 1) / (k + 1), 2e-15) << "node " << i << " power " << k;
+      }
+      for (const double c : {0.0, 0.3, 0.77, 1.0}) {
+        double once[GaussTable::kMaxNodes], twice[GaussTable::kMaxNodes], first = 0, second = 0;
+        g.integrals_to(c, once, twice);
+        for (int j = 0; j < n; ++j) {
+          first += once[j] * std::pow(g.node[j], k);
+          second += twice[j] * std::pow(g.node[j], k);
+        }
+        EXPECT_NEAR(first, std::pow(c, k + 1) / (k + 1), 1e-14);
+        EXPECT_NEAR(second, std::pow(c, k + 2) / ((k + 1) * (k + 2)), 1e-14);
+      }
+    }
+  }
+}
+
+/// The mirrored halves say the same as the full matrix.
+TEST(GaussTable, PairsAreTheMatrix) {
+  for (const int pairs : {3, 7}) {
+    const GaussTable& g = GaussTable::of_pairs(pairs);
+    const int n = 2 * pairs;
+    for (int i = 0; i < pairs; ++i)
+      for (int j = 0; j < pairs; ++j) {
+        EXPECT_NEAR(g.even[j][i] + g.odd[j][i], g.integrate[i][j], 1e-16);
+        EXPECT_NEAR(g.even[j][i] - g.odd[j][i], g.integrate[i][n - 1 - j], 1e-16);
+        EXPECT_NEAR(g.weight[j] - g.even[j][i] + g.odd[j][i], g.integrate[n - 1 - i][j], 1e-16);
+      }
+  }
+}
+
+TEST(Arc, InstructionSetsAgree) {
+  const unsigned seed = std::random_device{}();
+  std::cout << "seed " << seed << '\n';
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const std::vector<Parameter> all = {Parameter::mu1,         Parameter::mu2,         Parameter::lag,
+                                      Parameter::phi,         Parameter::dtau,        Parameter::amplitude,
+                                      Parameter::amplitude_y, Parameter::phase_shift, Parameter::gravity};
+  for (const Scenario& s : scenarios(seed, 10))
+    for (const size_t derivatives : {0, 3, 8, 9})
+      for (const double tolerance : {1e-16, 1e-5}) {
+        IntegrationOptions options;
+        options.tolerance = tolerance;
+        options.dense = false;
+        options.derivatives.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(derivatives));
+        const auto end = [&](InstructionSet set) {
+          const WithSet with(set);
+          return integrate(s, options).sensitive_end();
+        };
+        const SensitiveSample plain = end(InstructionSet::baseline);
+        for (const InstructionSet set : internal::available_instruction_sets()) {
+          SCOPED_TRACE(to_string(set));
+          const SensitiveSample other = end(set);
+          EXPECT_LT((other.sample.position - plain.sample.position).norm(),
+                    1e-12 * size_of(s, plain.sample.position));
+          for (Eigen::Index j = 0; j < plain.position_jacobian.cols(); ++j) {
+            const Eigen::Vector2d a = plain.position_jacobian.col(j), b = other.position_jacobian.col(j);
+            EXPECT_LE((a - b).norm(), 1e-10 * a.norm() + 1e-12 * size_of(s, plain.sample.position)) << j;
+          }
+        }
+      }
+}
+
+TEST(Arc, EndsAreThoseOfDenseRuns) {
+  const unsigned seed = std::random_device{}();
+  std::cout << "seed " << seed << '\n';
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  for (const Scenario& s : scenarios(seed, 30)) {
+    IntegrationOptions end_only;
+    end_only.dense = false;
+    const Trajectory dense = integrate(s), sparse = integrate(s, end_only);
+    EXPECT_LT((dense.end().position - sparse.end().position).norm(),
+              1e-13 * size_of(s, dense.end().position));
+    EXPECT_EQ(dense.end().state, sparse.end().state);
+    EXPECT_EQ(dense.end().mu, sparse.end().mu);
+    EXPECT_EQ(dense.summary().stops, sparse.summary().stops);
+  }
+}
+
+TEST(Arc, OnlyTheEndIsKnownOfARunThatIsNotDense) {
+  IntegrationOptions options;
+  options.dense = false;
+  const Trajectory t = integrate(reference_run(), options);
+  EXPECT_THROW(t.at(0.5 * t.end_time()), std::logic_error);
+}
+
+/// What dense output says of a time is what a run that ends there says.
+TEST(Arc, DenseOutputInsideArcs) {
+  for (const double nominal : {0.05, 0.1, 0.122}) {
+    Scenario s = reference_run();
+    s.friction.nominal = nominal;
+    s.drive.tilt_x = 0.002;
+    s.cycles = 3;
+    IntegrationOptions options;
+    options.derivatives = {Parameter::mu1, Parameter::lag, Parameter::amplitude};
+    const Trajectory dense = integrate(s, options);
+    options.dense = false;
+    for (int i = 1; i < 40; ++i) {
+      Scenario part = s;
+      part.duration = dense.end_time() * i / 40.3;
+      const SensitiveSample inside = dense.sensitive_at(part.duration);
+      const SensitiveSample end = integrate(part, options).sensitive_at(part.duration);
+      EXPECT_LT((inside.sample.position - end.sample.position).norm(), 1e-13 * s.drive.amplitude);
+      EXPECT_LT((inside.sample.velocity - end.sample.velocity).norm(),
+                1e-13 * s.drive.amplitude * s.drive.angular_frequency);
+      EXPECT_LE((inside.position_jacobian - end.position_jacobian).norm(),
+                1e-10 * end.position_jacobian.norm());
+    }
+  }
+}
+
+/// Tolerances are kept: the error of a slipping run stays below the tolerance for each of its cycles.
+TEST(Arc, ErrorsFollowTheTolerance) {
+  for (const double nominal : {0.03, 0.05, 0.1}) {
+    Scenario s = reference_run();
+    s.friction.nominal = nominal;
+    const Eigen::Vector2d exact = integrate(s).end().position;
+    for (double tolerance = 1e-3; tolerance > 1e-15; tolerance *= 0.1)
+      for (const bool dense : {false, true}) {
+        IntegrationOptions options;
+        options.tolerance = tolerance;
+        options.dense = dense;
+        options.reuse_repeating_cycles = false;
+        EXPECT_LT((integrate(s, options).end().position - exact).norm(),
+                  2 * kPi * s.cycles * tolerance * s.drive.amplitude + 1e-15 * exact.norm())
+            << "mu1 " << nominal << " tolerance " << tolerance;
+      }
+  }
+}
+
+/// Leaving out repeating cycles adds no more than its bound, beyond what each tolerance lets pass anyway.
+TEST(Arc, RepeatingCyclesAddTheirBoundAtMost) {
+  for (const double nominal : {0.02, 0.05, 0.1, 0.122})
+    for (const double width : {kPi / 6, kPi / 2, kPi}) {
+      Scenario s = reference_run();
+      s.friction.nominal = nominal;
+      s.friction.pulse_width = width;
+      s.cycles = 40.3;
+      const Eigen::Vector2d exact = integrate(s).end().position;
+      const double contraction = steady_orbit(s)->contraction;
+      for (double tolerance = 1e-4; tolerance > 1e-17; tolerance *= 0.01)
+        for (const bool dense : {false, true}) {
+          IntegrationOptions options;
+          options.tolerance = tolerance;
+          options.dense = dense;
+          const Trajectory reused = integrate(s, options);
+          options.reuse_repeating_cycles = false;
+          const Trajectory bare = integrate(s, options);
+          EXPECT_EQ(bare.summary().error_bound, 0);
+          // What a cycle adds to the velocity's error stays for 1/(1 - contraction) cycles.
+          const double allowed = 2 * kPi * s.cycles * tolerance * s.drive.amplitude / (1 - contraction);
+          EXPECT_LE(reused.summary().error_bound, 2 * allowed + 1e-14 * exact.norm());
+          EXPECT_LE((reused.end().position - bare.end().position).norm(),
+                    reused.summary().error_bound + allowed + 1e-14 * exact.norm())
+              << "mu1 " << nominal << " dtau " << width << " tolerance " << tolerance << " dense " << dense;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tribotrack::model

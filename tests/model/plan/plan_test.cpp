@@ -1,0 +1,164 @@
+#include "model/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "apps/bench/model/plan.h"
+#include "model/laws.h"
+#include "model/random_scenario.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::model {
+namespace {
+
+using laws::kPi;
+
+PlanStage stage(const Scenario& s, const std::string& name, const PlanPurpose& purpose = {}) {
+  for (const PlanStage& stage : plan(s, purpose))
+    if (stage.name == name) return stage;
+  throw std::runtime_error("no stage " + name);
+}
+
+Scenario pulsed(double mu1) {
+  Scenario s;
+  s.friction = {mu1, mu1 / 8, 0.5, kPi / 6, 0};
+  return s;
+}
+
+TEST(LeastDrive, ClosedForms) {
+  Drive d;
+  d.amplitude = 2e-3;
+  d.amplitude_y = 1e-3;
+  d.angular_frequency = 10;
+  EXPECT_NEAR(least_drive(d), 0.1, 1e-16);  // the ellipse's short half axis
+  d.phase_shift = 0;
+  EXPECT_NEAR(least_drive(d), 0, 1e-16);  // a line through 0
+  d = Drive{};
+  const double a = d.amplitude * std::pow(d.angular_frequency, 2);
+  d.tilt_x = 0.03;
+  d.tilt_y = 0.04;
+  const double pull = d.gravity * std::hypot(std::sin(0.03), std::sin(0.04));
+  EXPECT_NEAR(least_drive(d), a - pull, 1e-15);
+  // A_y = A, epsilon: the short half axis is A w^2 sqrt(1 - |cos epsilon|).
+  d = Drive{};
+  d.phase_shift = 1.1;
+  EXPECT_NEAR(least_drive(d), a * std::sqrt(1 - std::cos(1.1)), 1e-15);
+}
+
+TEST(LeastDrive, NothingBelowItOnAFineGrid) {
+  const unsigned seed = 4;
+  std::cout << "seed " << seed << '\n';
+  RandomScenario random(seed);
+  for (int i = 0; i < 50; ++i) {
+    const Drive d = random.general().drive;
+    double least = HUGE_VAL;
+    for (int k = 0; k < 20000; ++k) least = std::min(least, d.acceleration(2 * kPi * k / 20000).norm());
+    const double found = least_drive(d), size = d.acceleration(0).norm() + least;
+    EXPECT_LE(found, least + 1e-15 * size);
+    EXPECT_GT(found, least - 3e-4 * size);  // the grid's own distance from the minimum, where |d| has a cusp
+  }
+}
+
+/// Where the plan says that nothing sticks, nothing does.
+TEST(Plan, NoStickWhereItIsLeftOut) {
+  const unsigned seed = 12;
+  std::cout << "seed " << seed << '\n';
+  RandomScenario random(seed);
+  int without = 0;
+  for (int i = 0; i < 200; ++i) {
+    Scenario s = random.general();
+    s.initial_velocity.setZero();
+    if (stage(s, "stick and release").on) continue;
+    ++without;
+    EXPECT_EQ(integrate(s).summary().stops, 0) << i;
+  }
+  EXPECT_GT(without, 10);
+}
+
+TEST(Plan, SaysWhatTheSceneNeeds) {
+  EXPECT_FALSE(stage(pulsed(0.1), "stick and release").on);
+  EXPECT_TRUE(stage(pulsed(0.12), "stick and release").on);
+  EXPECT_TRUE(stage(pulsed(0.1), "friction switches").on);
+  Scenario s = pulsed(0.1);
+  s.friction.reduced = s.friction.nominal;
+  EXPECT_FALSE(stage(s, "friction switches").on);
+  EXPECT_FALSE(stage(s, "tilt").on);
+  s.drive.tilt_y = 1e-3;
+  EXPECT_TRUE(stage(s, "tilt").on);
+  EXPECT_FALSE(stage(s, "elliptic drive").on);
+  s.drive.amplitude_y *= 0.9;
+  EXPECT_TRUE(stage(s, "elliptic drive").on);
+  EXPECT_TRUE(stage(s, "platform drive").on);
+  s.drive.amplitude = s.drive.amplitude_y = 0;
+  EXPECT_FALSE(stage(s, "platform drive").on);
+  EXPECT_TRUE(stage(pulsed(0.1), "transient").on);
+  s = pulsed(0.1);
+  s.start = Start::steady;
+  EXPECT_FALSE(stage(s, "transient").on);
+  EXPECT_FALSE(stage(s, "derivatives").on);
+  EXPECT_TRUE(stage(s, "derivatives", {3}).on);
+  EXPECT_TRUE(stage(s, "dense output").on);
+  EXPECT_FALSE(stage(s, "dense output", {0, false}).on);
+}
+
+TEST(Plan, WeakFrictionForgetsTooSlowlyToRepeat) {
+  EXPECT_FALSE(stage(pulsed(0.1), "every cycle").on);
+  EXPECT_TRUE(stage(pulsed(0.02), "every cycle").on);
+  Scenario s = pulsed(0.1);
+  s.friction.nominal = s.friction.reduced = 0;  // none at all
+  EXPECT_TRUE(stage(s, "every cycle").on);
+}
+
+/// Adding cycles instead of integrating them stays within the plan's bound and what rounding does to sums.
+TEST(Plan, RepeatedCyclesAreWithinTheirBound) {
+  for (const double mu1 : {0.08, 0.1, 0.12}) {
+    Scenario s = pulsed(mu1);
+    s.cycles = 60;
+    const PlanStage planned = stage(s, "every cycle");
+    ASSERT_FALSE(planned.on);
+    Scenario one = s;
+    one.cycles = 1;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();
+    for (int i = 0; i < 60; ++i) {
+      const Sample end = integrate(one).end();
+      position += end.position;
+      one.initial_velocity = end.velocity;
+    }
+    const double rounding = 60 * 2e-16 * (position.norm() + s.drive.amplitude);
+    EXPECT_LT((integrate(s).end().position - position).norm(), planned.error_bound + rounding) << mu1;
+  }
+}
+
+/// Predictions are shares, nothing needed saves anything, and every reason is said.
+TEST(Plan, SharesAndReasons) {
+  RandomScenario random(8);
+  for (int i = 0; i < 30; ++i)
+    for (const PlanStage& s : plan(random.general())) {
+      EXPECT_FALSE(s.reason.empty()) << s.name;
+      EXPECT_GE(s.predicted_saving, 0) << s.name;
+      EXPECT_LE(s.predicted_saving, 1) << s.name;
+      EXPECT_GE(s.error_bound, 0) << s.name;
+      if (s.on) {
+        EXPECT_EQ(s.predicted_saving, 0) << s.name;
+      }
+    }
+}
+
+TEST(PlanBench, EveryOmissionIsMeasuredAndAddsNoErrorBeyondItsBound) {
+  ModelBenchOptions options;
+  options.quick = true;
+  const auto rows = bench_plan(options);
+  EXPECT_GE(rows.size(), 12u);
+  for (const PlanBenchRow& row : rows) {
+    EXPECT_GT(row.time_with, 0) << row.omission;
+    EXPECT_GT(row.time_without, 0) << row.omission;
+    if (!std::isnan(row.error)) {
+      EXPECT_LT(row.error, row.error_bound + 1e-16) << row.omission << ", " << row.scene;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::model

@@ -1,0 +1,135 @@
+#include "vision/discs/disc_detection.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "vision/analytic_scene.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::TestScene;
+
+TestScene scene_with(double x, double y, double radius, double level, int size) {
+  TestScene scene;
+  scene.width = scene.height = size;
+  scene.ground = 80;
+  scene.discs = {{x, y, radius, 0, level, {}}};
+  return scene;
+}
+
+TEST(DiscFit, CleanPictureGivesCentreAndRadius) {
+  for (const double radius : {8.0, 12.3, 30.7, 90.2}) {
+    for (const double level : {170.0, 20.0}) {
+      const int size = static_cast<int>(2 * radius) + 41;
+      const double x = size / 2.0 + 0.31;
+      const double y = size / 2.0 - 0.43;
+      const auto fit = fit_disc(scene_with(x, y, radius, level, size).render(), {x, y, radius}, 3);
+      ASSERT_TRUE(fit) << radius;
+      EXPECT_NEAR(fit->circle.x, x, 0.005) << radius;
+      EXPECT_NEAR(fit->circle.y, y, 0.005) << radius;
+      EXPECT_NEAR(fit->circle.radius, radius, 0.01) << radius;
+      EXPECT_NEAR(fit->blur, std::sqrt(0.49 + 1.0 / 12), 0.03);
+      EXPECT_GT(fit->contrast * (level - 80), 0);
+      EXPECT_GT(fit->coverage, 0.98);
+    }
+  }
+}
+
+TEST(DiscFit, ClickTwoPixelsOffIsMadeExact) {
+  const Picture picture = scene_with(60.3, 58.8, 30.4, 170, 120).render();
+  for (int k = 0; k < 27; ++k) {
+    const Circle click{60.3 + 2 * (k % 3 - 1), 58.8 + 2 * (k / 3 % 3 - 1), 30.4 + 2 * (k / 9 - 1)};
+    const auto fit = fit_disc(picture, click, 3);
+    ASSERT_TRUE(fit) << k;
+    EXPECT_NEAR(fit->circle.x, 60.3, 0.01) << k;
+    EXPECT_NEAR(fit->circle.y, 58.8, 0.01) << k;
+    EXPECT_NEAR(fit->circle.radius, 30.4, 0.01) << k;
+  }
+}
+
+TEST(DiscFit, RadiusSdIsRight) {
+  constexpr unsigned seed = 77;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  double standardised = 0;
+  constexpr int n = 150;
+  for (int k = 0; k < n; ++k) {
+    const double radius = 14 + 0.01 * k;
+    const Picture picture = test::noisy(scene_with(30.2, 29.7, radius, 150, 60).render(), 3, random);
+    const auto fit = fit_disc(picture, {30, 30, 15}, 3);
+    ASSERT_TRUE(fit);
+    const double z = (fit->circle.radius - radius) / fit->radius_sd;
+    standardised += z * z / n;
+  }
+  std::printf("radius: rms of standardised errors %.3f\n", std::sqrt(standardised));
+  // The scatter of an rms over 150 draws is 6 %.
+  EXPECT_NEAR(std::sqrt(standardised), 1, 0.18);
+}
+
+TEST(DiscFit, DefocusIsMeasuredNotMistakenForRadius) {
+  TestScene scene = scene_with(50.2, 50.9, 30, 170, 101);
+  scene.blur = 3;
+  const auto fit = fit_disc(scene.render(), {50, 51, 30}, 3);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->circle.radius, 30, 0.03);
+  EXPECT_NEAR(fit->blur, std::sqrt(9 + 1.0 / 12), 0.05);
+}
+
+TEST(DiscFit, NoRimNoCircle) {
+  std::mt19937 random(8);
+  TestScene scene;
+  scene.discs.clear();
+  EXPECT_FALSE(fit_disc(test::noisy(scene.render(), 2, random), {48, 48, 20}, 3));
+}
+
+TEST(FindDiscs, OnTexturedGroundAtAllSizes) {
+  constexpr unsigned seed = 99;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  for (const auto& [radius, size] :
+       {std::pair{8.0, 200}, {15.0, 320}, {31.0, 320}, {60.0, 400}, {150.0, 500}, {390.0, 900}}) {
+    for (const double level : {170.0, 15.0}) {
+      TestScene scene = scene_with(0.47 * size, 0.52 * size, radius, level, size);
+      scene.ground_texture = test::random_waves(random, 15, 6, 8);
+      scene.discs[0].texture = test::random_waves(random, 15, 8, 6);
+      const auto found = find_discs(test::noisy(scene.render(), 2, random), {}, 3);
+      ASSERT_FALSE(found.empty()) << radius << " " << level;
+      EXPECT_NEAR(found[0].circle.x, 0.47 * size, 0.3) << radius << " " << level;
+      EXPECT_NEAR(found[0].circle.y, 0.52 * size, 0.3) << radius << " " << level;
+      EXPECT_NEAR(found[0].circle.radius, radius, 0.3) << radius << " " << level;
+    }
+  }
+}
+
+TEST(FindDiscs, MarkerIsFoundApartFromTheDisc) {
+  std::mt19937 random(100);
+  TestScene scene = scene_with(190, 130, 40, 170, 320);
+  scene.discs.push_back({60.4, 70.8, 13, 0, 220, {}});  // bright ring
+  scene.discs.push_back({60.4, 70.8, 9, 0, 20, {}});    // dark dot in it
+  scene.ground_texture = test::random_waves(random, 15, 6, 8);
+  const Picture picture = test::noisy(scene.render(), 2, random);
+  const auto disc = find_discs(picture, {}, 1);
+  ASSERT_EQ(disc.size(), 1U);
+  EXPECT_NEAR(disc[0].circle.radius, 40, 0.3);
+  DiscSearch search;
+  search.min_radius = 3;
+  search.keep_out = disc[0].circle;
+  const auto marker = find_discs(picture, search, 1);
+  ASSERT_EQ(marker.size(), 1U);
+  EXPECT_NEAR(marker[0].circle.x, 60.4, 0.2);
+  EXPECT_NEAR(marker[0].circle.y, 70.8, 0.2);
+}
+
+TEST(FindDiscs, NothingRoundNothingFound) {
+  std::mt19937 random(101);
+  TestScene scene;
+  scene.width = scene.height = 200;
+  scene.ground_texture = test::random_waves(random, 30, 10, 15);
+  EXPECT_TRUE(find_discs(test::noisy(scene.render(), 2, random), {}, 3).empty());
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

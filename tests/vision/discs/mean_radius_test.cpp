@@ -1,0 +1,89 @@
+#include "vision/discs/mean_radius.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "vision/layered_scenes.h"
+
+namespace tribotrack::vision {
+namespace {
+
+/// The radius as tracking a plain platform finds it, with the disc at its true places.
+std::optional<MeanRadius> watch(const test::SlidingScene& s, double radius) {
+  test::SceneSource source(s);
+  RimWatch rim({0, 0, radius}, 5);
+  for (int k = 0; k < s.frames; ++k) rim.see(source, k, s.truth(k));
+  return rim.radius();
+}
+
+TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
+  double squares = 0;
+  int count = 0;
+  for (const double highlight : {0.0, 25.0, -30.0})
+    for (const double radius : {29.7, 30.2, 45.4}) {
+      test::SlidingScene s;
+      s.frames = 60;
+      s.scene.width = 300;
+      s.scene.height = 130;
+      s.scene.read_noise = 2;
+      s.scene.seed = static_cast<std::uint64_t>(100 + count);
+      s.scene.platform.texture_rms = 0;
+      s.scene.disc.radius_px = radius;
+      s.scene.disc.highlight = highlight;
+      const auto mean = watch(s, radius);
+      ASSERT_TRUE(mean);
+      EXPECT_NEAR(mean->radius, radius, 0.005) << highlight;
+      EXPECT_LT(mean->sd, highlight == 0 ? 0.0025 : 0.0045);
+      std::printf("highlight %g, radius %g: error %+.5f, sd %.5f px\n", highlight, radius,
+                  mean->radius - radius, mean->sd);
+      squares += std::pow((mean->radius - radius) / mean->sd, 2);
+      ++count;
+    }
+  std::printf("radius from 12 frames: rms of standardised errors %.3f\n", std::sqrt(squares / count));
+  EXPECT_LT(std::sqrt(squares / count), 1.7);  // chi-squared of 9, once in 1000
+  EXPECT_GT(std::sqrt(squares / count), 0.35);
+}
+
+TEST(RimWatch, OneFrameIsNoMean) {
+  test::SlidingScene s;
+  s.frames = 4;  // one of which is looked at
+  EXPECT_FALSE(watch(s, 30));
+}
+
+TEST(MeanRadius, WhatBelongsToTheDiscDoesNotAverageOut) {
+  DiscFit fit;
+  fit.circle.radius = 30;
+  fit.white_radius_sd = 1e-4;
+  for (int k = 0; k < 36; ++k) fit.sector_pull.push_back(k % 2 == 0 ? 0.001 : -0.001);
+  const double once = mean_radius({&fit, 1}).sd;
+  const std::vector<DiscFit> often(50, fit);
+  EXPECT_NEAR(mean_radius(often).sd, once, 1e-12);
+  EXPECT_NEAR(once, 0.001 * 36 / std::sqrt(33.0), 1e-9);  // 36 sectors; their mean and the centre taken off
+}
+
+TEST(MeanRadius, WhatIsAlikeOverALongPartOfTheRimCountsForMore) {
+  const auto sd = [](int m) {
+    DiscFit fit;
+    fit.circle.radius = 30;
+    fit.white_radius_sd = 1e-4;
+    for (int k = 0; k < 36; ++k) fit.sector_pull.push_back(0.001 * std::cos(2 * M_PI * m * k / 36));
+    return mean_radius({&fit, 1}).sd;
+  };
+  EXPECT_NEAR(sd(1), 1e-4, 1e-12);                        // the circle's centre takes it up: the noise alone
+  EXPECT_NEAR(sd(3), 0.001 * 18 / std::sqrt(3.0), 1e-9);  // one of the three slowest
+  EXPECT_NEAR(sd(9), 0.001 * 18 * std::sqrt(2 / 33.0), 1e-9);  // one of all
+}
+
+TEST(MeanRadius, AnUnevenDiscLeavesWhatNoRecordingAveragesOut) {
+  DiscFit fit;
+  fit.circle.radius = 30;
+  fit.white_radius_sd = 1e-3;
+  fit.unevenness = 0.1;
+  const MeanRadius mean = mean_radius(std::vector<DiscFit>(10'000, fit));
+  EXPECT_NEAR(mean.common_sd, 0.002, 1e-12);
+  EXPECT_NEAR(mean.sd, std::hypot(0.002, 1e-5), 1e-9);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

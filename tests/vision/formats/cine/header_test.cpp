@@ -1,0 +1,153 @@
+#include "vision/formats/cine/header.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "vision/cine_by_hand.h"
+#include "vision/recordings.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class CineHeaderTest : public RecordingTest {
+ protected:
+  CineHeader header_of(CineByHand cine) {
+    write_bytes(file("a.cine"), cine.bytes());
+    return read_cine_header(MappedFile(file("a.cine")));
+  }
+  std::string refusal_of(const FileBytes& bytes) {
+    write_bytes(file("a.cine"), bytes);
+    try {
+      read_cine_header(MappedFile(file("a.cine")));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+TEST_F(CineHeaderTest, EveryFieldComesOut) {
+  const CineHeader header = header_of({});
+  EXPECT_EQ(header.width, 8);
+  EXPECT_EQ(header.height, 4);
+  EXPECT_EQ(header.pixels, CinePixels::grey8);
+  EXPECT_FALSE(header.top_down);
+  EXPECT_EQ(header.bits, 8);
+  EXPECT_EQ(header.first_image_number, -85);
+  EXPECT_EQ(header.integer_rate, 2000u);
+  EXPECT_EQ(header.short_rate, 100u);
+  EXPECT_DOUBLE_EQ(header.exposure_s.value(), 1e-4);
+  EXPECT_EQ(header.trigger, (std::uint64_t{1000000000} << 32) + 0x80000000);
+  ASSERT_EQ(header.stamps.size(), 3u);
+  EXPECT_EQ(seconds_between(header.stamps[0], header.stamps[2]), 0.5);
+  EXPECT_EQ(header.image_offsets.size(), 3u);
+}
+
+TEST_F(CineHeaderTest, LevelsAndExposuresOfEveryImage) {
+  CineByHand cine;
+  EXPECT_FALSE(header_of(cine).black_level);
+  EXPECT_TRUE(header_of(cine).exposures_s.empty());
+  cine.black_level = 64;
+  cine.white_level = 4064;
+  cine.exposures = {1u << 20, 1u << 21, 3u << 20};
+  const CineHeader header = header_of(cine);
+  EXPECT_EQ(header.black_level, 64);
+  EXPECT_EQ(header.white_level, 4064);
+  EXPECT_EQ(header.exposures_s, (std::vector<double>{0x1p-12, 0x1p-11, 0x3p-12}));
+  EXPECT_EQ(header.stamps.size(), 3u) << "both blocks";
+}
+
+TEST_F(CineHeaderTest, AFieldCountsOnlyInsideTheBlocksLength) {
+  CineByHand cine;
+  cine.setup_length = 0x300;  // ends just before FrameRateInt
+  const CineHeader header = header_of(cine);
+  EXPECT_EQ(header.integer_rate, 0u);
+  EXPECT_EQ(header.short_rate, 100u);
+  EXPECT_FALSE(header.exposure_s);
+}
+
+TEST_F(CineHeaderTest, OldFilesWithoutMarkAndWithShortOffsets) {
+  CineByHand cine;
+  cine.version = 0;
+  cine.mark = false;
+  const CineHeader header = header_of(cine);
+  EXPECT_EQ(header.short_rate, 100u);
+  EXPECT_EQ(header.integer_rate, 0u);
+  EXPECT_TRUE(header.stamps.empty());
+  EXPECT_EQ(header.image_offsets.size(), 3u);
+}
+
+TEST_F(CineHeaderTest, SignificantBits) {
+  CineByHand cine;
+  cine.bits_per_pixel = 16;
+  cine.image_bytes = 64;
+  for (const std::uint32_t bits : {10u, 12u, 14u, 16u}) {
+    cine.real_bits = bits;
+    EXPECT_EQ(header_of(cine).bits, static_cast<int>(bits));
+  }
+  cine.packing = 256;
+  cine.real_bits = 10;
+  cine.image_bytes = 40;
+  EXPECT_EQ(header_of(cine).bits, 12) << "P10 is handed out linear";
+}
+
+TEST_F(CineHeaderTest, ACutAnywhereIsNoticed) {
+  CineByHand cine;
+  const FileBytes whole = cine.bytes();
+  ASSERT_EQ(refusal_of(whole), "");
+  for (std::size_t length = 0; length < whole.size();
+       length += length < 300 || length + 200 > whole.size() ? 1 : 97)
+    ASSERT_THAT(refusal_of(FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))),
+                HasSubstr("a.cine"))
+        << length;
+  EXPECT_THAT(refusal_of(FileBytes(whole.begin(), whole.end() - 1)),
+              AllOf(HasSubstr("cut short"), HasSubstr("image -83"), HasSubstr("3 of 3")));
+}
+
+TEST_F(CineHeaderTest, WhatIsNoGreyPictureIsRefusedByName) {
+  CineByHand cine;
+  cine.compression = 2;
+  cine.colour_filter = 3;
+  EXPECT_THAT(refusal_of(cine.bytes()), AllOf(HasSubstr("colour filter mosaic"), HasSubstr("export")));
+  cine = {};
+  cine.compression = 1;
+  EXPECT_THAT(refusal_of(cine.bytes()), HasSubstr("JPEG"));
+  cine = {};
+  cine.packing = 7;
+  EXPECT_THAT(refusal_of(cine.bytes()), HasSubstr("biCompression 7"));
+  cine = {};
+  cine.bits_per_pixel = 12;
+  EXPECT_THAT(refusal_of(cine.bytes()), HasSubstr("12 bits per pixel"));
+  cine = {};
+  cine.version = 2;
+  EXPECT_THAT(refusal_of(cine.bytes()), HasSubstr("version 2"));
+}
+
+TEST_F(CineHeaderTest, DamageIsNamed) {
+  CineByHand cine;
+  FileBytes bytes = cine.bytes();
+  bytes[0] = 'X';
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("no Phantom .cine"));
+  bytes = cine.bytes();
+  bytes[0x33] = 0x7F;  // width 2 thousand million
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("damaged"));
+  bytes = cine.bytes();
+  for (int i = 0; i < 4; ++i) bytes[0x14 + i] = 0xFF;  // four thousand million images
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("table of 4294967295 images"));
+  bytes = cine.bytes();
+  for (int i = 0; i < 4; ++i) bytes[0x14 + i] = 0;
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("no image"));
+  bytes = cine.bytes();
+  for (int i = 0; i < 8; ++i) bytes[cine.table + 8 + i] = 0xFF;  // second image at the end of all things
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("image -84"));
+  bytes = cine.bytes();
+  bytes[84 + 10392] = 2;  // a tagged block smaller than its own head
+  bytes[84 + 10393] = 0;
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("tagged block"));
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,207 @@
+#include "vision/frame_sink.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "vision/formats/cine/p10_table.h"
+#include "vision/recordings.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FrameSinkTest : public RecordingTest {
+ protected:
+  /// Largest difference between what was written and what is read, over frames in a scattered order.
+  double largest_difference(const std::filesystem::path& path, const SinkOptions& options, int frames) {
+    const auto source = open_source(path);
+    EXPECT_EQ(source->info().width, options.width);
+    EXPECT_EQ(source->info().height, options.height);
+    EXPECT_EQ(source->info().frame_count, frames);
+    double largest = 0;
+    for (int i = 0; i < frames; ++i) {
+      const int k = (i * 7 + 3) % frames;  // 7 and `frames` have no common factor in these tests
+      const Picture read = source->read(k);
+      for (int y = 0; y < options.height; ++y)
+        for (int x = 0; x < options.width; ++x)
+          largest = std::max(
+              largest, std::abs(static_cast<double>(read.at(x, y)) - test_level(k, x, y, options.bits)));
+    }
+    return largest;
+  }
+};
+
+TEST_F(FrameSinkTest, LosslessFormsComeBackBitForBit) {
+  struct Case {
+    const char* name;
+    int bits;
+    int bits_read;
+  };
+  const std::vector<Case> cases = {{"a.cine", 8, 8},      {"b.cine", 12, 12},  {"c.mkv", 8, 8},
+                                   {"d.mkv", 10, 10},     {"e.mkv", 12, 12},   {"f%03d.png", 8, 8},
+                                   {"g%03d.png", 12, 16}, {"h%03d.tif", 8, 8}, {"i%03d.tif", 10, 16}};
+  for (const Case& c : cases)
+    for (const auto& [width, height] : {std::pair{64, 48}, std::pair{37, 23}}) {
+      SCOPED_TRACE(c.name + std::string(" ") + std::to_string(width));
+      const SinkOptions options{.width = width, .height = height, .bits = c.bits, .frame_rate_hz = 250};
+      write_recording(file(c.name), options, 19);
+      EXPECT_EQ(largest_difference(file(c.name), options, 19), 0);
+      EXPECT_EQ(open_source(file(c.name))->info().bits, c.bits_read);
+    }
+}
+
+TEST_F(FrameSinkTest, PackedTenBitsComeBackAsTheNearestLinearLevelOfTheCurve) {
+  const SinkOptions options{
+      .width = 66, .height = 47, .bits = 10, .frame_rate_hz = 5000, .exposure_s = 20e-6};
+  write_recording(file("a.cine"), options, 4);
+  const auto source = open_source(file("a.cine"));
+  EXPECT_EQ(source->info().codec, "P10");
+  EXPECT_EQ(source->info().bits, 12);
+  for (int k = 0; k < 4; ++k) {
+    const Picture read = source->read(k);
+    for (int y = 0; y < options.height; ++y)
+      for (int x = 0; x < options.width; ++x) {
+        const double written = 4.0 * test_level(k, x, y, 10);
+        double nearest = 1e9;
+        for (const int level : p10_linear_levels) nearest = std::min(nearest, std::abs(level - written));
+        ASSERT_EQ(std::abs(read.at(x, y) - written), nearest);
+      }
+  }
+}
+
+TEST_F(FrameSinkTest, LossyFormsComeBackClose) {
+  // Smooth pictures: noise is what such codings throw away.
+  for (const char* name : {"a.avi", "b.mp4"}) {
+    const SinkOptions options{.width = 64, .height = 48, .frame_rate_hz = 240, .crf = 10};
+    const auto sink = create_sink(file(name), options);
+    const auto level = [](int k, int x, int y) { return static_cast<float>(60 + 2 * k + x + y); };
+    Picture picture(64, 48);
+    for (int k = 0; k < 15; ++k) {
+      for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x) picture.at(x, y) = level(k, x, y);
+      sink->write(picture);
+    }
+    sink->close();
+    const auto source = open_source(file(name));
+    ASSERT_EQ(source->info().frame_count, 15);
+    for (const int k : {14, 3, 4, 0, 9}) {
+      const Picture read = source->read(k);
+      double squares = 0;
+      for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x) squares += std::pow(read.at(x, y) - level(k, x, y), 2);
+      EXPECT_LT(std::sqrt(squares / (64 * 48)), 1.0) << name << " frame " << k;  // a frame away it is 2
+    }
+  }
+}
+
+TEST_F(FrameSinkTest, CaptureRatesSurviveTheirContainers) {
+  for (const char* name : {"a.cine", "a.avi", "a.mp4", "a.mkv"})
+    for (const double rate : {100.0, 240.0, 250.0, 1000.0, 7000.0, 100000.0}) {
+      write_recording(file(name), {.width = 16, .height = 16, .frame_rate_hz = rate}, 40);
+      const auto source = open_source(file(name));
+      const TimeBase& base = source->info().time_base;
+      if (file(name).extension() == ".avi" && rate >= 1000) {
+        EXPECT_FALSE(base.known()) << "AVI says 1000, or 600 beyond it";
+        EXPECT_EQ(source->info().frame_count, 40);
+        continue;
+      }
+      ASSERT_TRUE(base.known()) << name << " " << rate << ": " << base.why_unknown();
+      EXPECT_NEAR(*base.rate_hz / rate, 1, 1e-6) << name;
+      EXPECT_NEAR(source->time_s(39), 39 / rate, 1e-6 / rate + 2e-9) << name;
+    }
+}
+
+TEST_F(FrameSinkTest, CineStampsAndExposure) {
+  write_recording(file("a.cine"), {.width = 8, .height = 8, .frame_rate_hz = 1234.5, .exposure_s = 37e-6},
+                  50);
+  const auto source = open_source(file("a.cine"));
+  for (int k = 0; k < 50; ++k) EXPECT_NEAR(source->time_s(k), k / 1234.5, 0.5e-9);
+  EXPECT_NEAR(*source->info().exposure_s, 37e-6, 1e-9);
+}
+
+TEST_F(FrameSinkTest, MoreImagesThanTheRoomLeftForTheirTables) {
+  const SinkOptions options{.width = 4, .height = 2, .frame_rate_hz = 1e5};
+  write_recording(file("a.cine"), options, 5001);
+  EXPECT_EQ(largest_difference(file("a.cine"), options, 5001), 0);
+}
+
+TEST_F(FrameSinkTest, TheSameFramesGiveTheSameBytes) {
+  for (const char* name : {"a.cine", "a.mkv", "a.avi", "a.mp4"}) {
+    const SinkOptions options{.width = 32, .height = 32, .frame_rate_hz = 500};
+    write_recording(file(name), options, 12);
+    const FileBytes first = read_bytes(file(name));
+    write_recording(file(name), options, 12);
+    EXPECT_EQ(read_bytes(file(name)), first) << name;
+  }
+}
+
+TEST_F(FrameSinkTest, NothingIsLeftWithoutClose) {
+  for (const char* name : {"a.cine", "a.mkv", "a.avi", "a.mp4", "a%d.png", "a%d.tif"}) {
+    const auto sink = create_sink(file(name), {.width = 16, .height = 16});
+    sink->write(Picture(16, 16, 10));
+    sink->write(Picture(16, 16, 20));
+  }
+  EXPECT_EQ(files_in_folder(), 0u);
+}
+
+TEST_F(FrameSinkTest, AShorterSequenceReplacesALongerOne) {
+  const SinkOptions options{.width = 8, .height = 8};
+  write_recording(file("a%02d.png"), options, 9);
+  write_recording(file("a%02d.png"), options, 4);
+  EXPECT_EQ(files_in_folder(), 4u);
+}
+
+TEST_F(FrameSinkTest, LevelsAreRoundedAndClipped) {
+  const auto sink = create_sink(file("a.cine"), {.width = 8, .height = 1});
+  Picture picture(8, 1);
+  const std::array<float, 8> written = {-3.0F, 0.4F, 0.6F, 254.4F, 254.6F, 255.4F, 300.0F, std::nanf("")};
+  std::copy(written.begin(), written.end(), picture.levels().begin());
+  sink->write(picture);
+  sink->close();
+  const Picture read = open_source(file("a.cine"))->read(0);
+  EXPECT_THAT(read.levels(), ::testing::ElementsAre(0, 0, 1, 254, 255, 255, 255, 0));
+}
+
+TEST_F(FrameSinkTest, OverlaysInColour) {
+  std::vector<unsigned char> rgb(32 * 24 * 3);
+  for (std::size_t i = 0; i < rgb.size(); i += 3) rgb[i] = 200, rgb[i + 1] = 100, rgb[i + 2] = 50;
+  for (const char* name : {"a.mp4", "a.avi", "a%d.png", "single.png"}) {
+    const auto sink = create_sink(file(name), {.width = 32, .height = 24, .frame_rate_hz = 25});
+    sink->write_rgb(32, 24, rgb.data());
+    sink->close();
+    const auto source = open_source(file(name));
+    EXPECT_TRUE(source->info().colour) << name;
+    EXPECT_NEAR(source->read(0).at(10, 10), 0.299 * 200 + 0.587 * 100 + 0.114 * 50, 1.5) << name;
+  }
+  const auto cine = create_sink(file("a.cine"), {.width = 32, .height = 24});
+  EXPECT_THROW(cine->write_rgb(32, 24, rgb.data()), InputError);
+}
+
+TEST_F(FrameSinkTest, WhatCannotBeWrittenIsSaidAtOnce) {
+  const auto refusal = [](const std::filesystem::path& path, const SinkOptions& options) -> std::string {
+    try {
+      create_sink(path, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const char* name :
+       {"missing/a.cine", "missing/a.mkv", "missing/a.avi", "missing/a.mp4", "missing/a%d.png"})
+    EXPECT_THAT(refusal(file(name), {.width = 8, .height = 8}), HasSubstr("cannot be written")) << name;
+  EXPECT_THAT(refusal(file("a.xyz"), {.width = 8, .height = 8}), HasSubstr(".cine"));
+  EXPECT_THAT(refusal(file("a.mp4"), {.width = 8, .height = 8, .bits = 12}), HasSubstr("12 bits"));
+  EXPECT_THAT(refusal(file("a.cine"), {.width = 8, .height = 8, .bits = 9}), HasSubstr("9 bits"));
+  EXPECT_THAT(refusal(file("a.cine"), {.width = 0, .height = 8}), HasSubstr("0 x 8"));
+  EXPECT_THAT(refusal(file("a.cine"), {.width = 8, .height = 8, .frame_rate_hz = 0}),
+              HasSubstr("frame rate"));
+  EXPECT_EQ(files_in_folder(), 0u);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,182 @@
+#include "vision/formats/libav/source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+
+#include "vision/recordings.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class LibavSourceTest : public RecordingTest {
+ protected:
+  static SinkOptions options() { return {.width = 48, .height = 32, .frame_rate_hz = 240}; }
+};
+
+/// Frames read in a scattered order are those read one after the other, level by level.
+void expect_exact_random_access(const std::filesystem::path& path, int reads) {
+  const auto straight = open_source(path);
+  const auto scattered = open_source(path);
+  const auto count = static_cast<int>(straight->info().frame_count);
+  std::vector<Picture> frames;
+  for (int k = 0; k < count; ++k) frames.push_back(straight->read(k));
+  constexpr unsigned seed = 17;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int i = 0; i < reads; ++i) {
+    const int k = static_cast<int>(random() % static_cast<unsigned>(count));
+    const Picture frame = scattered->read(k);
+    ASSERT_TRUE(std::equal(frame.levels().begin(), frame.levels().end(),
+                           frames[static_cast<std::size_t>(k)].levels().begin()))
+        << "frame " << k;
+  }
+}
+
+TEST_F(LibavSourceTest, AnyFrameAtAnyTime) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    SCOPED_TRACE(name);
+    write_recording(file(name), options(), 60);
+    expect_exact_random_access(file(name), 40);
+  }
+}
+
+TEST_F(LibavSourceTest, AnyFrameOfVideosThatStoreFramesOutOfOrder) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  // In AVI and raw H.264 the stamps do not tell the order; in MP4 and MPEG-TS they do.
+  for (const char* name : {"a.mp4", "a.avi", "a.mkv", "a.ts", "a.h264"}) {
+    SCOPED_TRACE(name);
+    const std::string command =
+        "ffmpeg -v error -y -f lavfi -i \"color=black:s=64x48:r=240:d=0.25,"
+        "geq=lum='2*N+16':cb=128:cr=128\" -c:v libx264 -bf 3 -g 12 -qp 8 " +
+        file(name).string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const auto source = open_source(file(name));
+    ASSERT_EQ(source->info().frame_count, 60);
+    for (const int k : {0, 1, 2, 59, 13, 12, 11, 30})
+      EXPECT_NEAR(source->read(k).at(20, 20), 2 * k + 16, 0.8) << k;
+    expect_exact_random_access(file(name), 40);
+  }
+}
+
+TEST_F(LibavSourceTest, FramesWhoseStampsTieAreStillApart) {
+  // 7 frames to the millisecond of Matroska.
+  SinkOptions fast = options();
+  fast.frame_rate_hz = 7000;
+  write_recording(file("a.mkv"), fast, 50);
+  const auto source = open_source(file("a.mkv"));
+  ASSERT_EQ(source->info().frame_count, 50);
+  for (const int k : {49, 3, 4, 31, 30}) EXPECT_EQ(source->read(k).at(5, 6), test_level(k, 5, 6, 8));
+}
+
+TEST_F(LibavSourceTest, AVideoCutShortNeverLosesFramesInSilence) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    write_recording(file(name), options(), 40);
+    const FileBytes whole = read_bytes(file(name));
+    ASSERT_EQ(input_error(file(name)), "");
+    for (const double share : {0.999, 0.9, 0.5, 0.2, 0.02}) {
+      write_bytes(file(name),
+                  FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(
+                                                               share * static_cast<double>(whole.size()))));
+      EXPECT_THAT(input_error(file(name)),
+                  AllOf(HasSubstr(name), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
+          << share;
+    }
+  }
+}
+
+TEST_F(LibavSourceTest, AFileThatShrinksWhileReadIsAnError) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    write_recording(file(name), options(), 400);
+    const auto source = open_source(file(name));
+    source->read(2);
+    std::filesystem::resize_file(file(name), std::filesystem::file_size(file(name)) / 2);
+    try {
+      for (std::int64_t k = 3; k < 400; ++k) source->read(k);
+      FAIL() << name << ": half of the frames are gone";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+}
+
+TEST_F(LibavSourceTest, DamageInsideALosslessFrameIsFoundByItsChecksum) {
+  write_recording(file("a.mkv"), options(), 40);
+  FileBytes bytes = read_bytes(file("a.mkv"));
+  for (std::size_t i = 0; i < 8; ++i) bytes[bytes.size() / 2 + i] ^= 0x5A;
+  write_bytes(file("a.mkv"), bytes);
+  EXPECT_THAT(input_error(file("a.mkv")), AllOf(HasSubstr("a.mkv"), HasSubstr("damaged")));
+}
+
+TEST_F(LibavSourceTest, WhatIsNoVideo) {
+  const std::string text = "alpha and v\nare not in here\n";
+  write_bytes(file("a.mp4"), FileBytes(text.begin(), text.end()));
+  EXPECT_THAT(input_error(file("a.mp4")), AllOf(HasSubstr("a.mp4"), HasSubstr("no video")));
+  write_bytes(file("b.txt"), FileBytes(text.begin(), text.end()));
+  EXPECT_THAT(input_error(file("b.txt")),
+              AllOf(HasSubstr("b.txt"), AnyOf(HasSubstr("no video"), HasSubstr("text"))));
+  std::string pages;
+  while (pages.size() < 100000) pages += text;
+  write_bytes(file("b.txt"), FileBytes(pages.begin(), pages.end()));
+  EXPECT_THAT(input_error(file("b.txt")),
+              AllOf(HasSubstr("b.txt"), AnyOf(HasSubstr("no video"), HasSubstr("text"))));
+  write_bytes(file("b.mp4"), FileBytes(pages.begin(), pages.end()));
+  EXPECT_THAT(input_error(file("b.mp4")), AllOf(HasSubstr("b.mp4"), HasSubstr("no video")));
+  write_bytes(file("c.mp4"), {});
+  EXPECT_THAT(input_error(file("c.mp4")), HasSubstr("empty"));
+  EXPECT_THAT(input_error(file("missing.mp4")), HasSubstr("No such file"));
+  write_bytes(file("d.mraw"), {1, 2, 3});
+  EXPECT_THAT(input_error(file("d.mraw")), HasSubstr("Photron"));
+}
+
+TEST_F(LibavSourceTest, TheCamerasSidecarBeatsTheContainer) {
+  SinkOptions slow = options();
+  slow.frame_rate_hz = 30;
+  write_recording(file("a.avi"), slow, 5);
+  EXPECT_FALSE(open_source(file("a.avi"))->info().time_base.known());
+  const std::string text = "#Camera Information Header\r\nRecord Rate(fps) : 7000\r\nTotal Frame : 5\r\n";
+  write_bytes(file("a.cih"), FileBytes(text.begin(), text.end()));
+  const auto source = open_source(file("a.avi"));
+  EXPECT_EQ(*source->info().time_base.rate_hz, 7000);
+  EXPECT_THAT(source->info().time_base.source, HasSubstr("a.cih"));
+  EXPECT_EQ(*open_source(file("a.avi"), {.frame_rate_hz = 50.0})->info().time_base.rate_hz, 50);
+}
+
+TEST(RealVideos, HeadOnDoesNotKnowItsRate) {
+  if (real_data().empty()) GTEST_SKIP() << "TRIBOTRACK_REAL_DATA names no folder";
+  const auto path = real_data() / "carrom" / "HeadOn.MP4";
+  const auto source = open_source(path);
+  EXPECT_EQ(source->info().width, 320);
+  EXPECT_EQ(source->info().height, 240);
+  EXPECT_EQ(source->info().bits, 8);
+  EXPECT_EQ(source->info().frame_count, 752);
+  EXPECT_FALSE(source->info().time_base.known());
+  EXPECT_THAT(source->info().time_base.why_unknown(), AllOf(HasSubstr("29.97"), HasSubstr("--fps")));
+  EXPECT_THAT(source->info().notes, Contains(HasSubstr("limited range")));
+  EXPECT_EQ(open_source(path, {.frame_rate_hz = 240.0})->time_s(240), 1);
+  expect_exact_random_access(path, 25);
+}
+
+TEST_F(LibavSourceTest, HeadOnCutShort) {
+  if (real_data().empty()) GTEST_SKIP() << "TRIBOTRACK_REAL_DATA names no folder";
+  const FileBytes whole = read_bytes(real_data() / "carrom" / "HeadOn.MP4");
+  for (const std::size_t length :
+       {whole.size() - 1, whole.size() - 5000, whole.size() / 2, std::size_t{3000}}) {
+    write_bytes(file("a.mp4"), FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)));
+    EXPECT_THAT(input_error(file("a.mp4")),
+                AllOf(HasSubstr("a.mp4"), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
+        << length;
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,93 @@
+#include "vision/formats/pictures/names.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "vision/recordings.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(NaturalOrder, DigitsCompareAsNumbers) {
+  const std::vector<std::string> sorted = {"a", "a1", "a2", "a02", "a10", "a10b", "b1", "b1c2", "b1c10"};
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    for (std::size_t j = 0; j < sorted.size(); ++j)
+      if (sorted[i] != "a2" || sorted[j] != "a02") {
+        if (sorted[i] != "a02" || sorted[j] != "a2") {
+          EXPECT_EQ(natural_less(sorted[i], sorted[j]), i < j) << sorted[i] << " " << sorted[j];
+        }
+      }
+  // Equal numbers written differently still have one order.
+  EXPECT_NE(natural_less("a2", "a02"), natural_less("a02", "a2"));
+}
+
+TEST(NumberPattern, NamesAndNumbersAreInverse) {
+  const auto pattern = NumberPattern::parse("dir/frame%04d.png");
+  ASSERT_TRUE(pattern);
+  EXPECT_EQ(pattern->file(7), "dir/frame0007.png");
+  EXPECT_EQ(pattern->file(12345), "dir/frame12345.png");
+  EXPECT_EQ(pattern->number_of("frame0007.png"), 7);
+  EXPECT_EQ(pattern->number_of("frame12345.png"), 12345);
+  for (const char* name :
+       {"frame7.png", "frame00007.png", "frame0007.tif", "xframe0007.png", "frame.png", "frame-007.png"})
+    EXPECT_FALSE(pattern->number_of(name)) << name;
+  EXPECT_EQ(NumberPattern::parse("%d.png")->number_of("7.png"), 7);
+  EXPECT_FALSE(NumberPattern::parse("%d.png")->number_of("07.png"));
+}
+
+TEST(NumberPattern, OnlyOneNumber) {
+  EXPECT_FALSE(NumberPattern::parse("dir%d/a.png"));
+  for (const char* name : {"a%s.png", "a%d%d.png", "a%", "a%5", "a%99d.png"})
+    EXPECT_THROW(NumberPattern::parse(name), InputError) << name;
+}
+
+class PictureListTest : public RecordingTest {
+ protected:
+  void touch(const std::vector<std::string>& names) {
+    for (const auto& name : names) write_bytes(file(name), {0});
+  }
+  std::vector<std::string> names(const PictureList& list) {
+    std::vector<std::string> out;
+    for (const auto& path : list.files) out.push_back(path.filename().string());
+    return out;
+  }
+};
+
+TEST_F(PictureListTest, FolderInNaturalOrderWithoutOtherFiles) {
+  touch({"f10.png", "f9.png", "f11.PNG", "notes.txt", ".f12.png"});
+  const auto list = pictures_in_folder(file(""));
+  EXPECT_THAT(names(list), ElementsAre("f9.png", "f10.png", "f11.PNG"));
+  EXPECT_EQ(list.first_number, 9);
+}
+
+TEST_F(PictureListTest, FolderWhoseNumbersJumpCountsFromZeroAndSaysSo) {
+  touch({"f9.png", "f10.png", "f12.png"});
+  const auto list = pictures_in_folder(file(""));
+  EXPECT_EQ(list.first_number, 0);
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("not consecutive")));
+}
+
+TEST_F(PictureListTest, EmptyFolder) {
+  touch({"notes.txt"});
+  EXPECT_THAT(input_error(file("")), HasSubstr("holds no pictures"));
+}
+
+TEST_F(PictureListTest, PatternBeginsAtItsLowestNumberAndHasNoGap) {
+  touch({"f0005.png", "f0006.png", "f0007.png", "f8.png"});
+  const auto list = pictures_of_pattern(*NumberPattern::parse(file("f%04d.png")));
+  EXPECT_THAT(names(list), ElementsAre("f0005.png", "f0006.png", "f0007.png"));
+  EXPECT_EQ(list.first_number, 5);
+  touch({"f0009.png"});
+  EXPECT_THAT(input_error(file("f%04d.png")), AllOf(HasSubstr("f0008.png"), HasSubstr("missing")));
+  EXPECT_THAT(input_error(file("g%04d.png")), HasSubstr("no file matches"));
+  EXPECT_THAT(input_error(file("nowhere/g%04d.png")), HasSubstr("nowhere"));
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,323 @@
+// Every instruction set gives what the formulas of the headers give, summed slowly in double precision.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "vision/kernels/bspline.h"
+#include "vision/layers/registration/kernels.h"
+#include "vision/kernels/spline_kernels.h"
+#include "vision/layers/model/split_kernels.h"
+#include "vision/kernels/tile_kernels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::size_t kTiles = 5, kCount = kTiles * kTilePixels;
+constexpr double kFloatSums = 2e-5;  // of sums of a few hundred floats, relative to the sum of their sizes
+
+std::vector<float> draw(std::mt19937& random, double mean, double spread, std::size_t count = kCount) {
+  std::uniform_real_distribution<double> uniform(mean - spread, mean + spread);
+  std::vector<float> out(count);
+  for (float& x : out) x = static_cast<float>(uniform(random));
+  return out;
+}
+
+/// A sum and the sum of its terms' sizes.
+struct SlowSum {
+  double value = 0, size = 0;
+  void add(double term) {
+    value += term;
+    size += std::abs(term);
+  }
+  void expect(double fast, const char* what, std::size_t i = 0) const {
+    EXPECT_NEAR(fast, value, kFloatSums * size) << what << ' ' << i;
+    EXPECT_GT(size, 0) << what;
+  }
+};
+
+TileArrays tiles(std::mt19937& random) {
+  TileArrays a;
+  a.tiles = kTiles;
+  a.value = draw(random, 10, 40);
+  a.slope_x = draw(random, 0, 9);
+  a.slope_y = draw(random, 0, 9);
+  a.slope_theta = draw(random, 0, 30);
+  a.level = draw(random, 100, 60);
+  a.weight = draw(random, 0.5, 0.5);
+  for (std::size_t i = 0; i < kCount; i += 7) a.weight[i] = 0;
+  return a;
+}
+
+TEST(VectorKernels, SumsOverTiles) {
+  std::mt19937 random(5);
+  const TileArrays a = tiles(random);
+  constexpr float gain = 1.125F, offset = 90;
+  std::array<SlowSum, 5> force;
+  std::array<SlowSum, 15> normal;
+  std::array<std::array<SlowSum, 5>, kTiles> scores;
+  std::vector<float> sizes(kCount);
+  constexpr float small = 20;
+  ResidualCounts counts;
+  SlowSum squares, weight, vl, ll;
+  double largest = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double w = a.weight[i], r = double{a.level[i]} - double{gain} * a.value[i] - offset;
+    const std::array<double, 5> jacobian = {-a.slope_x[i], -a.slope_y[i], a.value[i], 1, a.slope_theta[i]};
+    for (std::size_t j = 0, at = 0; j < 5; ++j) {
+      force[j].add(w * jacobian[j] * r);
+      scores[i / kTilePixels][j].add(w * jacobian[j] * r);
+      for (std::size_t k = j; k < 5; ++k, ++at) normal[at].add(w * jacobian[j] * jacobian[k]);
+    }
+    squares.add(w * r * r);
+    weight.add(w);
+    vl.add(w * a.value[i] * a.level[i]);
+    ll.add(w * a.level[i] * a.level[i]);
+    if (w > 0) {
+      largest = std::max(largest, std::abs(r));
+      sizes[i] = static_cast<float>(std::abs(r));
+      ++counts.counted;
+      counts.small += std::abs(r) <= small;
+    }
+  }
+  for (const TileKernels& kernels : all_tile_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    const ForceSums f = kernels.force(a, gain, offset);
+    for (std::size_t j = 0; j < 5; ++j) force[j].expect(f.force[j], "force", j);
+    squares.expect(f.squares, "squares");
+    weight.expect(f.weight, "weight");
+    EXPECT_NEAR(f.largest, largest, 1e-4);
+    const NormalSums n = kernels.normal(a);
+    for (std::size_t j = 0; j < 15; ++j) normal[j].expect(n[j], "normal", j);
+    const CorrelationSums c = kernels.correlation(a, a.weight);
+    vl.expect(c.vl, "vl");
+    ll.expect(c.ll, "ll");
+    std::vector<float> found(kCount, -1);
+    const ResidualCounts told = kernels.residuals(a, a.weight, gain, offset, small, found);
+    EXPECT_EQ(told.counted, counts.counted);
+    EXPECT_EQ(told.small, counts.small);
+    for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(found[i], sizes[i], 1e-4) << i;
+    std::vector<unsigned char> marks(kCount, 2);
+    kernels.mark(found, small, marks);
+    for (std::size_t i = 0; i < kCount; ++i) EXPECT_EQ(marks[i], found[i] > small ? 1 : 0) << i;
+    std::vector<std::array<double, 5>> of_tiles(kTiles);
+    kernels.scores(a, gain, offset, of_tiles);
+    for (std::size_t t = 0; t < kTiles; ++t)
+      for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tiles[t][j], "score", 5 * t + j);
+  }
+}
+
+TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
+  std::mt19937 random(6);
+  for (const bool turning : {false, true}) {
+    SCOPED_TRACE(turning);
+    LayerArrays a;
+    a.tiles = kTiles;
+    const auto layer = [&](TileArrays& t, double mean, double spread, double slope) {
+      t.value = draw(random, mean, spread);
+      t.slope_x = draw(random, 0, slope);
+      t.slope_y = draw(random, 0, slope);
+    };
+    layer(a.disc, 90, 60, 12);
+    layer(a.share, 0.5, 0.5, 0.3);
+    layer(a.ground, 70, 15, 4);
+    if (turning) a.turn.value = draw(random, 0, 20);
+    a.u = draw(random, 0, 30);
+    a.v = draw(random, 0, 30);
+    a.level = draw(random, 120, 50);
+    a.ground_variance = draw(random, 0.1, 0.1);
+    a.rim = std::vector<float>(kCount, 0);
+    for (std::size_t i = 0; i < kCount; i += 3) a.rim[i] = 1;
+    for (auto* unset : {&a.weight, &a.step_x, &a.step_y, &a.blended}) unset->assign(kCount, 0);
+    std::vector<float> mask(kCount, 1);
+    for (std::size_t i = 0; i < kCount; i += 5) mask[i] = 0;
+    const LayerLight light{1.05, 1e-3, -2e-3, 0.97, turning ? 0.02 : 0, 0.08};
+    const NoiseLaw noise{2, 0.01};
+    for (const LayerKernels& kernels : all_layer_kernels()) {
+      SCOPED_TRACE(kernels.name);
+      LayerArrays formed = a;
+      const LayerNormal normal = kernels.form(formed, mask, light, noise);
+      const LayerForce force = kernels.force(formed, light);
+      const int columns = turning ? 7 : 6;
+      std::array<SlowSum, 28> slow_normal;
+      std::array<SlowSum, kLayerColumns> slow_force;
+      SlowSum squares, rim, qr, qq, xy, yr;
+      std::array<SlowSum, kLayerColumns> mixed;
+      constexpr double mean = 70;
+      for (std::size_t i = 0; i < kCount; ++i) {
+        const double w = formed.weight[i];
+        EXPECT_EQ(w == 0, mask[i] == 0) << i;
+        const double here = light.gain + light.slope_x * a.u[i] + light.slope_y * a.v[i];
+        const double turn = turning ? double{a.turn.value[i]} : 0;
+        const double s = a.disc.value[i] + light.turn * turn;
+        const double blended = light.blend * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
+                                              double{a.share.slope_y[i]} * a.ground.slope_y[i]);
+        const double ground = double{a.share.value[i]} * a.ground.value[i] + blended;
+        const double r = a.level[i] - here * s - light.ground * ground;
+        // step: M moves with the disc's centre, the platform stays.
+        EXPECT_NEAR(formed.blended[i], blended, 1e-5);
+        EXPECT_NEAR(formed.step_x[i],
+                    -here * a.disc.slope_x[i] - light.ground * double{a.share.slope_x[i]} * a.ground.value[i],
+                    1e-4 * (1 + std::abs(formed.step_x[i])))
+            << i;
+        const std::array<double, 7> jacobian = {formed.step_x[i], formed.step_y[i], s,          s * a.u[i],
+                                                s * a.v[i],       ground,           here * turn};
+        for (int j = 0, at = 0; j < columns; ++j) {
+          const auto sj = static_cast<std::size_t>(j);
+          slow_force[sj].add(w * jacobian[sj] * r);
+          for (int k = j; k < columns; ++k, ++at)
+            slow_normal[static_cast<std::size_t>(at)].add(w * jacobian[sj] *
+                                                          jacobian[static_cast<std::size_t>(k)]);
+        }
+        squares.add(w * r * r);
+        rim.add(w * r * r * a.rim[i]);
+        const double q = light.ground * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
+                                         double{a.share.slope_y[i]} * a.ground.slope_y[i]);
+        const double off = -light.ground * (a.ground.value[i] - mean);
+        const double shift_x = off * a.share.slope_x[i], shift_y = off * a.share.slope_y[i];
+        const double on_rim = w * a.rim[i];
+        qr.add(on_rim * q * r);
+        qq.add(on_rim * q * q);
+        xy.add(on_rim * shift_x * shift_y);
+        yr.add(on_rim * shift_y * r);
+        for (std::size_t j = 0; j < mixed.size(); ++j) mixed[j].add(on_rim * jacobian[j] * shift_x);
+      }
+      for (int j = 0, at = 0; j < columns; ++j) {
+        slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
+                                                       static_cast<std::size_t>(j));
+        for (int k = j; k < columns; ++k, ++at)
+          slow_normal[static_cast<std::size_t>(at)].expect(normal[static_cast<std::size_t>(at)], "normal",
+                                                           static_cast<std::size_t>(at));
+      }
+      squares.expect(force.squares, "squares");
+      rim.expect(force.rim_squares, "rim squares");
+      const LayerRimSums told = kernels.rim(formed, mask, light, mean);
+      qr.expect(told.qr, "qr");
+      qq.expect(told.qq, "qq");
+      xy.expect(told.shift_normal[1], "shift xy");
+      yr.expect(told.shift_force[1], "shift y r");
+      for (int j = 0; j < columns; ++j)
+        mixed[static_cast<std::size_t>(j)].expect(told.mixed[static_cast<std::size_t>(j)][0], "mixed");
+    }
+  }
+}
+
+TEST(VectorKernels, SplineWindowsAreSeparableSums) {
+  std::mt19937 random(7);
+  constexpr int kWidth = 21, kHeight = 11, kStride = kWidth + 5;
+  const std::vector<float> coefficients = draw(random, 50, 40, kStride * (kHeight + 5));
+  SplineTaps taps;
+  const auto fill = [&](std::array<float, 6>& to, double mean) {
+    const auto values = draw(random, mean, 0.3, 6);
+    std::copy(values.begin(), values.end(), to.begin());
+  };
+  fill(taps.weight_x, 1.0 / 6);
+  fill(taps.weight_y, 1.0 / 6);
+  fill(taps.slope_x, 0);
+  fill(taps.slope_y, 0);
+  for (const SplineKernels& kernels : all_spline_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    std::vector<float> scratch, value(kWidth * kHeight), slope_x(value), slope_y(value);
+    // The six coefficients about a place begin two before its cell.
+    kernels.window(coefficients.data() + 2 * kStride + 2, kStride, taps, kWidth, kHeight, scratch,
+                   value.data(), slope_x.data(), slope_y.data());
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        SlowSum v, sx, sy;
+        for (std::size_t j = 0; j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i) {
+            const double c =
+                coefficients[(static_cast<std::size_t>(y) + j) * kStride + static_cast<std::size_t>(x) + i];
+            v.add(c * taps.weight_x[i] * taps.weight_y[j]);
+            sx.add(c * taps.slope_x[i] * taps.weight_y[j]);
+            sy.add(c * taps.weight_x[i] * taps.slope_y[j]);
+          }
+        const auto at = static_cast<std::size_t>(y * kWidth + x);
+        v.expect(value[at], "value", at);
+        sx.expect(slope_x[at], "slope_x", at);
+        sy.expect(slope_y[at], "slope_y", at);
+      }
+  }
+}
+
+TEST(VectorKernels, SplineAtAnyPlaceIsTheSplineItself) {
+  std::mt19937 random(8);
+  constexpr int kWidth = 23, kHeight = 19;
+  Picture picture(kWidth, kHeight);
+  const auto levels = draw(random, 100, 50, kWidth * kHeight);
+  std::copy(levels.begin(), levels.end(), picture.levels().begin());
+  const QuinticSpline spline(picture);
+  std::vector<float> x = draw(random, 0.5 * kWidth, 0.5 * kWidth + 8, 500), y(x);
+  y = draw(random, 0.5 * kHeight, 0.5 * kHeight + 8, 500);
+  x[0] = y[0] = 7;  // whole
+  x[1] = -0.25F;
+  for (const SplineKernels& kernels : all_spline_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    std::vector<float> value(x.size()), slope_x(x), slope_y(x), alone(x);
+    const SplinePlaces places{
+        spline.coefficient(0, 0), spline.stride(), kWidth, kHeight, x.data(), y.data(), x.size()};
+    kernels.at(places, value.data(), slope_x.data(), slope_y.data());
+    kernels.at(places, alone.data(), nullptr, nullptr);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const bool clamped = x[k] < -5 || y[k] < -5 || x[k] > kWidth + 3.9F || y[k] > kHeight + 3.9F;
+      const SplineSample slow = spline.sample(x[k], y[k]);
+      // Beyond the border the spline still has its slope where the place is held at 4 - 0.01 or 0.001 px.
+      EXPECT_NEAR(value[k], slow.value, clamped ? 1.0 : 2e-3) << x[k] << ' ' << y[k];
+      EXPECT_EQ(alone[k], value[k]);
+      if (clamped) continue;
+      EXPECT_NEAR(slope_x[k], slow.slope_x, 2e-3) << x[k] << ' ' << y[k];
+      EXPECT_NEAR(slope_y[k], slow.slope_y, 2e-3) << x[k] << ' ' << y[k];
+    }
+  }
+}
+
+TEST(VectorKernels, SplitSumsAreThoseOfTheSixBySixWeights) {
+  std::mt19937 random(9);
+  constexpr int kSize = 30, kRow = 13;
+  const auto coefficients = draw(random, 0, 20, kSize * kSize), cover = draw(random, 0.5, 0.5, kRow),
+             given = draw(random, 50, 40, kRow);
+  auto weight = draw(random, 2, 2, kRow);
+  weight[4] = 0;
+  const double theta = 0.7, x0 = 9.3, y0 = 8.6;
+  for (const SplitKernels& kernels : all_split_kernels())
+    for (const bool turning : {false, true}) {
+      SCOPED_TRACE(kernels.name);
+      std::vector<float> sums(kSize * kSize, 0), standing(kRow, 1);
+      SplitRow row;
+      row.origin = coefficients.data();
+      row.sums = sums.data();
+      row.stride = kSize;
+      row.x = static_cast<float>(x0);
+      row.y = static_cast<float>(y0);
+      row.c = static_cast<float>(std::cos(theta));
+      row.s = static_cast<float>(std::sin(theta));
+      row.cover = cover.data();
+      row.weight = weight.data();
+      row.given = given.data();
+      row.standing = standing.data();
+      row.count = kRow;
+      kernels.add(row, turning);
+      std::vector<SlowSum> slow(kSize * kSize);
+      for (std::size_t k = 0; k < kRow; ++k) {
+        const double x = x0 + static_cast<double>(k) * std::cos(theta),
+                     y = y0 + static_cast<double>(k) * std::sin(theta);
+        const auto wx = quintic_weights(x - std::floor(x)), wy = quintic_weights(y - std::floor(y));
+        const auto at = [&](std::size_t i, std::size_t j) {
+          return (static_cast<std::size_t>(y) + j - 2) * kSize + static_cast<std::size_t>(x) + i - 2;
+        };
+        double value = given[k];
+        for (std::size_t j = 0; turning && j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i)
+            value += double{cover[k]} * wx[i] * wy[j] * double{coefficients[at(i, j)]};
+        const double g = weight[k] * value;
+        EXPECT_NEAR(standing[k], 1 + g, 1e-4 * std::abs(g) + 1e-6);
+        for (std::size_t j = 0; j < 6; ++j)
+          for (std::size_t i = 0; i < 6; ++i) slow[at(i, j)].add(double{cover[k]} * g * wx[i] * wy[j]);
+      }
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        EXPECT_NEAR(sums[i], slow[i].value, 1e-4 * slow[i].size + 2e-4);
+    }
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,84 @@
+#include "vision/synthesis/noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace tribotrack::vision {
+namespace {
+
+TEST(NormalQuantile, InvertsTheDistribution) {
+  for (double x = -8; x <= 0; x += 0.125) {
+    EXPECT_NEAR(normal_quantile(0.5 * std::erfc(-x / std::sqrt(2.0))), x, 1e-12 * (1 + std::abs(x)));
+  }
+  EXPECT_NEAR(normal_quantile(0.5), 0, 1e-15);
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-13);
+  EXPECT_NEAR(normal_quantile(0.3), -normal_quantile(0.7), 1e-14);
+  EXPECT_EQ(normal_quantile(0), -INFINITY);
+  EXPECT_EQ(normal_quantile(1), INFINITY);
+}
+
+TEST(CounterRandom, DependsOnSeedStreamAndCounterAlone) {
+  const CounterRandom a(1, 2), again(1, 2), other_seed(3, 2), other_stream(1, 3);
+  EXPECT_EQ(a.bits(77), again.bits(77));
+  EXPECT_NE(a.bits(77), other_seed.bits(77));
+  EXPECT_NE(a.bits(77), other_stream.bits(77));
+  EXPECT_NE(a.bits(77), a.bits(78));
+}
+
+TEST(CounterRandom, UniformFillsTheUnitInterval) {
+  const CounterRandom random(5, 0);
+  const int n = 1000000;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < n; ++i) {
+    const double u = random.uniform(i) - 0.5;
+    ASSERT_LT(std::abs(u), 0.5);
+    sum += u;
+    squares += u * u;
+  }
+  EXPECT_NEAR(sum / n, 0, 4 * std::sqrt(1.0 / 12 / n));
+  EXPECT_NEAR(squares / n, 1.0 / 12, 4 * std::sqrt(1.0 / 180 / n));
+}
+
+TEST(CounterRandom, GaussianHasTheMomentsAndTailsOfTheNormalDistribution) {
+  const CounterRandom random(11, 4);
+  const int n = 8000000;
+  std::vector<double> beyond(6, 0.0);
+  double m1 = 0, m2 = 0, m3 = 0, m4 = 0, neighbours = 0, previous = 0;
+  for (int i = 0; i < n; ++i) {
+    const double x = random.gaussian(i);
+    m1 += x;
+    m2 += x * x;
+    m3 += x * x * x;
+    m4 += x * x * x * x;
+    neighbours += x * previous;
+    previous = x;
+    for (int t = 0; t < 6 && std::abs(x) > t; ++t) beyond[t] += 1;
+  }
+  // Four standard errors; the variances of x, x^2, x^3, x^4 are 1, 2, 15, 96.
+  EXPECT_NEAR(m1 / n, 0, 4 / std::sqrt(n));
+  EXPECT_NEAR(m2 / n, 1, 4 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(m3 / n, 0, 4 * std::sqrt(15.0 / n));
+  EXPECT_NEAR(m4 / n, 3, 4 * std::sqrt(96.0 / n));
+  EXPECT_NEAR(neighbours / n, 0, 4 / std::sqrt(n));
+  for (int t = 1; t < 6; ++t) {
+    const double expected = n * std::erfc(t / std::sqrt(2.0));
+    EXPECT_NEAR(beyond[t], expected, 4 * std::sqrt(expected) + 1e-3 * expected) << t << " sd";
+  }
+}
+
+TEST(CounterRandom, StreamsOfSuccessiveFramesAreUncorrelated) {
+  const int n = 400000;
+  const CounterRandom a(1, 1000), b(1, 1001);
+  double product = 0, shifted = 0;
+  for (int i = 0; i < n; ++i) {
+    product += static_cast<double>(a.gaussian(i)) * b.gaussian(i);
+    shifted += static_cast<double>(a.gaussian(i + 1)) * b.gaussian(i);
+  }
+  EXPECT_NEAR(product / n, 0, 4 / std::sqrt(n));
+  EXPECT_NEAR(shifted / n, 0, 4 / std::sqrt(n));
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,153 @@
+#include "vision/camera/frame_cache.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "vision/io/level_conversion.h"
+#include "vision/io/window.h"
+
+namespace tribotrack::vision {
+namespace {
+
+#if defined(__x86_64__)
+#define TRIBOTRACK_WIDEST [[gnu::target_clones("arch=haswell", "default")]]
+#else
+#define TRIBOTRACK_WIDEST
+#endif
+
+/// The fewest bytes that hold these levels exactly.
+TRIBOTRACK_WIDEST int bytes_for(std::span<const float> levels) {
+  float largest = 0, off = 0;
+  for (const float level : levels) {
+    // Out of an integer's range no level is whole here.
+    const float nearby = level < 0 ? 0.0F : level > 65535 ? 65535.0F : level;
+    const float beside = std::abs(level - static_cast<float>(static_cast<std::int32_t>(nearby)));
+    off = beside > off ? beside : off;
+    largest = level > largest ? level : largest;
+  }
+  if (!(off == 0)) return 4;
+  return largest <= 255 ? 1 : 2;
+}
+
+TRIBOTRACK_WIDEST void narrow(std::span<const float> levels, std::uint8_t* to) {
+  for (std::size_t i = 0; i < levels.size(); ++i) to[i] = static_cast<std::uint8_t>(levels[i]);
+}
+TRIBOTRACK_WIDEST void narrow_16(std::span<const float> levels, std::uint8_t* to) {
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const auto level = static_cast<std::uint16_t>(levels[i]);
+    std::memcpy(to + 2 * i, &level, sizeof level);
+  }
+}
+#undef TRIBOTRACK_WIDEST
+
+bool write_all(int descriptor, const std::vector<std::uint8_t>& bytes, std::int64_t offset) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t wrote = ::pwrite(descriptor, bytes.data() + done, bytes.size() - done,
+                                   static_cast<off_t>(offset) + static_cast<off_t>(done));
+    if (wrote <= 0) return false;
+    done += static_cast<std::size_t>(wrote);
+  }
+  return true;
+}
+
+}  // namespace
+
+KeptFrames::KeptFrames(FrameSource& source, std::int64_t most_bytes)
+    : source_(source), most_bytes_(most_bytes), keeping_(source.info().decoded) {
+  info_ = source.info();
+}
+
+KeptFrames::~KeptFrames() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+/// Nobody else sees the file, and it is gone when the process ends, however it ends.
+bool KeptFrames::open_file() {
+  if (descriptor_ >= 0) return true;
+  std::error_code error;
+  const auto folder = std::filesystem::temp_directory_path(error);
+  if (error) return false;
+  const auto space = std::filesystem::space(folder, error);
+  if (error) return false;
+  most_bytes_ = std::min(most_bytes_, static_cast<std::int64_t>(space.available / 2));
+  std::string name = (folder / "tribotrack-kept-XXXXXX").string();
+  descriptor_ = ::mkstemp(name.data());
+  if (descriptor_ < 0) return false;
+  ::unlink(name.c_str());
+  return true;
+}
+
+/// The file no longer holds what was written to it, or cannot be written: all of it is read anew.
+void KeptFrames::give_up() {
+  keeping_ = false;
+  places_.clear();
+}
+
+const KeptFrames::Place* KeptFrames::find(std::int64_t index, const Rect& window) const {
+  const auto found = places_.find(index);
+  return found != places_.end() && found->second.window.contains(window) ? &found->second : nullptr;
+}
+
+void KeptFrames::keep(std::int64_t index, const Rect& window) {
+  if (!keeping_ || window.width <= 0 || window.height <= 0 || find(index, window)) return;
+  source_.read(index, window, picture_);
+  Place place{window, end_, bytes_for(picture_.levels())};
+  bytes_.resize(picture_.levels().size() * static_cast<std::size_t>(place.bytes));
+  if (place.bytes == 1)
+    narrow(picture_.levels(), bytes_.data());
+  else if (place.bytes == 2)
+    narrow_16(picture_.levels(), bytes_.data());
+  else
+    std::memcpy(bytes_.data(), picture_.levels().data(), bytes_.size());
+  if (!open_file() || end_ + static_cast<std::int64_t>(bytes_.size()) > most_bytes_ ||
+      !write_all(descriptor_, bytes_, end_)) {
+    keeping_ = false;
+    return;
+  }
+  end_ += static_cast<std::int64_t>(bytes_.size());
+  places_.insert_or_assign(index, place);
+}
+
+/// Its rows from the first to the last in one go: what lies between them is little or wanted.
+bool KeptFrames::read_back(const Place& place, const Rect& window, Picture& picture) {
+  const auto level_bytes = static_cast<std::size_t>(place.bytes);
+  const std::size_t row_bytes = level_bytes * static_cast<std::size_t>(place.window.width);
+  const auto top = static_cast<std::size_t>(window.y - place.window.y);
+  const auto left = static_cast<std::size_t>(window.x - place.window.x) * level_bytes;
+  bytes_.resize(row_bytes * static_cast<std::size_t>(window.height));
+  std::int64_t from = place.offset + static_cast<std::int64_t>(top * row_bytes);
+  for (std::size_t done = 0; done < bytes_.size();) {
+    const ssize_t got = ::pread(descriptor_, bytes_.data() + done, bytes_.size() - done, from);
+    if (got <= 0) return false;
+    done += static_cast<std::size_t>(got);
+    from += got;
+  }
+  for (int y = 0; y < window.height; ++y) {
+    const std::uint8_t* row = bytes_.data() + static_cast<std::size_t>(y) * row_bytes + left;
+    const std::span<float> levels = picture.row(y);
+    if (place.bytes == 1)
+      copy_levels(row, levels);
+    else if (place.bytes == 2)
+      copy_levels_16(row, levels);
+    else
+      std::memcpy(levels.data(), row, levels.size_bytes());
+  }
+  return true;
+}
+
+void KeptFrames::read(std::int64_t index, const Rect& window, Picture& picture) {
+  if (const Place* place = find(index, window)) {
+    prepare_window(info_, index, window, picture);
+    if (read_back(*place, window, picture)) return;
+    give_up();
+  }
+  source_.read(index, window, picture);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,170 @@
+#include "vision/discs/rim_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "vision/discs/rim_model.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::array<int, 4> kCurved = {7, 8, 9, 13};  ///< that only large discs have
+constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels inside their rim
+constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for sectors
+constexpr int kRounds = 4;            ///< of weights, the first all alike
+constexpr int kRoundsFromNear = 2;    ///< where the start already tells the weights
+constexpr int kSteps = 25;            ///< for given weights, at most
+constexpr double kTukey = 6;          ///< sd: what is further off does not count
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Normal matrix, gradient and cost; what small discs do not have is held.
+RimSums normal_equations(const RimParameters& p, const RimPixels& pixels, bool curved) {
+  RimSums sums = rim_sums(p, pixels);
+  if (!curved)
+    for (const int i : kCurved) {
+      sums.normal.row(i).setZero();
+      sums.normal.col(i).setZero();
+      sums.normal(i, i) = 1;
+      sums.gradient(i) = 0;
+    }
+  return sums;
+}
+
+/// For given weights, from p, which it changes. Returns the last normal matrix.
+RimCovariance settle(RimParameters& p, const RimPixels& pixels, bool curved, double tolerance,
+                     double& damping) {
+  RimSums at = normal_equations(p, pixels, curved);
+  for (int k = 0; k < kSteps; ++k) {
+    bool improved = false;
+    for (int tries = 0; tries < 8 && !improved; ++tries) {
+      RimCovariance damped = at.normal;
+      damped.diagonal() *= 1 + damping;
+      const RimParameters step = damped.ldlt().solve(at.gradient);
+      RimParameters trial = p + step;
+      trial(3) = std::clamp(trial(3), 0.3, 0.5 * std::max(1.0, trial(2)));
+      if (step.head<4>().cwiseAbs().maxCoeff() < tolerance) {
+        p = trial;
+        return at.normal;
+      }
+      if (trial(2) > 1) {
+        RimSums there = normal_equations(trial, pixels, curved);
+        improved = there.cost <= at.cost;
+        if (improved) {
+          p = trial;
+          at = there;
+        }
+      }
+      damping = improved ? std::max(1e-9, damping / 10) : damping * 10;
+    }
+    if (!improved) break;
+  }
+  return at.normal;
+}
+
+struct Influence {
+  double weight = 0, square = 0, slope = 0;  ///< sums of w, psi^2, psi'
+  double weighted_square = 0;
+};
+
+/// Tukey's weights by the pixels' residuals.
+Influence weigh(const std::vector<double>& residuals, RimPixels& pixels) {
+  std::vector<double> sizes(residuals.size());
+  std::ranges::transform(residuals, sizes.begin(), [](double r) { return std::abs(r); });
+  const double scale = std::max(0.3, 1.4826 * median_of(sizes));
+  Influence sums;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const double t = residuals[i] / (kTukey * scale), rest = std::max(0.0, 1 - t * t);
+    const double weight = rest * rest, square = residuals[i] * residuals[i];
+    pixels.weight[i] = weight;
+    sums.weight += weight;
+    sums.weighted_square += weight * square;
+    sums.square += weight * weight * square;
+    sums.slope += rest * (1 - 5 * t * t);
+  }
+  return sums;
+}
+
+/// What the residuals of each sector of the rim do to the radius: -(N^-1 sum w g r)_R.
+std::vector<double> sector_pull(const RimPixels& pixels, const RimParameters& p,
+                                const RimCovariance& inverse_normal) {
+  if (p(2) < kSectorRadius) return {};
+  const std::vector<double> pulls = rim_pulls(p, pixels, inverse_normal.row(2));
+  std::vector<double> pull(kSectors, 0);
+  for (std::size_t i = 0; i < pulls.size(); ++i) {
+    const double turn = 0.5 + std::atan2(pixels.y[i] - p(1), pixels.x[i] - p(0)) / (2 * kPi);
+    pull[std::min(static_cast<std::size_t>(turn * kSectors), kSectors - 1)] += pulls[i];
+  }
+  return pull;
+}
+
+}  // namespace
+
+RimPixels rim_pixels(const Picture& picture, const Circle& c, double band) {
+  RimPixels pixels;
+  const auto expected = static_cast<std::size_t>(std::max(0.0, 4.2 * kPi * c.radius * band) + 64);
+  for (auto* v : {&pixels.x, &pixels.y, &pixels.level}) v->reserve(expected);
+  const double reach = c.radius + band;
+  const int x0 = std::max(0, static_cast<int>(std::floor(c.x - reach)));
+  const int x1 = std::min(picture.width() - 1, static_cast<int>(std::ceil(c.x + reach)));
+  const int y0 = std::max(0, static_cast<int>(std::floor(c.y - reach)));
+  const int y1 = std::min(picture.height() - 1, static_cast<int>(std::ceil(c.y + reach)));
+  const double least = std::pow(std::max(0.0, c.radius - band), 2), most = reach * reach;
+  for (int y = y0; y <= y1; ++y) {
+    const float* row = picture.row(y).data();
+    for (int x = x0; x <= x1; ++x) {
+      const double square = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
+      if (square < least || square > most) continue;
+      pixels.x.push_back(x);
+      pixels.y.push_back(y);
+      pixels.level.push_back(static_cast<double>(row[x]));
+    }
+  }
+  pixels.weight.assign(pixels.x.size(), 1);
+  return pixels;
+}
+
+bool rim_curves(const RimParameters& p) {
+  return p(2) >= kCurvedRadius;
+}
+
+double rim_band(const RimParameters& p) {
+  const double band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
+  // A level that may curve needs pixels to tell its slope by.
+  return rim_curves(p) ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
+}
+
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options) {
+  RimFit fit;
+  fit.p = start;
+  double damping = options.damping;
+  RimCovariance normal;
+  Influence influence;
+  const int rounds = options.from_near ? kRoundsFromNear : kRounds;
+  if (options.from_near) weigh(rim_residuals(fit.p, pixels), pixels);
+  for (int round = 0; round < rounds; ++round) {
+    normal =
+        settle(fit.p, pixels, curved, round + 1 < rounds ? options.on_the_way : options.tolerance, damping);
+    influence = weigh(rim_residuals(fit.p, pixels), pixels);
+  }
+  fit.residual_rms = std::sqrt(influence.weighted_square / std::max(1.0, influence.weight - kRimParameters));
+  const RimCovariance inverse_normal = normal.ldlt().solve(RimCovariance::Identity());
+  // Huber (1981): with psi = w r the covariance is E[psi^2] / E[psi']^2 (sum g g^T)^-1, g the slopes.
+  const auto count = static_cast<double>(pixels.x.size());
+  const double gain = influence.weight / std::max(1.0, influence.slope);
+  fit.covariance = inverse_normal * gain * gain * (influence.square / influence.weight) * count /
+                   std::max(1.0, count - kRimParameters);
+  fit.sector_pull = sector_pull(pixels, fit.p, inverse_normal);
+  for (double& pull : fit.sector_pull) pull *= gain;
+  return fit;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,254 @@
+#include "vision/following/pattern_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kEdgeMargin = 1.0;       ///< px around the part that must be in the picture
+constexpr double kNccDrop = 0.8;          ///< of the usual score: below it the match is not believed
+constexpr double kRefoundNccDrop = 0.88;  ///< the same for a part found far from where it was expected
+constexpr int kAngles = 24;
+constexpr double kDirectSearchWork = 3e7;  ///< multiplications; beyond, search on a reduced picture first
+
+double distance(const Point& a, const Point& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+Rect clipped(const Rect& r, const Rect& bounds) {
+  const int x0 = std::max(r.x, bounds.x);
+  const int y0 = std::max(r.y, bounds.y);
+  const int x1 = std::min(r.x + r.width, bounds.x + bounds.width);
+  const int y1 = std::min(r.y + r.height, bounds.y + bounds.height);
+  return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+}
+
+RegistrationOptions registration_options(const FollowOptions& options) {
+  RegistrationOptions out;
+  out.noise_variance = options.noise_variance;
+  out.template_noise_share = options.template_noise_share;
+  out.rotation = options.rotation;
+  return out;
+}
+
+}  // namespace
+
+PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const Pattern& pattern,
+                                 const FollowOptions& options)
+    : options_(options),
+      pattern_(pattern),
+      registration_(first, pattern, registration_options(options)),
+      matcher_(search_template(first, pattern)),
+      matcher_offset_x_(pattern.centre.x - pattern.window.x),
+      matcher_offset_y_(pattern.centre.y - pattern.window.y),
+      look_alikes_(std::max(6.0, pattern.reach())) {
+  search_reference_ = matcher_.score(first, pattern.window.x, pattern.window.y);
+  motion_.add(index, pattern.centre);
+}
+
+FollowStep PatternFollower::step(FrameSource& source, std::int64_t index) {
+  const Rect bounds = source.bounds();
+  FollowStep out;
+  outside_.reset();
+  if (state_ == State::following || state_ == State::tentative) {
+    const Point predicted = motion_.at(index);
+    const double reach = options_.search_margin_px > 0
+                             ? options_.search_margin_px
+                             : std::clamp(motion_.reach(index), 3.0, std::max(40.0, pattern_.reach()));
+    if (pattern_.inside(bounds, predicted, kEdgeMargin - reach)) {
+      out.sighting = near(source, index, predicted, reach);
+      if (out.sighting) {
+        out.confirms_previous = state_ == State::tentative;
+        accept(index, *out.sighting);
+        state_ = State::following;
+        out.status = TrackStatus::ok;
+        return out;
+      }
+    }
+    if (state_ == State::tentative) {
+      motion_ = *before_tentative_;
+      state_ = before_state_;
+    } else {
+      look_alikes_known_ = false;
+      const bool at_edge =
+          outside_ || !pattern_.inside(bounds, predicted, kEdgeMargin + std::min(reach, 3.0));
+      state_ = at_edge ? State::left : State::lost;
+      if (outside_) {  // extrapolate from here
+        motion_.add(index, outside_->position);
+        out.status = TrackStatus::edge;
+        return out;
+      }
+    }
+  }
+  if (options_.search_whole_frame) {
+    out.sighting = search(source, index);
+    if (out.sighting) {
+      before_tentative_ = motion_;
+      before_state_ = state_;
+      if (index - motion_.last_frame() > 3) motion_ = MotionPrediction();
+      accept(index, *out.sighting);
+      state_ = State::tentative;
+      out.tentative = true;
+    }
+  } else if (state_ == State::lost) {
+    out.sighting = near(source, index, motion_.last(), std::max(40.0, pattern_.reach()));
+    if (out.sighting) {
+      accept(index, *out.sighting);
+      state_ = State::following;
+      out.status = TrackStatus::ok;
+      return out;
+    }
+  }
+  out.status = missing_status(bounds, index);
+  return out;
+}
+
+TrackStatus PatternFollower::missing_status(const Rect& bounds, std::int64_t index) const {
+  if (state_ != State::left) return TrackStatus::lost;
+  return pattern_.overlaps(bounds, motion_.at(index)) ? TrackStatus::edge : TrackStatus::lost;
+}
+
+Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
+  Pose pose{position.x - pattern_.centre.x, position.y - pattern_.centre.y, 0};
+  if (!angles_.empty()) {
+    pose.theta = angles_.back().second;
+    if (angles_.size() == 2 && angles_[1].first - angles_[0].first == 1 && index - angles_[1].first <= 2)
+      pose.theta += static_cast<double>(index - angles_[1].first) * (angles_[1].second - angles_[0].second);
+  }
+  return pose;
+}
+
+void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
+  motion_.add(index, sighting.position);
+  // Slowly: the usual score of this recording, not that of the last bad frame.
+  reference_ncc_ += 0.05 * (sighting.ncc - reference_ncc_);
+  if (options_.rotation) {
+    angles_.emplace_back(index, sighting.pose.theta);
+    if (angles_.size() > 2) angles_.erase(angles_.begin());
+  }
+}
+
+std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& start, double max_distance) {
+  const Registration r = registration_.refine(picture_, window.x, window.y, start);
+  if (!r.converged || r.gain < 0.3 || r.gain > 3) return std::nullopt;
+  if (r.ncc < std::max(options_.min_ncc, kNccDrop * reference_ncc_)) return std::nullopt;
+  if (std::hypot(r.pose.dx - start.dx, r.pose.dy - start.dy) > max_distance) return std::nullopt;
+  Sighting s;
+  s.position = {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy};
+  s.pose = r.pose;
+  s.covariance = r.covariance;
+  s.ncc = r.ncc;
+  s.residual_rms = r.residual_rms;
+  s.excess_rms = r.excess_rms;
+  return s;
+}
+
+/// From the predicted angle; where the texture has turned too far for that, from the best of all angles.
+std::optional<Sighting> PatternFollower::refine_any_angle(const Rect& window, const Pose& start,
+                                                          double max_distance) {
+  auto best = refine(window, start, max_distance);
+  if (!options_.rotation || (best && best->ncc > 0.97 * reference_ncc_)) return best;
+  Pose turned = start;
+  double top = -1;
+  for (int k = 0; k < kAngles; ++k) {
+    Pose trial = start;
+    trial.theta += 2 * std::numbers::pi * k / kAngles;
+    const double score = registration_.score(picture_, window.x, window.y, trial);
+    if (score > top) {
+      top = score;
+      turned = trial;
+    }
+  }
+  auto other = refine(window, turned, max_distance);
+  return other && (!best || other->ncc > best->ncc + 0.01) ? other : best;
+}
+
+std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t index, const Point& predicted,
+                                              double reach) {
+  const Rect bounds = source.bounds();
+  const int margin = static_cast<int>(std::ceil(reach)) + 2;
+  const int shift_x = static_cast<int>(std::lround(predicted.x - pattern_.centre.x));
+  const int shift_y = static_cast<int>(std::lround(predicted.y - pattern_.centre.y));
+  const Rect& w = pattern_.window;
+  const Rect window = clipped(
+      {w.x + shift_x - margin, w.y + shift_y - margin, w.width + 2 * margin, w.height + 2 * margin}, bounds);
+  if (window.width < w.width / 2 || window.height < w.height / 2) return std::nullopt;
+  source.read(index, window, picture_);
+
+  const auto checked = [&](std::optional<Sighting> s) -> std::optional<Sighting> {
+    if (s && !pattern_.inside(bounds, s->position, kEdgeMargin)) {
+      outside_ = s;
+      return std::nullopt;
+    }
+    return s;
+  };
+  const Pose start = pose_at(predicted, index);
+  if (auto s = refine(window, start, reach); s && s->ncc > 0.95 * reference_ncc_) {
+    ++effort_.proved_by_refinement;
+    return checked(s);
+  }
+  ++effort_.window_searches;
+  Match match;
+  const double positions =
+      (window.width - matcher_.width() + 1.0) * (window.height - matcher_.height() + 1.0);
+  if (window.width >= matcher_.width() && window.height >= matcher_.height()) {
+    if (positions * w.width * w.height < kDirectSearchWork) {
+      match = matcher_.best(picture_, 0, 0, window.width, window.height);
+    } else if (const auto found = matcher_.search(picture_, 0.5 * search_reference_, pattern_.reach(), 1);
+               !found.empty()) {
+      match = found.front();
+    }
+  }
+  if (match.ncc < 0.7 * search_reference_) {
+    // Perhaps half out of the picture, where whole positions cannot be tried.
+    return checked(refine(window, start, reach));
+  }
+  const Point place{window.x + match.x + matcher_offset_x_, window.y + match.y + matcher_offset_y_};
+  return checked(refine_any_angle(window, pose_at(place, index), 2.5));
+}
+
+std::vector<Point> PatternFollower::candidates(FrameSource& source, std::int64_t index) {
+  source.read(index, source.bounds(), picture_);
+  ++effort_.whole_frame_searches;
+  std::vector<Point> out;
+  for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), 12))
+    out.push_back({m.x + matcher_offset_x_, m.y + matcher_offset_y_});
+  return out;
+}
+
+/// What else looked like the part when the part was last seen.
+void PatternFollower::remember_look_alikes(FrameSource& source) {
+  look_alikes_.clear();
+  for (const Point& c : candidates(source, motion_.last_frame()))
+    if (distance(c, motion_.last()) > 0.6 * pattern_.reach()) look_alikes_.add(c);
+  look_alikes_known_ = true;
+}
+
+std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_t index) {
+  if (!look_alikes_known_) remember_look_alikes(source);
+  const Rect bounds = source.bounds();
+  std::optional<Sighting> best;
+  const auto gap = static_cast<double>(index - motion_.last_frame());
+  const double reachable = std::max(64.0, 2 * pattern_.reach()) + 2 * motion_.top_speed() * gap;
+  // What has left the picture comes back through its border.
+  const double band = kEdgeMargin + std::max(pattern_.reach(), 2 * motion_.top_speed());
+  for (const Point& c : look_alikes_.unexplained(candidates(source, index))) {
+    const bool possible =
+        distance(c, motion_.at(index)) <= reachable || distance(c, motion_.last()) <= reachable;
+    const bool entered = state_ != State::left || !pattern_.inside(bounds, c, band);
+    std::optional<Sighting> s;
+    if (possible && entered) s = refine_any_angle(bounds, pose_at(c, index), 2.5);
+    if (s && s->ncc < kRefoundNccDrop * reference_ncc_) s.reset();
+    if (s && !pattern_.inside(bounds, s->position, kEdgeMargin)) s.reset();
+    if (!s) {
+      if (!(possible && entered)) look_alikes_.add(c);
+      continue;
+    }
+    if (!best || s->ncc > best->ncc) best = s;
+  }
+  return best;
+}
+
+}  // namespace tribotrack::vision

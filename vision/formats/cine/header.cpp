@@ -1,0 +1,200 @@
+#include "vision/formats/cine/header.h"
+
+#include <bit>
+#include <string>
+
+#include "vision/formats/cine/layout.h"
+#include "vision/io/in_quotes.h"
+#include "vision/io/little_endian.h"
+#include "vision/formats/cine/p10.h"
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+namespace at = cine_layout;
+
+[[noreturn]] void refuse(const MappedFile& file, const std::string& reason) {
+  throw InputError(in_quotes(file.path()) + " " + reason);
+}
+
+template <typename Number>
+std::optional<Number> field(Bytes block, std::size_t offset) {
+  if (offset + sizeof(Number) > block.size()) return std::nullopt;
+  return load<Number>(block, offset);
+}
+
+void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
+  const auto width = load<std::int32_t>(bitmap, at::bitmap_width);
+  const auto height = load<std::int32_t>(bitmap, at::bitmap_height);
+  constexpr std::int32_t largest = 1 << 15;
+  if (width <= 0 || height == 0 || width > largest || height > largest || height < -largest)
+    refuse(file, "is damaged: its header claims a picture of " + std::to_string(width) + " x " +
+                     std::to_string(height) + " pixels; copy the recording again");
+  header.width = width;
+  header.height = height < 0 ? -height : height;
+
+  const auto bits = load<std::uint16_t>(bitmap, at::bitmap_bits);
+  const auto packing = load<std::uint32_t>(bitmap, at::bitmap_packing);
+  const auto pixels = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
+  if (packing == at::packed_10 || packing == at::packed_12_linear) {
+    header.pixels = packing == at::packed_10 ? CinePixels::p10 : CinePixels::p12l;
+    header.top_down = true;
+    header.bits = 12;
+    header.image_bytes = packing == at::packed_10 ? p10_bytes(pixels) : p12l_bytes(pixels);
+    return;
+  }
+  if (packing != at::unpacked)
+    refuse(file, "packs its pixels in a form (biCompression " + std::to_string(packing) +
+                     ") that is not known here; export it as uncompressed .cine or TIFF");
+  switch (bits) {
+    case 8:
+      header.pixels = CinePixels::grey8;
+      break;
+    case 16:
+      header.pixels = CinePixels::grey16;
+      break;
+    case 24:
+      header.pixels = CinePixels::bgr24;
+      break;
+    case 48:
+      header.pixels = CinePixels::bgr48;
+      break;
+    default:
+      refuse(file, "is damaged or of an unknown kind: " + std::to_string(bits) +
+                       " bits per pixel, where 8, 16, 24 or 48 are known; export it as TIFF");
+  }
+  header.top_down = height < 0;
+  header.bits = bits == 16 || bits == 48 ? 16 : 8;
+  // Rows of a bitmap end on whole 32-bit words; a writer that forgot that shows in the image's size.
+  const std::uint64_t tight = static_cast<std::uint64_t>(header.width) * bits / 8;
+  const std::uint64_t padded = (tight + 3) / 4 * 4;
+  const auto stated = load<std::uint32_t>(bitmap, at::bitmap_image_bytes);
+  const auto rows = static_cast<std::uint64_t>(header.height);
+  header.row_bytes = stated >= tight * rows && stated < padded * rows ? tight : padded;
+  header.image_bytes = header.row_bytes * rows;
+}
+
+int significant_bits(const CineHeader& header, std::optional<std::uint32_t> real_bits, std::uint32_t levels) {
+  if (header.pixels != CinePixels::grey16 && header.pixels != CinePixels::bgr48) return header.bits;
+  if (real_bits && *real_bits >= 8 && *real_bits <= 16) return static_cast<int>(*real_bits);
+  if (levels > 256 && levels <= 65536 && std::has_single_bit(levels)) return std::countr_zero(levels);
+  return 16;
+}
+
+void refuse_colour_mosaic(const MappedFile& file, std::uint16_t compression, std::uint32_t filter) {
+  if (compression == at::lead_jpeg)
+    refuse(file, "holds JPEG pictures (LEAD), which are not read; export it as uncompressed .cine or TIFF");
+  if (compression != at::grey_or_rgb && compression != at::colour_mosaic)
+    refuse(file, "is compressed in a form (Compression " + std::to_string(compression) +
+                     ") that is not known here; export it as uncompressed .cine or TIFF");
+  if (compression == at::colour_mosaic)
+    refuse(file, "is a raw recording of a colour camera (colour filter mosaic, type " +
+                     std::to_string(filter) +
+                     "): neighbouring pixels see different colours, so it is no grey picture and nothing is "
+                     "measured in it; export it from the camera's program as grey .cine or as TIFF");
+}
+
+/// Walks the tagged blocks for the images' time stamps and exposures.
+void read_tagged_blocks(const MappedFile& file, std::uint64_t begin, std::uint64_t end, std::size_t count,
+                        CineHeader& header) {
+  while (begin + at::block_head_bytes <= end) {
+    const Bytes head = file.bytes(begin, at::block_head_bytes, "a tagged block");
+    const auto size = load<std::uint32_t>(head, 0);
+    const auto type = load<std::uint16_t>(head, 4);
+    if (size < at::block_head_bytes || size > end - begin)
+      refuse(file, "is damaged: the tagged block at byte " + std::to_string(begin) + " claims " +
+                       std::to_string(size) + " bytes; copy the recording again");
+    const Bytes body = file.bytes(begin, size, "a tagged block").subspan(at::block_head_bytes);
+    if (type == at::time_block && body.size() >= count * sizeof(CineTime)) {
+      header.stamps.resize(count);
+      for (std::size_t i = 0; i < count; ++i)
+        header.stamps[i] = load<CineTime>(body, i * sizeof(CineTime)) & cine_time_mask;
+    }
+    if (type == at::exposure_block && body.size() >= count * sizeof(std::uint32_t)) {
+      header.exposures_s.resize(count);
+      for (std::size_t i = 0; i < count; ++i)
+        header.exposures_s[i] = load<std::uint32_t>(body, i * sizeof(std::uint32_t)) * 0x1p-32;
+      if (!header.exposure_s) header.exposure_s = header.exposures_s.front();
+    }
+    begin += size;
+  }
+}
+
+void read_image_table(const MappedFile& file, std::uint64_t position, std::uint32_t count, bool wide,
+                      CineHeader& header) {
+  const std::uint64_t entry = wide ? 8 : 4;
+  const Bytes table =
+      file.bytes(position, entry * count, "the table of " + std::to_string(count) + " images");
+  constexpr std::uint64_t least_annotation = 8;
+  header.image_offsets.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint64_t offset =
+        wide ? load<std::uint64_t>(table, i * entry) : load<std::uint32_t>(table, i * entry);
+    const std::uint64_t needed = least_annotation + header.image_bytes;
+    if (offset < at::file_header_bytes || offset > file.size() || needed > file.size() - offset)
+      refuse(file, "is cut short or damaged: image " + std::to_string(header.first_image_number + i) + " (" +
+                       std::to_string(i + 1) + " of " + std::to_string(count) + ") should take bytes " +
+                       std::to_string(offset) + " to " + std::to_string(offset + needed) +
+                       ", but the file has " + std::to_string(file.size()) +
+                       "; copy or save the recording again");
+    header.image_offsets[i] = offset;
+  }
+}
+
+}  // namespace
+
+double seconds_between(CineTime start, CineTime end) {
+  return static_cast<double>(static_cast<std::int64_t>(end - start)) * 0x1p-32;
+}
+
+CineHeader read_cine_header(const MappedFile& file) {
+  CineHeader header;
+  const Bytes head = file.bytes(0, at::file_header_bytes, "the .cine header");
+  if (head[0] != 'C' || head[1] != 'I')
+    refuse(file, "is no Phantom .cine (it does not begin with 'CI'); check the file and its extension");
+  const auto version = load<std::uint16_t>(head, at::version);
+  if (version > 1)
+    refuse(file, "is a .cine of version " + std::to_string(version) +
+                     ", but only 0 and 1 are known; export it as TIFF");
+  const auto count = load<std::uint32_t>(head, at::image_count);
+  if (count == 0) refuse(file, "holds no image (its header counts 0); save the recording again");
+  header.first_image_number = load<std::int32_t>(head, at::first_image_number);
+  header.trigger = load<CineTime>(head, at::trigger_time) & cine_time_mask;
+
+  const Bytes bitmap =
+      file.bytes(load<std::uint32_t>(head, at::bitmap_offset), at::bitmap_bytes, "the bitmap header");
+  const auto setup_position = load<std::uint32_t>(head, at::setup_offset);
+  const Bytes setup_head = file.bytes(setup_position, at::setup_length + 2, "the setup block");
+  const bool marked = load<std::uint16_t>(setup_head, at::setup_mark) == at::setup_mark_value;
+  const auto length = marked ? load<std::uint16_t>(setup_head, at::setup_length) : at::setup_mark;
+  const Bytes setup = file.bytes(setup_position, length, "the setup block");
+
+  refuse_colour_mosaic(file, load<std::uint16_t>(head, at::compression),
+                       field<std::uint32_t>(setup, at::colour_filter).value_or(0));
+  read_bitmap(file, bitmap, header);
+  header.bits = significant_bits(header, field<std::uint32_t>(setup, at::real_bits),
+                                 load<std::uint32_t>(bitmap, at::bitmap_levels));
+  header.short_rate = field<std::uint16_t>(setup, at::short_rate).value_or(0);
+  header.integer_rate = field<std::uint32_t>(setup, at::integer_rate).value_or(0);
+  header.camera_version = field<std::uint32_t>(setup, at::camera_version).value_or(0);
+  header.colour_filter = field<std::uint32_t>(setup, at::colour_filter).value_or(0) != 0;
+  header.shown_mirrored = field<std::uint32_t>(setup, at::flip_horizontal).value_or(0) != 0 ||
+                          field<std::uint32_t>(setup, at::flip_vertical).value_or(0) != 0;
+  const auto black = field<std::int32_t>(setup, at::black_level);
+  const auto white = field<std::int32_t>(setup, at::white_level);
+  if (black && white && *white > *black && *black >= 0 && *white <= 65535) {
+    header.black_level = black;
+    header.white_level = white;
+  }
+  if (const auto exposure = field<std::uint32_t>(setup, at::exposure_ns); exposure.value_or(0) > 0)
+    header.exposure_s = *exposure * 1e-9;
+
+  const auto table = load<std::uint32_t>(head, at::image_table_offset);
+  read_image_table(file, table, count, version == 1, header);
+  if (marked) read_tagged_blocks(file, setup_position + length, table, count, header);
+  return header;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,265 @@
+#include "vision/formats/cine/source.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+
+#include "vision/formats/cine/header.h"
+#include "vision/io/in_quotes.h"
+#include "vision/io/little_endian.h"
+#include "vision/io/level_conversion.h"
+#include "vision/formats/cine/p10.h"
+#include "vision/formats/cine/p10_table.h"
+#include "vision/timing/timestamp_check.h"
+#include "vision/io/window.h"
+
+namespace tribotrack::vision {
+namespace {
+
+std::string iso_8601(CineTime time) {
+  const auto seconds = static_cast<std::time_t>(time >> 32);
+  const auto micros = static_cast<unsigned>((time & 0xFFFFFFFF) * 1000000 >> 32);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char day[32];
+  std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &utc);
+  char text[48];
+  std::snprintf(text, sizeof text, "%s.%06uZ", day, micros);
+  return text;
+}
+
+std::string codec_name(const CineHeader& header) {
+  switch (header.pixels) {
+    case CinePixels::p10:
+      return "P10";
+    case CinePixels::p12l:
+      return "P12L";
+    case CinePixels::grey8:
+      return "uncompressed 8 bit";
+    case CinePixels::grey16:
+      return "uncompressed " + std::to_string(header.bits) + " in 16 bit";
+    case CinePixels::bgr24:
+      return "uncompressed colour, 3 x 8 bit";
+    default:
+      return "uncompressed colour, 3 x " + std::to_string(header.bits) + " in 16 bit";
+  }
+}
+
+/// Stamps as seconds since the first image; empty, with a note, where they do not rise.
+std::vector<double> stamps_since_first(const CineHeader& header, std::vector<std::string>& notes) {
+  std::vector<double> stamps(header.stamps.size());
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    stamps[i] = seconds_between(header.stamps[0], header.stamps[i]);
+    if (i > 0 && !(stamps[i] > stamps[i - 1])) {
+      notes.push_back("the camera's time stamps do not rise at image " +
+                      std::to_string(header.first_image_number + static_cast<std::int64_t>(i)) +
+                      " and are not used");
+      return {};
+    }
+  }
+  return stamps;
+}
+
+/// The camera stamps the beginning of an exposure; what moves is seen where it was in the middle. Where all
+/// exposures are alike the times since the first image do not change.
+void move_to_mid_exposure(std::vector<double>& stamps, const std::vector<double>& exposures) {
+  for (std::size_t i = 0; i < std::min(stamps.size(), exposures.size()); ++i)
+    stamps[i] += 0.5 * (exposures[i] - exposures[0]);
+}
+
+/// Exposures written image by image repeat the header's to a clock tick; else they vary. Images that do not
+/// belong to the recording have no say.
+bool exposures_vary(const std::vector<double>& exposures, const std::vector<std::int64_t>& strays) {
+  double least = 1e9, most = 0;
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    if (std::ranges::binary_search(strays, static_cast<std::int64_t>(i))) continue;
+    least = std::min(least, exposures[i]);
+    most = std::max(most, exposures[i]);
+  }
+  return most - least > std::max(1e-7, 1e-3 * most);
+}
+
+double linear_level(const CineHeader& header, int stored) {
+  if (header.pixels != CinePixels::p10) return stored;
+  return p10_linear_levels[static_cast<std::size_t>(std::clamp(stored, 0, 1023))];
+}
+
+std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, double stamped_rate,
+                                               const SourceOptions& options) {
+  std::vector<TimeBaseCandidate> candidates;
+  if (options.frame_rate_hz) candidates.push_back(user_rate(*options.frame_rate_hz));
+  if (header.integer_rate > 0)
+    candidates.push_back({"cine header", static_cast<double>(header.integer_rate), true,
+                          "FrameRateInt, written by the camera"});
+  else if (header.short_rate > 0)
+    candidates.push_back(
+        {"cine header", static_cast<double>(header.short_rate), true, "FrameRate, written by the camera"});
+  else
+    candidates.push_back({"cine header", 0, false, "its rate fields are 0"});
+  if (stamped_rate > 0)
+    candidates.push_back({"cine time stamps", stamped_rate, true, "rate of the camera's stamps"});
+  return candidates;
+}
+
+constexpr int kAhead = 8;               ///< rows that are fetched before they are used
+constexpr std::size_t kCacheLine = 64;  ///< bytes
+constexpr double kClockTick = 1e-6;     ///< s, the coarsest clock seen in a camera
+
+void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::string>& notes) {
+  const double rate = *info.time_base.rate_hz;
+  if (info.time_base.check.stretches.size() < 2 && stamped_rate > 0 &&
+      std::abs(stamped_rate / rate - 1) > 1e-3) {
+    char text[240];
+    std::snprintf(
+        text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated: each frame has %s",
+        stamped_rate, rate,
+        info.time_base.stamps_s.empty() ? "the time that the stated rate gives it" : "the time of its stamp");
+    notes.push_back(text);
+  }
+  for (std::string& finding : findings(info.time_base.check, info.first_number))
+    notes.push_back(std::move(finding));
+}
+
+class CineSource : public FrameSource {
+ public:
+  CineSource(const std::filesystem::path& path, const SourceOptions& options)
+      : file_(path), header_(read_cine_header(file_)), pixels_at_(header_.image_offsets.size()) {
+    info_.path = path;
+    info_.format = "cine";
+    info_.codec = codec_name(header_);
+    info_.width = header_.width;
+    info_.height = header_.height;
+    info_.bits = header_.bits;
+    info_.colour = header_.pixels == CinePixels::bgr24 || header_.pixels == CinePixels::bgr48;
+    info_.frame_count = static_cast<std::int64_t>(header_.image_offsets.size());
+    info_.first_number = header_.first_image_number;
+    info_.exposure_s = header_.exposure_s;
+    if (header_.camera_version > 0)
+      info_.camera = "Phantom, version " + std::to_string(header_.camera_version);
+    if (header_.trigger != 0) info_.trigger_time = iso_8601(header_.trigger);
+    if (header_.pixels == CinePixels::p10)
+      info_.notes.push_back("10-bit companded levels turned back to 12-bit linear ones");
+    if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+    if (header_.colour_filter && !info_.colour)
+      info_.notes.push_back(
+          "recorded by a colour camera and called grey by the file: look for a chequered pattern");
+    if (header_.shown_mirrored)
+      info_.notes.push_back(
+          "the camera's program shows this recording mirrored; pixels are handed out as stored");
+
+    if (header_.black_level) {
+      info_.black_level = linear_level(header_, *header_.black_level);
+      info_.white_level = linear_level(header_, *header_.white_level);
+    }
+    describe_time(options);
+  }
+
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    prepare_window(info_, index, window, picture);
+    file_.require_unshrunk();
+    const std::span<const std::uint8_t> pixels = image(index);
+    const bool in_rows = header_.pixels != CinePixels::p10 && header_.pixels != CinePixels::p12l;
+    for (int y = 0; y < window.height; ++y) {
+      if (in_rows && y + kAhead < window.height) fetch_row(pixels, window, window.y + y + kAhead);
+      read_row(pixels, window.x, window.y + y, picture.row(y));
+    }
+    file_.require_unshrunk();
+  }
+
+ private:
+  void describe_time(const SourceOptions& options) {
+    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
+    StampCheck check = check_stamps(stamps, kClockTick);
+    if (exposures_vary(header_.exposures_s, check.strays)) {
+      info_.exposures_s = header_.exposures_s;
+      info_.exposure_s = header_.exposures_s.front();
+      info_.notes.push_back("the exposure varies within the shot: a frame's time is the middle of its own");
+      move_to_mid_exposure(stamps, header_.exposures_s);
+    }
+    info_.time_base = choose_time_base(rate_candidates(header_, check.rate_hz, options));
+    if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
+    const double stamped_rate = check.rate_hz;
+    info_.time_base.check = std::move(check);
+    if (info_.time_base.known()) note_stamps(info_, stamped_rate, info_.notes);
+    if (options.frame_rate_hz && stamped_rate > 0)
+      info_.notes.push_back(
+          "the rate given beats the camera's own stamp of every frame; leave --fps out to use them");
+  }
+
+  /// The pixels of an image, behind its annotation, whose last word repeats their size: looked at once.
+  std::span<const std::uint8_t> image(std::int64_t index) {
+    const std::string what = "image " + std::to_string(number(index));
+    std::uint64_t& pixels = pixels_at_[static_cast<std::size_t>(index)];
+    if (pixels == 0) {
+      const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
+      const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
+      if (annotation < 8 || annotation > file_.size())
+        throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
+                         std::to_string(annotation) + " bytes; copy the recording again");
+      const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
+      if (size < header_.image_bytes)
+        throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
+                         " bytes of pixels where " + std::to_string(header_.image_bytes) +
+                         " are needed; copy the recording again");
+      pixels = offset + annotation;
+    }
+    return file_.bytes_unasked(pixels, header_.image_bytes, what);
+  }
+
+  /// A window's rows lie too far apart for the processor to see what comes next.
+  void fetch_row(std::span<const std::uint8_t> pixels, const Rect& window, int y) const {
+    const auto stored = static_cast<std::size_t>(header_.top_down ? y : header_.height - 1 - y);
+    const std::size_t bytes = header_.row_bytes / static_cast<std::size_t>(header_.width);
+    const std::uint8_t* row = pixels.data() + stored * header_.row_bytes;
+    const std::size_t end = bytes * static_cast<std::size_t>(window.x + window.width);
+    for (std::size_t at = bytes * static_cast<std::size_t>(window.x); at < end; at += kCacheLine)
+      __builtin_prefetch(row + at);
+  }
+
+  void read_row(std::span<const std::uint8_t> pixels, int x, int y, std::span<float> levels) const {
+    const auto first = static_cast<std::size_t>(x);
+    const auto width = static_cast<std::size_t>(header_.width);
+    if (header_.pixels == CinePixels::p10)
+      return unpack_p10(pixels, static_cast<std::size_t>(y) * width + first, levels);
+    if (header_.pixels == CinePixels::p12l)
+      return unpack_p12l(pixels, static_cast<std::size_t>(y) * width + first, levels);
+    const auto stored = static_cast<std::size_t>(header_.top_down ? y : header_.height - 1 - y);
+    const std::uint8_t* row = pixels.data() + stored * header_.row_bytes;
+    switch (header_.pixels) {
+      case CinePixels::grey8:
+        copy_levels(row + first, levels);
+        break;
+      case CinePixels::grey16:
+        copy_levels_16(row + 2 * first, levels);
+        break;
+      case CinePixels::bgr24:
+        luma_of_bgr(row + 3 * first, levels);
+        break;
+      default:
+        luma_of_bgr_16(row + 6 * first, levels);
+        break;
+    }
+  }
+
+  MappedFile file_;
+  CineHeader header_;
+  std::vector<std::uint64_t> pixels_at_;  ///< of each image; 0 before it is first read
+};
+
+}  // namespace
+
+bool looks_like_cine(const std::filesystem::path& path) {
+  std::array<char, 4> mark{};
+  std::ifstream(path, std::ios::binary).read(mark.data(), mark.size());
+  return mark == std::array<char, 4>{'C', 'I', 0x2C, 0};
+}
+
+std::unique_ptr<FrameSource> open_cine(const std::filesystem::path& path, const SourceOptions& options) {
+  return std::make_unique<CineSource>(path, options);
+}
+
+}  // namespace tribotrack::vision

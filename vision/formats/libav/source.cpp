@@ -1,0 +1,377 @@
+#include "vision/formats/libav/source.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
+#include <span>
+
+#include "vision/formats/libav/truncation_check.h"
+#include "vision/timing/container_timestamps.h"
+#include "vision/io/in_quotes.h"
+#include "vision/formats/libav/handles.h"
+#include "vision/formats/libav/pixels.h"
+#include "vision/io/mapped_file.h"
+#include "vision/timing/photron_sidecar.h"
+#include "vision/io/window.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/dict.h>
+#include <libavutil/pixdesc.h>
+}
+
+namespace tribotrack::vision {
+namespace {
+
+/// What the container says of one packet, in the order of decoding.
+struct PacketRecord {
+  std::int64_t pts = AV_NOPTS_VALUE;
+  std::int64_t dts = AV_NOPTS_VALUE;
+  std::int64_t position = -1;  ///< byte in the file
+  bool key = false;
+  bool shown = true;  ///< false where an edit list leaves the frame out
+};
+
+constexpr auto unknown_time = static_cast<std::int64_t>(AV_NOPTS_VALUE);
+
+class LibavSource : public FrameSource {
+ public:
+  LibavSource(const std::filesystem::path& path, const SourceOptions& options) {
+    info_.path = path;
+    silence_libav();
+    require_whole_container();
+    open_input();
+    list_packets();
+    open_input();
+    order_frames();
+    describe(options);
+  }
+
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    prepare_window(info_, index, window, picture);
+    decode_frame(shown_[static_cast<std::size_t>(index)], index);
+    copy_libav_window(*frame_, window, picture);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& reason) const {
+    throw InputError(in_quotes(info_.path) + " " + reason);
+  }
+  const AVStream& stream() const { return *input_->streams[stream_index_]; }
+
+  /// A container that ends before its own boxes do was cut short.
+  void require_whole_container() {
+    const auto extent = container_extent(info_.path);
+    if (!extent) return;
+    const auto size = std::filesystem::file_size(info_.path);
+    if (extent->stated_end > size)
+      refuse("is cut short: its part '" + extent->last_box + "' should end at byte " +
+             std::to_string(extent->stated_end) + ", but the file has " + std::to_string(size) +
+             " bytes; copy or export the recording again");
+    if (extent->unfinished)
+      info_.notes.push_back("the file was never finished by its writer, so frames may be missing at its end");
+  }
+
+  void open_input() {
+    decoder_.reset();
+    input_.reset();
+    AVFormatContext* context = nullptr;
+    const std::string url = "file:" + info_.path.string();
+    if (const int error = avformat_open_input(&context, url.c_str(), nullptr, nullptr); error < 0)
+      refuse("is no video that can be read: " + libav_error(error) + "; check the file, or export it again");
+    input_.reset(context);
+    if (const int error = avformat_find_stream_info(context, nullptr); error < 0)
+      refuse("is no video that can be read: " + libav_error(error) + "; export it again");
+    const AVCodec* codec = nullptr;
+    stream_index_ = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    if (stream_index_ == AVERROR_STREAM_NOT_FOUND) refuse("holds no video; name a recording");
+    if (stream_index_ < 0 || !codec)
+      refuse("holds video in a coding that cannot be decoded here; convert it");
+    if (std::string_view(context->iformat->name) == "tty")
+      refuse("is a text file, not a video; name a recording");
+    for (unsigned i = 0; i < context->nb_streams; ++i)
+      if (static_cast<int>(i) != stream_index_) context->streams[i]->discard = AVDISCARD_ALL;
+
+    decoder_.reset(avcodec_alloc_context3(codec));
+    if (!decoder_ || avcodec_parameters_to_context(decoder_.get(), stream().codecpar) < 0)
+      refuse("holds video whose parameters cannot be understood; convert it");
+    decoder_->thread_count = 1;
+    decoder_->err_recognition = AV_EF_CRCCHECK;
+    if (const int error = avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
+      refuse("cannot be decoded: " + libav_error(error) + "; convert it");
+    next_packet_ = 0;
+    draining_ = false;
+    held_ = -1;
+  }
+
+  /// Reads the next packet of the video; false at the end.
+  bool read_packet() {
+    for (;;) {
+      av_packet_unref(packet_.get());
+      const int error = av_read_frame(input_.get(), packet_.get());
+      if (error == AVERROR_EOF) return false;
+      if (error < 0)
+        refuse("cannot be read at packet " + std::to_string(next_packet_) + ": " + libav_error(error) +
+               "; copy or export the recording again");
+      if (packet_->stream_index == stream_index_) return true;
+    }
+  }
+
+  void list_packets() {
+    while (read_packet()) {
+      if (packet_->flags & AV_PKT_FLAG_CORRUPT)
+        refuse("is cut short or damaged at packet " + std::to_string(packets_.size()) +
+               "; copy or export the recording again");
+      packets_.push_back({packet_->pts, packet_->dts, packet_->pos, (packet_->flags & AV_PKT_FLAG_KEY) != 0,
+                          (packet_->flags & AV_PKT_FLAG_DISCARD) == 0});
+      next_packet_ = packets_.size();
+    }
+    const auto indexed = static_cast<std::size_t>(std::max(0, avformat_index_get_entries_count(&stream())));
+    const auto stated =
+        is_avi() ? static_cast<std::size_t>(std::max<std::int64_t>(0, stream().nb_frames)) : indexed;
+    const std::size_t promised = std::max(indexed, stated);
+    if (packets_.size() < promised)
+      refuse("is cut short: it promises " + std::to_string(promised) + " frames, but holds " +
+             std::to_string(packets_.size()) + "; copy or export the recording again");
+    if (packets_.empty()) refuse("holds no frames; export the recording again");
+  }
+  bool is_avi() const { return std::string_view(input_->iformat->name) == "avi"; }
+
+  /// shown_[k] = packet of the k-th frame shown. Stamps give the order; where they are missing or tie and the
+  /// coding reorders frames, only decoding tells it.
+  void order_frames() {
+    const auto time_of = [](const PacketRecord& p) { return p.pts != unknown_time ? p.pts : p.dts; };
+    const bool reorders = stream().codecpar->video_delay > 0 || decoder_->has_b_frames > 0;
+    for (std::size_t i = 0; i < packets_.size(); ++i)
+      if (packets_[i].shown) shown_.push_back(i);
+    std::stable_sort(shown_.begin(), shown_.end(), [&](std::size_t a, std::size_t b) {
+      return time_of(packets_[a]) < time_of(packets_[b]);
+    });
+    bool certain = true;
+    for (std::size_t k = 0; k < shown_.size(); ++k) {
+      const PacketRecord& packet = packets_[shown_[k]];
+      if (packet.pts == unknown_time) certain = false;
+      if (k > 0 && time_of(packet) == time_of(packets_[shown_[k - 1]])) certain = false;
+    }
+    if (!certain && !reorders) {
+      std::sort(shown_.begin(), shown_.end());
+    } else if (!certain) {
+      std::vector<std::size_t> order;
+      while (next_frame()) order.push_back(static_cast<std::size_t>(held_));
+      if (order.size() < shown_.size())
+        refuse("is damaged: of " + std::to_string(shown_.size()) + " frames only " +
+               std::to_string(order.size()) + " can be decoded; export the recording again");
+      shown_ = order;
+      open_input();
+    }
+  }
+
+  /// Decodes the next frame in the order shown into frame_; held_ becomes its packet. False at the end.
+  bool next_frame() {
+    take_libav_complaint();
+    for (;;) {
+      const int error = avcodec_receive_frame(decoder_.get(), frame_.get());
+      if (error == 0) {
+        // These codings hide damage (a wrong checksum) behind an old picture and only mutter.
+        const AVCodecID codec = decoder_->codec_id;
+        if (codec == AV_CODEC_ID_FFV1 || codec == AV_CODEC_ID_MJPEG)
+          if (const std::string complaint = take_libav_complaint(); !complaint.empty()) {
+            held_ = -1;
+            refuse_frame(complaint);
+          }
+        held_ = frame_->pts;
+        return true;
+      }
+      held_ = -1;
+      if (error == AVERROR_EOF) return false;
+      if (error != AVERROR(EAGAIN)) refuse_frame(libav_error(error));
+      if (draining_) return false;
+      if (!read_packet()) {
+        draining_ = true;
+        avcodec_send_packet(decoder_.get(), nullptr);
+        continue;
+      }
+      if (after_seek_) place_after_seek();
+      // Decoders hand a packet's time on to its frame: the packet's place in the list identifies it.
+      packet_->pts = packet_->dts = static_cast<std::int64_t>(next_packet_);
+      packet_->duration = 0;
+      ++next_packet_;
+      if (const int sent = avcodec_send_packet(decoder_.get(), packet_.get()); sent < 0)
+        refuse_frame(libav_error(sent));
+    }
+  }
+  [[noreturn]] void refuse_frame(const std::string& reason) const {
+    refuse("is damaged: packet " + std::to_string(next_packet_) + " of " + std::to_string(packets_.size()) +
+           " cannot be decoded: " + reason + "; export the recording again");
+  }
+
+  /// After a seek: which packet of the list is the one just read? -1 in lost_ where that is not certain.
+  void place_after_seek() {
+    after_seek_ = false;
+    const auto same = [&](const PacketRecord& p) {
+      return p.pts == packet_->pts && p.dts == packet_->dts && p.position == packet_->pos;
+    };
+    const auto found = std::find_if(packets_.begin(), packets_.end(), same);
+    const bool unique =
+        found != packets_.end() && std::find_if(found + 1, packets_.end(), same) == packets_.end();
+    if (!unique) throw SeekFailed{};
+    next_packet_ = static_cast<std::size_t>(found - packets_.begin());
+    if (next_packet_ > seek_target_) throw SeekFailed{};
+  }
+  struct SeekFailed {};
+
+  /// Brings the frame of packet `wanted` into frame_: onwards from where the decoder is, or from the last key
+  /// frame that is decoded and shown before it.
+  void decode_frame(std::size_t wanted, std::int64_t index) {
+    const auto target = static_cast<std::int64_t>(wanted);
+    if (held_ == target) return;
+    const std::size_t key = key_before(wanted);
+    const bool passed = !(shown_position(held_) < index) || held_ < 0;
+    if ((passed && !(held_ < 0 && next_packet_ == 0)) || (key > next_packet_)) seek(key);
+    try {
+      try_decode(target);
+    } catch (const SeekFailed&) {
+      open_input();
+      try_decode(target);
+    }
+    if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT)) {
+      held_ = -1;
+      refuse("is damaged: frame " + std::to_string(number(index)) +
+             " cannot be decoded without errors; export the recording again");
+    }
+    if (frame_->width != info_.width || frame_->height != info_.height || frame_->format != format_) {
+      held_ = -1;
+      refuse("changes its picture's size or kind at frame " + std::to_string(number(index)) +
+             "; all frames of a recording must be alike");
+    }
+  }
+  void try_decode(std::int64_t target) {
+    while (next_frame())
+      if (held_ == target) return;
+    refuse("is cut short or damaged: frame of packet " + std::to_string(target) + " of " +
+           std::to_string(packets_.size()) + " cannot be decoded; export the recording again");
+  }
+
+  /// The place among the frames shown of the frame of a packet; -1 for none.
+  std::int64_t shown_position(std::int64_t packet) const {
+    return packet < 0 ? -1 : place_[static_cast<std::size_t>(packet)];
+  }
+
+  std::size_t key_before(std::size_t wanted) const {
+    for (std::size_t i = wanted + 1; i-- > 0;)
+      if (packets_[i].key &&
+          shown_position(static_cast<std::int64_t>(i)) <= shown_position(static_cast<std::int64_t>(wanted)))
+        return i;
+    return 0;
+  }
+
+  void seek(std::size_t key) {
+    const PacketRecord& packet = packets_[key];
+    const std::int64_t time = packet.dts != unknown_time ? packet.dts : packet.pts;
+    if (key == 0 || time == unknown_time ||
+        av_seek_frame(input_.get(), stream_index_, time, AVSEEK_FLAG_BACKWARD) < 0) {
+      open_input();
+      return;
+    }
+    avcodec_flush_buffers(decoder_.get());
+    draining_ = false;
+    held_ = -1;
+    after_seek_ = true;
+    seek_target_ = key;
+  }
+
+  void describe(const SourceOptions& options) {
+    place_.assign(packets_.size(), -1);
+    for (std::size_t k = 0; k < shown_.size(); ++k) place_[shown_[k]] = static_cast<std::int64_t>(k);
+    info_.format = input_->iformat->name;
+    info_.decoded = true;
+    info_.codec = avcodec_get_name(stream().codecpar->codec_id);
+    info_.frame_count = static_cast<std::int64_t>(shown_.size());
+    if (!next_frame()) refuse("holds no frame that can be decoded; export the recording again");
+    info_.width = frame_->width;
+    info_.height = frame_->height;
+    format_ = frame_->format;
+    try {
+      const LibavPixelForm form = libav_pixel_form(format_);
+      info_.bits = form.bits;
+      info_.colour = form.colour;
+      info_.codec += " (" + form.name + ")";
+      if (form.rgb)
+        info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+      else if (form.colour)
+        info_.notes.push_back("luma of a colour recording, as stored");
+      if (form.colour && !form.rgb && frame_->color_range != AVCOL_RANGE_JPEG)
+        info_.notes.push_back("limited range: black is stored as " + std::to_string(16 << (form.bits - 8)) +
+                              ", white as " + std::to_string(235 << (form.bits - 8)));
+    } catch (const std::invalid_argument& reason) {
+      refuse(std::string("cannot be measured: ") + reason.what());
+    }
+    describe_time(options);
+  }
+
+  void describe_time(const SourceOptions& options) {
+    std::vector<TimeBaseCandidate> candidates;
+    if (options.frame_rate_hz) candidates.push_back(user_rate(*options.frame_rate_hz));
+    if (auto sidecar = photron_sidecar_rate(info_.path)) candidates.push_back(*sidecar);
+    if (auto tag = capture_tag()) candidates.push_back(*tag);
+
+    std::vector<std::int64_t> ticks;
+    for (const std::size_t packet : shown_)
+      ticks.push_back(packets_[packet].pts != unknown_time ? packets_[packet].pts : packets_[packet].dts);
+    // Where frames are reordered and stamps tie, the stamps in order are still those of the frames in order.
+    std::sort(ticks.begin(), ticks.end());
+    ContainerStamps stamps =
+        judge_container_stamps(ticks, av_q2d(stream().time_base), av_q2d_or_zero(stream().avg_frame_rate));
+    candidates.push_back(stamps.candidate);
+    info_.time_base = choose_time_base(std::move(candidates));
+    info_.time_base.stamps_s = frame_times(stamps, info_.time_base);
+    for (std::string& finding : findings(stamps.check, info_.first_number))
+      info_.notes.push_back(std::move(finding));
+    if (!stamps.times_s.empty() && info_.time_base.known() && info_.time_base.stamps_s.empty())
+      info_.notes.push_back(
+          "the rate given stands for even steps, though the container's stamps are uneven; leave --fps out "
+          "if "
+          "the file states a rate of its own");
+    info_.time_base.check = std::move(stamps.check);
+  }
+  static double av_q2d_or_zero(AVRational rate) { return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0; }
+
+  std::optional<TimeBaseCandidate> capture_tag() const {
+    constexpr const char* name = "com.android.capture.fps";
+    for (const AVDictionary* tags : {input_->metadata, stream().metadata}) {
+      const AVDictionaryEntry* tag = av_dict_get(tags, name, nullptr, 0);
+      if (!tag) continue;
+      const double rate = std::strtod(tag->value, nullptr);
+      if (rate > 0 && rate < 1e9)
+        return TimeBaseCandidate{std::string("tag ") + name, rate, true, "written by the camera"};
+      return TimeBaseCandidate{std::string("tag ") + name, 0, false,
+                               std::string("'") + tag->value + "' is no rate"};
+    }
+    return std::nullopt;
+  }
+
+  LibavInput input_;
+  LibavDecoder decoder_;
+  LibavPacket packet_ = make_libav_packet();
+  LibavFrame frame_ = make_libav_frame();
+  int stream_index_ = -1;
+  int format_ = -1;
+  std::vector<PacketRecord> packets_;  ///< in the order of decoding
+  std::vector<std::size_t> shown_;     ///< packet of each frame, in the order shown
+  std::vector<std::int64_t> place_;    ///< inverse of shown_, -1 where not shown
+  std::size_t next_packet_ = 0;        ///< place in the list of the packet that is read next
+  std::int64_t held_ = -1;             ///< packet whose frame is in frame_
+  bool draining_ = false;
+  bool after_seek_ = false;
+  std::size_t seek_target_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_libav(const std::filesystem::path& path, const SourceOptions& options) {
+  return std::make_unique<LibavSource>(path, options);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,192 @@
+#include "vision/formats/pictures/names.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::optional<std::int64_t> to_number(std::string_view digits) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
+/// The files of a folder, for which errors are worded.
+std::vector<fs::path> entries(const fs::path& folder) {
+  const fs::path here = folder.empty() ? fs::path(".") : folder;
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(here, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().filename().string().front() != '.') files.push_back(entry->path());
+  if (error) throw InputError("the folder '" + here.string() + "' cannot be read: " + error.message());
+  return files;
+}
+
+/// The last run of digits in a name's stem, which numbers the frames: text before, number, text after.
+struct NumberedName {
+  std::string before, after;
+  std::int64_t number = 0;
+};
+
+std::optional<NumberedName> numbered(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  auto end = stem.size();
+  while (end > 0 && !is_digit(stem[end - 1])) --end;
+  auto begin = end;
+  while (begin > 0 && is_digit(stem[begin - 1])) --begin;
+  const auto number = to_number(std::string_view(stem).substr(begin, end - begin));
+  if (!number) return std::nullopt;
+  return NumberedName{stem.substr(0, begin), stem.substr(end), *number};
+}
+
+}  // namespace
+
+bool has_tiff_extension(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".tif" || extension == ".tiff";
+}
+
+bool has_picture_extension(const fs::path& path) {
+  static const std::array<std::string, 5> others = {".png", ".bmp", ".jpg", ".jpeg", ".pgm"};
+  return has_tiff_extension(path) || std::count(others.begin(), others.end(), lower_extension(path)) > 0;
+}
+
+bool natural_less(std::string_view a, std::string_view b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const auto skip_zeros = [](std::string_view text, std::size_t k) {
+        while (k + 1 < text.size() && text[k] == '0' && is_digit(text[k + 1])) ++k;
+        return k;
+      };
+      const auto past_digits = [](std::string_view text, std::size_t k) {
+        while (k < text.size() && is_digit(text[k])) ++k;
+        return k;
+      };
+      i = skip_zeros(a, i);
+      j = skip_zeros(b, j);
+      const std::string_view number_a = a.substr(i, past_digits(a, i) - i);
+      const std::string_view number_b = b.substr(j, past_digits(b, j) - j);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+      i += number_a.size();
+      j += number_b.size();
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+    }
+  }
+  if ((a.size() - i) != (b.size() - j)) return a.size() - i < b.size() - j;
+  return a < b;
+}
+
+std::optional<NumberPattern> NumberPattern::parse(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const auto percent = name.find('%');
+  if (percent == std::string::npos) return std::nullopt;
+  NumberPattern pattern;
+  pattern.folder_ = path.parent_path();
+  pattern.prefix_ = name.substr(0, percent);
+  auto end = percent + 1;
+  if (end < name.size() && name[end] == '0') {
+    pattern.zeros_ = true;
+    ++end;
+  }
+  const auto digits = end;
+  while (end < name.size() && is_digit(name[end])) ++end;
+  if (end > digits)
+    pattern.width_ = static_cast<std::size_t>(to_number(name.substr(digits, end - digits)).value_or(100));
+  const bool is_number = end < name.size() && (name[end] == 'd' || name[end] == 'i' || name[end] == 'u');
+  if (!is_number || pattern.width_ > 18 || name.find('%', end) != std::string::npos)
+    throw InputError("the pattern '" + path.string() + "' must hold exactly one number such as %05d");
+  pattern.suffix_ = name.substr(end + 1);
+  return pattern;
+}
+
+fs::path NumberPattern::file(std::int64_t number) const {
+  std::string digits = std::to_string(number);
+  if (digits.size() < width_) digits.insert(0, width_ - digits.size(), zeros_ ? '0' : ' ');
+  return folder_ / (prefix_ + digits + suffix_);
+}
+
+std::optional<std::int64_t> NumberPattern::number_of(const std::string& name) const {
+  if (name.size() <= prefix_.size() + suffix_.size()) return std::nullopt;
+  std::string_view digits =
+      std::string_view(name).substr(prefix_.size(), name.size() - prefix_.size() - suffix_.size());
+  while (!zeros_ && digits.size() > 1 && digits.front() == ' ') digits.remove_prefix(1);
+  const auto number = to_number(digits);
+  if (!number || *number < 0 || file(*number).filename().string() != name) return std::nullopt;
+  return number;
+}
+
+PictureList pictures_in_folder(const fs::path& folder) {
+  PictureList list;
+  for (const fs::path& file : entries(folder))
+    if (has_picture_extension(file) && fs::is_regular_file(file)) list.files.push_back(file);
+  if (list.files.empty())
+    throw InputError(
+        "the folder '" + folder.string() +
+        "' holds no pictures (png, tif, tiff, bmp, jpg, jpeg, pgm); name the folder of the frames");
+  std::sort(list.files.begin(), list.files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+
+  const auto first = numbered(list.files.front());
+  if (!first) return list;
+  bool consecutive = true;
+  for (std::size_t i = 0; i < list.files.size(); ++i) {
+    const auto name = numbered(list.files[i]);
+    if (!name || name->before != first->before || name->after != first->after) return list;
+    consecutive = consecutive && name->number == first->number + static_cast<std::int64_t>(i);
+  }
+  if (consecutive)
+    list.first_number = first->number;
+  else
+    list.notes.push_back(
+        "the numbers in the file names are not consecutive: frames are counted from 0, and "
+        "times count frames, not those numbers");
+  return list;
+}
+
+PictureList pictures_of_pattern(const NumberPattern& pattern) {
+  std::map<std::int64_t, fs::path> found;
+  for (const fs::path& file : entries(pattern.folder()))
+    if (const auto number = pattern.number_of(file.filename().string())) found[*number] = file;
+  if (found.empty())
+    throw InputError("no file matches the pattern '" + pattern.file(0).string() +
+                     "' (shown for number 0); check folder and pattern");
+  PictureList list;
+  list.first_number = found.begin()->first;
+  for (const auto& [number, file] : found) {
+    const auto expected = list.first_number + static_cast<std::int64_t>(list.files.size());
+    if (number != expected)
+      throw InputError("the sequence has a gap: '" + pattern.file(expected).string() +
+                       "' is missing between '" + list.files.back().string() + "' and '" + file.string() +
+                       "', which would spoil the times; restore it or renumber the pictures");
+    list.files.push_back(file);
+  }
+  return list;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,177 @@
+#include "vision/formats/pictures/source.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "vision/io/in_quotes.h"
+#include "vision/io/level_conversion.h"
+#include "vision/io/mapped_file.h"
+#include "vision/formats/pictures/tiff_pages.h"
+#include "vision/io/window.h"
+
+namespace tribotrack::vision {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// OpenCV tells its troubles on stderr; ours go into one sentence.
+void silence_opencv() {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
+void require_supported(const cv::Mat& image, const std::string& name) {
+  if (image.empty())
+    throw InputError("'" + name +
+                     "' cannot be decoded as a picture: it is damaged, cut short or of another kind");
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw InputError(in_quotes(name) + " holds floating-point or signed levels; convert it to 8 or 16 bits");
+  if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4)
+    throw InputError(in_quotes(name) + " has " + std::to_string(image.channels()) +
+                     " channels; convert it to grey or RGB");
+}
+
+template <typename Level>
+void copy_window(const cv::Mat& image, const Rect& window, Picture& picture) {
+  const int channels = image.channels();
+  for (int y = 0; y < window.height; ++y) {
+    const Level* stored = image.ptr<Level>(window.y + y) + static_cast<std::ptrdiff_t>(window.x) * channels;
+    const std::span<float> row = picture.row(y);
+    if (channels == 1) {
+      for (std::size_t x = 0; x < row.size(); ++x) row[x] = static_cast<float>(stored[x]);
+    } else {
+      for (std::size_t x = 0; x < row.size(); ++x, stored += channels)
+        row[x] = luma(stored[2], stored[1], stored[0]);
+    }
+  }
+}
+
+/// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
+class DecodedPictures : public FrameSource {
+ public:
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    prepare_window(info_, index, window, picture);
+    const cv::Mat& image = decoded(index);
+    if (image.depth() == CV_8U)
+      copy_window<std::uint8_t>(image, window, picture);
+    else
+      copy_window<std::uint16_t>(image, window, picture);
+  }
+
+ protected:
+  /// Decodes a frame without checks.
+  virtual cv::Mat decode(std::int64_t index) = 0;
+  virtual std::string frame_name(std::int64_t index) const = 0;
+
+  void describe(const SourceOptions& options) {
+    const cv::Mat& first = decoded(0);
+    info_.decoded = true;
+    info_.width = first.cols;
+    info_.height = first.rows;
+    info_.bits = first.depth() == CV_8U ? 8 : 16;
+    info_.colour = first.channels() > 1;
+    info_.codec = std::to_string(info_.bits) + " bit " + (info_.colour ? "colour" : "grey");
+    if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+    if (options.frame_rate_hz) info_.time_base = choose_time_base({user_rate(*options.frame_rate_hz)});
+  }
+
+ private:
+  const cv::Mat& decoded(std::int64_t index) {
+    if (index == kept_index_) return kept_;
+    kept_index_ = -1;
+    try {
+      kept_ = decode(index);
+    } catch (const cv::Exception&) {
+      kept_ = cv::Mat();
+    }
+    require_supported(kept_, frame_name(index));
+    const int bits = kept_.depth() == CV_8U ? 8 : 16;
+    if (info_.width != 0 && (kept_.cols != info_.width || kept_.rows != info_.height || bits != info_.bits))
+      throw InputError(in_quotes(frame_name(index)) + " has " + std::to_string(kept_.cols) + " x " +
+                       std::to_string(kept_.rows) + " pixels of " + std::to_string(bits) +
+                       " bits, but the first frame has " + std::to_string(info_.width) + " x " +
+                       std::to_string(info_.height) + " of " + std::to_string(info_.bits) +
+                       "; all frames of a recording must be alike");
+    kept_index_ = index;
+    return kept_;
+  }
+
+  cv::Mat kept_;
+  std::int64_t kept_index_ = -1;
+};
+
+class PictureSequence : public DecodedPictures {
+ public:
+  PictureSequence(const fs::path& path, PictureList pictures, const SourceOptions& options)
+      : files_(std::move(pictures.files)) {
+    info_.path = path;
+    info_.format = "image sequence";
+    info_.frame_count = static_cast<std::int64_t>(files_.size());
+    info_.first_number = pictures.first_number;
+    info_.notes = std::move(pictures.notes);
+    describe(options);
+  }
+
+ private:
+  cv::Mat decode(std::int64_t index) override {
+    const fs::path& file = files_[static_cast<std::size_t>(index)];
+    require_readable_file(file);
+    return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+  }
+  std::string frame_name(std::int64_t index) const override {
+    return files_[static_cast<std::size_t>(index)].string();
+  }
+
+  std::vector<fs::path> files_;
+};
+
+/// Pages are decoded some at a time: finding page n walks past all before it.
+class PictureStack : public DecodedPictures {
+ public:
+  PictureStack(const fs::path& path, const SourceOptions& options) : path_(path) {
+    info_.path = path;
+    info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
+    info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
+    if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
+    describe(options);
+  }
+
+ private:
+  cv::Mat decode(std::int64_t index) override {
+    if (info_.frame_count == 1) return cv::imread(path_.string(), cv::IMREAD_UNCHANGED);
+    constexpr std::int64_t pages_at_a_time = 16;
+    if (index < first_page_ || index >= first_page_ + static_cast<std::int64_t>(pages_.size())) {
+      pages_.clear();
+      first_page_ = index;
+      const auto count = std::min(pages_at_a_time, info_.frame_count - index);
+      cv::imreadmulti(path_.string(), pages_, static_cast<int>(index), static_cast<int>(count),
+                      cv::IMREAD_UNCHANGED);
+    }
+    const auto slot = static_cast<std::size_t>(index - first_page_);
+    return slot < pages_.size() ? pages_[slot] : cv::Mat();
+  }
+  std::string frame_name(std::int64_t index) const override {
+    return path_.string() + (info_.frame_count > 1 ? "', page '" + std::to_string(index) : "");
+  }
+
+  fs::path path_;
+  std::vector<cv::Mat> pages_;
+  std::int64_t first_page_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_picture_sequence(const fs::path& path, PictureList pictures,
+                                                   const SourceOptions& options) {
+  silence_opencv();
+  return std::make_unique<PictureSequence>(path, std::move(pictures), options);
+}
+
+std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
+  silence_opencv();
+  require_readable_file(path);
+  return std::make_unique<PictureStack>(path, options);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,252 @@
+#include "vision/kernels/bspline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "vision/kernels/spline_kernels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::array<double, 2> kPoles = {-0.43057534709997379, -0.04309628820326465};
+
+double basis(double u) {
+  const double a = std::abs(u);
+  if (a < 1) {
+    const double q = a * a;
+    return 0.55 + q * (-0.5 + q * (0.25 - a / 12));
+  }
+  if (a < 2) return 17.0 / 40 + a * (5.0 / 8 + a * (-7.0 / 4 + a * (5.0 / 4 + a * (-3.0 / 8 + a / 24))));
+  if (a < 3) {
+    const double b = 3 - a;
+    return b * b * b * b * b / 120;  // std::pow would take half of all tracking time
+  }
+  return 0;
+}
+
+double basis_slope(double u) {
+  const double a = std::abs(u);
+  double slope = 0;
+  if (a < 1) {
+    slope = a * (-1 + a * a * (1 - 5 * a / 12));
+  } else if (a < 2) {
+    slope = 5.0 / 8 + a * (-7.0 / 2 + a * (15.0 / 4 + a * (-3.0 / 2 + 5 * a / 24)));
+  } else if (a < 3) {
+    const double b = 3 - a;
+    slope = -b * b * b * b / 24;
+  }
+  return u < 0 ? -slope : slope;
+}
+
+/// Index mirrored about whole samples: -1 -> 1, n -> n - 2.
+int mirrored(int k, int n) {
+  if (n == 1) return 0;
+  const int period = 2 * (n - 1);
+  k = std::abs(k) % period;
+  return k < n ? k : period - k;
+}
+
+/// to(i, j) = from(j, i) of `rows` x `columns` values whose rows are so many values apart.
+void transpose(const float* from, std::ptrdiff_t from_step, int rows, int columns, float* to,
+               std::ptrdiff_t to_step) {
+  using Four [[gnu::vector_size(16)]] = float;
+  const auto load = [](const float* at) {
+    Four v;
+    std::memcpy(&v, at, sizeof v);
+    return v;
+  };
+  const auto store = [](const Four& v, float* at) { std::memcpy(at, &v, sizeof v); };
+  const auto one = [&](int j, int i) { to[i * to_step + j] = from[j * from_step + i]; };
+  const int whole_rows = rows - rows % 4, whole_columns = columns - columns % 4;
+  for (int i = 0; i < whole_columns; i += 4)
+    for (int j = 0; j < whole_rows; j += 4) {
+      const float* at = from + j * from_step + i;
+      const Four a = load(at), b = load(at + from_step), c = load(at + 2 * from_step),
+                 d = load(at + 3 * from_step);
+      const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                 cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+      const Four ba = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                 dc = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+      float* out = to + i * to_step + j;
+      store(__builtin_shufflevector(ab, cd, 0, 1, 4, 5), out);
+      store(__builtin_shufflevector(ab, cd, 2, 3, 6, 7), out + to_step);
+      store(__builtin_shufflevector(ba, dc, 0, 1, 4, 5), out + 2 * to_step);
+      store(__builtin_shufflevector(ba, dc, 2, 3, 6, 7), out + 3 * to_step);
+    }
+  for (int j = whole_rows; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) one(j, i);
+  for (int j = 0; j < whole_rows; ++j)
+    for (int i = whole_columns; i < columns; ++i) one(j, i);
+}
+
+/// In place: samples to coefficients, one line of n values `step` apart.
+void prefilter(double* line, int n, std::ptrdiff_t step) {
+  if (n < 2) return;
+  for (const double z : kPoles) {
+    const double gain = (1 - z) * (1 - 1 / z);
+    for (int k = 0; k < n; ++k) line[k * step] *= gain;
+    double sum = 0;
+    double power = 1;
+    const int reach = std::min(2 * (n - 1), 60);  // |z|^60 < 1e-21
+    for (int k = 0; k < reach; ++k, power *= z) sum += power * line[mirrored(k, n) * step];
+    if (reach == 2 * (n - 1)) sum /= 1 - power;
+    line[0] = sum;
+    for (int k = 1; k < n; ++k) line[k * step] += z * line[(k - 1) * step];
+    line[(n - 1) * step] = z / (z * z - 1) * (line[(n - 1) * step] + z * line[(n - 2) * step]);
+    for (int k = n - 2; k >= 0; --k) line[k * step] = z * (line[(k + 1) * step] - line[k * step]);
+  }
+}
+
+}  // namespace
+
+std::array<double, 6> quintic_weights(double t) {
+  std::array<double, 6> weights{};
+  for (int k = -2; k <= 3; ++k) weights[static_cast<std::size_t>(k + 2)] = basis(t - k);
+  return weights;
+}
+
+std::array<double, 6> quintic_slopes(double t) {
+  std::array<double, 6> slopes{};
+  for (int k = -2; k <= 3; ++k) slopes[static_cast<std::size_t>(k + 2)] = basis_slope(t - k);
+  return slopes;
+}
+
+SplineTaps spline_taps(double fraction_x, double fraction_y) {
+  const auto narrow = [](const std::array<double, 6>& from) {
+    std::array<float, 6> to{};
+    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
+    return to;
+  };
+  return {narrow(quintic_weights(fraction_x)), narrow(quintic_slopes(fraction_x)),
+          narrow(quintic_weights(fraction_y)), narrow(quintic_slopes(fraction_y))};
+}
+
+QuinticSpline::QuinticSpline(const Picture& picture)
+    : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
+  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
+  const auto row = [&](int y) {
+    return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
+  };
+  // kPanel lines at a time, first along the rows, then along the columns.
+  std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
+  for (int y0 = 0; y0 < height_; y0 += kPanel) {
+    const int lines = std::min(kPanel, height_ - y0);
+    transpose(picture.row(y0).data(), picture.width(), lines, width_, panel.data(), kPanel);
+    spline_kernels().prefilter(panel.data(), width_);
+    transpose(panel.data(), kPanel, width_, lines, row(y0), stride_);
+  }
+  for (int x0 = 0; x0 < width_; x0 += kPanel) {
+    const int lines = std::min(kPanel, width_ - x0);
+    for (int y = 0; y < height_; ++y) std::copy_n(row(y) + x0, lines, panel.begin() + y * kPanel);
+    spline_kernels().prefilter(panel.data(), height_);
+    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, row(y) + x0);
+  }
+  for (int y = 0; y < height_; ++y)
+    for (int x = 1; x <= kPad; ++x) {
+      row(y)[-x] = row(y)[mirrored(-x, width_)];
+      row(y)[width_ - 1 + x] = row(y)[mirrored(width_ - 1 + x, width_)];
+    }
+  const auto copy_row = [&](int from, int to) { std::copy_n(row(from) - kPad, stride_, row(to) - kPad); };
+  for (int k = 1; k <= kPad; ++k) {
+    copy_row(mirrored(-k, height_), -k);
+    copy_row(mirrored(height_ - 1 + k, height_), height_ - 1 + k);
+  }
+}
+
+double QuinticSpline::value(double x, double y) const {
+  return sample(x, y).value;
+}
+
+SplineSample QuinticSpline::sample(double x, double y) const {
+  x = std::clamp(x, -5.0, width_ + 3.999);
+  y = std::clamp(y, -5.0, height_ + 3.999);
+  const double fx = std::floor(x);
+  const double fy = std::floor(y);
+  const auto wx = quintic_weights(x - fx);
+  const auto sx = quintic_slopes(x - fx);
+  const auto wy = quintic_weights(y - fy);
+  const auto sy = quintic_slopes(y - fy);
+  SplineSample out;
+  for (int j = 0; j < 6; ++j) {
+    const float* row = coefficient_row(static_cast<int>(fy) + j - 2) + static_cast<int>(fx) - 2;
+    double value = 0;
+    double slope = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      value += wx[i] * row[i];
+      slope += sx[i] * row[i];
+    }
+    out.value += wy[static_cast<std::size_t>(j)] * value;
+    out.slope_x += wy[static_cast<std::size_t>(j)] * slope;
+    out.slope_y += sy[static_cast<std::size_t>(j)] * value;
+  }
+  return out;
+}
+
+void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value,
+                                  float* slope_x, float* slope_y) const {
+  spline_kernels().at({coefficient(0, 0), stride_, width_, height_, x.data(), y.data(), x.size()}, value,
+                      slope_x, slope_y);
+}
+
+void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
+                                  float* slope_y) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  spline_kernels().window(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows_,
+                          value, slope_x, slope_y);
+}
+
+void QuinticSpline::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                                 std::vector<const float*>& corners, bool slopes, TileArrays& arrays) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  for (std::size_t t = 0; t < tiles.size(); ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
+  tile_kernels().sample(corners, stride_, spline_taps(x0 - ix, y0 - iy), 0, slopes, arrays);
+}
+
+namespace {
+
+constexpr int kReach = 20;  // 0.43^20 < 1e-7
+
+/// Sum over k of h_k h_{k + lag}, h the coefficients of a picture that is 1 at one pixel and else 0.
+double autocorrelation(int lag) {
+  static const std::vector<double> known = [] {
+    std::vector<double> line(6 * kReach + 1, 0.0), sums(2 * kReach + 1, 0.0);
+    line[3 * kReach] = 1;
+    prefilter(line.data(), static_cast<int>(line.size()), 1);
+    for (std::size_t l = 0; l < sums.size(); ++l)
+      for (std::size_t k = 0; k + l < line.size(); ++k) sums[l] += line[k] * line[k + l];
+    return sums;
+  }();
+  const auto place = static_cast<std::size_t>(std::abs(lag));
+  return place < known.size() ? known[place] : 0;
+}
+
+/// Covariance of white noise interpolated with these weights, the second's first coefficient `shift` beyond
+/// the first's.
+double covariance(const std::array<double, 6>& a, const std::array<double, 6>& b, int shift) {
+  std::array<double, 11> of_lag{};
+  for (int l = 0; l < 11; ++l) of_lag[static_cast<std::size_t>(l)] = autocorrelation(shift + l - 5);
+  double sum = 0;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) sum += a[i] * b[j] * of_lag[j + 5 - i];
+  return sum;
+}
+
+}  // namespace
+
+InterpolationNoise quintic_noise(double fraction) {
+  const double t = fraction - std::floor(fraction);
+  const auto weights = quintic_weights(t), slopes = quintic_slopes(t);
+  return {covariance(weights, weights, 0), covariance(slopes, slopes, 0)};
+}
+
+InterpolationCovariance quintic_noise_covariance(double f, double g) {
+  const int shift = static_cast<int>(std::floor(g) - std::floor(f));
+  const double t = f - std::floor(f);
+  const auto there = quintic_weights(g - std::floor(g));
+  return {covariance(quintic_weights(t), there, shift), covariance(quintic_slopes(t), there, shift)};
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,28 @@
+// What covers the part covers its neighbours, too: half, where the optics blur its edge.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "vision/kernels/informative_pixels.h"
+#include "vision/kernels/tile_kernels.h"
+
+namespace tribotrack::vision {
+
+/// Whether any of a tile's row is not 0.
+inline bool any_in_row(const unsigned char* row) {
+  std::uint64_t all;
+  static_assert(sizeof all == kTile);
+  std::memcpy(&all, row, sizeof all);
+  return all != 0;
+}
+
+/// `strange` holds one value per pixel of the tiles, not 0 where what is seen is something else. Where such
+/// pixels lie together (a stranger with two more among its eight neighbours) all within `reach` px of them
+/// become strange as well; one alone is a speck, or noise. Returns how many are strange now.
+std::size_t spread_strangers(std::span<const TilePlace> places, double reach,
+                             std::vector<unsigned char>& strange);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,72 @@
+// What covers the template (glare, a hand) or is not explained by it.
+#include <algorithm>
+#include <cmath>
+
+#include "vision/registration/registration.h"
+#include "vision/kernels/outlier_pixels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kStrangeEdge = 3;     ///< px about what covers the template that are half covered
+constexpr double kMaxTrim = 0.4;       ///< more than this share of strange pixels: it is not the template
+constexpr double kUsual = 4 * 1.4826;  ///< median sizes of the residual
+
+}  // namespace
+
+/// Sets the weight of pixels to zero whose residual cannot be noise. Returns how many.
+std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, double offset, double noise_sd) {
+  const double least = std::max(6 * noise_sd, 0.5 * std::abs(gain) * contrast_);
+  if (sums.largest <= least) return 0;
+  residual_.resize(mask_.size());
+  // The usual residual matters where it is no small one: else it need not be known.
+  const ResidualCounts counts =
+      tile_kernels().residuals(arrays_, base_weight_, static_cast<float>(gain), static_cast<float>(offset),
+                               static_cast<float>(least / kUsual), residual_);
+  double limit = least;
+  if (counts.small <= counts.counted / 2) {
+    std::vector<float> sizes;
+    for (std::size_t i = 0; i < mask_.size(); ++i)
+      if (base_weight_[i] > 0) sizes.push_back(residual_[i]);
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    limit = std::max(least, kUsual * static_cast<double>(*middle));
+  }
+  strange_.resize(mask_.size());
+  tile_kernels().mark(residual_, static_cast<float>(limit), strange_);
+  // A texture that has turned is strange wherever it is, until its angle is found.
+  if (!options_.rotation) spread_strangers(places_, kStrangeEdge, strange_);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mask_.size(); i += kTile) {
+    if (!any_in_row(strange_.data() + i)) continue;
+    for (std::size_t k = i; k < i + kTile; ++k) {
+      if (strange_[k] == 0 || !(base_weight_[k] > 0)) continue;
+      arrays_.weight[k] = 0;
+      ++count;
+    }
+  }
+  trimmed_ = true;
+  if (static_cast<double>(count) > kMaxTrim * static_cast<double>(counts.counted)) {
+    arrays_.weight = base_weight_;
+    return 0;
+  }
+  return count;
+}
+
+/// Sandwich covariance of (dx, dy, theta) with the tiles as clusters.
+Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gain, double offset) {
+  scores_.resize(places_.size());
+  tile_kernels().scores(arrays_, static_cast<float>(gain), static_cast<float>(offset), scores_);
+  Eigen::Matrix<double, 5, 5> meat = Eigen::Matrix<double, 5, 5>::Zero();
+  for (const std::array<double, 5>& of_tile : scores_) {
+    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.data());
+    meat += score * score.transpose();
+  }
+  const Matrix covariance = inverse * meat.topLeftCorner(columns(), columns()) * inverse / (gain * gain);
+  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+  out.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
+  if (options_.rotation) out(2, 2) = covariance(4, 4);
+  return out;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,115 @@
+#include "vision/registration/pattern.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tribotrack::vision {
+namespace {
+
+float median_of(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Profile at a fractional distance, linear between whole ones.
+double profile_at(const std::vector<float>& profile, double rho) {
+  const auto last = static_cast<double>(profile.size() - 1);
+  rho = std::clamp(rho, 0.0, last);
+  const auto k = std::min(static_cast<std::size_t>(rho), profile.size() - 2);
+  const double t = rho - static_cast<double>(k);
+  return (1 - t) * profile[k] + t * profile[k + 1];
+}
+
+}  // namespace
+
+bool Pattern::inside(const Rect& bounds, const Point& at, double margin) const {
+  const double half_x = radius > 0 ? radius : 0.5 * window.width;
+  const double half_y = radius > 0 ? radius : 0.5 * window.height;
+  return at.x - half_x - margin >= bounds.x - 0.5 && at.y - half_y - margin >= bounds.y - 0.5 &&
+         at.x + half_x + margin <= bounds.x + bounds.width - 0.5 &&
+         at.y + half_y + margin <= bounds.y + bounds.height - 0.5;
+}
+
+bool Pattern::overlaps(const Rect& bounds, const Point& at) const {
+  const double half_x = radius > 0 ? radius : 0.5 * window.width;
+  const double half_y = radius > 0 ? radius : 0.5 * window.height;
+  return at.x + half_x > bounds.x - 0.5 && at.y + half_y > bounds.y - 0.5 &&
+         at.x - half_x < bounds.x + bounds.width - 0.5 && at.y - half_y < bounds.y + bounds.height - 0.5;
+}
+
+double Pattern::reach() const {
+  return radius > 0 ? radius : 0.5 * std::min(window.width, window.height);
+}
+
+std::vector<float> radial_profile(const Picture& picture, const Point& centre, double radius) {
+  std::vector<std::vector<float>> rings(static_cast<std::size_t>(std::ceil(radius)) + 2);
+  const int reach = static_cast<int>(std::ceil(radius)) + 1;
+  const int cx = static_cast<int>(std::lround(centre.x));
+  const int cy = static_cast<int>(std::lround(centre.y));
+  for (int y = std::max(0, cy - reach); y <= std::min(picture.height() - 1, cy + reach); ++y)
+    for (int x = std::max(0, cx - reach); x <= std::min(picture.width() - 1, cx + reach); ++x) {
+      const auto ring = static_cast<std::size_t>(std::lround(std::hypot(x - centre.x, y - centre.y)));
+      if (ring < rings.size()) rings[ring].push_back(picture.at(x, y));
+    }
+  std::vector<float> profile(rings.size());
+  for (std::size_t k = 0; k < rings.size(); ++k)
+    profile[k] = !rings[k].empty() ? median_of(rings[k]) : k > 0 ? profile[k - 1] : 0.0F;
+  if (rings[0].empty()) profile[0] = profile[1];
+  return profile;
+}
+
+Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPatternOptions& options) {
+  Pattern pattern;
+  pattern.centre = {disc.x, disc.y};
+  pattern.radius = disc.radius;
+  const double mask = disc.radius + options.margin_px;
+  const int x0 = std::max(0, static_cast<int>(std::floor(disc.x - mask)));
+  const int y0 = std::max(0, static_cast<int>(std::floor(disc.y - mask)));
+  const int x1 = std::min(first.width() - 1, static_cast<int>(std::ceil(disc.x + mask)));
+  const int y1 = std::min(first.height() - 1, static_cast<int>(std::ceil(disc.y + mask)));
+  pattern.window = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
+  pattern.weights = Picture(pattern.window.width, pattern.window.height);
+  const std::vector<float> profile = radial_profile(first, pattern.centre, mask + 1);
+  const double inner = profile_at(profile, std::max(0.0, disc.radius - 3));
+  const double outer = profile_at(profile, disc.radius + 3);
+  const double foreign = options.foreign_share * std::abs(inner - outer);
+  for (int y = 0; y < pattern.window.height; ++y)
+    for (int x = 0; x < pattern.window.width; ++x) {
+      const double rho = std::hypot(x + x0 - disc.x, y + y0 - disc.y);
+      if (rho > mask) continue;
+      const bool outside = rho > disc.radius + 0.5;
+      const bool strange = std::abs(first.at(x + x0, y + y0) - profile_at(profile, rho)) > foreign;
+      pattern.weights.at(x, y) = outside && strange ? 0.0F : 1.0F;
+    }
+  return pattern;
+}
+
+Pattern rectangle_pattern(const Rect& rectangle) {
+  Pattern pattern;
+  pattern.window = rectangle;
+  pattern.weights = Picture(rectangle.width, rectangle.height, 1);
+  pattern.centre = {rectangle.x + 0.5 * (rectangle.width - 1), rectangle.y + 0.5 * (rectangle.height - 1)};
+  return pattern;
+}
+
+MaskedTemplate search_template(const Picture& first, const Pattern& pattern) {
+  const Rect& window = pattern.window;
+  MaskedTemplate out{Picture(window.width, window.height), Picture(window.width, window.height)};
+  std::vector<float> profile;
+  if (pattern.radius > 0) profile = radial_profile(first, pattern.centre, pattern.radius + 4);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x) {
+      const double rho = std::hypot(x + window.x - pattern.centre.x, y + window.y - pattern.centre.y);
+      if (pattern.radius > 0) {
+        out.levels.at(x, y) = static_cast<float>(profile_at(profile, rho));
+        out.weights.at(x, y) = rho <= pattern.radius + 3 ? 1.0F : 0.0F;
+      } else {
+        out.levels.at(x, y) = first.at(x + window.x, y + window.y);
+        out.weights.at(x, y) = 1;
+      }
+    }
+  return out;
+}
+
+}  // namespace tribotrack::vision

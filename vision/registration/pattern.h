@@ -1,0 +1,40 @@
+// The template: a window of the first analysed frame, and which of its pixels count.
+#pragma once
+
+#include "vision/picture.h"
+#include "vision/registration/template_match.h"
+
+namespace tribotrack::vision {
+
+struct Pattern {
+  Rect window;        ///< place in the first frame
+  Picture weights;    ///< 1 where a pixel counts, 0 elsewhere; size of the window
+  Point centre;       ///< what is tracked, px of the first frame
+  double radius = 0;  ///< of the disc; 0 for a rectangle
+  /// Whether the shape at `centre` (disc with `margin` px around it, or the rectangle) lies inside bounds.
+  bool inside(const Rect& bounds, const Point& at, double margin) const;
+  /// Whether any of it does.
+  bool overlaps(const Rect& bounds, const Point& at) const;
+  double reach() const;  ///< radius, or half the shorter side
+};
+
+struct DiscPatternOptions {
+  double margin_px = 3;  ///< mask radius beyond the disc's: the rim carries nearly all information
+  /// Pixels outside the rim that differ from the mean rim profile by more than this share of the disc's
+  /// contrast belong to something else (a neighbour touching the disc, its shadow) and are left out.
+  double foreign_share = 0.35;
+};
+
+/// Round mask about the circle, clipped to the picture.
+Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPatternOptions& options = {});
+
+/// Everything in the rectangle counts; its centre is tracked.
+Pattern rectangle_pattern(const Rect& rectangle);
+
+/// Median grey level by distance from the centre, whole pixels 0 .. radius + beyond.
+std::vector<float> radial_profile(const Picture& picture, const Point& centre, double radius);
+
+/// Template for a coarse search. For a disc: its radial profile, so that a turned disc matches as well.
+MaskedTemplate search_template(const Picture& first, const Pattern& pattern);
+
+}  // namespace tribotrack::vision

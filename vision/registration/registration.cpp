@@ -1,0 +1,147 @@
+#include "vision/registration/registration.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace tribotrack::vision {
+
+TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
+  const NormalSums sums = tile_kernels().normal(arrays_);
+  const int n = columns();
+  Matrix normal(n, n);
+  for (int i = 0, k = 0; i < n; ++i)
+    for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
+  return normal;
+}
+
+double TemplateRegistration::correlation() const {
+  const CorrelationSums c = tile_kernels().correlation(arrays_, base_weight_);
+  if (c.w <= 0) return 0;
+  const double spread = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
+  return spread > 1e-9 ? (c.vl - c.v * c.l / c.w) / std::sqrt(spread) : 0;
+}
+
+Registration TemplateRegistration::refine(const Picture& picture, int x, int y, const Pose& start) {
+  Registration out;
+  out.pose = start;
+  int whole_x = static_cast<int>(std::lround(start.dx));
+  int whole_y = static_cast<int>(std::lround(start.dy));
+  Pose fraction{start.dx - whole_x, start.dy - whole_y, start.theta};
+  if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+  sample_template(fraction, true);
+  Pose formed = fraction;  // where the derivatives belong to
+  Matrix normal = normal_matrix();
+  Eigen::LDLT<Matrix> factor(normal);
+  double gain = 1;
+  double offset = 0;
+  const double noise_sd = std::sqrt(options_.noise_variance);
+  bool trimmed = false;
+  std::size_t trimmed_count = 0;
+  std::optional<ForceSums> last;  // where they are those of the pose found
+  const auto sums_now = [&] {
+    return tile_kernels().force(arrays_, static_cast<float>(gain), static_cast<float>(offset));
+  };
+  for (out.iterations = 1; out.iterations <= options_.max_iterations; ++out.iterations) {
+    const ForceSums sums = sums_now();
+    Vector force = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(sums.force.data()).head(columns());
+    force.head<2>() -= noise_force(sums, formed, fraction, gain);
+    const Vector step = factor.solve(force);
+    if (!step.allFinite()) return out;
+    gain += step(2);
+    offset += step(3);
+    if (gain < 0.02) return out;
+    double move_x = step(0) / gain;
+    double move_y = step(1) / gain;
+    const double length = std::hypot(move_x, move_y);
+    const double brake = length > 1 ? 1 / length : 1;  // the linearisation is good for a pixel at most
+    fraction.dx += brake * move_x;
+    fraction.dy += brake * move_y;
+    double turn = 0;
+    if (options_.rotation) {
+      turn = std::clamp(step(4) / gain, -0.2, 0.2);
+      fraction.theta += turn;
+    }
+    if (std::hypot(whole_x + fraction.dx - start.dx, whole_y + fraction.dy - start.dy) > options_.max_step_px)
+      return out;
+    const double turn_px = std::abs(turn) * pattern_.reach();
+    bool settled = length < options_.tolerance_px && turn_px < 10 * options_.tolerance_px;
+    const bool re_centre = std::abs(fraction.dx) > 0.75 || std::abs(fraction.dy) > 0.75;
+    if (re_centre) {
+      const int sx = static_cast<int>(std::lround(fraction.dx));
+      const int sy = static_cast<int>(std::lround(fraction.dy));
+      whole_x += sx;
+      whole_y += sy;
+      fraction.dx -= sx;
+      fraction.dy -= sy;
+      if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+      trimmed = false;
+    }
+    const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
+                         std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
+    if (re_form || !settled) sample_template(fraction, re_form);
+    if (settled && !trimmed) {
+      last = sums_now();
+      trimmed_count = trim(*last, gain, offset, noise_sd);
+      trimmed = true;
+      if (trimmed_count > 0) {
+        factor.compute(normal = normal_matrix());
+        settled = false;
+        last.reset();
+      }
+    }
+    if (settled) {
+      out.converged = true;
+      break;
+    }
+    if (re_form) {
+      formed = fraction;
+      factor.compute(normal = normal_matrix());
+    }
+  }
+  out.pose = {whole_x + fraction.dx, whole_y + fraction.dy, fraction.theta};
+  out.gain = gain;
+  out.offset = offset + pivot_ - gain * pivot_;
+  out.ncc = correlation();
+  if (!out.converged) return out;
+
+  const ForceSums sums = last ? *last : sums_now();
+  out.trimmed_share = static_cast<double>(trimmed_count) / pixels_;
+  out.residual_rms = std::sqrt(sums.squares / std::max(1.0, sums.weight - columns()));
+
+  // A residual clearly below the estimated noise (a texture passed for noise) is the better estimate; nearly
+  // none is the template met again in its own frame.
+  const double shown = residual_noise(sums, fraction, gain);
+  const bool quieter = shown < 0.8 * options_.noise_variance && shown > 0.1 * options_.noise_variance;
+  const double noise = quieter ? std::max(shown, 1.0 / 12) : options_.noise_variance;
+  const Matrix inverse = debiased(normal, fraction).inverse();
+  const Matrix spread = inverse * normal * inverse / (gain * gain);
+  out.covariance = noise * spread.topLeftCorner<2, 2>();
+  if (options_.rotation) out.sigma_theta = std::sqrt(noise * spread(4, 4));
+
+  // Residual beyond noise: something in the picture that the model does not have.
+  const double expected = out.residual_rms * out.residual_rms * std::min(1.0, noise / shown);
+  const double excess = out.residual_rms * out.residual_rms - expected;
+  // Four times the scatter of a variance estimate, and a tenth for noise that is not quite white.
+  const double tolerated = expected * (0.1 + 4 * std::sqrt(2 / std::max(1.0, sums.weight)));
+  if (excess <= tolerated) return out;
+  out.excess_rms = std::sqrt(excess);
+  const double share = excess / (excess + expected);
+  const Eigen::Matrix3d robust = sandwich(inverse, gain, offset);
+  out.covariance += share * robust.topLeftCorner<2, 2>();
+  if (options_.rotation)
+    out.sigma_theta = std::sqrt(out.sigma_theta * out.sigma_theta + share * robust(2, 2));
+  return out;
+}
+
+double TemplateRegistration::score(const Picture& picture, int x, int y, const Pose& pose) {
+  const int whole_x = static_cast<int>(std::lround(pose.dx));
+  const int whole_y = static_cast<int>(std::lround(pose.dy));
+  if (!take_picture(picture, x, y, whole_x, whole_y, pose.theta)) return 0;
+  sample_template({pose.dx - whole_x, pose.dy - whole_y, pose.theta}, false);
+  return correlation();
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,133 @@
+// Sub-pixel registration: where exactly does the template lie in a picture?
+//
+// Minimises the ZNCC criterion, i.e. sum_x w(x) (I(x) - a T(R(theta)^T (x - c - d)) - b)^2 over the
+// displacement d, the gain a, the offset b and, where the template has a texture that shows it, the rotation
+// theta, by Gauss-Newton. It is inverse compositional in the sense of Baker & Matthews (IJCV 56, 2004): the
+// template moves, the picture stays untouched (its noise stays white, it needs no prefilter), and the
+// derivatives and their normal matrix are those of the template, formed once per picture and kept for all
+// iterations. T is a quintic B-spline whose coefficients are computed once.
+//
+// Only pixels that tell something take part (informative_pixels.h): of a plain disc a ring about its rim.
+//
+// The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
+// pixels by an amount proportional to its variance; that known force is taken out of the normal equations.
+//
+// Covariance of d (Cramer-Rao): sigma^2 (sum w J^T J)^-1, corrected for the noise that the derivatives of a
+// noisy template carry; where the residual exceeds the noise the excess is added by a sandwich estimate over
+// 8 x 8 px tiles, which allows for its correlation.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "vision/kernels/bspline.h"
+#include "vision/kernels/informative_pixels.h"
+#include "vision/registration/pattern.h"
+#include "vision/picture.h"
+#include "vision/kernels/tile_kernels.h"
+
+namespace tribotrack::vision {
+
+/// Displacement of the template from its place in the first frame, px, and its rotation, rad,
+/// counter-clockwise as seen (y up).
+struct Pose {
+  double dx = 0, dy = 0, theta = 0;
+};
+
+struct Registration {
+  bool converged = false;
+  Pose pose;
+  double gain = 1, offset = 0;
+  double ncc = 0;            ///< zero-mean normalised cross-correlation under the whole mask
+  double residual_rms = 0;   ///< grey levels
+  double excess_rms = 0;     ///< part of it beyond the noise of picture and template
+  double trimmed_share = 0;  ///< pixels left out as not belonging to the template (glare, a hand)
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (dx, dy), px^2
+  double sigma_theta = 0;                                ///< rad; 0 where rotation is not estimated
+  int iterations = 0;
+};
+
+struct RegistrationOptions {
+  double noise_variance = 1.0 / 12;  ///< of the picture, grey levels^2
+  double template_noise_share = 1;   ///< of it in the template: 1/M for one averaged over M frames
+  bool rotation = false;
+  int max_iterations = 20;
+  double max_step_px = 4;  ///< further from the start than this is no convergence
+  double tolerance_px = 1e-4;
+};
+
+class TemplateRegistration {
+ public:
+  /// Copies what it needs of the first frame.
+  TemplateRegistration(const Picture& first, const Pattern& pattern, const RegistrationOptions& options);
+
+  /// Refines a pose. `picture` is a window of the frame whose first pixel is pixel (x, y) of the frame.
+  /// Template pixels that fall outside the window are left out.
+  Registration refine(const Picture& picture, int x, int y, const Pose& start);
+
+  /// ZNCC at a pose, nothing refined.
+  double score(const Picture& picture, int x, int y, const Pose& pose);
+
+  /// Template grey levels turned by theta about the pattern's centre, on the pattern's own window.
+  Picture turned(double theta) const;
+
+  /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
+  Eigen::Matrix2d limit() const { return limit_; }
+  /// Same for the rotation alone, see visible_rotation.h.
+  double limit_theta() const { return limit_theta_; }
+  const Pattern& pattern() const { return pattern_; }
+  const RegistrationOptions& options() const { return options_; }
+  /// What the template's own noise adds to the variance of the position, relative to the bound.
+  double template_noise_cost() const { return template_noise_cost_; }
+  /// Share of the template's pixels that take part.
+  double pixel_share() const { return pixel_share_; }
+
+ private:
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 5, 5>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 5, 1>;
+  void choose_pixels();
+  void sample_template(const Pose& fraction, bool slopes);
+  void sample_turned(const Pose& fraction, bool slopes);
+  float turned_weight(int x, int y, double c, double s) const;
+  bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
+  Matrix normal_matrix() const;
+  Matrix debiased(const Matrix& normal, const Pose& fraction) const;
+  double residual_noise(const ForceSums& sums, const Pose& at, double gain) const;
+  Eigen::Vector2d noise_force(const ForceSums& sums, const Pose& formed, const Pose& at, double gain) const;
+  double correlation() const;
+  std::size_t trim(const ForceSums& sums, double gain, double offset, double noise_sd);
+  Eigen::Matrix3d sandwich(const Matrix& inverse, double gain, double offset);
+  double template_noise() const { return options_.template_noise_share * options_.noise_variance; }
+  int columns() const { return options_.rotation ? 5 : 4; }
+
+  RegistrationOptions options_;
+  Pattern pattern_;
+  Picture levels_;  ///< of the window
+  QuinticSpline spline_;
+  int spline_x_ = 0, spline_y_ = 0;      ///< first pixel of the spline in the first frame
+  float pivot_ = 0;                      ///< mean level of the template
+  double contrast_ = 0;                  ///< its standard deviation
+  static constexpr int kFractions = 16;  ///< table of interpolation noise
+  bool gaps_ = false;                    ///< the mask has holes that turn with the template
+  double pixels_ = 0;                    ///< number of pixels that take part
+  double pixel_share_ = 1, template_noise_cost_ = 0;
+  Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
+  double limit_theta_ = 0;
+  std::vector<InterpolationNoise> noise_gain_;  ///< at fractions k / 16
+
+  std::vector<TilePlace> places_;  ///< in the window
+  std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0
+  // Work space.
+  TileArrays arrays_;
+  std::vector<float> base_weight_;          ///< before trimming
+  bool whole_mask_ = false;                 ///< and it is mask_
+  bool trimmed_ = false;                    ///< arrays_.weight is less than that
+  std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
+  std::vector<const float*> corners_;
+  std::vector<float> residual_;
+  std::vector<unsigned char> strange_;
+  std::vector<std::array<double, 5>> scores_;
+};
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,153 @@
+// The template of a registration: which of its pixels count, and its levels and slopes at any pose.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "vision/registration/registration.h"
+#include "vision/registration/rotation_visibility.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kBorder = 12;  ///< context of the spline around the template, px
+
+}  // namespace
+
+TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& pattern,
+                                           const RegistrationOptions& options)
+    : options_(options), pattern_(pattern) {
+  const Rect& w = pattern.window;
+  const int x0 = std::max(0, w.x - kBorder);
+  const int y0 = std::max(0, w.y - kBorder);
+  const int x1 = std::min(first.width(), w.x + w.width + kBorder);
+  const int y1 = std::min(first.height(), w.y + w.height + kBorder);
+  Picture context(x1 - x0, y1 - y0);
+  for (int y = y0; y < y1; ++y) std::copy_n(first.row(y).begin() + x0, x1 - x0, context.row(y - y0).begin());
+  spline_ = QuinticSpline(context);
+  spline_x_ = x0;
+  spline_y_ = y0;
+  levels_ = Picture(w.width, w.height);
+  double sum = 0;
+  double squares = 0;
+  for (int y = 0; y < w.height; ++y)
+    for (int x = 0; x < w.width; ++x) {
+      const float level = first.at(w.x + x, w.y + y);
+      levels_.at(x, y) = level;
+      const double rho = std::hypot(w.x + x - pattern.centre.x, w.y + y - pattern.centre.y);
+      if (pattern.weights.at(x, y) == 0 && rho < pattern.radius + 2) gaps_ = true;
+      if (pattern.weights.at(x, y) > 0) {
+        ++pixels_;
+        sum += level;
+        squares += static_cast<double>(level) * level;
+      }
+    }
+  pivot_ = static_cast<float>(sum / pixels_);
+  contrast_ = std::sqrt(std::max(0.0, squares / pixels_ - (sum / pixels_) * (sum / pixels_)));
+  for (int k = 0; k <= kFractions; ++k)
+    noise_gain_.push_back(quintic_noise(static_cast<double>(k) / kFractions));
+
+  choose_pixels();
+  const bool rotation = options_.rotation;
+  options_.rotation = false;
+  take_picture(levels_, w.x, w.y, 0, 0, 0);
+  sample_template({}, true);
+  const Matrix normal = normal_matrix(), honest = debiased(normal, {});
+  limit_ = options_.noise_variance * Eigen::MatrixXd(honest).inverse().topLeftCorner<2, 2>();
+  template_noise_cost_ =
+      (normal - honest).topLeftCorner<2, 2>().trace() / honest.topLeftCorner<2, 2>().trace();
+  options_.rotation = rotation;
+  if (rotation) arrays_.slope_theta.resize(mask_.size());
+}
+
+/// Looks at every pixel of the template once, then keeps those that tell something.
+void TemplateRegistration::choose_pixels() {
+  const Rect& w = pattern_.window;
+  Picture value(w.width, w.height), slope_x(w.width, w.height), slope_y(w.width, w.height);
+  spline_.sample_window(w.x - spline_x_, w.y - spline_y_, w.width, w.height, value.levels().data(),
+                        slope_x.levels().data(), slope_y.levels().data());
+  limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
+  InformativeOptions options;
+  options.noise_square = 2 * template_noise() * noise_gain_[0].slope * noise_gain_[0].value;
+  const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, options);
+  places_ = cover_with_tiles(mask);
+  mask_.assign(places_.size() * kTilePixels, 0.0F);
+  double chosen = 0;
+  for (std::size_t t = 0; t < places_.size(); ++t)
+    for (int j = 0; j < kTile; ++j)
+      for (int i = 0; i < kTile; ++i) {
+        const int x = places_[t].x + i, y = places_[t].y + j;
+        if (x >= w.width || y >= w.height) continue;
+        mask_[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] = mask.at(x, y);
+        chosen += mask.at(x, y) > 0;
+      }
+  pixel_share_ = chosen / pixels_;
+  pixels_ = chosen;
+  arrays_.tiles = places_.size();
+  for (auto* v :
+       {&arrays_.value, &arrays_.slope_x, &arrays_.slope_y, &arrays_.level, &arrays_.weight, &base_weight_})
+    v->resize(mask_.size());
+  corners_.resize(places_.size());
+}
+
+/// T and, if asked, its derivatives with respect to the pose, at every pixel of the tiles.
+void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
+  if (options_.rotation) return sample_turned(fraction, slopes);
+  const double x = pattern_.window.x - spline_x_ - fraction.dx;
+  const double y = pattern_.window.y - spline_y_ - fraction.dy;
+  const int ix = static_cast<int>(std::floor(x));
+  const int iy = static_cast<int>(std::floor(y));
+  const SplineTaps taps = spline_taps(x - ix, y - iy);
+  for (std::size_t t = 0; t < places_.size(); ++t)
+    corners_[t] = spline_.coefficient(ix + places_[t].x, iy + places_[t].y);
+  tile_kernels().sample(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);
+}
+
+/// Every pixel has a fraction of its own.
+void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
+  // Counter-clockwise with y up is, in pixels with y down, (x, y) -> (c x + s y, -s x + c y).
+  const auto c = static_cast<float>(std::cos(fraction.theta)),
+             s = static_cast<float>(std::sin(fraction.theta));
+  // From the pattern's centre, and where that is in the spline.
+  const double from_x = pattern_.window.x - pattern_.centre.x - fraction.dx,
+               from_y = pattern_.window.y - pattern_.centre.y - fraction.dy;
+  const auto centre_x = static_cast<float>(pattern_.centre.x - spline_x_),
+             centre_y = static_cast<float>(pattern_.centre.y - spline_y_);
+  turned_x_.resize(mask_.size());
+  turned_y_.resize(mask_.size());
+  for (std::size_t t = 0; t < places_.size(); ++t)
+    for (int j = 0; j < kTile; ++j)
+      for (int i = 0; i < kTile; ++i) {
+        const std::size_t k = t * kTilePixels + static_cast<std::size_t>(j * kTile + i);
+        const auto rx = static_cast<float>(from_x + places_[t].x + i);
+        const auto ry = static_cast<float>(from_y + places_[t].y + j);
+        turned_x_[k] = centre_x + (c * rx - s * ry);  // back into the template
+        turned_y_[k] = centre_y + (s * rx + c * ry);
+      }
+  spline_.sample_places(turned_x_, turned_y_, arrays_.value.data(), slopes ? arrays_.slope_x.data() : nullptr,
+                        arrays_.slope_y.data());
+  for (float& value : arrays_.value) value -= pivot_;
+  if (!slopes) return;
+  for (std::size_t k = 0; k < mask_.size(); ++k) {
+    const float tx = arrays_.slope_x[k], ty = arrays_.slope_y[k];
+    arrays_.slope_x[k] = c * tx + s * ty;
+    arrays_.slope_y[k] = c * ty - s * tx;
+    arrays_.slope_theta[k] = ty * (turned_x_[k] - centre_x) - tx * (turned_y_[k] - centre_y);
+  }
+}
+
+Picture TemplateRegistration::turned(double theta) const {
+  const Rect& w = pattern_.window;
+  Picture out(w.width, w.height);
+  const double c = std::cos(theta);
+  const double s = std::sin(theta);
+  for (int y = 0; y < w.height; ++y)
+    for (int x = 0; x < w.width; ++x) {
+      const double rx = x + w.x - pattern_.centre.x;
+      const double ry = y + w.y - pattern_.centre.y;
+      out.at(x, y) = static_cast<float>(spline_.value(pattern_.centre.x + c * rx - s * ry - spline_x_,
+                                                      pattern_.centre.y + s * rx + c * ry - spline_y_));
+    }
+  return out;
+}
+
+}  // namespace tribotrack::vision
