@@ -1,6 +1,6 @@
 #include "apps/commands/command.h"
 #include "apps/text/output_file.h"
-#include "vision/formats/threads.h"
+#include "vision/frame_source.h"
 
 int main(int argc, char** argv) {
   tribotrack::apps::clean_up_on_signals();

@@ -4,22 +4,22 @@
 #include <cmath>
 #include <limits>
 
-#include "fit/uncertainty/bootstrap.h"
-#include "fit/tools/parameter_text.h"
-#include "fit/report/error_text.h"
-#include "fit/uncertainty/identifiability.h"
 #include "fit/checks/model_check.h"
-#include "fit/minimum/multi_start.h"
-#include "fit/design/next_experiment.h"
 #include "fit/checks/outliers.h"
-#include "fit/tools/parallel.h"
-#include "fit/uncertainty/profile.h"
+#include "fit/design/next_experiment.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/report/error_text.h"
 #include "fit/report/fill_result.h"
-#include "fit/variances/robust.h"
+#include "fit/residuals/sticking.h"
+#include "fit/tools/parallel.h"
+#include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
+#include "fit/uncertainty/bootstrap.h"
+#include "fit/uncertainty/identifiability.h"
+#include "fit/uncertainty/profile.h"
 #include "fit/variances/excess_variance.h"
 #include "fit/variances/reweighted_fit.h"
-#include "fit/tools/statistics.h"
-#include "fit/residuals/sticking.h"
+#include "fit/variances/robust.h"
 
 namespace tribotrack::fit {
 namespace {

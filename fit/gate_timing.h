@@ -1,12 +1,14 @@
 // When the actuator's gate was really open: phi and dtau from a lamp's brightness, frame by frame.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fit/measurement.h"
+#include "model/scenario.h"
 
 namespace tribotrack::fit {
 
@@ -66,5 +68,10 @@ struct FoldedLamp {
 /// The same as the fitted edges and the exposure make it: a trapezoid.
 FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
+
+/// J C J^T, m^2: J = d(displacement)/d(phi, dtau) of the scenario as it stands (its mu1, mu2, lag: guesses
+/// do), C the covariance of the measured phi and dtau, rad^2.
+Eigen::Matrix2d displacement_covariance_of_gate(const model::Scenario& scenario,
+                                                const Eigen::Matrix2d& gate_covariance);
 
 }  // namespace tribotrack::fit

@@ -65,4 +65,7 @@ struct Problem {
   std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };
 
+/// The model's displacement over the run's cycles at given parameter values, for curves in reports. m.
+Eigen::Vector2d modelled_displacement(const model::Scenario& scenario);
+
 }  // namespace tribotrack::fit

@@ -90,9 +90,10 @@ struct BatchOutcome {
 
 /// Solves equation (5) of the paper for many scenarios: eight side by side in the processor's vectors, each
 /// with its own step lengths and friction switches (a lane whose run has ended is given another), on several
-/// threads that take scenarios from a common counter, ever fewer at a time towards the end. Runs the lanes cannot carry (see ScalarReason) are
-/// solved by integrate() and steady_orbit(). Results agree with those to 1e-11 of the path, and are the same
-/// to the last bit whatever the number of threads and whoever travels side by side.
+/// threads that take scenarios from a common counter, ever fewer at a time towards the end. Runs the lanes
+/// cannot carry (see ScalarReason) are solved by integrate() and steady_orbit(). Results agree with those to
+/// 1e-11 of the path, and are the same to the last bit whatever the number of threads and whoever travels
+/// side by side.
 ///   BatchOptions options;
 ///   options.threads = 4;
 ///   const auto outcome = solve_batch(scenarios, options);

@@ -20,9 +20,9 @@ struct SteadyOrbit {
   double mean_velocity(double angular_frequency) const;  ///< v = |drift| w / 2 pi, m/s
 };
 
-/// Newton's method: by parts of the cycle side by side where the part slides throughout on a circling platform
-/// (internal/shooting.h), else on the one-cycle map; a cycle where stick wipes the memory. From the platform
-/// phase scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling").
+/// Newton's method: by parts of the cycle side by side where the part slides throughout on a circling
+/// platform (internal/shooting.h), else on the one-cycle map; a cycle where stick wipes the memory. From the
+/// platform phase scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling").
 /// nullopt where no unique steady motion exists (no friction anywhere in the cycle, tilt beyond the friction
 /// angle).
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses = true);

@@ -75,4 +75,9 @@ struct SourceOptions {
 std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,
                                          const SourceOptions& options = {});
 
+/// Keeps OpenCV's own functions on the calling thread, for the whole process: recordings are worked on side
+/// by side, one a thread, and a thread count the user gives then means what it says. A program's own choice,
+/// so main() calls it.
+void keep_to_calling_thread();
+
 }  // namespace tribotrack::vision

@@ -6,17 +6,17 @@
 #include <stdexcept>
 
 #include "vision/camera/bad_pixels.h"
+#include "vision/camera/frame_cache.h"
+#include "vision/camera/noise_estimate.h"
+#include "vision/discs/mean_radius.h"
 #include "vision/io/format_text.h"
+#include "vision/layers/keeping.h"
+#include "vision/layers/pass.h"
+#include "vision/layers/stage.h"
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/notes.h"
 #include "vision/tracking/platform.h"
 #include "vision/tracking/setup.h"
-#include "vision/camera/frame_cache.h"
-#include "vision/layers/keeping.h"
-#include "vision/layers/pass.h"
-#include "vision/layers/stage.h"
-#include "vision/camera/noise_estimate.h"
-#include "vision/discs/mean_radius.h"
 
 namespace tribotrack::vision {
 namespace {

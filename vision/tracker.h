@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "vision/frame_source.h"
 #include "vision/track.h"
@@ -48,49 +46,6 @@ struct TrackOptions {
   std::function<void(std::int64_t done, std::int64_t total)> progress;
   /// Throws std::invalid_argument naming the option.
   void validate() const;
-};
-
-/// A stage of the work that a scene may or may not need.
-struct PlanStage {
-  std::string name;
-  bool on = false;
-  std::string reason;           ///< with its figure
-  double predicted_saving = 0;  ///< share of run time that leaving it out saves (on) or saved (off), 0 .. 1
-  double error_bound_px = 0;    ///< what leaving it out can add
-  double cost = 0;              ///< predicted, see plan_costs.h
-};
-
-struct TrackSummary {
-  Circle disc;                ///< as tracked in the first frame: given or found, px
-  double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
-  double disc_radius_sd = 0;  ///< px, 0 where not measured
-  /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
-  double disc_radius_common_sd = 0;
-  Circle marker;
-  Rect texture_patch;             ///< where the platform's own texture serves as its marker; else of no width
-  int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
-  double gate_clipped_share = 0;  ///< of them, at the top level in the frame where that was most
-  double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
-  double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
-  bool layered = false;     ///< positions come from the layered second pass
-  /// What the errors of a layered track share beyond each point's own: standard deviation of one coordinate,
-  /// px, their mean removed, and for how long it stays alike, s (the integral of its correlation). Both are
-  /// in the points' standard deviations, which speak of one point: a mean over many points has this too.
-  double slow_sd = 0, slow_time = 0;
-  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
-  std::int64_t absent_at_first = 0;  ///< frames before the part was there; lost, too
-  /// Lost frames, those before it was there and after it had left the picture for good not counted.
-  std::int64_t lost_counted = 0;
-  bool gate_passed = true;  ///< lost_counted / frames <= max_lost_share
-  bool left_for_good = false;
-  std::vector<PlanStage> plan;
-  std::vector<std::string> warnings;
-  std::string brief_report() const;
-};
-
-struct TrackResult {
-  Track track;
-  TrackSummary summary;
 };
 
 /// Follows the target from the first analysed frame, or from that in which a disc is first seen there. The

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "apps/program/errors.h"
 #include "apps/files/scope_file.h"
-#include "fit/gate_covariance.h"
+#include "apps/program/errors.h"
+#include "fit/gate_timing.h"
 
 namespace tribotrack::apps {
 

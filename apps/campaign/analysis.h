@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/campaign.h"
 #include "apps/campaign/measure_run.h"
 #include "apps/campaign/track_recording.h"
+#include "apps/files/campaign.h"
 #include "fit/problem.h"
 
 namespace tribotrack::apps {

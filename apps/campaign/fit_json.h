@@ -6,8 +6,8 @@
 
 #include "apps/campaign/analysis.h"
 #include "apps/files/campaign.h"
-#include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/program/context.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::apps {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/campaign/analysis.h"
-#include "vision/scale.h"
+#include "vision/millimetres.h"
 
 namespace tribotrack::apps {
 

@@ -4,10 +4,10 @@
 #include <xxhash.h>
 
 #include "apps/files/calibration_file.h"
+#include "apps/files/track_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
-#include "apps/files/track_file.h"
-#include "vision/scale.h"
+#include "vision/millimetres.h"
 
 namespace tribotrack::apps {
 

@@ -8,8 +8,8 @@
 
 #include "apps/files/meta_file.h"
 #include "vision/frame_source.h"
+#include "vision/millimetres.h"
 #include "vision/track.h"
-#include "vision/track_millimetres.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::apps {

@@ -8,12 +8,12 @@
 #include <fstream>
 #include <memory>
 
-#include "apps/bench/tables.h"
+#include "apps/bench/peers/library_peers.h"
+#include "apps/bench/tables/tables.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
-#include "apps/text/output_file.h"
 #include "apps/program/progress.h"
-#include "apps/bench/peers/library_peers.h"
+#include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
 
@@ -83,7 +83,8 @@ class Bench {
     options.quick = options_.quick;
     options.peers = model::peers::all_peers();
     for (const std::string& library : model::peers::missing_libraries())
-      say(context_.quiet, fmt::format("bench model: this build was made without {}; its solvers are left out", library));
+      say(context_.quiet,
+          fmt::format("bench model: this build was made without {}; its solvers are left out", library));
     std::vector<model::ModelBenchRow> rows;
     std::vector<model::ModelExtremeRow> extremes;
     {

@@ -6,12 +6,12 @@
 #include <memory>
 #include <numbers>
 
-#include "apps/text/angle.h"
-#include "apps/files/calibration_file.h"
 #include "apps/commands/command.h"
-#include "apps/text/output_file.h"
+#include "apps/files/calibration_file.h"
 #include "apps/program/progress.h"
-#include "vision/calibration_pictures.h"
+#include "apps/text/angle.h"
+#include "apps/text/output_file.h"
+#include "vision/calibration.h"
 
 namespace tribotrack::apps {
 

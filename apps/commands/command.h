@@ -5,16 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "apps/program/errors.h"
+#include "apps/program/context.h"
 
 namespace tribotrack::apps {
-
-/// What every command can be told, and how it ended.
-struct Context {
-  bool quiet = false;
-  int threads = 0;             ///< 0: as many as this process may use
-  ExitCode exit_code = kDone;  ///< set by a command that ends orderly but not well
-};
 
 /// Adds --quiet, --threads and --version and the example at the end of --help.
 void add_common(CLI::App& command, Context& context, const std::string& example);
@@ -25,9 +18,6 @@ void add_angle(CLI::App& command, const std::string& flag, std::optional<double>
 /// Adds an option that takes a finite number.
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help);
-
-/// min(affinity, SLURM_CPUS_PER_TASK, cgroup quota) where the user does not say.
-int threads_to_use(const Context& context);
 
 void add_simulate(CLI::App& app, Context& context);
 void add_sweep(CLI::App& app, Context& context);

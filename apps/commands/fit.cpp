@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <memory>
 
-#include "apps/commands/command.h"
 #include "apps/campaign/fit_json.h"
-#include "apps/text/output_file.h"
-#include "apps/program/parallel.h"
 #include "apps/campaign/shared_scale.h"
+#include "apps/commands/command.h"
+#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
+#include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
 

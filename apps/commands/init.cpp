@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "apps/commands/command.h"
-#include "apps/text/output_file.h"
 #include "apps/program/progress.h"
+#include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
 

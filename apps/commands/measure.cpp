@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "apps/commands/command.h"
-#include "apps/campaign/measure_text.h"
 #include "apps/campaign/measure_run.h"
-#include "apps/text/output_file.h"
+#include "apps/campaign/measure_text.h"
+#include "apps/commands/command.h"
 #include "apps/program/progress.h"
+#include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
 

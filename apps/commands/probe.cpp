@@ -6,8 +6,8 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
-#include "vision/frame_source.h"
 #include "vision/duplicate_frames.h"
+#include "vision/frame_source.h"
 
 namespace tribotrack::apps {
 

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "apps/commands/command.h"
-#include "apps/text/output_file.h"
 #include "apps/program/progress.h"
 #include "apps/report/data/collect.h"
+#include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
 

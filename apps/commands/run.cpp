@@ -7,14 +7,14 @@
 #include <ctime>
 #include <memory>
 
-#include "apps/commands/command.h"
 #include "apps/campaign/fit_json.h"
-#include "apps/text/output_file.h"
-#include "apps/program/parallel.h"
 #include "apps/campaign/shared_scale.h"
+#include "apps/commands/command.h"
+#include "apps/files/run_folder.h"
+#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
 #include "apps/report/data/collect.h"
-#include "apps/files/run_folder.h"
+#include "apps/text/output_file.h"
 #include "vision/overlay.h"
 
 namespace tribotrack::apps {

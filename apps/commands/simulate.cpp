@@ -6,10 +6,10 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/scenario_file.h"
+#include "apps/program/progress.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
-#include "apps/program/progress.h"
-#include "apps/files/scenario_file.h"
 #include "model/alpha_v.h"
 #include "model/plan.h"
 #include "model/steady_orbit.h"

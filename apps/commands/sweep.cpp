@@ -7,13 +7,13 @@
 #include <memory>
 #include <stdexcept>
 
-#include "apps/text/angle.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/scenario_file.h"
+#include "apps/program/progress.h"
+#include "apps/text/angle.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
-#include "apps/program/progress.h"
-#include "apps/files/scenario_file.h"
 #include "model/batch.h"
 
 namespace tribotrack::apps {

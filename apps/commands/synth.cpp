@@ -9,12 +9,12 @@
 #include <numbers>
 
 #include "apps/commands/command.h"
-#include "apps/text/number_text.h"
-#include "apps/text/output_file.h"
+#include "apps/files/scene_file.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
-#include "apps/files/scene_file.h"
-#include "model/gate.h"
+#include "apps/text/number_text.h"
+#include "apps/text/output_file.h"
+#include "model/friction.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::apps {

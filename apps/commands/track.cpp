@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "apps/text/angle.h"
-#include "apps/commands/command.h"
-#include "apps/text/output_file.h"
-#include "apps/program/progress.h"
 #include "apps/campaign/track_recording.h"
+#include "apps/commands/command.h"
+#include "apps/program/progress.h"
+#include "apps/text/angle.h"
+#include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
 #include "vision/overlay.h"
 
@@ -241,7 +241,9 @@ void add_track(CLI::App& app, Context& context) {
   add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
   add_number(command, "--working-distance-mm", options->working_distance_mm,
              "From the lens to the marker's plane: with --height-mm it corrects the parallax");
-  command.add_option("--disc", options->disc, "The disc in the first analysed frame, or where it is first seen there (default: found)")
+  command
+      .add_option("--disc", options->disc,
+                  "The disc in the first analysed frame, or where it is first seen there (default: found)")
       ->type_name("X,Y,R");
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");

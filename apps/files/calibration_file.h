@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "apps/files/meta_file.h"
-#include "vision/calibration_fit.h"
+#include "vision/calibration.h"
 
 namespace tribotrack::apps {
 

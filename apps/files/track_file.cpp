@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "apps/text/angle.h"
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {

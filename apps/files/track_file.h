@@ -9,8 +9,8 @@
 #include "apps/files/meta_file.h"
 #include "fit/gate_timing.h"
 #include "fit/track_table.h"
+#include "vision/millimetres.h"
 #include "vision/track.h"
-#include "vision/track_millimetres.h"
 
 namespace tribotrack::apps {
 

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "apps/text/angle.h"
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 
 namespace tribotrack::apps {
 

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <tuple>
 
-#include "fit/tools/parameter_text.h"
-#include "fit/minimum/multi_start.h"
 #include "fit/checks/rivals.h"
-#include "fit/tools/statistics.h"
 #include "fit/checks/thinned.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit/uncertainty/covariance.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "fit/tools/parameter_text.h"
 #include "fit/design/forecast.h"
-#include "fit/uncertainty/identifiability.h"
 #include "fit/report/fill_result.h"
+#include "fit/tools/parameter_text.h"
+#include "fit/uncertainty/identifiability.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <vector>
 
-#include "fit/measuring/local_polynomial.h"
 #include "fit/measurement.h"
+#include "fit/measuring/local_polynomial.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {

@@ -1,4 +1,4 @@
-#include "fit/gate_covariance.h"
+#include "fit/gate_timing.h"
 
 #include "model/trajectory.h"
 

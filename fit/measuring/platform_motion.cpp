@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "fit/measurement.h"
 #include "fit/measuring/sine_fit.h"
 #include "fit/measuring/sine_residuals.h"
-#include "fit/measurement.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {

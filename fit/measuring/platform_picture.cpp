@@ -1,4 +1,4 @@
-#include "fit/platform_picture.h"
+#include "fit/measurement.h"
 
 #include <cmath>
 #include <numbers>

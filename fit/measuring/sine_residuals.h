@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "fit/measuring/sine_fit.h"
 #include "fit/measurement.h"
+#include "fit/measuring/sine_fit.h"
 
 namespace tribotrack::fit::internal {
 

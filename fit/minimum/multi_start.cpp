@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/tools/parallel.h"
 #include "fit/minimum/screen.h"
+#include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"

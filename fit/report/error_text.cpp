@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "fit/tools/parameter_text.h"
-#include "fit/variances/robust.h"
 #include "fit/variances/reweighted_fit.h"
+#include "fit/variances/robust.h"
 
 namespace tribotrack::fit::internal {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/residuals/sticking.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/uncertainty/identifiability.h"
-#include "fit/residuals/sticking.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit::internal {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "fit/estimate.h"
-#include "fit/uncertainty/covariance.h"
 #include "fit/minimum/minimise.h"
+#include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "fit/residuals/point_model.h"
 #include "fit/residuals/correlated_errors.h"
+#include "fit/residuals/point_model.h"
 #include "fit/residuals/unknowns.h"
 
 namespace tribotrack::fit::internal {

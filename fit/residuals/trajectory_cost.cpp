@@ -5,8 +5,8 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "fit/tools/parallel.h"
 #include "fit/residuals/residuals.h"
+#include "fit/tools/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

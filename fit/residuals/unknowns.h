@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "fit/residuals/transform.h"
 #include "fit/problem.h"
+#include "fit/residuals/transform.h"
 
 namespace tribotrack::fit::internal {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <random>
 
-#include "fit/uncertainty/displacement_refits.h"
 #include "fit/tools/parallel.h"
-#include "fit/variances/reweighted_fit.h"
 #include "fit/tools/stage_progress.h"
+#include "fit/uncertainty/displacement_refits.h"
+#include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit::internal {

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <set>
 
+#include "fit/residuals/sticking.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/uncertainty/identifiability.h"
-#include "fit/residuals/sticking.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/variances/robust.h"
 #include "fit/variances/excess_variance.h"
+#include "fit/variances/robust.h"
 
 namespace tribotrack::fit::internal {
 namespace {

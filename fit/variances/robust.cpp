@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit/variances/excess_variance.h"
 #include "fit/tools/statistics.h"
+#include "fit/variances/excess_variance.h"
 
 namespace tribotrack::fit::internal {
 namespace {

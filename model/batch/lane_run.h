@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "model/batch.h"
-#include "model/solver/repetition.h"
 #include "model/lanes/turning_frame.h"
+#include "model/solver/repetition.h"
 
 namespace tribotrack::model::internal {
 

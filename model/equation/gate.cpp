@@ -1,4 +1,4 @@
-#include "model/gate.h"
+#include "model/friction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-#include "model/processor/instruction_set.h"
 #include "model/lanes/slide_lanes.h"
+#include "model/processor/instruction_set.h"
 
 namespace tribotrack::model::internal {
 

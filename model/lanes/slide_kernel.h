@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "model/processor/lanes.h"
 #include "model/lanes/slide_lanes.h"
+#include "model/processor/lanes.h"
 
 namespace tribotrack::model::internal {
 

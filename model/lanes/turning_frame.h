@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "model/equation/edges.h"
-#include "model/solver/set_up.h"
 #include "model/scenario.h"
+#include "model/solver/set_up.h"
 
 namespace tribotrack::model::internal {
 

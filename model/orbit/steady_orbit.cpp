@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "model/alpha_v.h"
+#include "model/lanes/shooting.h"
 #include "model/orbit/orbit.h"
 #include "model/solver/set_up.h"
-#include "model/lanes/shooting.h"
 
 namespace tribotrack::model {
 namespace internal {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "model/arcs/arc_stepper.h"
-#include "model/series/polar_series.h"
 #include "model/series/creep.h"
+#include "model/series/polar_series.h"
 
 namespace tribotrack::model::internal {
 

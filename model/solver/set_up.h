@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/solver/solver.h"
 #include "model/scenario.h"
+#include "model/solver/solver.h"
 
 namespace tribotrack::model::internal {
 

@@ -8,10 +8,10 @@
 
 #include "model/arcs/arc_stepper.h"
 #include "model/equation/edges.h"
-#include "model/solver/piece.h"
-#include "model/series/rest_series.h"
-#include "model/solver/solver_input.h"
 #include "model/equation/stick.h"
+#include "model/series/rest_series.h"
+#include "model/solver/piece.h"
+#include "model/solver/solver_input.h"
 
 namespace tribotrack::model::internal {
 

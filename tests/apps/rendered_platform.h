@@ -8,7 +8,7 @@
 
 #include "fit/gate_timing.h"
 #include "fit/measurement.h"
-#include "model/gate.h"
+#include "model/friction.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 

@@ -4,9 +4,9 @@
 #include <iostream>
 #include <random>
 
-#include "model/processor/instruction_set.h"
 #include "model/laws.h"
 #include "model/laws_cycles.h"
+#include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
 #include "model/trajectory.h"
 

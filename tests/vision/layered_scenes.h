@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
+#include "vision/cramer_rao_bound.h"
 #include "vision/frame_source.h"
 #include "vision/scene.h"
-#include "vision/cramer_rao_bound.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision::test {

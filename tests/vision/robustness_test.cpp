@@ -14,9 +14,9 @@
 
 #include "vision/analytic_scene.h"
 #include "vision/camera/bad_pixels.h"
-#include "vision/scene.h"
 #include "vision/cramer_rao_bound.h"
 #include "vision/kernels/outlier_pixels.h"
+#include "vision/scene.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {

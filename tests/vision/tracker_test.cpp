@@ -9,7 +9,7 @@
 #include <random>
 
 #include "vision/analytic_scene.h"
-#include "vision/millimetres.h"
+#include "vision/placed_track.h"
 
 namespace tribotrack::vision {
 namespace {

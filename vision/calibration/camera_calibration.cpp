@@ -1,4 +1,4 @@
-#include "vision/camera_calibration.h"
+#include "vision/calibration.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

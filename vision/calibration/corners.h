@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "vision/calibration_fit.h"
+#include "vision/calibration.h"
 
 namespace tribotrack::vision {
 

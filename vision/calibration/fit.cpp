@@ -1,4 +1,4 @@
-#include "vision/calibration_fit.h"
+#include "vision/calibration.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
+#include "vision/calibration/corners.h"
 #include "vision/io/format_text.h"
 #include "vision/io/in_quotes.h"
-#include "vision/calibration/corners.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "vision/calibration_pictures.h"
+#include "vision/calibration.h"
 
 #include <algorithm>
 

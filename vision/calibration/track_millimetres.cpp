@@ -1,4 +1,4 @@
-#include "vision/track_millimetres.h"
+#include "vision/millimetres.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>

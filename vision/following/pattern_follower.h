@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
-#include "vision/frame_source.h"
 #include "vision/following/distractors.h"
-#include "vision/registration/pattern.h"
 #include "vision/following/motion_prediction.h"
+#include "vision/frame_source.h"
+#include "vision/registration/pattern.h"
 #include "vision/registration/registration.h"
 #include "vision/registration/template_match.h"
 #include "vision/track.h"

@@ -7,9 +7,9 @@
 
 #include <cstdint>
 
+#include "vision/following/pattern_follower.h"
 #include "vision/frame_source.h"
 #include "vision/registration/pattern.h"
-#include "vision/following/pattern_follower.h"
 
 namespace tribotrack::vision {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "vision/kernels/bspline.h"
 #include "vision/io/window.h"
+#include "vision/kernels/bspline.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "vision/formats/cine/sink.h"
-#include "vision/io/in_quotes.h"
 #include "vision/formats/libav/sink.h"
 #include "vision/formats/pictures/sink.h"
+#include "vision/io/in_quotes.h"
 #include "vision/io/sink_levels.h"
 
 namespace tribotrack::vision {

@@ -1,12 +1,13 @@
 #include "vision/frame_source.h"
 
 #include <algorithm>
+#include <opencv2/core/utility.hpp>
 
 #include "vision/formats/cine/source.h"
-#include "vision/io/in_quotes.h"
 #include "vision/formats/libav/source.h"
-#include "vision/io/mapped_file.h"
 #include "vision/formats/pictures/source.h"
+#include "vision/io/in_quotes.h"
+#include "vision/io/mapped_file.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -35,6 +36,10 @@ std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path, cons
   if (looks_like_cine(path) || path.extension() == ".cine") return open_cine(path, options);
   if (has_picture_extension(path)) return open_picture_stack(path, options);
   return open_libav(path, options);
+}
+
+void keep_to_calling_thread() {
+  cv::setNumThreads(1);
 }
 
 }  // namespace tribotrack::vision

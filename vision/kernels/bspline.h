@@ -9,8 +9,8 @@
 #include <array>
 #include <vector>
 
-#include "vision/picture.h"
 #include "vision/kernels/tile_kernels.h"
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 

@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "vision/picture.h"
 #include "vision/kernels/tile_kernels.h"
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 

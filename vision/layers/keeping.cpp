@@ -1,7 +1,7 @@
 #include "vision/layers/keeping.h"
 
-#include "vision/layers/pass.h"
 #include "vision/io/window.h"
+#include "vision/layers/pass.h"
 
 namespace tribotrack::vision {
 

@@ -5,11 +5,11 @@
 #include <optional>
 #include <span>
 
+#include "vision/io/window.h"
 #include "vision/layers/learning/illumination_test.h"
 #include "vision/layers/learning/learning.h"
 #include "vision/layers/learning/lighting.h"
 #include "vision/layers/learning/windows.h"
-#include "vision/io/window.h"
 
 namespace tribotrack::vision {
 namespace {

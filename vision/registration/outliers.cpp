@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/registration/registration.h"
 #include "vision/kernels/outlier_pixels.h"
+#include "vision/registration/registration.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -23,9 +23,9 @@
 
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/informative_pixels.h"
-#include "vision/registration/pattern.h"
-#include "vision/picture.h"
 #include "vision/kernels/tile_kernels.h"
+#include "vision/picture.h"
+#include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "vision/following/pattern_follower.h"
-#include "vision/tracking/plan_costs.h"
 #include "vision/tracker.h"
+#include "vision/tracking/plan_costs.h"
 
 namespace tribotrack::vision {
 

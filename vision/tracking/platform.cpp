@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/following/texture_patch.h"
 #include "vision/io/format_text.h"
 #include "vision/tracking/setup.h"
-#include "vision/following/texture_patch.h"
 
 namespace tribotrack::vision {
 namespace {

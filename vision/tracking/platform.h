@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "vision/tracking/target.h"
 #include "vision/following/pattern_follower.h"
+#include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/io/format_text.h"
 #include "vision/following/texture_check.h"
+#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 namespace {

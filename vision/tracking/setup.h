@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "vision/tracking/target.h"
 #include "vision/following/pattern_follower.h"
-#include "vision/tracking/plan_costs.h"
 #include "vision/following/template_average.h"
+#include "vision/tracking/plan_costs.h"
+#include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
 

@@ -3,9 +3,9 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/bench/model/bench.h"
 #include "apps/bench/extremes/extremes.h"
-#include "apps/bench/paired_timing.h"
+#include "apps/bench/model/bench.h"
+#include "apps/bench/timing/paired_timing.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model {

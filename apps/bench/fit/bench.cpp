@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "fit/estimate.h"
 #include "apps/bench/fit/methods.h"
+#include "fit/estimate.h"
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 

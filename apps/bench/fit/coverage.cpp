@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
+#include "apps/bench/peers/baselines.h"
 #include "fit/estimate.h"
 #include "fit/tools/parallel.h"
-#include "apps/bench/peers/baselines.h"
 
 namespace tribotrack::fit {
 namespace {

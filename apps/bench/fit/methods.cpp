@@ -3,10 +3,10 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "fit/estimate.h"
-#include "fit/residuals/end_point.h"
 #include "apps/bench/fit/plain_descent.h"
 #include "apps/bench/peers/baselines.h"
+#include "fit/estimate.h"
+#include "fit/residuals/end_point.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {

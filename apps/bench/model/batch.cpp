@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
+#include "apps/bench/timing/paired_timing.h"
 #include "model/batch.h"
 #include "model/processor/instruction_set.h"
-#include "apps/bench/paired_timing.h"
 
 namespace tribotrack::model {
 namespace {

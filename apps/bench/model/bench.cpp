@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/bench/paired_timing.h"
 #include "apps/bench/peers/baselines.h"
+#include "apps/bench/timing/paired_timing.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model {

@@ -7,21 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "apps/bench/peers/baselines.h"
+#include "apps/bench/peers/peer.h"
 
 namespace tribotrack::model {
 
-/// A method of others that takes any tolerance, relative to the scene's own scales A and A w.
-struct BenchPeer {
-  std::string name;
-  /// Gives up after max_steps (finished = false).
-  std::function<PeerResult(const Scenario& scenario, double tolerance, long max_steps)> run;
-};
-
 struct ModelBenchOptions {
   bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: for tests
-  /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean: what was built beside the library
-  /// (model/peers).
+  /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean: what this build has of
+  /// others (peers/library_peers.h).
   std::vector<BenchPeer> peers;
   std::function<void(int done, int total)> progress;
 };

@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/bench/paired_timing.h"
-#include "model/plan/plan_cost.h"
+#include "apps/bench/timing/paired_timing.h"
 #include "model/plan.h"
+#include "model/plan/plan_cost.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 

@@ -1,12 +1,12 @@
 // Solvers researchers would reach for instead, run on eq. (5) of the paper, for `tribotrack bench model`
-// only. They need libraries the product does not (Boost.odeint, SUNDIALS): a build without one of them lacks its
-// solvers and names it in missing_libraries().
+// only. They need libraries the product does not (Boost.odeint, SUNDIALS): a build without one of them lacks
+// its solvers and names it in missing_libraries().
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "apps/bench/model/bench.h"
+#include "apps/bench/peers/peer.h"
 
 namespace tribotrack::model::peers {
 

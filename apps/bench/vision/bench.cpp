@@ -9,9 +9,9 @@
 
 #include "apps/bench/vision/matching.h"
 #include "apps/bench/vision/recording.h"
+#include "vision/cramer_rao_bound.h"
 #include "vision/registration/registration.h"
 #include "vision/scene.h"
-#include "vision/cramer_rao_bound.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "apps/bench/vision/recording.h"
-#include "vision/scene.h"
 #include "vision/cramer_rao_bound.h"
+#include "vision/scene.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {

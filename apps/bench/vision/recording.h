@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "vision/frame_source.h"
-#include "vision/synthesis/noise.h"
 #include "vision/io/window.h"
+#include "vision/synthesis/noise.h"
 
 namespace tribotrack::vision {
 

@@ -8,15 +8,15 @@
 #include <iterator>
 #include <numbers>
 
-#include "apps/program/errors.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/scenario_file.h"
+#include "apps/files/track_file.h"
+#include "apps/program/errors.h"
 #include "apps/report/data/fit.h"
 #include "apps/report/data/groups.h"
 #include "apps/report/data/json.h"
 #include "apps/report/page/page.h"
 #include "apps/report/page/platform.h"
-#include "apps/files/scenario_file.h"
-#include "apps/files/track_file.h"
 #include "fit/estimate.h"
 #include "model/alpha_v.h"
 

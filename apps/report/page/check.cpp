@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/text/text.h"
 #include "apps/report/page/verdict.h"
+#include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "apps/report/text/text.h"
 #include "fit/measurement.h"
-#include "fit/platform_picture.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "apps/report/data/data.h"
 #include "apps/files/track_file.h"
+#include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
 

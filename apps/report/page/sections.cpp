@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "apps/report/page/intervals.h"
-#include "apps/report/text/text.h"
 #include "apps/report/page/verdict.h"
+#include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <string>
 
-#include "apps/bench/plot.h"
-#include "apps/bench/tables.h"
+#include "apps/bench/tables/plot.h"
+#include "apps/bench/tables/tables.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "apps/program/errors.h"
 #include "apps/program.h"
+#include "apps/program/errors.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/program/errors.h"
 #include "apps/program.h"
+#include "apps/program/errors.h"
 
 namespace tribotrack::apps {
 namespace {

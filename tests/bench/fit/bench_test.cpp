@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "fit/estimate.h"
 #include "apps/bench/fit/plain_descent.h"
+#include "fit/estimate.h"
 
 namespace tribotrack::fit {
 namespace {

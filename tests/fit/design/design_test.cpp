@@ -7,8 +7,8 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "fit/uncertainty/profile.h"
 #include "fit/residuals/transform.h"
+#include "fit/uncertainty/profile.h"
 
 namespace tribotrack::fit {
 namespace {

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "fit/campaign.h"
-#include "fit/estimate.h"
 #include "fit/design/forecast.h"
+#include "fit/estimate.h"
 #include "fit/tools/stage_progress.h"
 
 namespace tribotrack::fit {

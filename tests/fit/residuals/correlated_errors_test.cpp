@@ -10,10 +10,10 @@
 #include <random>
 
 #include "fit/campaign.h"
-#include "fit/estimate.h"
 #include "fit/design/forecast.h"
-#include "fit/variances/correlated_variances.h"
+#include "fit/estimate.h"
 #include "fit/slow_tracks.h"
+#include "fit/variances/correlated_variances.h"
 
 namespace tribotrack::fit::internal {
 namespace {

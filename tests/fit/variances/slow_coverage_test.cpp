@@ -9,8 +9,8 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "fit/tools/parallel.h"
 #include "fit/slow_tracks.h"
+#include "fit/tools/parallel.h"
 
 namespace tribotrack::fit {
 namespace {

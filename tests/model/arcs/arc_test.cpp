@@ -6,8 +6,8 @@
 #include <iostream>
 #include <random>
 
-#include "model/processor/instruction_set.h"
 #include "model/laws.h"
+#include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"

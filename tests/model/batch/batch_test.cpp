@@ -4,8 +4,8 @@
 
 #include <cstring>
 
-#include "model/processor/instruction_set.h"
 #include "model/laws.h"
+#include "model/processor/instruction_set.h"
 #include "model/quad_reference.h"
 #include "model/random_scenario.h"
 #include "model/steady_orbit.h"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "model/processor/instruction_set.h"
 #include "model/laws.h"
+#include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
 
 namespace tribotrack::model::internal {

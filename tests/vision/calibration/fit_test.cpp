@@ -1,5 +1,5 @@
 // Boards rendered point by point through a camera that is known, by inverse mapping with many points a pixel.
-#include "vision/calibration_fit.h"
+#include "vision/calibration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "vision/scale.h"
+#include "vision/millimetres.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "vision/io/window.h"
 #include "vision/layered_scenes.h"
 #include "vision/tracker.h"
-#include "vision/io/window.h"
 
 namespace tribotrack::vision {
 namespace {

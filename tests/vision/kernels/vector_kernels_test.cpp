@@ -5,10 +5,10 @@
 #include <random>
 
 #include "vision/kernels/bspline.h"
-#include "vision/layers/registration/kernels.h"
 #include "vision/kernels/spline_kernels.h"
-#include "vision/layers/model/split_kernels.h"
 #include "vision/kernels/tile_kernels.h"
+#include "vision/layers/model/split_kernels.h"
+#include "vision/layers/registration/kernels.h"
 
 namespace tribotrack::vision {
 namespace {

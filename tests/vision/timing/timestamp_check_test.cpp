@@ -1,4 +1,4 @@
-#include "vision/timing/timestamp_check.h"
+#include "vision/time_base.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

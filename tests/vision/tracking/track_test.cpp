@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "vision/millimetres.h"
+#include "vision/placed_track.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "vision/formats/cine/layout.h"
+#include "vision/formats/cine/p10.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/little_endian.h"
-#include "vision/formats/cine/p10.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {

@@ -7,9 +7,9 @@
 
 #include "vision/formats/cine/header.h"
 #include "vision/formats/cine/layout.h"
+#include "vision/formats/cine/p10.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/little_endian.h"
-#include "vision/formats/cine/p10.h"
 #include "vision/io/sink_levels.h"
 #include "vision/io/temporary_file.h"
 

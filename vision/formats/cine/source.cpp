@@ -8,13 +8,13 @@
 #include <fstream>
 
 #include "vision/formats/cine/header.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/little_endian.h"
-#include "vision/io/level_conversion.h"
 #include "vision/formats/cine/p10.h"
 #include "vision/formats/cine/p10_table.h"
-#include "vision/timing/timestamp_check.h"
+#include "vision/io/in_quotes.h"
+#include "vision/io/level_conversion.h"
+#include "vision/io/little_endian.h"
 #include "vision/io/window.h"
+#include "vision/time_base.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string>
 
-#include "vision/io/in_quotes.h"
 #include "vision/formats/libav/handles.h"
+#include "vision/io/in_quotes.h"
 #include "vision/io/sink_levels.h"
 #include "vision/io/temporary_file.h"
 

@@ -5,14 +5,14 @@
 #include <numeric>
 #include <span>
 
-#include "vision/formats/libav/truncation_check.h"
-#include "vision/timing/container_timestamps.h"
-#include "vision/io/in_quotes.h"
 #include "vision/formats/libav/handles.h"
 #include "vision/formats/libav/pixels.h"
+#include "vision/formats/libav/truncation_check.h"
+#include "vision/io/in_quotes.h"
 #include "vision/io/mapped_file.h"
-#include "vision/timing/photron_sidecar.h"
 #include "vision/io/window.h"
+#include "vision/timing/container_timestamps.h"
+#include "vision/timing/photron_sidecar.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "vision/io/in_quotes.h"
 #include "vision/formats/pictures/names.h"
+#include "vision/io/in_quotes.h"
 #include "vision/io/sink_levels.h"
 #include "vision/io/temporary_file.h"
 

@@ -4,10 +4,10 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "vision/formats/pictures/tiff_pages.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/level_conversion.h"
 #include "vision/io/mapped_file.h"
-#include "vision/formats/pictures/tiff_pages.h"
 #include "vision/io/window.h"
 
 namespace tribotrack::vision {

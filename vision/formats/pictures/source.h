@@ -1,8 +1,8 @@
 // Image sequences and TIFF stacks as sources of frames.
 #pragma once
 
-#include "vision/frame_source.h"
 #include "vision/formats/pictures/names.h"
+#include "vision/frame_source.h"
 
 namespace tribotrack::vision {
 

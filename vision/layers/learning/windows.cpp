@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "vision/layers/model/median_ground.h"
 #include "vision/io/window.h"
+#include "vision/layers/model/median_ground.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "vision/frame_source.h"
 #include "vision/layers/model/disc.h"
+#include "vision/layers/model/first_pass.h"
 #include "vision/layers/model/ground.h"
-#include "vision/layers/pass.h"
 
 namespace tribotrack::vision {
 

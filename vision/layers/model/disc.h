@@ -16,8 +16,8 @@
 #include "vision/layers/model/rim.h"
 #include "vision/layers/model/split.h"
 #include "vision/layers/model/state.h"
-#include "vision/picture.h"
 #include "vision/layers/model/static_illumination.h"
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "vision/kernels/bspline.h"
-#include "vision/picture.h"
 #include "vision/layers/model/static_illumination.h"
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 

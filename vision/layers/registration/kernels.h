@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "vision/layers/model/state.h"
 #include "vision/kernels/tile_kernels.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision {
 

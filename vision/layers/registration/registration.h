@@ -20,10 +20,10 @@
 
 #include "vision/kernels/informative_pixels.h"
 #include "vision/layers/model/disc.h"
-#include "vision/layers/registration/kernels.h"
-#include "vision/layers/registration/slow_error.h"
 #include "vision/layers/model/illumination_slope.h"
 #include "vision/layers/model/static_illumination.h"
+#include "vision/layers/registration/kernels.h"
+#include "vision/layers/registration/slow_error.h"
 
 namespace tribotrack::vision {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "vision/layers/learning/learning.h"
 #include "vision/layered_scenes.h"
+#include "vision/layers/learning/learning.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/track_millimetres.h"
+#include "vision/millimetres.h"
 
 namespace tribotrack::vision::test {
 

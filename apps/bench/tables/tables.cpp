@@ -1,11 +1,11 @@
-#include "apps/bench/tables.h"
+#include "apps/bench/tables/tables.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/bench/plot.h"
+#include "apps/bench/tables/plot.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/claims/claims.h"
 #include "apps/bench/fit/bench.h"
 #include "apps/bench/fit/coverage.h"
-#include "apps/bench/model/bench.h"
 #include "apps/bench/model/batch.h"
+#include "apps/bench/model/bench.h"
 #include "apps/bench/model/plan.h"
-#include "apps/bench/claims/claims.h"
 #include "apps/bench/vision/bench.h"
 #include "apps/bench/vision/decoding.h"
 #include "apps/bench/vision/limit.h"

@@ -1,4 +1,4 @@
-#include "apps/bench/plot.h"
+#include "apps/bench/tables/plot.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,126 @@
+// A camera calibrated with pictures of a flat board: lens, distortion, and the plane of the platform, from
+// pixels to millimetres.
+//
+// OpenCV's calib3d (Zhang 2000) finds the camera by least squares over all corners of all pictures. Of the
+// lens terms only those that pay are kept: the model with the least Bayesian information criterion n ln(RSS /
+// n) + k ln n, n residuals, k unknowns.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// Pinhole with the radial and tangential distortion of Brown (1966): a point at (x, y) = (X/Z, Y/Z) is seen
+/// at
+///   u = fx x' + cx,  v = fy y' + cy,
+///   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2),
+///   y' = y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y,   r^2 = x^2 + y^2.
+struct LensModel {
+  double fx = 1, fy = 1, cx = 0, cy = 0;  ///< px
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+
+  Point project(const Eigen::Vector2d& direction) const;
+  /// (x, y) of a pixel, by Newton's method to 1e-13. Throws std::domain_error where the distortion folds the
+  /// picture over (far outside what was calibrated).
+  Eigen::Vector2d direction(Point pixel) const;
+  /// d(u, v)/d(x, y).
+  Eigen::Matrix2d slope(const Eigen::Vector2d& direction) const;
+};
+
+/// Where the platform's plane lies: camera = rotation * plane + translation, mm. The plane is z = 0, z up
+/// towards the camera, x right and y up as seen by it in the middle of the picture.
+struct PlanePose {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+/// A place in mm, x right and y up, and its slope d(mm)/d(px) for the covariance.
+struct PlanePoint {
+  Eigen::Vector2d mm = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d slope = Eigen::Matrix2d::Zero();
+};
+
+struct CameraCalibration {
+  int width = 0, height = 0;  ///< of the pictures it holds for, px
+  LensModel lens;
+  PlanePose plane;
+  double mm_per_px = 0, mm_per_px_sd = 0;  ///< at the plane, in the middle of the picture
+
+  /// What is seen at a pixel and lies height_mm above the plane.
+  PlanePoint locate(Point pixel, double height_mm = 0) const;
+  /// From the camera's pupil to the plane, mm.
+  double distance_mm() const;
+};
+
+/// sqrt |det d(mm)/d(px)| in the middle of the picture.
+double scale_in_the_middle(const CameraCalibration& calibration);
+
+/// H with (X, Y, 1) ~ H (u, v, 1): from pixels freed of distortion, at the same camera matrix, to mm on the
+/// plane.
+Eigen::Matrix3d plane_homography(const CameraCalibration& calibration);
+
+/// The pose in which x points right and y up in the middle of the picture, whichever way the board that told
+/// it lay there.
+PlanePose turned_to_picture(const CameraCalibration& calibration);
+
+/// A flat board of squares. A checkerboard is found only when it is seen whole; a ChArUco board (a marker in
+/// every white square) also in part.
+struct CalibrationBoard {
+  enum class Kind { checkerboard, charuco } kind = Kind::checkerboard;
+  int columns = 10, rows = 7;  ///< squares, not corners
+  double square_mm = 0;
+  double square_relative_sd = 0;      ///< how well the side of a square is known; enters the scale's sd
+  double marker_mm = 0;               ///< side of a ChArUco marker
+  std::string dictionary = "4x4_50";  ///< of ArUco: 4x4_50 .. 7x7_1000, as OpenCV calls them
+  /// Throws std::invalid_argument naming the member.
+  void validate() const;
+};
+
+struct CalibrationPicture {
+  std::string name;
+  Picture picture;
+};
+
+/// What a picture of the board tells.
+struct PictureResult {
+  std::string name;
+  int corners = 0;
+  double rms_px = 0;  ///< reprojection, per corner
+  double worst_px = 0;
+  double tilt_rad = 0;  ///< between the board and the picture plane
+};
+
+struct CalibrationResult {
+  CameraCalibration calibration;
+  std::string model;                    ///< the lens terms kept: "focal length", "k1", ...
+  std::vector<std::string> tried;       ///< each model with its rms and its criterion
+  double rms_px = 0;                    ///< over all corners
+  std::vector<PictureResult> pictures;  ///< the plane's first
+  std::vector<std::string> left_out;    ///< pictures without a board, each with the reason
+  /// Of the parameters named, in this order: fx, fy, cx, cy, lens terms kept, and the plane's rotation
+  /// (Rodrigues) and translation.
+  std::vector<std::string> covariance_of;
+  Eigen::MatrixXd covariance;
+};
+
+/// `plane` shows the board lying on the platform; `pictures` at least three others that show it tilted.
+/// Throws InputError naming the picture and the remedy: no board in the plane's picture, too few others,
+/// sizes that differ, all seen from one direction, a fit that means nothing.
+CalibrationResult calibrate_camera(const CalibrationBoard& board, const CalibrationPicture& plane,
+                                   const std::vector<CalibrationPicture>& pictures);
+
+/// All pictures of these inputs, of a video or folder at most `most`, evenly spread; none that equals
+/// `plane`. Throws InputError.
+std::vector<CalibrationPicture> calibration_pictures(const std::vector<std::filesystem::path>& inputs,
+                                                     const CalibrationPicture& plane, int most = 40);
+
+/// A single picture (of a folder or a video the first).
+CalibrationPicture calibration_picture(const std::filesystem::path& input);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,42 @@
+// What the layered pass is given: the frames as the first pass left them, and its options.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// A frame as the first pass left it.
+struct FirstPassFrame {
+  std::int64_t index = 0;
+  Point centre;
+  double theta = 0;
+  Point ground;  ///< the platform's displacement since the first frame
+};
+
+/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them.
+inline constexpr std::int64_t kLearningFrames = 128;
+/// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
+bool is_learning_frame(std::int64_t place, std::int64_t total);
+/// Px about the part's centre that are looked at in every frame.
+double layered_reach(double radius, double blur);
+
+struct LayeredOptions {
+  Circle disc;                              ///< in the first frame
+  double blur = 1;                          ///< of its rim, px
+  bool turning = false;                     ///< its texture shows its rotation
+  double noise_variance = 1;                ///< a start
+  double top_level = 255;                   ///< at which pixels clip
+  bool standing_light = true;               ///< look for it; a coder's errors look alike
+  double excess = 0;                        ///< residual of the first pass beyond it, grey levels rms
+  bool motion_known = false;                ///< else the pass looks whether the platform rests
+  std::int64_t first_index = 0, total = 0;  ///< of the frames analysed; 0: not known
+  /// Kept for learning: the layers' own noise adds 1 / windows to the variance.
+  int max_windows = kLearningFrames;
+  double max_kept_bytes = 140e6;
+  std::function<void(std::int64_t done)> progress;  ///< frames measured
+};
+
+}  // namespace tribotrack::vision
