@@ -10,8 +10,6 @@ wanted() {
 
 missing=()
 for package in $(wanted); do
-  # An npm that did not come from Debian serves as well, and Debian's would collide with it.
-  if [ "$package" = npm ] && command -v npm >/dev/null; then continue; fi
   if ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed'; then missing+=("$package"); fi
 done
 [ ${#missing[@]} -gt 0 ] || exit 0
