@@ -1,9 +1,10 @@
 #include "vision/overlay.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -121,10 +122,8 @@ double outline_radius(const TrackSummary& summary) {
 }
 
 std::string numbers_text(const TrackPoint& p) {
-  std::array<char, 160> text{};
-  if (p.status == TrackStatus::ok)
-    std::snprintf(text.data(), text.size(), "x %.2f  y %.2f px  ncc %.3f", p.x, p.y, p.ncc);
-  return text.data();
+  if (p.status != TrackStatus::ok) return "";
+  return fmt::format("x {:.2f}  y {:.2f} px  ncc {:.3f}", p.x, p.y, p.ncc);
 }
 
 void write_whole(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {

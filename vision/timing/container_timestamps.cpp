@@ -1,10 +1,9 @@
 #include "vision/timing/container_timestamps.h"
 
-#include <cmath>
-#include <cstdio>
-#include <string>
+#include <fmt/core.h>
 
-#include "vision/io/format_text.h"
+#include <cmath>
+#include <string>
 
 namespace tribotrack::vision {
 namespace {
@@ -25,7 +24,7 @@ bool exactly_uniform(std::span<const std::int64_t> ticks) {
 }
 
 std::string played_at(double rate_hz) {
-  return format("%.5g is a playback rate that files carry whatever the camera recorded at", rate_hz);
+  return fmt::format("{:.5g} is a playback rate that files carry whatever the camera recorded at", rate_hz);
 }
 
 /// An uneven rate need not hit a playback rate to be one.
@@ -42,8 +41,7 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
   TimeBaseCandidate& candidate = stamps.candidate;
   for (std::size_t k = 1; k < ticks.size(); ++k)
     if (ticks[k] <= ticks[k - 1]) {
-      candidate.reason =
-          format("they are not uniform and do not rise at frame %lld", static_cast<long long>(k));
+      candidate.reason = fmt::format("they are not uniform and do not rise at frame {}", k);
       return;
     }
   std::vector<double> times;
@@ -53,7 +51,7 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
   const double coarseness = tick_s * check.rate_hz;
   if (coarseness > (check.variable ? kCoarsestForTimes : kCoarsestForGaps)) {
     candidate.reason =
-        format("they are not uniform, and ticks of %.3g s are too coarse to time frames by", tick_s);
+        fmt::format("they are not uniform, and ticks of {:.3g} s are too coarse to time frames by", tick_s);
     return;
   }
   stamps.times_s = std::move(times);
@@ -61,7 +59,7 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
   if (const auto usual = nearly_playback_rate(candidate.rate_hz)) {
     candidate.reason = "they are not uniform, and " + played_at(*usual);
   } else if (coarseness > kCoarsestForTimes) {
-    candidate.reason = format("ticks of %.3g s are too coarse to tell the rate", tick_s);
+    candidate.reason = fmt::format("ticks of {:.3g} s are too coarse to tell the rate", tick_s);
   } else {
     candidate.accepted = true;
     candidate.reason = stamps.check.variable
@@ -96,7 +94,7 @@ ContainerStamps judge_container_stamps(std::span<const std::int64_t> ticks, doub
   } else if (const auto usual = usual_playback_rate(candidate.rate_hz)) {
     candidate.reason = played_at(*usual);
   } else if (!stated_fits && !exactly_uniform(ticks) && 1 / span > 1e-4) {
-    candidate.reason = format("ticks of %.3g s are too coarse to tell the rate", tick_s);
+    candidate.reason = fmt::format("ticks of {:.3g} s are too coarse to tell the rate", tick_s);
   } else {
     candidate.accepted = true;
     candidate.reason = "uniform, and no usual playback rate";

@@ -1,10 +1,9 @@
 #include "vision/time_base.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-
-#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -87,32 +86,31 @@ StampCheck check_stamps(std::span<const double> times_s, double tick_s) {
 
 std::vector<std::string> findings(const StampCheck& check, std::int64_t first_number) {
   std::vector<std::string> out;
-  const auto number = [&](std::int64_t index) { return static_cast<long long>(first_number + index); };
+  const auto number = [&](std::int64_t index) { return first_number + index; };
   if (check.variable)
-    out.push_back(format(
-        "the time between frames varies all along (median %.6g s, half of the steps within %.2g %% of it): "
-        "every frame has the time of its own stamp",
-        1 / check.rate_hz, 100 * check.jitter));
+    out.push_back(
+        fmt::format("the time between frames varies all along (median {:.6g} s, half of the steps within "
+                    "{:.2g} % of it): "
+                    "every frame has the time of its own stamp",
+                    1 / check.rate_hz, 100 * check.jitter));
   if (check.stretches.size() > 1) {
     std::string text = "the rate changes within the shot:";
     for (const SteadyStretch& s : check.stretches)
-      text += format(" %.6g Hz from image %lld to %lld,", s.rate_hz, number(s.first), number(s.last));
+      text += fmt::format(" {:.6g} Hz from image {} to {},", s.rate_hz, number(s.first), number(s.last));
     text.back() = ';';
     out.push_back(text + " every frame has the time of its own stamp");
   }
   std::int64_t missing = 0;
   for (const MissingFrames& gap : check.missing) missing += gap.count;
   for (std::size_t k = 0; k < std::min(kMostTold, check.missing.size()); ++k)
-    out.push_back(format("%lld %s missing between image %lld and %lld, by the time stamps",
-                         static_cast<long long>(check.missing[k].count),
-                         check.missing[k].count == 1 ? "frame is" : "frames are",
-                         number(check.missing[k].after), number(check.missing[k].after + 1)));
+    out.push_back(fmt::format("{} {} missing between image {} and {}, by the time stamps",
+                              check.missing[k].count, check.missing[k].count == 1 ? "frame is" : "frames are",
+                              number(check.missing[k].after), number(check.missing[k].after + 1)));
   if (check.missing.size() > kMostTold)
-    out.push_back(format("%lld frames are missing in %lld places in all", static_cast<long long>(missing),
-                         static_cast<long long>(check.missing.size())));
+    out.push_back(fmt::format("{} frames are missing in {} places in all", missing, check.missing.size()));
   for (std::size_t k = 0; k < std::min(kMostTold, check.strays.size()); ++k)
-    out.push_back(format(
-        "the stamp of image %lld is far from those of its neighbours: it does not belong to the recording; "
+    out.push_back(fmt::format(
+        "the stamp of image {} is far from those of its neighbours: it does not belong to the recording; "
         "leave it out with --frames",
         number(check.strays[k])));
   return out;
