@@ -113,7 +113,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   options.turning = first.turning;
   options.noise_variance = first.noise_variance;
   options.excess = first.excess;
-  options.top_level = std::ldexp(1.0, source.info().bits) - 1;
+  options.top_level = source.info().clipping_level();
   options.standing_light = !source.info().decoded;
   options.motion_known = track.has_marker;
   options.first_index = first.first_index;
