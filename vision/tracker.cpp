@@ -1,5 +1,7 @@
 #include "vision/tracker.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "vision/camera/frame_cache.h"
 #include "vision/camera/noise_estimate.h"
 #include "vision/discs/mean_radius.h"
-#include "vision/io/format_text.h"
 #include "vision/layers/keeping.h"
 #include "vision/layers/pass.h"
 #include "vision/layers/stage.h"
@@ -33,12 +34,11 @@ FrameRange resolve_range(const FrameSource& source, const TrackOptions& options)
   const std::int64_t first = options.first_frame.value_or(low);
   const std::int64_t last = options.last_frame.value_or(high);
   if (first < low || first > high || last < low || last > high)
-    throw InputError(format("%s: frames %lld to %lld are asked for, but the recording holds %lld to %lld",
-                            name.c_str(), static_cast<long long>(first), static_cast<long long>(last),
-                            static_cast<long long>(low), static_cast<long long>(high)));
+    throw InputError(fmt::format("{}: frames {} to {} are asked for, but the recording holds {} to {}", name,
+                                 first, last, low, high));
   if (last < first)
-    throw InputError(format("%s: the last frame asked for (%lld) comes before the first (%lld)", name.c_str(),
-                            static_cast<long long>(last), static_cast<long long>(first)));
+    throw InputError(
+        fmt::format("{}: the last frame asked for ({}) comes before the first ({})", name, last, first));
   return {first - low, last - low};
 }
 
@@ -137,9 +137,9 @@ TrackResult follow(FrameSource& source, KeptFrames& kept, const FrameRange& rang
       {"bad pixels", !camera.bad_pixels.empty(),
        camera.bad_pixels.empty()
            ? std::string("no pixel stands out of its neighbours in all of the first frames")
-           : format("%zu stand out of their neighbours in all of the first frames: the median of the "
-                    "neighbours is seen in their place",
-                    camera.bad_pixels.size()),
+           : fmt::format("{} stand out of their neighbours in all of the first frames: the median of the "
+                         "neighbours is seen in their place",
+                         camera.bad_pixels.size()),
        0, 0, 0});
 
   Setup setup = plan_part(first, source, range, options, noise, summary);

@@ -1,12 +1,12 @@
 #include "vision/layers/stage.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
-#include "vision/io/format_text.h"
 #include "vision/layers/pass.h"
 
 namespace tribotrack::vision {
@@ -18,9 +18,9 @@ constexpr double kExcessShare = 0.3;   ///< of the noise: the single template le
 constexpr const char* kName = "layers: disc over platform";
 
 std::string finding(const FirstPass& first) {
-  return format(
-      "the ground has a texture of %.2f grey levels rms and a single template leaves %.2f "
-      "unexplained, against noise of %.2f",
+  return fmt::format(
+      "the ground has a texture of {:.2f} grey levels rms and a single template leaves {:.2f} "
+      "unexplained, against noise of {:.2f}",
       first.ground_texture, first.excess, std::sqrt(first.noise_variance));
 }
 
@@ -74,12 +74,12 @@ void note_light(const LayeredResult& result, bool coded, TrackSummary& summary) 
     return;
   }
   std::string text =
-      format("the light over the disc is bent, by more than noise does it, in %.0f %% of %d frames",
-             100 * result.bent_share, result.windows);
+      fmt::format("the light over the disc is bent, by more than noise does it, in {:.0f} % of {} frames",
+                  100 * result.bent_share, result.windows);
   if (result.light_rounds > 0)
-    text +=
-        format("; learnt with the layers in %d rounds and taken out: it had moved the disc by %.4f px rms",
-               result.light_rounds, result.light_moved);
+    text += fmt::format(
+        "; learnt with the layers in {} rounds and taken out: it had moved the disc by {:.4f} px rms",
+        result.light_rounds, result.light_moved);
   summary.plan.push_back(
       {"light that stands in the picture", result.light_rounds > 0, text, 0, result.light_moved, 0});
 }
@@ -113,7 +113,7 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   options.turning = first.turning;
   options.noise_variance = first.noise_variance;
   options.excess = first.excess;
-  options.top_level = std::ldexp(1.0, source.info().bits) - 1;
+  options.top_level = source.info().clipping_level();
   options.standing_light = !source.info().decoded;
   options.motion_known = track.has_marker;
   options.first_index = first.first_index;
@@ -158,23 +158,25 @@ bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, T
   for (std::size_t k = 0; k < track.points.size(); ++k)
     left += track.points[k].status == TrackStatus::ok && !changed[k];
   if (left > 0)
-    summary.warnings.push_back(format(
-        "%lld frames keep the position of the first pass, in which the ground is seen through the rim (the "
+    summary.warnings.push_back(fmt::format(
+        "{} frames keep the position of the first pass, in which the ground is seen through the rim (the "
         "ground about the part is not known there, or something covers it): their standard deviations are "
         "wider",
-        static_cast<long long>(left)));
+        left));
   summary.plan.push_back(
       {kName, true,
        finding(first) +
-           format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
-                  result.windows, result.noise.constant, result.noise.per_level,
-                  100 * std::max(0.0, result.rim_excess)) +
+           fmt::format(
+               "; learnt from {} frames, noise variance {:.2f} + {:.4f} I, at the rim {:.0f} % above it",
+               result.windows, result.noise.constant, result.noise.per_level,
+               100 * std::max(0.0, result.rim_excess)) +
            (result.crossed_share > 0
-                ? format("; %.2g %% of the ground beside it was crossed by something, which is left out",
-                         100 * result.crossed_share)
+                ? fmt::format(
+                      "; {:.2g} % of the ground beside it was crossed by something, which is left out",
+                      100 * result.crossed_share)
                 : std::string()) +
-           format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
-                  summary.slow_sd, summary.slow_time),
+           fmt::format("; positions moved by {:.4f} px rms; errors share {:.5f} px over {:.2g} s", bought,
+                       summary.slow_sd, summary.slow_time),
        0, bought, first.layers_cost});
   note_light(result, source.info().decoded, summary);
   return true;

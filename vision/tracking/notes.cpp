@@ -1,9 +1,9 @@
 #include "vision/tracking/notes.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 
@@ -31,14 +31,15 @@ void note_effort(const FollowEffort& effort, const PlanCosts& costs, const Rect&
   // A stage that is on works in some of the frames; one that is off would have worked in all.
   const auto share = [&](std::int64_t used) { return used > 0 ? static_cast<double>(used) / frames : 1; };
   constexpr double kMargin = 5;
-  summary.plan.push_back({"correlation over the predicted window", effort.window_searches > 0,
-                          format("refinement from the prediction proved the match in %.1f %% of the frames",
-                                 100 * static_cast<double>(effort.proved_by_refinement) / frames),
-                          0, 0, share(effort.window_searches) * costs.window_search(kMargin)});
-  summary.plan.push_back({"search of the whole frame", effort.whole_frame_searches > 0,
-                          format("needed in %lld frames, where the part was lost",
-                                 static_cast<long long>(effort.whole_frame_searches)),
-                          0, 0, share(effort.whole_frame_searches) * costs.whole_search(picture)});
+  summary.plan.push_back(
+      {"correlation over the predicted window", effort.window_searches > 0,
+       fmt::format("refinement from the prediction proved the match in {:.1f} % of the frames",
+                   100 * static_cast<double>(effort.proved_by_refinement) / frames),
+       0, 0, share(effort.window_searches) * costs.window_search(kMargin)});
+  summary.plan.push_back(
+      {"search of the whole frame", effort.whole_frame_searches > 0,
+       fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches), 0, 0,
+       share(effort.whole_frame_searches) * costs.whole_search(picture)});
 }
 
 double median_excess(std::vector<double>& excess) {
@@ -50,10 +51,11 @@ double median_excess(std::vector<double>& excess) {
 
 void note_excess(double excess, double noise, TrackSummary& summary) {
   if (excess > 0.5 * noise)
-    summary.warnings.push_back(format(
-        "the registration leaves %.2f grey levels rms beyond the noise of %.2f (moving ground seen through "
-        "the rim, glare, compression): the standard deviations are widened accordingly",
-        excess, noise));
+    summary.warnings.push_back(
+        fmt::format("the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving "
+                    "ground seen through "
+                    "the rim, glare, compression): the standard deviations are widened accordingly",
+                    excess, noise));
 }
 
 void note_stillness(const Track& track, TrackSummary& summary) {
@@ -68,22 +70,20 @@ void note_stillness(const Track& track, TrackSummary& summary) {
   }
   const double range = std::hypot(right - left, bottom - top);
   if (summary.ok < 2 || range > kStill) return;
-  summary.warnings.push_back(
-      format("the disc that was found at (%.1f, %.1f) px stays within %.2f px: if that is not the part, give "
-             "the part with --disc X,Y,R",
-             summary.disc.x, summary.disc.y, range));
+  summary.warnings.push_back(fmt::format(
+      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px: if that is not the part, give "
+      "the part with --disc X,Y,R",
+      summary.disc.x, summary.disc.y, range));
 }
 
 std::string TrackSummary::brief_report() const {
-  std::string text =
-      format("%lld frames: %lld ok, %lld lost, %lld edge", static_cast<long long>(frames),
-             static_cast<long long>(ok), static_cast<long long>(lost), static_cast<long long>(edge));
-  if (refound > 0) text += format(", found again %lld times", static_cast<long long>(refound));
-  if (absent_at_first > 0)
-    text += format(", not there in the first %lld", static_cast<long long>(absent_at_first));
+  std::string text = fmt::format("{} frames: {} ok, {} lost, {} edge", frames, ok, lost, edge);
+  if (refound > 0) text += fmt::format(", found again {} times", refound);
+  if (absent_at_first > 0) text += fmt::format(", not there in the first {}", absent_at_first);
   if (left_for_good) text += ", left the picture for good";
-  text += format("; noise %.2f grey levels, limit %.4f px", noise_levels, limit_px);
-  if (disc.radius > 0) text += format("; disc at (%.2f, %.2f), radius %.3f px", disc.x, disc.y, disc.radius);
+  text += fmt::format("; noise {:.2f} grey levels, limit {:.4f} px", noise_levels, limit_px);
+  if (disc.radius > 0)
+    text += fmt::format("; disc at ({:.2f}, {:.2f}), radius {:.3f} px", disc.x, disc.y, disc.radius);
   if (!gate_passed) text += "; GATE FAILED: lost for more than the allowed share of frames";
   return text;
 }

@@ -1,10 +1,11 @@
 #include "vision/tracking/platform.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/following/texture_patch.h"
-#include "vision/io/format_text.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
@@ -64,8 +65,8 @@ std::optional<PatternFollower> plan_marker(const Picture& first, const FrameRang
     follow.template_noise_share = 1.0 / average.frames;
   }
   summary.plan.push_back({"marker", true,
-                          format("at (%.1f, %.1f) px, radius %.1f px: its motion is subtracted",
-                                 summary.marker.x, summary.marker.y, summary.marker.radius),
+                          fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted",
+                                      summary.marker.x, summary.marker.y, summary.marker.radius),
                           0, 0, PlanCosts().marker(summary.marker.radius)});
   return PatternFollower(average.picture(first), range.first, pattern, follow);
 }
@@ -115,13 +116,13 @@ void follow_texture(FrameSource& source, const Picture& first, std::int64_t firs
                     patch->window.y + 0.5 * (patch->window.height - 1), 0.5 * patch->window.width};
   summary.plan.push_back(
       {"marker", true,
-       format("none: a patch of the platform's texture at (%d, %d), %d px wide, that the part never covers "
-              "locates it to %.2g px a frame",
-              patch->window.x, patch->window.y, patch->window.width, patch->limit_px),
+       fmt::format(
+           "none: a patch of the platform's texture at ({}, {}), {} px wide, that the part never covers "
+           "locates it to {:.2g} px a frame",
+           patch->window.x, patch->window.y, patch->window.width, patch->limit_px),
        0, 0, PlanCosts().marker(summary.marker.radius)});
   if (const auto lost = static_cast<std::int64_t>(result.track.points.size()) - seen; lost > 0)
-    summary.warnings.push_back(
-        format("the platform's texture was not found again in %lld frames", static_cast<long long>(lost)));
+    summary.warnings.push_back(fmt::format("the platform's texture was not found again in {} frames", lost));
 }
 
 }  // namespace tribotrack::vision

@@ -1,10 +1,11 @@
 #include "vision/tracking/setup.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/following/texture_check.h"
-#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -67,10 +68,10 @@ Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& ran
   if (options.target.kind == Target::Kind::rectangle) {
     const Rect& r = options.target.rectangle;
     if (r.width < 8 || r.height < 8 || !source.bounds().contains(r))
-      throw InputError(format(
-          "%s: the template %d,%d,%d,%d must be at least 8 x 8 px and lie inside the %d x %d "
+      throw InputError(fmt::format(
+          "{}: the template {},{},{},{} must be at least 8 x 8 px and lie inside the {} x {} "
           "picture",
-          source.info().path.string().c_str(), r.x, r.y, r.width, r.height, first.width(), first.height()));
+          source.info().path.string(), r.x, r.y, r.width, r.height, first.width(), first.height()));
     setup.pattern = rectangle_pattern(r);
     summary.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
   } else {
@@ -89,11 +90,12 @@ Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& ran
     DiscPatternOptions mask;
     mask.margin_px = busy ? 0 : 3;
     setup.pattern = disc_pattern(first, summary.disc, mask);
-    summary.plan.push_back({"mask beyond the rim", !busy,
-                            format("the ground around the disc has a texture of %.1f grey levels rms against "
-                                   "noise of %.1f",
-                                   texture, std::sqrt(noise_variance)),
-                            0, 0, 0});
+    summary.plan.push_back(
+        {"mask beyond the rim", !busy,
+         fmt::format("the ground around the disc has a texture of {:.1f} grey levels rms against "
+                     "noise of {:.1f}",
+                     texture, std::sqrt(noise_variance)),
+         0, 0, 0});
   }
   RegistrationOptions probe;
   probe.noise_variance = noise_variance;
@@ -111,7 +113,7 @@ Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& ran
            ? std::string(
                  "what looks like a texture of the part does not come again in the frames that follow")
        : trial.limit_theta() < 10
-           ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
+           ? fmt::format("the part's texture shows its rotation to {:.3g} rad", trial.limit_theta())
            : std::string("the part has no texture above the noise that shows rotation"),
        0, 0, setup.costs.rotation()});
   return setup;
@@ -125,12 +127,12 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const
   if (setup.follow.rotation) {
     reason = "the part may turn: frames are not laid on each other";
   } else if (setup.template_noise_cost < kQuietTemplate) {
-    reason = format("the noise of a single template adds %.2g %% to the variance", cost);
+    reason = fmt::format("the noise of a single template adds {:.2g} % to the variance", cost);
   } else {
     average = average_template(source, first, range.first, range.last, setup.pattern, setup.follow);
     setup.follow.template_noise_share = 1.0 / average.frames;
-    reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
-                    average.frames);
+    reason = fmt::format("the noise of a single template adds {:.2g} % to the variance; {} frames agree",
+                         cost, average.frames);
   }
   summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
                           summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),

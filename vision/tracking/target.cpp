@@ -1,10 +1,11 @@
 #include "vision/tracking/target.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/discs/first_appearance.h"
-#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -39,8 +40,8 @@ std::optional<DiscFit> refined(const Picture& first, const Circle& given, const 
                                TrackSummary& summary) {
   if (auto fit = fit_disc(first, given, capture_of(given)); fit && whole_in(all_of(first), fit->circle))
     return fit;
-  summary.warnings.push_back(format(
-      "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
+  summary.warnings.push_back(fmt::format(
+      "the {}'s rim near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "
       "as they are, and a scale from its diameter is as good as the given radius",
       what, given.x, given.y));
   return std::nullopt;
@@ -49,10 +50,10 @@ std::optional<DiscFit> refined(const Picture& first, const Circle& given, const 
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
   if (whole_in(all_of(first), c) && c.radius >= 2) return;
   throw InputError(
-      format("%s: the %s at (%.1f, %.1f) px with radius %.1f px is not wholly in the %d x %d "
-             "picture; give its place in the first analysed frame, or start at a frame in which "
-             "it is whole",
-             source.info().path.string().c_str(), what, c.x, c.y, c.radius, first.width(), first.height()));
+      fmt::format("{}: the {} at ({:.1f}, {:.1f}) px with radius {:.1f} px is not wholly in the {} x {} "
+                  "picture; give its place in the first analysed frame, or start at a frame in which "
+                  "it is whole",
+                  source.info().path.string(), what, c.x, c.y, c.radius, first.width(), first.height()));
 }
 
 void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
