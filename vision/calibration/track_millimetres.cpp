@@ -59,7 +59,7 @@ PlanStage stage(const char* name, double correction_px, double sd_px, const std:
   std::snprintf(text, sizeof text,
                 "%s moves a point by up to %.2g px, a tenth of the tracking's sd is %.2g px", what.c_str(),
                 correction_px, kNegligible * sd_px);
-  return {name, on, text, 0, on ? 0 : correction_px};
+  return {.name = name, .on = on, .reason = text, .error_bound_px = correction_px};
 }
 
 }  // namespace
