@@ -38,6 +38,7 @@ struct RunLog {
   bool gate_failed = false;
   double seconds = 0;
   double frames_per_second = 0;
+  Json stage_seconds = Json::object();  ///< of tracking
 };
 
 /// Tracks a run's video unless the track that is there is current. Pictures first: the track's meta file
@@ -55,6 +56,7 @@ void bring_track_up_to_date(const Campaign& campaign, const CampaignRun& run, co
   const auto begun = std::chrono::steady_clock::now();
   const TrackedRecording recording = track_recording(job);
   log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
+  for (const auto& stage : recording.result.stage_times) log.stage_seconds[stage.name] = stage.seconds;
   const auto source = vision::open_source(job.video, {job.frame_rate_hz});
   const auto png = vision::first_frame_png(*source, recording.result.track.first_seen());
   write_file(folder.first_frame(run.name), {reinterpret_cast<const char*>(png.data()), png.size()});
@@ -140,6 +142,7 @@ void write_log(const RunFolder& folder, const RunOptions& options, const std::ve
                             {"skipped_as_current", logs[k].skipped},
                             {"seconds", logs[k].seconds},
                             {"frames_per_second", logs[k].frames_per_second},
+                            {"stage_seconds", logs[k].stage_seconds},
                             {"failure", runs[k].failure}});
   write_file(folder.log(), text_of(json));
 }

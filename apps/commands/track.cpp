@@ -18,6 +18,7 @@ namespace {
 struct TrackCommandOptions {
   std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
   std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
+  std::string debug, debug_frames;
   bool json = false;
   bool explain = false;
 };
@@ -55,6 +56,13 @@ vision::Rect rectangle_of(const std::string& text) {
     if (value != std::floor(value)) throw UsageError("--template must be whole pixels");
   if (!(v[2] > 0 && v[3] > 0)) throw UsageError("--template must have a width and a height greater than 0");
   return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
+}
+
+std::int64_t frame_number(const std::string& flag, const std::string& text) {
+  const auto value = parse_number(text);
+  if (!value || *value != std::floor(*value))
+    throw UsageError(fmt::format("{} must hold the recording's own image numbers, not \"{}\"", flag, text));
+  return static_cast<std::int64_t>(*value);
 }
 
 void set_frames(vision::TrackOptions& track, const std::string& text) {
@@ -175,13 +183,46 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.layers = vision::Layers::on;
   else if (!options.layers.empty() && options.layers != "auto")
     throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
+  if (!options.debug_frames.empty() && options.debug.empty())
+    throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
+  if (!options.debug_frames.empty())
+    for (const std::string& part : split(options.debug_frames, ','))
+      job.track.debug_frames.push_back(frame_number("--debug-frames", part));
   return job;
+}
+
+/// Refuses the folder the recording's own pictures lie in: the debug pictures would become part of it.
+void check_debug_folder(const std::filesystem::path& folder, const std::filesystem::path& input) {
+  const bool pattern = input.filename().string().find('%') != std::string::npos;
+  const std::filesystem::path pictures = pattern ? input.parent_path() / "." : input;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(pictures) && std::filesystem::equivalent(folder, pictures, ignored))
+    throw InvalidInput(fmt::format("{}: the recording's own pictures lie there; give --debug another folder",
+                                   folder.string()));
+}
+
+void print_explanation(const vision::TrackResult& result) {
+  for (const auto& stage : result.summary.plan)
+    fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
+  double total = 0;
+  for (const auto& stage : result.stage_times) total += stage.seconds;
+  fmt::print(stderr, "{:<28} {:>9} {:>6}\n", "time of each stage", "s", "share");
+  for (const auto& stage : result.stage_times)
+    fmt::print(stderr, "  {:<26} {:>9.4f} {:>4.0f} %\n", stage.name, stage.seconds,
+               100 * stage.seconds / total);
 }
 
 void track_command(const TrackCommandOptions& options, Context& context) {
   RecordingJob job = job_of(options);
   require_writable(options.output);
   if (!options.overlay.empty()) require_writable(options.overlay);
+
+  std::optional<vision::DebugFolder> debug;
+  if (!options.debug.empty()) {
+    check_debug_folder(options.debug, options.input);
+    debug.emplace(options.debug);
+    job.track.debug = &*debug;
+  }
 
   TrackedRecording recording;
   {
@@ -198,9 +239,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   write_track(options.output, job, recording);
 
   const vision::TrackSummary& summary = recording.result.summary;
-  if (options.explain)
-    for (const auto& stage : summary.plan)
-      fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
+  if (options.explain) print_explanation(recording.result);
   for (const auto& note : recording.info.notes) say(context.quiet, "note: " + note);
   if (!recording.scale)
     say(context.quiet,
@@ -231,16 +270,16 @@ void add_track(CLI::App& app, Context& context) {
       ->required();
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->fps,
-             "Rate it was recorded at, frames/s, where the file does not say it reliably");
-  add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
-  add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
+             "Capture rate, frames/s, where the file does not state it reliably");
+  add_number(command, "--mm-per-px", options->mm_per_px, "Scale in the platform's plane");
+  add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale from the disc's true diameter");
   command
       .add_option("--calibration", options->calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
+  add_number(command, "--height-mm", options->height_mm, "Height of the part's top above the marker's plane");
   add_number(command, "--working-distance-mm", options->working_distance_mm,
-             "From the lens to the marker's plane: with --height-mm it corrects the parallax");
+             "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
                   "The disc in the first analysed frame, or where it is first seen there (default: found)")
@@ -256,7 +295,7 @@ void add_track(CLI::App& app, Context& context) {
   command
       .add_option(
           "--gate", options->gate,
-          "Lamp that is lit while the actuator is on: its brightness is recorded, `measure` finds phi "
+          "Lamp that is lit while the actuator is on: its brightness is recorded, and `measure` finds phi "
           "and dtau from it")
       ->type_name("X,Y,R");
   command
@@ -266,19 +305,31 @@ void add_track(CLI::App& app, Context& context) {
   add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
-      .add_option(
-          "--layers", options->layers,
-          "Second pass that models the platform seen through the disc's rim (default auto: where it matters)")
+      .add_option("--layers", options->layers,
+                  "Second pass that also models the platform seen through the disc's rim (default auto: "
+                  "where it matters)")
       ->type_name("auto|on|off");
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");
+  command
+      .add_option("--debug", options->debug,
+                  "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
+                  "background, rim and illumination of the second pass) and index.txt into this folder")
+      ->type_name("DIR");
+  command
+      .add_option(
+          "--debug-frames", options->debug_frames,
+          "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
+          "the largest residual)")
+      ->type_name("N,N,...");
   command
       .add_option(
           "--config", options->config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
-  command.add_flag("--explain", options->explain, "Say which stages this scene needed and why");
+  command.add_flag("--explain", options->explain,
+                   "Print which stages this scene needed and why, and the time of each");
   add_common(
       command, context,
       "  tribotrack track phi000.cine --disc-diameter-mm 6 --marker auto -o phi000.csv --overlay phi000.mp4\n"

@@ -89,8 +89,7 @@ Json json_of(const std::vector<vision::PlanStage>& plan) {
     json.push_back({{"stage", stage.name},
                     {"on", stage.on},
                     {"reason", stage.reason},
-                    {"predicted_saving", stage.predicted_saving},
-                    {"error_bound_px", stage.error_bound_px}});
+                    {"error_bound_px", stage.error_bound_px ? Json(*stage.error_bound_px) : Json()}});
   return json;
 }
 

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 std::string hash_of_input(const std::filesystem::path& path);
 
 /// X.meta.json for result X: program and schema version, input hashes, effective configuration, and whatever
-/// a command adds (time base, plan with predicted savings). Nothing volatile: same inputs, same bytes.
+/// a command adds (time base, plan). Nothing volatile: same inputs, same bytes.
 struct MetaFile {
   std::string command;
   std::vector<std::filesystem::path> inputs;

@@ -56,10 +56,12 @@ double departure(const std::vector<Point>& path, double mm_per_px, Map map) {
 
 PlanStage stage(const char* name, double correction_px, double sd_px, const std::string& what) {
   const bool on = correction_px > kNegligible * sd_px;
-  return {name, on,
-          fmt::format("{} moves a point by up to {:.2g} px, a tenth of the tracking's sd is {:.2g} px", what,
-                      correction_px, kNegligible * sd_px),
-          0, on ? 0 : correction_px};
+  return {
+      .name = name,
+      .on = on,
+      .reason = fmt::format("{} moves a point by up to {:.2g} px, a tenth of the tracking's sd is {:.2g} px",
+                            what, correction_px, kNegligible * sd_px),
+      .error_bound_px = correction_px};
 }
 
 }  // namespace
