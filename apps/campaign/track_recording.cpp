@@ -82,7 +82,8 @@ PreparedJob prepare(RecordingJob job) {
   std::vector<std::filesystem::path> files = {job.video};
   if (job.calibration) files.push_back(*job.calibration);
   prepared.state = InputState(files);
-  for (const auto& file : files) prepared.inputs.push_back(hashed_input(file));
+  prepared.inputs.push_back(hashed_recording(job.video));
+  if (job.calibration) prepared.inputs.push_back(hashed_input(*job.calibration));
   prepared.configuration =
       configuration_of(job, job.calibration ? std::optional(prepared.inputs[1]) : std::nullopt);
   prepared.key =

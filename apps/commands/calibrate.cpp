@@ -81,8 +81,8 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
   const Json json = calibration_json(result);
   MetaFile meta;
   meta.command = "calibrate";
-  for (const auto& input : inputs) meta.inputs.push_back(hashed_input(input));
-  meta.inputs.push_back(hashed_input(options.plane));
+  for (const auto& input : inputs) meta.inputs.push_back(hashed_recording(input));
+  meta.inputs.push_back(hashed_recording(options.plane));
   meta.configuration = {{"squares", options.squares},
                         {"square_mm", board.square_mm},
                         {"square_relative_sd", board.square_relative_sd},

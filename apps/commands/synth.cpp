@@ -17,6 +17,7 @@
 #include "apps/text/output_file.h"
 #include "model/friction.h"
 #include "model/trajectory.h"
+#include "vision/frame_source.h"
 
 namespace tribotrack::apps {
 
@@ -109,7 +110,7 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
   options.exposure_s = shot.exposure_s;
   // A pattern names many files: its sink keeps them whole by itself.
   std::optional<TemporaryFile> file;
-  if (!is_pattern(video)) file.emplace(video, Content::pictures);
+  if (!vision::is_number_pattern(video)) file.emplace(video, Content::pictures);
   const auto sink = vision::create_sink(file ? file->name() : video, options);
 
   std::string truth = "frame,time_s,x_px,y_px,theta_rad,marker_x_px,marker_y_px,x_mm,y_mm\n";

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include <algorithm>
 #include <fstream>
 #include <memory>
 
 #include "apps/program/errors.h"
+#include "vision/frame_source.h"
 
 namespace tribotrack::apps {
 
@@ -28,33 +28,33 @@ void add_file(XXH3_state_t* state, const fs::path& path) {
     XXH3_128bits_update(state, block.data(), static_cast<std::size_t>(stream.gcount()));
 }
 
+Input hashed(const fs::path& path, const std::vector<fs::path>& files) {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  for (const fs::path& file : files) add_file(state.get(), file);
+  return {path, hex(XXH3_128bits_digest(state.get()))};
+}
+
 }  // namespace
 
-bool is_pattern(const fs::path& path) {
-  return path.filename().string().find('%') != std::string::npos;
+bool may_be_recording(const fs::path& path) {
+  return fs::exists(path) || vision::is_number_pattern(path);
 }
 
 std::vector<fs::path> files_of_input(const fs::path& path) {
-  const bool pattern = !fs::exists(path) && is_pattern(path);
-  const fs::path folder = pattern ? (path.has_parent_path() ? path.parent_path() : fs::path(".")) : path;
-  if (!fs::is_directory(folder)) return {path};
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && (!pattern || entry.path().extension() == path.extension()))
-      files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-bool may_be_recording(const fs::path& path) {
-  return fs::exists(path) || is_pattern(path);
+  try {
+    if (may_be_recording(path)) return vision::files_of_recording(path);
+  } catch (const vision::InputError&) {  // no recording, or none that can be read: whoever reads it says why
+  }
+  return {path};
 }
 
 Input hashed_input(const fs::path& path) {
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
-  XXH3_128bits_reset(state.get());
-  for (const fs::path& file : files_of_input(path)) add_file(state.get(), file);
-  return {path, hex(XXH3_128bits_digest(state.get()))};
+  return hashed(path, {path});
+}
+
+Input hashed_recording(const fs::path& path) {
+  return hashed(path, vision::files_of_recording(path));
 }
 
 Input hashed_input(const fs::path& path, std::string_view text) {

@@ -15,17 +15,16 @@ struct Input {
   std::string xxh3_128;
 };
 
-/// The files an input consists of: itself, or the pictures of a folder or a printf pattern, in order.
-std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& path);
-
-/// A printf pattern such as dir/%05d.png, which names many files.
-bool is_pattern(const std::filesystem::path& path);
-
 /// Is there such a recording: a file, a folder, or a printf pattern (whose pictures are looked for later)?
 bool may_be_recording(const std::filesystem::path& path);
 
-/// Reads all files of an input. Throws InvalidInput.
+/// The files of a recording, or the one file that is not one; the path itself where nothing is there.
+std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& path);
+
+/// Reads a single file. Throws InvalidInput.
 Input hashed_input(const std::filesystem::path& path);
+/// Reads all files of a recording. Throws InvalidInput, and vision::InputError where there is none.
+Input hashed_recording(const std::filesystem::path& path);
 /// Of a file whose text was read already.
 Input hashed_input(const std::filesystem::path& path, std::string_view text);
 

@@ -13,7 +13,8 @@ using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 const std::string kScene =
-    "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s = 40\n"
+    "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s = "
+    "40\n"
     "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n"
     "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = 0\n"
     "[surface]\ntexture_rms = 0\n";
@@ -76,7 +77,8 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
 }
 
 TEST_F(Outputs, TwoOutputsAreTwoFiles) {
-  expect_refused(run("track slide.cine --mm-per-px 0.05 -o t.html --overlay ./t.html -q"), 3, {"two outputs"});
+  expect_refused(run("track slide.cine --mm-per-px 0.05 -o t.html --overlay ./t.html -q"), 3,
+                 {"two outputs"});
   expect_refused(run("track slide.cine --mm-per-px 0.05 -o t.png --overlay t.png -q"), 3, {"t.png"});
   EXPECT_FALSE(std::filesystem::exists(in_folder("t.html")));
   EXPECT_FALSE(std::filesystem::exists(in_folder("t.png")));

@@ -1,7 +1,7 @@
 // The folder of `run`: who may write there, what is removed, what stays.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/file.h>
-#include <fcntl.h>
 
 #include <nlohmann/json.hpp>
 
@@ -55,8 +55,9 @@ TEST_F(RunFolders, AFailingRunRemovesNothingOfOthers) {
       "while ! [ -d out/tracks ]; do :; done; echo mine >out/note.txt; mkdir -p out/tracks; echo mine "
       ">out/tracks/other.csv\n");
   render("slow");
-  put(in_folder("frames.toml"), kHead + "[[run]]\nvideo = \"slow.cine\"\nkind = \"free_slide\"\n"
-                                        "disc_px = [500, 500, 9]\n");
+  put(in_folder("frames.toml"), kHead +
+                                    "[[run]]\nvideo = \"slow.cine\"\nkind = \"free_slide\"\n"
+                                    "disc_px = [500, 500, 9]\n");
   const Outcome outcome = run("run frames.toml -o out -q & sh watch.sh; wait $!; echo $? >code; :");
   EXPECT_EQ(content_of(in_folder("code")), "3\n") << outcome.err;
   EXPECT_EQ(content_of(in_folder("out/note.txt")), "mine\n");
@@ -92,8 +93,8 @@ TEST_F(RunFolders, TwoCampaignsAtOnceDoNotMix) {
   put(in_folder("bad.toml"), kHead + slide("gone"));
   for (int k = 0; k < 3; ++k) {
     fs::remove_all(in_folder("race"));
-    const Outcome outcome =
-        run("run bad.toml -o race -q & '" TRIBOTRACK_BINARY "' run good.toml -o race -q; echo $? >good; wait");
+    const Outcome outcome = run("run bad.toml -o race -q & '" TRIBOTRACK_BINARY
+                                "' run good.toml -o race -q; echo $? >good; wait");
     const std::string code = content_of(in_folder("good"));
     EXPECT_TRUE(code == "0\n" || code == "3\n") << outcome.err;
     EXPECT_EQ(fs::exists(in_folder("race/fit.json")), code == "0\n") << "said " << code << outcome.err;
