@@ -31,7 +31,7 @@ struct AnalysedRun {
 /// neither given nor measured.
 AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track);
 
-/// One sentence on why a run takes no part: what any exception says, with the run it befell.
+/// One sentence on why a run failed: the message of any exception, naming the run.
 std::string failure_of(const CampaignRun& run, const std::exception& error);
 
 /// Measures it again, after a change of its track's scale.

@@ -18,7 +18,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 /// blank-separated.
 std::string parameter_table(const Json& fit);
 
-/// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
+/// Why a fit is unusable, and what to do: one sentence for each thing the data do not determine, and the run
 /// to film next. Empty for a usable one.
 std::vector<std::string> remedies(const fit::FitResult& result);
 

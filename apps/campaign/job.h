@@ -10,7 +10,7 @@ namespace tribotrack::apps {
 /// Puts [part] and [camera] into a job.
 void apply(const PartSection& part, const CameraSection& camera, RecordingJob& job);
 
-/// What a campaign says of one of its runs with a video: the run's own keys beat those of [camera].
+/// The job of one run of a campaign; keys of the run override those of [camera].
 RecordingJob job_for(const Campaign& campaign, const CampaignRun& run);
 
 }  // namespace tribotrack::apps

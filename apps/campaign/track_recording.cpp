@@ -216,7 +216,7 @@ bool is_current(const std::filesystem::path& csv, const std::string& key) {
     const Json json = read_json(meta);
     return json.is_object() && json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
-    return false;  // a damaged file from elsewhere: make it anew
+    return false;  // damaged, or not ours: track again
   }
 }
 

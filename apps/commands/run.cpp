@@ -102,7 +102,7 @@ void CampaignRunner::print_plan() const {
         campaign_.runs.size(), folder_.fit().string(), "report", folder_.report().string());
 }
 
-/// Makes sure that nothing but results of this campaign is written over, and that nobody else writes.
+/// From here on only this process writes into the folder, and only over earlier results of `run`.
 void CampaignRunner::take_folder() {
   lock_.emplace(folder_, options_.campaign);
   std::vector<Output> outputs = {{folder_.fit()}, {folder_.report()}, {folder_.log()}};

@@ -185,7 +185,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
       !campaign.part.diameter_mm)
     throw InvalidInput(
-        fmt::format("{}: nothing says how large a pixel is; give `diameter_mm` in [part], or `mm_per_px` or "
+        fmt::format("{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or "
                     "`calibration` in [camera]",
                     run.place));
   return run;

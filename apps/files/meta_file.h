@@ -1,4 +1,4 @@
-// The file beside each result that says how it came about.
+// The file beside each result that records how it was made.
 #pragma once
 
 #include <filesystem>

@@ -58,7 +58,7 @@ class RunFolderLock {
   int descriptor_ = -1;
 };
 
-/// Who is writing into a run folder now: "process 12 on host (campaign c.toml)"; nothing where nobody is.
+/// The holder of the lock of a run folder, as "process 12 on host (campaign c.toml)"; nullopt if it is free.
 std::optional<std::string> writer_of(const RunFolder& folder);
 
 }  // namespace tribotrack::apps

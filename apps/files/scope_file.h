@@ -21,7 +21,7 @@ struct ScopeFile {
 
 /// Reads the layouts of Rigol's DS1000Z (`X,CH1,...,Start,Increment`), DS1102E (`Time,X(CH1),...`) and
 /// MSO5000 (`Time(s),CH1(V),...`, or values alone under `CH1(V),t0 = ..., tInc = ...`), with commas, or with
-/// semicolons and decimal commas. Where only a time column says the times, increment = (last - first) /
+/// semicolons and decimal commas. Where times stand only in a column, increment = (last - first) /
 /// (rows - 1). Throws InvalidInput naming file and line.
 ScopeFile read_scope_file(const std::filesystem::path& path);
 

@@ -14,7 +14,7 @@
 
 namespace tribotrack::apps {
 
-/// What the rows of a track do not say of it.
+/// Properties of a track that its rows do not hold.
 struct TrackFacts {
   std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top
   std::string scale_source;                       ///< "given", "part's diameter", ...

@@ -1,5 +1,4 @@
-// Standard output and standard error, so that no loss goes unnoticed and no failure to complain kills the
-// program.
+// Standard output, whose failures are errors, and standard error, whose failures are ignored.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,7 +27,7 @@ void print(fmt::format_string<Values...> format, Values&&... values) {
 /// Throws WriteError unless everything printed so far has been taken. Called once, before the program ends.
 void flush_output();
 
-/// A line for people, to stderr. A stderr that takes nothing is ignored: there is nowhere left to say so.
+/// A line for people, to stderr. Failures are ignored: there is nowhere left to report them.
 void print_error(std::string_view line);
 
 /// "tribotrack: message" on stderr.

@@ -44,7 +44,7 @@ bool may_be_recording(const fs::path& path) {
 std::vector<fs::path> files_of_input(const fs::path& path) {
   try {
     if (may_be_recording(path)) return vision::files_of_recording(path);
-  } catch (const vision::InputError&) {  // no recording, or none that can be read: whoever reads it says why
+  } catch (const vision::InputError&) {  // reported by the code that opens it
   }
   return {path};
 }
