@@ -73,7 +73,7 @@ LayeredOptions options_of(const FrameSource& source, const FirstPassResult& firs
   out.turning = first.turning;
   out.noise_variance = first.noise_variance;
   out.excess = first.excess;
-  out.top_level = std::ldexp(1.0, source.info().bits) - 1;
+  out.top_level = source.info().clipping_level();
   out.standing_light = !source.info().decoded;
   out.motion_known = has_marker;
   out.first_index = first.first_index;
