@@ -1,4 +1,12 @@
-// Writing recordings.
+// Writing recordings: .cine, FFV1, MJPEG, H.264, numbered pictures.
+//
+// Frames are given in order, in linear grey levels 0 .. 2^bits - 1, and rounded to whole ones. A recording
+// appears whole under its name or not at all: until close() it is written under a name of its own beside it.
+//
+//   SinkOptions options{.width = 320, .height = 240, .bits = 12, .frame_rate_hz = 5000};
+//   const auto sink = create_sink("run.cine", options);
+//   for (const Picture& frame : frames) sink->write(frame);
+//   sink->close();
 #pragma once
 
 #include <filesystem>
@@ -16,15 +24,14 @@ struct SinkOptions {
   int height = 0;
   int bits = 8;  ///< 8, 10 or 12; .cine: 8 -> 8 bit, 12 -> 12 in 16, 10 -> P10 (companded on disk)
   double frame_rate_hz = 1000;
-  double exposure_s = 0;           ///< .cine header
-  Codec codec = Codec::automatic;  ///< automatic: by the file's name (.cine; .mkv/.avi -> FFV1/MJPEG; .mp4 ->
-                                   ///< H.264; %05d.png, %05d.tif)
-  int crf = 18;                    ///< H.264 quality
+  double exposure_s = 0;  ///< .cine header
+  /// automatic: by the file's name (.cine; .mkv/.avi -> FFV1/MJPEG; .mp4 -> H.264; %05d.png, %05d.tif)
+  Codec codec = Codec::automatic;
+  int crf = 18;  ///< H.264 quality
 };
 
-/// Takes frames in order. The file appears under its name only at close() (a temporary name beside it until
-/// then); destroyed without close(), it leaves nothing. Pictures are in linear grey levels 0 .. 2^bits - 1
-/// and are rounded.
+/// Takes frames in order. Destroyed without close(), it leaves nothing. A picture of another size than
+/// SinkOptions states is a std::invalid_argument, a disk that cannot be written an InputError.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -34,6 +41,12 @@ class FrameSink {
   virtual void close() = 0;
 };
 
+/// Throws InputError where nothing can be written under that name, before any frame has been computed.
 std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const SinkOptions& options);
+
+/// Removes the unfinished files of all sinks and overlays of this process, for a program that is about to end
+/// at SIGINT or SIGTERM. Call it from an ordinary thread that waits for the signal (sigwait), not from a
+/// signal handler: it takes a lock.
+void remove_partial_files();
 
 }  // namespace tribotrack::vision

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "vision/frame_source.h"
@@ -13,6 +14,22 @@ namespace tribotrack::vision {
 /// .png: the trajectory over the first analysed frame. .mp4 / .avi / .mkv: every analysed frame with outline,
 /// path so far, frame number and status. Throws InputError.
 void write_overlay(FrameSource& source, const TrackResult& result, const std::filesystem::path& path);
+
+/// Writes the pictures of the tracking's stages into a folder as PNG files, enlarged, each with a legend, and
+/// index.txt: one line per picture with file, title, frame, range and unit, separated by tabs. Files of other
+/// names are left alone.
+class DebugFolder : public DebugSink {
+ public:
+  /// Creates the folder. Throws InputError where nothing can be written there.
+  explicit DebugFolder(std::filesystem::path folder);
+  void show(const StagePicture& picture) override;
+  void show(const StageCurve& curve) override;
+
+ private:
+  void write(const std::string& name, const std::vector<unsigned char>& png, const std::string& index_line);
+  std::filesystem::path folder_;
+  std::string index_;
+};
 
 /// First analysed frame as an 8-bit grey PNG, in memory (for reports), stretched to full range.
 std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number);

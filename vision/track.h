@@ -34,7 +34,7 @@ struct TrackPoint {
   double ncc = 0;                               ///< normalised cross-correlation with the template, -1 .. 1
   TrackStatus status = TrackStatus::lost;
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
-  std::optional<double> gate;         ///< the lamp's mean grey level, where one is named
+  std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
 };
 
 /// Millimetres per pixel and where they come from.
@@ -56,43 +56,58 @@ struct Track {
 struct PlanStage {
   std::string name;
   bool on = false;
-  std::string reason;           ///< with its figure
-  double predicted_saving = 0;  ///< share of run time that leaving it out saves (on) or saved (off), 0 .. 1
-  double error_bound_px = 0;    ///< what leaving it out can add
-  double cost = 0;              ///< predicted, see plan_costs.h
+  std::string reason;  ///< with its figure
+  /// Error in a position, px, that leaving this stage out adds (off) or would add (on). 0 only where leaving
+  /// it out is exact; empty where nobody computed it.
+  std::optional<double> error_bound_px = {};
 };
 
-struct TrackSummary {
-  Circle disc;                ///< as tracked in the first frame: given or found, px
+/// Wall-clock time spent in a stage, the stages it called not included: the stages add up to the whole.
+struct StageTime {
+  std::string name;
+  double seconds = 0;
+};
+
+/// Frames by their status.
+struct FrameCounts {
+  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0;
+  std::int64_t refound = 0;          ///< times the part was found again after it had been lost
+  std::int64_t absent_at_first = 0;  ///< frames before the part was there; counted in `lost`, too
+  /// Lost frames, without those before the part was there and after it had left the picture for good.
+  std::int64_t lost_counted = 0;
+  bool gate_passed = true;  ///< quality: lost_counted / frames <= TrackOptions::max_lost_share
+  bool left_for_good = false;
+};
+
+/// What is known of a track as a whole.
+struct TrackSummary : FrameCounts {
+  Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
   double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
   double disc_radius_common_sd = 0;
   Circle marker;
-  Rect texture_patch;             ///< where the platform's own texture serves as its marker; else of no width
-  int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
-  double gate_clipped_share = 0;  ///< of them, at the top level in the frame where that was most
+  Rect texture_patch;   ///< the patch of the platform's texture that serves as its marker; else empty
+  int gate_pixels = 0;  ///< pixels averaged over the lamp, 0 without one
+  double gate_clipped_share = 0;  ///< share of them that clip, in the frame in which most do
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
-  /// What the errors of a layered track share beyond each point's own: standard deviation of one coordinate,
-  /// px, their mean removed, and for how long it stays alike, s (the integral of its correlation). Both are
-  /// in the points' standard deviations, which speak of one point: a mean over many points has this too.
+  /// Errors that the points of a layered track have in common beyond each point's own: standard deviation of
+  /// one coordinate, px, their mean removed, and their correlation time, s (the integral of the
+  /// autocorrelation). Both are included in the per-point standard deviations; a mean over many points does
+  /// not average them out.
   double slow_sd = 0, slow_time = 0;
-  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, refound = 0;
-  std::int64_t absent_at_first = 0;  ///< frames before the part was there; lost, too
-  /// Lost frames, those before it was there and after it had left the picture for good not counted.
-  std::int64_t lost_counted = 0;
-  bool gate_passed = true;  ///< lost_counted / frames <= max_lost_share
-  bool left_for_good = false;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
+  /// One line for a person.
   std::string brief_report() const;
 };
 
 struct TrackResult {
   Track track;
   TrackSummary summary;
+  std::vector<StageTime> stage_times;  ///< measured, so not the same from run to run
 };
 
 }  // namespace tribotrack::vision

@@ -1,10 +1,30 @@
-// Following a part through a recording by normalised cross-correlation template matching with sub-pixel
-// refinement.
+// Tracking a part through a recording to a fraction of a pixel, with the standard deviation of every
+// position.
+//
+// First pass: the part's own picture in the first frame, averaged over more frames where its noise matters,
+// is the template T. In each frame I the position d minimises the ZNCC criterion
+//   sum_x w(x) [I(x) - a T(x - d) - b]^2,   a gain, b offset (and the rotation where T shows it),
+// by Gauss-Newton from a prediction; a lost part is searched for by correlation. The covariance of d is the
+// Cramer-Rao bound of T in the measured noise, widened where the residual exceeds the noise.
+//
+// Second pass (Layers), where the platform's texture or a change of light affects that single template: each
+// frame is modelled as a disc over a background, both learnt from the recording itself, and measured again.
+//
+//   const auto source = open_source("slide.mp4", {.frame_rate_hz = 240});
+//   TrackOptions options;
+//   options.target = {Target::Kind::disc, {151, 87, 9}, {}};  // x, y, radius in the first frame, px
+//   options.first_frame = 188;
+//   const TrackResult result = track(*source, options);
+//   if (!result.summary.gate_passed) std::cerr << result.summary.brief_report() << '\n';
+//   for (const TrackPoint& p : result.track.points)
+//     if (p.status == TrackStatus::ok) std::cout << p.time_s << ' ' << p.x << " +- " << p.sigma_x << '\n';
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "vision/frame_source.h"
 #include "vision/track.h"
@@ -12,7 +32,7 @@
 namespace tribotrack::vision {
 
 /// What to follow: a disc (template masked by its circle), any rectangle, or the disc found in the first
-/// analysed frame.
+/// analysed frame. Pixel coordinates, see Point.
 struct Target {
   enum class Kind { find_disc, disc, rectangle } kind = Kind::find_disc;
   Circle disc;
@@ -26,32 +46,62 @@ struct MarkerChoice {
   Circle circle;
 };
 
-/// Whether the disc is measured a second time over the platform's own picture, both learnt from the recording
-/// (layered_pass.h). Automatic: where the ground's texture or a change of light leaves its mark on a single
-/// template, and the platform rests or has a marker. On: also where it does not.
+/// Whether every frame is measured a second time by the layered model. Automatic: where the background's
+/// texture or a change of light exceeds a share of the noise, and the platform rests or has a marker. On:
+/// also where it does not.
 enum class Layers { automatic, off, on };
+
+/// A picture of one stage of the tracking, for debugging.
+struct StagePicture {
+  std::string name;                        ///< short and unique but for the frame: fit for a file name
+  std::string title;                       ///< what it shows
+  std::optional<std::int64_t> frame = {};  ///< the recording's own number; empty: learnt from many frames
+  std::string why_frame = {};              ///< why this frame was chosen: "first", "largest residual"
+  Picture levels;                          ///< NaN where nothing is known
+  std::string unit = "grey levels";
+  Point first = {};           ///< place of the first pixel
+  std::string place = {};     ///< that place's coordinates: "camera", "disc's centre", "platform"
+  double low = 0, high = 0;   ///< range to draw; equal: that of the levels
+  bool zero_centred = false;  ///< a difference: zero lies in the middle of the range
+};
+
+/// The same for a curve.
+struct StageCurve {
+  std::string name, title, x_label, y_label;
+  std::vector<Point> points;
+};
+
+/// Receives the pictures of the stages: DebugFolder (overlay.h) writes them as PNG files.
+class DebugSink {
+ public:
+  virtual ~DebugSink() = default;
+  virtual void show(const StagePicture& picture) = 0;
+  virtual void show(const StageCurve& curve) = 0;
+};
 
 struct TrackOptions {
   Target target;
   MarkerChoice marker;
-  std::optional<Circle> gate;               ///< a lamp whose brightness is recorded, frame by frame
-  std::optional<std::int64_t> first_frame;  ///< recording's own numbers, both included
+  std::optional<Circle> gate;  ///< a lamp that is lit while the actuator is on: its brightness is recorded
+  std::optional<std::int64_t> first_frame;  ///< the recording's own numbers, both included
   std::optional<std::int64_t> last_frame;
-  double min_ncc = 0.6;  ///< below this a match is not believed
-  double max_lost_share =
-      0.1;  ///< quality gate: share of frames that may be lost (after-it-left frames not counted)
-  int search_margin_px =
-      0;  ///< half width of the predicted window beyond the template; 0: chosen from the motion
+  double min_ncc = 0.6;         ///< matches with a lower correlation are rejected; 0 .. 1
+  double max_lost_share = 0.1;  ///< of the frames: more lost ones and the track is not accepted; 0 .. 1
+  int search_margin_px = 0;     ///< half width of the search about the prediction; 0: chosen from the motion
   Layers layers = Layers::automatic;
   std::function<void(std::int64_t done, std::int64_t total)> progress;
+  DebugSink* debug = nullptr;  ///< kept only during track()
+  /// The recording's own numbers of the frames shown to `debug`. Empty: the first, middle and last frame in
+  /// which the part was found, and that with the largest residual.
+  std::vector<std::int64_t> debug_frames;
   /// Throws std::invalid_argument naming the option.
   void validate() const;
 };
 
 /// Follows the target from the first analysed frame, or from that in which a disc is first seen there. The
-/// template is taken there and never replaced (a replaced template drifts). Where the plan says so, a second
-/// pass measures every frame again (Layers). Throws InputError (target outside the picture, frames not in the
-/// recording, no disc found, no time base).
+/// template is taken there and never replaced (a replaced template drifts). Where the plan includes it, a
+/// second pass measures every frame again (Layers). Throws InputError (target outside the picture, frames not
+/// in the recording, no disc found, no time base).
 TrackResult track(FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

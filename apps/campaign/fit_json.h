@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign/analysis.h"
+#include "apps/campaign/conditions.h"
 #include "apps/files/campaign.h"
-#include "apps/files/meta_file.h"
-#include "apps/program/context.h"
+#include "apps/text/json.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::apps {
@@ -19,12 +18,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 /// blank-separated.
 std::string parameter_table(const Json& fit);
 
-/// With the command's threads, telling its progress; `options` hold what was asked for beyond the campaign
-/// file.
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                            const Context& context, fit::FitOptions options = {});
-
-/// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
+/// Why a fit is unusable, and what to do: one sentence for each thing the data do not determine, and the run
 /// to film next. Empty for a usable one.
 std::vector<std::string> remedies(const fit::FitResult& result);
 

@@ -27,13 +27,13 @@ void compare(std::vector<std::string>& warnings, const std::string& name, const 
              const fit::Estimate& seen, double given) {
   const double off = std::abs(seen.value - given);
   if (off > 5 * seen.sd && off > 2e-3 * std::abs(given))
-    warnings.push_back(
-        fmt::format("{}: the marker says {} = {:.6g} +- {:.2g}, the campaign {:.6g}: the given value is "
-                    "used; leave it out to use the measured one",
-                    name, what, seen.value, seen.sd, given));
+    warnings.push_back(fmt::format(
+        "{}: the marker shows {} = {:.6g} +- {:.2g}, the campaign gives {:.6g}: the given value is "
+        "used; leave it out to use the measured one",
+        name, what, seen.value, seen.sd, given));
 }
 
-/// The platform's phase over the camera's time; nullopt where nothing tells it.
+/// The platform's phase over the camera's time; nullopt where it is unknown.
 std::optional<fit::PhaseClock> clock_of(const RunMeasurement& m, const GivenConditions& given) {
   if (m.platform)
     return fit::PhaseClock{m.platform->angular_frequency.value, m.platform->phase_at_zero.value,
@@ -65,8 +65,8 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
       m.gate_reference = reference;
     } else {
       m.warnings.push_back(
-          fmt::format("{}: {} does not tell the gate: {}; phi and dtau are taken as commanded", name, what,
-                      seen.why_not));
+          fmt::format("{}: {} does not determine the gate: {}; phi and dtau are taken as commanded", name,
+                      what, seen.why_not));
     }
   };
   if (!track.lamp.time.empty()) {
@@ -74,7 +74,7 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
       take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp", "camera");
     else
       m.warnings.push_back(fmt::format(
-          "{}: the lamp blinks against a platform whose phase nothing tells: phi and dtau are taken as "
+          "{}: the lamp is seen, but the phase of the platform is unknown: phi and dtau are taken as "
           "commanded; give a marker, or phase_at_zero_rad",
           name));
   }

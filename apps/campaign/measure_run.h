@@ -1,4 +1,4 @@
-// From a track table to what the fit takes: displacement, platform, phase at the start.
+// From a track table to the input of the fit: displacement, platform, phase at the start.
 #pragma once
 
 #include <optional>
@@ -39,7 +39,7 @@ struct GivenConditions {
   int cycles = 20;
 };
 
-/// Everything one track tells.
+/// Everything measured from one track.
 struct RunMeasurement {
   std::optional<fit::PlatformMotion> platform;
   std::optional<fit::Displacement> displacement;   ///< empty where w is neither given nor measured
@@ -58,7 +58,7 @@ struct RunMeasurement {
 /// given one); `name` stands in their messages.
 RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given);
 
-/// The object `measure --json` prints: every quantity that can be told, with its _sd.
+/// The object `measure --json` prints: every quantity that was measured, with its _sd.
 Json measurement_json(const RunMeasurement& measurement, const TrackFile& track);
 
 }  // namespace tribotrack::apps

@@ -1,4 +1,4 @@
-// What one track tells, for a person: rounded where the standard deviation says, with units.
+// The measurement of one track as text for people: with units, rounded to the standard deviation.
 #pragma once
 
 #include <string>

@@ -1,11 +1,17 @@
 // tribotrack track: a recording to a sub-pixel trajectory.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
+#include "apps/campaign/job.h"
 #include "apps/campaign/track_recording.h"
 #include "apps/commands/command.h"
+#include "apps/files/camera_section.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
@@ -18,6 +24,7 @@ namespace {
 struct TrackCommandOptions {
   std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
   std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
+  std::string debug, debug_frames;
   bool json = false;
   bool explain = false;
 };
@@ -57,6 +64,13 @@ vision::Rect rectangle_of(const std::string& text) {
   return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
 }
 
+std::int64_t frame_number(const std::string& flag, const std::string& text) {
+  const auto value = parse_number(text);
+  if (!value || *value != std::floor(*value))
+    throw UsageError(fmt::format("{} must hold the recording's own image numbers, not \"{}\"", flag, text));
+  return static_cast<std::int64_t>(*value);
+}
+
 void set_frames(vision::TrackOptions& track, const std::string& text) {
   const auto parts = split(text, ':');
   const auto number = [&](const std::string& part) -> std::optional<std::int64_t> {
@@ -78,34 +92,12 @@ void set_frames(vision::TrackOptions& track, const std::string& text) {
 /// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
 void apply_config(RecordingJob& job, const std::string& file) {
   StrictTable top = StrictTable::read(file);
-  if (auto part = top.table("part")) {
-    job.diameter_mm = part->positive("diameter_mm");
-    job.diameter_sd_mm = part->not_negative("diameter_sd_mm").value_or(0);
-    job.height_mm = part->positive("height_mm");
-    part->finish();
-  }
-  if (auto camera = top.table("camera")) {
-    job.frame_rate_hz = camera->positive("frame_rate_hz");
-    job.mm_per_px = camera->positive("mm_per_px");
-    job.mm_per_px_sd = camera->not_negative("mm_per_px_sd").value_or(0);
-    job.working_distance_mm = camera->positive("working_distance_mm");
-    if (const auto text = camera->text("calibration")) {
-      if (job.mm_per_px) camera->fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
-      job.calibration = std::filesystem::path(file).parent_path() / *text;
-    }
-    job.xi_axis_rad = camera->angle("xi_axis_rad").value_or(0);
-    if (const auto v = camera->numbers("disc_px", 3)) {
-      job.track.target.kind = vision::Target::Kind::disc;
-      job.track.target.disc = {(*v)[0], (*v)[1], (*v)[2]};
-    }
-    if (const auto v = camera->numbers("marker_px", 3)) {
-      job.track.marker.kind = vision::MarkerChoice::Kind::circle;
-      job.track.marker.circle = {(*v)[0], (*v)[1], (*v)[2]};
-    }
-    if (const auto v = camera->numbers("gate_px", 3))
-      job.track.gate = vision::Circle{(*v)[0], (*v)[1], (*v)[2]};
-    camera->finish();
-  }
+  PartSection part;
+  CameraSection camera;
+  if (auto table = top.table("part")) part = read_part(*table);
+  if (auto table = top.table("camera"))
+    camera = read_camera(*table, std::filesystem::path(file).parent_path());
+  apply(part, camera, job);
   if (auto track = top.table("track")) {
     job.track.min_ncc = track->number("min_ncc").value_or(job.track.min_ncc);
     job.track.max_lost_share = track->not_negative("max_lost_share").value_or(job.track.max_lost_share);
@@ -175,46 +167,85 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.layers = vision::Layers::on;
   else if (!options.layers.empty() && options.layers != "auto")
     throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
+  if (!options.debug_frames.empty() && options.debug.empty())
+    throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
+  if (!options.debug_frames.empty())
+    for (const std::string& part : split(options.debug_frames, ','))
+      job.track.debug_frames.push_back(frame_number("--debug-frames", part));
   return job;
+}
+
+/// Refuses the folder the recording's own pictures lie in: the debug pictures would become part of it.
+void check_debug_folder(const std::filesystem::path& folder, const std::filesystem::path& input) {
+  const std::filesystem::path pictures = vision::is_number_pattern(input) ? input.parent_path() / "." : input;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(pictures) && std::filesystem::equivalent(folder, pictures, ignored))
+    throw InvalidInput(fmt::format("{}: the recording's own pictures lie there; give --debug another folder",
+                                   folder.string()));
+}
+
+void print_explanation(const vision::TrackResult& result) {
+  for (const auto& stage : result.summary.plan)
+    print_error(fmt::format("{:<24} {:<4} {}", stage.name, stage.on ? "on" : "off", stage.reason));
+  double total = 0;
+  for (const auto& stage : result.stage_times) total += stage.seconds;
+  print_error(fmt::format("{:<28} {:>9} {:>6}", "time of each stage", "s", "share"));
+  for (const auto& stage : result.stage_times)
+    print_error(fmt::format("  {:<26} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds,
+                            100 * stage.seconds / total));
+}
+
+void check_outputs(const TrackCommandOptions& options) {
+  std::vector<Output> outputs;
+  if (!is_standard_output(options.output))
+    outputs.push_back({options.output});
+  else if (options.json)
+    throw UsageError("give -o - or --json: both would go to standard output");
+  if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
+  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+  for (const std::string& file : {options.config, options.calibration})
+    if (!file.empty()) inputs.emplace_back(file);
+  require_writable(outputs, inputs);
 }
 
 void track_command(const TrackCommandOptions& options, Context& context) {
   RecordingJob job = job_of(options);
-  require_writable(options.output);
-  if (!options.overlay.empty()) require_writable(options.overlay);
+  check_outputs(options);
 
-  TrackedRecording recording;
-  {
-    Progress progress("track", context.quiet);
-    job.track.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
-    recording = track_recording(job);
+  std::optional<vision::DebugFolder> debug;
+  if (!options.debug.empty()) {
+    check_debug_folder(options.debug, options.input);
+    debug.emplace(options.debug);
+    job.track.debug = &*debug;
   }
+
+  std::optional<Progress> progress(std::in_place, "track", context.quiet);
+  job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
+  const PreparedJob prepared = prepare(job);
+  TrackedRecording recording = track_recording(prepared);
+  progress.reset();
   if (!options.overlay.empty()) {
-    const auto source = vision::open_source(job.video, {job.frame_rate_hz});
-    TemporaryFile file(options.overlay);
-    vision::write_overlay(*source, recording.result, file.name());
+    TemporaryFile file(options.overlay, Content::pictures);
+    vision::write_overlay(*recording.source, recording.result, file.name());
     file.commit();
   }
-  write_track(options.output, job, recording);
+  write_track(options.output, prepared, recording);
 
   const vision::TrackSummary& summary = recording.result.summary;
-  if (options.explain)
-    for (const auto& stage : summary.plan)
-      fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
-  for (const auto& note : recording.info.notes) say(context.quiet, "note: " + note);
+  if (options.explain) print_explanation(recording.result);
+  for (const auto& note : recording.info().notes) say(context.quiet, "note: " + note);
   if (!recording.scale)
     say(context.quiet,
         "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm or "
         "--calibration)");
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
-  if (options.json) fmt::print("{}", text_of(summary_json(recording)));
+  if (options.json) print_text(text_of(summary_json(recording)));
   if (!summary.gate_passed) {
-    fmt::print(stderr,
-               "tribotrack: {}: the part was lost in {} of {} frames, more than the allowed share {}; look "
-               "at --overlay, give --disc, or leave "
-               "frames out with --frames\n",
-               options.input, summary.lost_counted, summary.frames, job.track.max_lost_share);
+    complain(fmt::format(
+        "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
+        "--disc, or leave frames out with --frames",
+        options.input, summary.lost_counted, summary.frames, job.track.max_lost_share));
     context.exit_code = kQualityGate;
   }
 }
@@ -231,16 +262,16 @@ void add_track(CLI::App& app, Context& context) {
       ->required();
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->fps,
-             "Rate it was recorded at, frames/s, where the file does not say it reliably");
+             "Rate of recording, frames/s, where the file does not give it reliably");
   add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
   command
       .add_option("--calibration", options->calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  add_number(command, "--height-mm", options->height_mm, "Of the part's top above the marker's plane");
+  add_number(command, "--height-mm", options->height_mm, "Height of the part's top above the marker's plane");
   add_number(command, "--working-distance-mm", options->working_distance_mm,
-             "From the lens to the marker's plane: with --height-mm it corrects the parallax");
+             "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
                   "The disc in the first analysed frame, or where it is first seen there (default: found)")
@@ -256,7 +287,7 @@ void add_track(CLI::App& app, Context& context) {
   command
       .add_option(
           "--gate", options->gate,
-          "Lamp that is lit while the actuator is on: its brightness is recorded, `measure` finds phi "
+          "Lamp that is lit while the actuator is on: its brightness is recorded, and `measure` finds phi "
           "and dtau from it")
       ->type_name("X,Y,R");
   command
@@ -266,19 +297,30 @@ void add_track(CLI::App& app, Context& context) {
   add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
-      .add_option(
-          "--layers", options->layers,
-          "Second pass that models the platform seen through the disc's rim (default auto: where it matters)")
+      .add_option("--layers", options->layers,
+                  "Second pass that also models the platform seen through the disc's rim (default auto: "
+                  "where it matters)")
       ->type_name("auto|on|off");
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");
+  command
+      .add_option("--debug", options->debug,
+                  "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
+                  "background, rim and illumination of the second pass) and index.txt into this folder")
+      ->type_name("DIR");
+  command
+      .add_option(
+          "--debug-frames", options->debug_frames,
+          "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
+          "the largest residual)")
+      ->type_name("N,N,...");
   command
       .add_option(
           "--config", options->config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
-  command.add_flag("--explain", options->explain, "Say which stages this scene needed and why");
+  command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");
   add_common(
       command, context,
       "  tribotrack track phi000.cine --disc-diameter-mm 6 --marker auto -o phi000.csv --overlay phi000.mp4\n"

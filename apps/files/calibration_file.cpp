@@ -88,7 +88,7 @@ vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
   if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
         c.distance_mm() > 0))
     throw InvalidInput(
-        fmt::format("{}: is no calibration: its sizes must be greater than 0; make it anew with "
+        fmt::format("{}: is no calibration: its sizes must be greater than 0; make a new one with "
                     "`tribotrack calibrate`",
                     path.string()));
   return c;

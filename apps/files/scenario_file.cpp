@@ -97,7 +97,7 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     friction.nominal = table->not_negative("mu1").value_or(friction.nominal);
     const auto mu2 = table->not_negative("mu2");
     file.mu1_over_mu2 = table->positive("mu1_over_mu2");
-    if (mu2 && file.mu1_over_mu2) table->fail("mu2", "and `mu1_over_mu2` say the same; give one of them");
+    if (mu2 && file.mu1_over_mu2) table->fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
     friction.reduced = mu2.value_or(friction.reduced);
     friction.phase = table->angle("phi_rad").value_or(friction.phase);
     friction.pulse_width = table->angle("dtau_rad").value_or(friction.pulse_width);

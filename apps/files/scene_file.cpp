@@ -66,7 +66,7 @@ void read_disc(StrictTable& table, SceneShot& shot) {
   auto& disc = shot.scene.disc;
   const auto diameter = table.positive("diameter_mm");
   const auto radius = table.positive("radius_px");
-  if (diameter && radius) table.fail("radius_px", "and `diameter_mm` say the same; give one of them");
+  if (diameter && radius) table.fail("radius_px", "and `diameter_mm` mean the same; give one of them");
   if (diameter) disc.radius_px = *diameter / (2 * shot.mm_per_px);
   if (radius) disc.radius_px = *radius;
   shot.start_px = read_point(table, "start_px");

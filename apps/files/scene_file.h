@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
 #include "apps/files/scenario_file.h"
+#include "apps/text/json.h"
 #include "vision/frame_sink.h"
 #include "vision/scene.h"
 

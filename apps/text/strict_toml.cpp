@@ -19,10 +19,10 @@ struct StrictTable::Node {
   const toml::table* table = nullptr;
   std::string file;
   std::string name;  // "platform", "" for the top
-  std::set<std::string, std::less<>> asked;
+  std::set<std::string, std::less<>> looked_up;
 
   const toml::node* find(std::string_view key) {
-    asked.emplace(key);
+    looked_up.emplace(key);
     return table->get(key);
   }
 };
@@ -235,6 +235,11 @@ bool StrictTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
 
+bool StrictTable::is_table(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  return node != nullptr && node->is_table();
+}
+
 std::vector<std::string> StrictTable::keys() const {
   std::vector<std::string> names;
   for (auto&& [name, value] : *node_->table) names.emplace_back(name.str());
@@ -244,8 +249,8 @@ std::vector<std::string> StrictTable::keys() const {
 void StrictTable::finish() const {
   for (auto&& [name, value] : *node_->table) {
     const std::string key(name.str());
-    if (node_->asked.contains(key)) continue;
-    const std::vector<std::string> valid(node_->asked.begin(), node_->asked.end());
+    if (node_->looked_up.contains(key)) continue;
+    const std::vector<std::string> valid(node_->looked_up.begin(), node_->looked_up.end());
     const std::string near = nearest_word(key, valid);
     fail(key, near.empty() ? fmt::format("is not a known key; known here: {}", fmt::join(valid, ", "))
                            : fmt::format("is not a known key; did you mean `{}`?", near));

@@ -32,12 +32,6 @@ inline Phase reduce(double phase, double correction = 0) {
   return p;
 }
 
-/// a + b reduced, with the rounding error of the sum kept (Knuth's two-sum).
-inline Phase reduce_sum(double a, double b) {
-  const double sum = a + b, part = sum - a;
-  return reduce(sum, (a - (sum - part)) + (b - part));
-}
-
 /// a * b reduced, with the rounding error of the product kept.
 inline Phase reduce_product(double a, double b) {
   const double product = a * b;

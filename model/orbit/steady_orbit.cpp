@@ -169,38 +169,6 @@ std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d 
 /// Tolerance at which orbits are looked for before they are found to the tolerance asked for.
 inline constexpr double kLoose = 1e-5;
 
-/// The same as solve_cycle() from close by: one cycle tells how the next begin depends on u, and cycles that
-/// need not tell it, which are several times as cheap, do the rest. nullopt where they do not get there fast.
-std::optional<Orbit> polish(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
-  ArcMemory memory;
-  CycleMap map = one_cycle(in, u, memory);
-  const Eigen::Matrix2d newton = (Eigen::Matrix2d::Identity() - map.jacobian).inverse();
-  const auto plain = lifted<double>(in);
-  const Eigen::Vector2d linearised_at = u;
-  const double scale = std::max(0.25, u.norm());
-  double last = HUGE_VAL;
-  for (int i = 1; i <= 8; ++i) {
-    const Eigen::Vector2d step = newton * (map.end - u);
-    const double size = step.norm() / scale;
-    if (!(size < 0.1 * last) || !(size < 1e-2)) return std::nullopt;
-    const double shrinks = 10 * (step + u - linearised_at).norm() / scale;  // the next step, to this one
-    if (size * shrinks <= in.tolerance || (map.end - u).norm() <= 4 * in.tolerance * scale) {
-      const Orbit orbit{u + step, map.drift + map.drift_slope * step, map.jacobian, i};
-      if ((orbit.velocity - linearised_at).norm() <= jacobian_error * scale) return orbit;
-      map = one_cycle(in, orbit.velocity, memory);
-      return Orbit{orbit.velocity, map.drift, map.jacobian, i + 1};
-    }
-    last = size;
-    u += step;
-    Solver<double> solver(plain);
-    const auto end =
-        solver.run_one_cycle(plain.edges.open_at_start && !plain.circling, {u.x(), u.y()}, memory);
-    map.end = {end.velocity.x, end.velocity.y};
-    map.drift = {end.position.x, end.position.y};
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
@@ -230,8 +198,7 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
     }
   }
   in.tolerance = tolerance;
-  auto orbit = polish(in, u, jacobian_error);
-  if (!orbit) orbit = solve_cycle(in, u, jacobian_error);
+  auto orbit = solve_cycle(in, u, jacobian_error);
   if (orbit) orbit->iterations += iterations;
   return orbit;
 }

@@ -13,6 +13,7 @@
 namespace tribotrack::model {
 
 struct Trajectory::Implementation {
+  Implementation(const Scenario& s, const IntegrationOptions& o) : scenario(s), options(o) {}
   virtual ~Implementation() = default;
   virtual Sample at(double time) const = 0;
   virtual SensitiveSample sensitive_at(double time) const = 0;
@@ -58,7 +59,8 @@ class Run final : public Trajectory::Implementation {
 
 template <class T>
 Run<T>::Run(const Scenario& s, const IntegrationOptions& o)
-    : w_((scenario = s, options = o, seeded<T>(s, Parameter::angular_frequency, o.derivatives))),
+    : Implementation(s, o),
+      w_(seeded<T>(s, Parameter::angular_frequency, o.derivatives)),
       input_(prepare()),
       solver_(input_) {
   solver_.run();
@@ -89,8 +91,9 @@ SolverInput<T> Run<T>::prepare() const {
 /// U0 = P(U0, p) differentiated: dU0 = (I - dP/dU)^-1 dP/dp.
 template <class T>
 void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
-  const auto orbit =
-      find_orbit(scenario, with_pulses, options.tolerance, derivative_count < T >> 0 ? 1e-9 : 1.0);
+  // The derivatives below are as good as the Jacobian, and cycles count as repeating only where they agree.
+  const double jacobian_error = derivative_count < T >> 0 ? 1e-13 : 1.0;
+  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance, jacobian_error);
   if (!orbit)
     throw InvalidParameter(
         std::string("start = ") + to_string(scenario.start) +

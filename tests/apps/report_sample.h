@@ -115,8 +115,8 @@ inline ReportRun displacement_run(double phi, double dtau, std::mt19937& random)
   run.mm_per_px = 0.04;
   run.scale_source = "part's diameter";
   run.residuals = {{"dx_mm", 1.0, 1.01, 0.01, normal(random)}, {"dy_mm", 1.0, 1.01, 0.01, normal(random)}};
-  run.plan = {{"rotation of the part", false, "the part turns by 0.1° in 500 frames", 0.31, "0.002 px"},
-              {"marker", true, "the platform moves by 7 px", no_value, ""}};
+  run.plan = {{"rotation of the part", false, "the part turns by 0.1° in 500 frames", "0.002 px"},
+              {"marker", true, "the platform moves by 7 px", ""}};
 
   run.frame_width_px = 240;
   run.frame_height_px = 150;
@@ -224,8 +224,8 @@ inline ReportData campaign(unsigned seed = 1) {
       group.curve_v_mm_s.push_back(v_of(dtau));
     }
   }
-  data.plan = {{"tracking", true, "14 recordings", no_value, ""},
-               {"profile intervals of fixed parameters", false, "none of them is fitted", 0.12, "none"}};
+  data.plan = {{"tracking", true, "14 recordings", ""},
+               {"profile intervals of fixed parameters", false, "none of them is fitted", "none: exact"}};
   data.program_version = "0.1.0";
   data.inputs = {{"campaign.toml", "xxh3-128:0123456789abcdef0123456789abcdef"},
                  {"phi0_dtau60.cine", "xxh3-128:fedcba9876543210fedcba9876543210"}};

@@ -124,6 +124,7 @@ class RenderedSource : public FrameSource {
     info_.time_base.rate_hz = 1000;
     info_.time_base.source = "test";
   }
+  void named(const std::string& path) { info_.path = path; }
   void number_from(std::int64_t first) { info_.first_number = first; }
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     ASSERT_GE(index, 0);

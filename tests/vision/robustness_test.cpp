@@ -311,7 +311,7 @@ TEST_P(Glare, IsLearntAndTakenOut) {
   EXPECT_LT(o.errors.rms, 1.25 * o.bound);
   EXPECT_GT(o.errors.standardised, 0.87);
   EXPECT_LT(o.errors.standardised, 1.13);
-  const PlanStage* light = stage(o.result.summary, "light that stands in the picture");
+  const PlanStage* light = stage(o.result.summary, "static illumination");
   ASSERT_NE(light, nullptr);
   EXPECT_TRUE(light->on);
   EXPECT_GT(light->error_bound_px, o.bound);
@@ -339,7 +339,7 @@ TEST(StandingLight, IsNotLookedForTwiceWhereThereIsNone) {
   Recording r;
   r.scene.platform.texture_rms = 8;
   const Outcome o = followed("even light", r);
-  const PlanStage* light = stage(o.result.summary, "light that stands in the picture");
+  const PlanStage* light = stage(o.result.summary, "static illumination");
   ASSERT_NE(light, nullptr);
   EXPECT_FALSE(light->on);
 }

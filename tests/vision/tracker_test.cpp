@@ -246,6 +246,20 @@ TEST(Tracker, NumbersAndTimesAreTheRecordingsOwn) {
   EXPECT_NEAR(result.track.points.back().x, 41.7, 0.05);
 }
 
+TEST(Tracker, RefusalHoldsTheRemedyHoweverLongThePath) {
+  auto source =
+      recording(80, 80, 10, [](std::int64_t, TestScene& scene) { scene.discs = {disc_at(40, 40)}; });
+  source.named("/data/" + std::string(600, 'd') + "/run.avi");
+  TrackOptions range = follow(40, 40);
+  range.last_frame = 10;
+  try {
+    track(source, range);
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(std::string(error.what()).ends_with("but the recording holds 0 to 9")) << error.what();
+  }
+}
+
 TEST(Tracker, BadRequestsAreRefusedWithTheReason) {
   auto source =
       recording(80, 80, 10, [](std::int64_t, TestScene& scene) { scene.discs = {disc_at(40, 40)}; });

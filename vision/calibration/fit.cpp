@@ -1,14 +1,14 @@
 #include "vision/calibration.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
 #include "vision/calibration/corners.h"
-#include "vision/io/format_text.h"
 #include "vision/io/in_quotes.h"
 
 namespace tribotrack::vision {
@@ -87,9 +87,9 @@ void require_several_directions(const Solution& s) {
       widest = std::max(widest, std::acos(std::clamp(normal_of(a).dot(normal_of(b)), -1.0, 1.0)));
   if (widest < kLeastTurn)
     throw InputError(
-        format("the pictures all show the board from nearly the same direction (%.1f degrees apart at "
-               "most), which tells no focal length; take some with the board tilted by 15 to 45 degrees",
-               widest * 180 / CV_PI));
+        fmt::format("the pictures all show the board from nearly the same direction ({:.1f} degrees apart at "
+                    "most), which tells no focal length; take some with the board tilted by 15 to 45 degrees",
+                    widest * 180 / CV_PI));
 }
 
 /// Normal matrix of all unknowns by OpenCV's own derivatives, then its inverse's block of lens and plane.
@@ -249,8 +249,8 @@ CalibrationResult calibrate_camera(const CalibrationBoard& board, const Calibrat
   for (const Model& model : candidates) {
     Solution s = solve(views, model);
     if (&model == &candidates.front()) require_several_directions(s);
-    result.tried.push_back(format("%s: rms %.4f px, criterion %.1f", model.name,
-                                  std::sqrt(s.rss / static_cast<double>(views.corners())), s.criterion));
+    result.tried.push_back(fmt::format("{}: rms {:.4f} px, criterion {:.1f}", model.name,
+                                       std::sqrt(s.rss / static_cast<double>(views.corners())), s.criterion));
     if (std::isfinite(s.criterion) && (!best || s.criterion < solution.criterion)) {
       best = &model;
       solution = std::move(s);
@@ -267,10 +267,10 @@ CalibrationResult calibrate_camera(const CalibrationBoard& board, const Calibrat
   const double focal = solution.camera.at<double>(0, 0);
   const double focal_sd = std::sqrt(std::max(0.0, result.covariance(0, 0)));
   if (!(focal > 0) || !(focal_sd < kWorstFocal * focal))
-    throw InputError(
-        format("the focal length comes out as %.0f +- %.0f px, which means nothing; take more pictures with "
-               "the board tilted by 15 to 45 degrees, in different directions",
-               focal, focal_sd));
+    throw InputError(fmt::format(
+        "the focal length comes out as {:.0f} +- {:.0f} px, which means nothing; take more pictures with "
+        "the board tilted by 15 to 45 degrees, in different directions",
+        focal, focal_sd));
 
   const Eigen::VectorXd p = parameters_of(solution, *best);
   const double aspect = solution.camera.at<double>(1, 1) / focal;

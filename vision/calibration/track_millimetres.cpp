@@ -1,10 +1,11 @@
 #include "vision/millimetres.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace tribotrack::vision {
@@ -54,12 +55,13 @@ double departure(const std::vector<Point>& path, double mm_per_px, Map map) {
 }
 
 PlanStage stage(const char* name, double correction_px, double sd_px, const std::string& what) {
-  char text[300];
   const bool on = correction_px > kNegligible * sd_px;
-  std::snprintf(text, sizeof text,
-                "%s moves a point by up to %.2g px, a tenth of the tracking's sd is %.2g px", what.c_str(),
-                correction_px, kNegligible * sd_px);
-  return {name, on, text, 0, on ? 0 : correction_px};
+  return {
+      .name = name,
+      .on = on,
+      .reason = fmt::format("{} moves a point by up to {:.2g} px, a tenth of the tracking's sd is {:.2g} px",
+                            what, correction_px, kNegligible * sd_px),
+      .error_bound_px = correction_px};
 }
 
 }  // namespace
@@ -107,9 +109,8 @@ PlaneGeometry PlaneGeometry::as_needed(const Track& track, double tracking_sd_px
   }
   if (part_.mm_per_px != marker_.mm_per_px) {
     const double share = std::abs(marker_.mm_per_px / part_.mm_per_px - 1);
-    char what[120];
-    std::snprintf(what, sizeof what, "the part's top, %.3g mm above the marker's plane: %.2g %% in scale,",
-                  height_mm_, 100 * share);
+    const std::string what = fmt::format(
+        "the part's top, {:.3g} mm above the marker's plane: {:.2g} % in scale,", height_mm_, 100 * share);
     // The scale that is known stays; what the other one is for moves.
     const bool from_top = known_ == ScalePlane::part_top;
     plan.push_back(

@@ -2,27 +2,21 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
+#include <utility>
 
 #include "vision/io/level_conversion.h"
 #include "vision/io/window.h"
+#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
 
-#if defined(__x86_64__)
-#define TRIBOTRACK_WIDEST [[gnu::target_clones("arch=haswell", "default")]]
-#else
-#define TRIBOTRACK_WIDEST
-#endif
-
 /// The fewest bytes that hold these levels exactly.
-TRIBOTRACK_WIDEST int bytes_for(std::span<const float> levels) {
+TRIBOTRACK_CLONES int bytes_for(std::span<const float> levels) {
   float largest = 0, off = 0;
   for (const float level : levels) {
     // Out of an integer's range no level is whole here.
@@ -35,16 +29,15 @@ TRIBOTRACK_WIDEST int bytes_for(std::span<const float> levels) {
   return largest <= 255 ? 1 : 2;
 }
 
-TRIBOTRACK_WIDEST void narrow(std::span<const float> levels, std::uint8_t* to) {
+TRIBOTRACK_CLONES void narrow(std::span<const float> levels, std::uint8_t* to) {
   for (std::size_t i = 0; i < levels.size(); ++i) to[i] = static_cast<std::uint8_t>(levels[i]);
 }
-TRIBOTRACK_WIDEST void narrow_16(std::span<const float> levels, std::uint8_t* to) {
+TRIBOTRACK_CLONES void narrow_16(std::span<const float> levels, std::uint8_t* to) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const auto level = static_cast<std::uint16_t>(levels[i]);
     std::memcpy(to + 2 * i, &level, sizeof level);
   }
 }
-#undef TRIBOTRACK_WIDEST
 
 bool write_all(int descriptor, const std::vector<std::uint8_t>& bytes, std::int64_t offset) {
   for (std::size_t done = 0; done < bytes.size();) {
@@ -58,43 +51,38 @@ bool write_all(int descriptor, const std::vector<std::uint8_t>& bytes, std::int6
 
 }  // namespace
 
-KeptFrames::KeptFrames(FrameSource& source, std::int64_t most_bytes)
-    : source_(source), most_bytes_(most_bytes), keeping_(source.info().decoded) {
+FrameCache::FrameCache(FrameSource& source, std::int64_t most_bytes, CacheSpace& space)
+    : source_(source), most_bytes_(most_bytes), space_(space), keeping_(source.info().decoded) {
   info_ = source.info();
 }
 
-KeptFrames::~KeptFrames() {
+FrameCache::~FrameCache() {
   if (descriptor_ >= 0) ::close(descriptor_);
+  space_.give_back(end_);
 }
 
-/// Nobody else sees the file, and it is gone when the process ends, however it ends.
-bool KeptFrames::open_file() {
+/// The file has no name: it is gone when the process ends, however it ends.
+bool FrameCache::open_file() {
   if (descriptor_ >= 0) return true;
-  std::error_code error;
-  const auto folder = std::filesystem::temp_directory_path(error);
-  if (error) return false;
-  const auto space = std::filesystem::space(folder, error);
-  if (error) return false;
-  most_bytes_ = std::min(most_bytes_, static_cast<std::int64_t>(space.available / 2));
-  std::string name = (folder / "tribotrack-kept-XXXXXX").string();
+  std::string name = (space_.folder() / "tribotrack-frames-XXXXXX").string();
   descriptor_ = ::mkstemp(name.data());
   if (descriptor_ < 0) return false;
   ::unlink(name.c_str());
   return true;
 }
 
-/// The file no longer holds what was written to it, or cannot be written: all of it is read anew.
-void KeptFrames::give_up() {
+/// The file no longer holds what was written to it: everything is read from the source again.
+void FrameCache::give_up() {
   keeping_ = false;
   places_.clear();
 }
 
-const KeptFrames::Place* KeptFrames::find(std::int64_t index, const Rect& window) const {
+const FrameCache::Place* FrameCache::find(std::int64_t index, const Rect& window) const {
   const auto found = places_.find(index);
   return found != places_.end() && found->second.window.contains(window) ? &found->second : nullptr;
 }
 
-void KeptFrames::keep(std::int64_t index, const Rect& window) {
+void FrameCache::keep(std::int64_t index, const Rect& window) {
   if (!keeping_ || window.width <= 0 || window.height <= 0 || find(index, window)) return;
   source_.read(index, window, picture_);
   Place place{window, end_, bytes_for(picture_.levels())};
@@ -105,17 +93,20 @@ void KeptFrames::keep(std::int64_t index, const Rect& window) {
     narrow_16(picture_.levels(), bytes_.data());
   else
     std::memcpy(bytes_.data(), picture_.levels().data(), bytes_.size());
-  if (!open_file() || end_ + static_cast<std::int64_t>(bytes_.size()) > most_bytes_ ||
-      !write_all(descriptor_, bytes_, end_)) {
+  const auto size = static_cast<std::int64_t>(bytes_.size());
+  if (end_ + size > most_bytes_ || !space_.take(size)) {
     keeping_ = false;
     return;
   }
-  end_ += static_cast<std::int64_t>(bytes_.size());
-  places_.insert_or_assign(index, place);
+  const std::int64_t offset = std::exchange(end_, end_ + size);
+  if (open_file() && write_all(descriptor_, bytes_, offset))
+    places_.insert_or_assign(index, place);
+  else
+    keeping_ = false;
 }
 
 /// Its rows from the first to the last in one go: what lies between them is little or wanted.
-bool KeptFrames::read_back(const Place& place, const Rect& window, Picture& picture) {
+bool FrameCache::read_back(const Place& place, const Rect& window, Picture& picture) {
   const auto level_bytes = static_cast<std::size_t>(place.bytes);
   const std::size_t row_bytes = level_bytes * static_cast<std::size_t>(place.window.width);
   const auto top = static_cast<std::size_t>(window.y - place.window.y);
@@ -141,7 +132,7 @@ bool KeptFrames::read_back(const Place& place, const Rect& window, Picture& pict
   return true;
 }
 
-void KeptFrames::read(std::int64_t index, const Rect& window, Picture& picture) {
+void FrameCache::read(std::int64_t index, const Rect& window, Picture& picture) {
   if (const Place* place = find(index, window)) {
     prepare_window(info_, index, window, picture);
     if (read_back(*place, window, picture)) return;

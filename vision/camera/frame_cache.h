@@ -1,8 +1,8 @@
-// What has been decoded once is not decoded again.
+// Frames decoded once are not decoded again.
 //
 // A window of a compressed frame costs the decoding of the whole frame, and often of those before it. Where
-// a later pass will look again, its window is kept in a nameless temporary file, which the system writes out
-// as it sees fit: memory does not grow with the recording.
+// a later pass needs it again, the window is kept in an unnamed temporary file on disk (cache_space.h), which
+// the system writes out as it sees fit: memory does not grow with the recording.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,24 @@
 #include <unordered_map>
 #include <vector>
 
+#include "vision/camera/cache_space.h"
 #include "vision/frame_source.h"
 
 namespace tribotrack::vision {
 
-/// A source that answers from what is kept of another, and asks that one for the rest. Where the other does
-/// not decode (SourceInfo::decoded) nothing is kept. What is handed out is the same bit for bit either way.
-class KeptFrames : public FrameSource {
+/// A source that reads from what is kept of another, and the rest from that one. Where the other does not
+/// decode (SourceInfo::decoded) nothing is kept. What is handed out is the same bit for bit either way.
+class FrameCache : public FrameSource {
  public:
   static constexpr std::int64_t kMostBytes = 4'000'000'000;
 
-  /// Keeps a reference. `most_bytes` in the temporary file, and never more than half of the disk's free
-  /// space; what comes later is not kept.
-  explicit KeptFrames(FrameSource& source, std::int64_t most_bytes = kMostBytes);
-  ~KeptFrames() override;
-  KeptFrames(const KeptFrames&) = delete;
-  KeptFrames& operator=(const KeptFrames&) = delete;
+  /// Keeps references. At most `most_bytes` in the temporary file, and no more than `space` has left; what
+  /// comes later is not kept.
+  explicit FrameCache(FrameSource& source, std::int64_t most_bytes = kMostBytes,
+                      CacheSpace& space = CacheSpace::of_this_process());
+  ~FrameCache() override;
+  FrameCache(const FrameCache&) = delete;
+  FrameCache& operator=(const FrameCache&) = delete;
 
   using FrameSource::read;
   void read(std::int64_t index, const Rect& window, Picture& picture) override;
@@ -49,6 +51,7 @@ class KeptFrames : public FrameSource {
 
   FrameSource& source_;
   std::int64_t most_bytes_;
+  CacheSpace& space_;
   int descriptor_ = -1;
   bool keeping_;
   std::int64_t end_ = 0;
@@ -56,5 +59,7 @@ class KeptFrames : public FrameSource {
   Picture picture_;
   std::vector<std::uint8_t> bytes_;
 };
+
+using KeptFrames = FrameCache;  // the name in vision/tracker.cpp and vision/layers
 
 }  // namespace tribotrack::vision

@@ -1,15 +1,16 @@
 #include "vision/overlay.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "vision/frame_sink.h"
+#include "vision/io/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 constexpr int kShift = 5;           ///< binary places of the sub-pixel drawing coordinates
 constexpr int kLegibleWidth = 960;  ///< smaller pictures are enlarged by a whole factor up to about this
 constexpr int kMaxEnlargement = 4;
+constexpr std::size_t kTail = 2000;   ///< points of the path drawn in a video
 const cv::Scalar kPath(0, 160, 255);  // BGR
 const cv::Scalar kOutline(80, 255, 80);
 const cv::Scalar kMarker(255, 200, 0);
@@ -121,33 +123,8 @@ double outline_radius(const TrackSummary& summary) {
 }
 
 std::string numbers_text(const TrackPoint& p) {
-  std::array<char, 160> text{};
-  if (p.status == TrackStatus::ok)
-    std::snprintf(text.data(), text.size(), "x %.2f  y %.2f px  ncc %.3f", p.x, p.y, p.ncc);
-  return text.data();
-}
-
-void write_whole(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
-  std::filesystem::path temporary = path;
-  temporary += ".partial";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out) {
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      throw InputError(path.string() +
-                       ": the overlay cannot be written there; name a folder that can be written");
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    std::filesystem::remove(temporary, error);
-    throw InputError(path.string() +
-                     ": the overlay cannot be written there; name a folder that can be written");
-  }
+  if (p.status != TrackStatus::ok) return "";
+  return fmt::format("x {:.2f}  y {:.2f} px  ncc {:.3f}", p.x, p.y, p.ncc);
 }
 
 void write_png(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
@@ -178,7 +155,9 @@ void write_png(FrameSource& source, const TrackResult& result, const std::filesy
       kText);
   std::vector<unsigned char> bytes;
   cv::imencode(".png", canvas.image(), bytes);
-  write_whole(path, bytes);
+  TemporaryFile file(path);
+  file.write(bytes);
+  file.commit();
 }
 
 void write_video(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
@@ -202,7 +181,7 @@ void write_video(FrameSource& source, const TrackResult& result, const std::file
     source.read(p.frame - info.first_number, source.bounds(), picture);
     if (!stretch) stretch.emplace(picture);
     Canvas canvas((*stretch)(picture), enlargement);
-    const std::size_t from = std::max<std::size_t>(k > 2000 ? k - 2000 : 0, 0);
+    const std::size_t from = k > kTail ? k - kTail : 0;
     const std::vector<TrackPoint> tail(points.begin() + static_cast<std::ptrdiff_t>(from),
                                        points.begin() + static_cast<std::ptrdiff_t>(k + 1));
     draw_path(canvas, tail, tail.size());

@@ -1,9 +1,10 @@
 #include "vision/following/texture_patch.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace tribotrack::vision {
 namespace {
@@ -91,17 +92,13 @@ std::optional<TexturePatch> best_texture_patch(const Picture& first, const Textu
   }
   const double limit = best > 0 ? std::sqrt(search.noise_variance / best) : 1e9;
   if (!(limit <= search.worst_limit_px)) {
-    std::array<char, 200> text{};
-    if (best > 0)
-      std::snprintf(
-          text.data(), text.size(),
-          "the platform's texture would locate it to %.2g px a frame only (noise of %.2f grey levels)", limit,
-          std::sqrt(search.noise_variance));
-    else
-      std::snprintf(text.data(), text.size(),
-                    "the platform shows no texture above the noise of %.2f grey levels",
-                    std::sqrt(search.noise_variance));
-    why_not = text.data();
+    const double noise = std::sqrt(search.noise_variance);
+    why_not = best > 0
+                  ? fmt::format(
+                        "the platform's texture would locate it to {:.2g} px a frame only (noise of {:.2f} "
+                        "grey levels)",
+                        limit, noise)
+                  : fmt::format("the platform shows no texture above the noise of {:.2f} grey levels", noise);
     return std::nullopt;
   }
   return TexturePatch{window, limit};

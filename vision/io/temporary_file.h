@@ -2,11 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 namespace tribotrack::vision {
 
 /// A name beside `target` under which a file is written; commit() renames it to `target`. Destroyed without
-/// that, it removes what was written.
+/// commit(), it removes what was written, as does remove_partial_files() (frame_sink.h) for all of them.
 class TemporaryFile {
  public:
   /// Throws InputError where no file can be made there (and so before any work is spent on it).
@@ -16,6 +17,8 @@ class TemporaryFile {
   TemporaryFile& operator=(TemporaryFile&&) = delete;
   const std::filesystem::path& path() const { return temporary_; }
   const std::filesystem::path& target() const { return target_; }
+  /// The whole content. Throws InputError.
+  void write(std::span<const unsigned char> bytes) const;
   /// Throws InputError.
   void commit();
 

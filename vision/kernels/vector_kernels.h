@@ -1,5 +1,6 @@
 // Arithmetic in the processor's vectors: the same source is compiled for several instruction sets, and which
-// of them runs is chosen at run time. A file of kernels states its functions once, in a macro
+// of them runs is chosen at run time. A plain loop that the compiler vectorises itself is marked
+// TRIBOTRACK_CLONES. A file of kernels written in vectors states its functions once, in a macro
 // TRIBOTRACK_VARIANT, and expands it for the baseline and for TRIBOTRACK_AVX2.
 #pragma once
 
@@ -12,8 +13,10 @@
 
 #if defined(__x86_64__)
 #define TRIBOTRACK_AVX2 [[gnu::target("avx2,fma")]]
+#define TRIBOTRACK_CLONES [[gnu::target_clones("arch=haswell", "default")]]
 #else
 #define TRIBOTRACK_AVX2
+#define TRIBOTRACK_CLONES
 #endif
 
 namespace tribotrack::vision {

@@ -10,6 +10,7 @@
 #include "vision/layers/learning/learning.h"
 #include "vision/layers/learning/lighting.h"
 #include "vision/layers/learning/windows.h"
+#include "vision/layers/pictures.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -17,13 +18,13 @@ namespace {
 constexpr std::size_t kEarly = 32;   ///< windows of most sweeps
 constexpr int kContext = 6;          ///< px kept beyond the disc's pictures
 constexpr std::size_t kFewest = 12;  ///< frames to learn from
-constexpr double kLeastHeld = 0.7;   ///< of ground at rest that is uncovered: else it moves
+constexpr double kLeastHeld = 0.7;   ///< of uncovered ground that shows the same in all frames: else it moves
 constexpr double kRestless = 2;      ///< ground variance in time over the noise's: it moves
 constexpr double kBentShare = 0.1;   ///< of the windows: less is chance, or something that crosses
 constexpr int kLightRounds = 16;
-constexpr double kLightSettled = 0.05;  ///< of the standard deviation: windows that move less have settled
+constexpr double kLightSettled = 0.05;  ///< of the standard deviation: converged when windows move less
 constexpr double kMostExcess = 64;      ///< times the first pass's, in variance
-constexpr double kTurnVisible = 0.15;   ///< px at the rim: less rotation over the recording is none
+constexpr double kTurnVisible = 0.15;   ///< px at the rim: less rotation over the recording is ignored
 
 bool turns(const std::vector<FirstPassFrame>& frames, const LayeredOptions& options) {
   if (!options.turning) return false;
@@ -42,7 +43,7 @@ std::vector<Point> centres(std::span<const KeptWindow> windows) {
   return out;
 }
 
-/// Px rms per coordinate, a move of all together not counted.
+/// Px rms per coordinate, without the common mean.
 double moved(const std::vector<Point>& from, const std::vector<Point>& to) {
   double square = 0;
   Point sum;
@@ -58,10 +59,12 @@ double moved(const std::vector<Point>& from, const std::vector<Point>& to) {
 
 class LayeredPass {
  public:
-  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const LayeredOptions& options)
+  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const LayeredOptions& options,
+              StageClock& clock)
       : source_(source),
         frames_(frames),
         options_(options),
+        clock_(clock),
         disc_(options.disc.radius, options.blur, turns(frames, options)),
         learning_frames_(source, frames, options, layered_reach(options.disc.radius, options.blur),
                          disc_.rim().outer(), disc_.turning()),
@@ -71,8 +74,9 @@ class LayeredPass {
 
   LayeredResult run() {
     if (keep_windows() && learn_layers() && learn_light()) {
-      tell_what_was_learnt();
+      report_what_was_learnt();
       measure();
+      show();
     }
     return std::move(out_);
   }
@@ -81,8 +85,9 @@ class LayeredPass {
   bool keep_windows();
   bool learn_layers();
   bool learn_light();
-  void tell_what_was_learnt();
+  void report_what_was_learnt();
   void measure();
+  void show() const;
 
   bool learn(double noise_variance, double least_noise);
   bool fails(const char* why_not) {
@@ -93,6 +98,7 @@ class LayeredPass {
   FrameSource& source_;
   const std::vector<FirstPassFrame>& frames_;
   const LayeredOptions& options_;
+  StageClock& clock_;
   LayeredResult out_;
   LayeredDisc disc_;
   LearningFrames learning_frames_;
@@ -104,14 +110,15 @@ class LayeredPass {
 };
 
 bool LayeredPass::keep_windows() {
+  const auto running = clock_.enter(Stage::layers_learning);
   kept_ = learning_frames_.read(ground_);
   const auto restless = [&] { return ground_.unrest() > kRestless * options_.noise_variance; };
-  // Ground at rest that does not show the same in all frames: something may have crossed it.
+  // Ground at rest that differs between frames: something may have crossed it.
   if (!options_.motion_known && restless()) {
     learning_frames_.read_uncrossed(ground_);
     out_.crossed_share = 1 - ground_.held_share();
     if (restless() || ground_.held_share() < kLeastHeld)
-      return fails("the ground changes from frame to frame and there is no marker to tell how it moves");
+      return fails("the ground changes from frame to frame and there is no marker to measure its motion");
   }
   out_.windows = static_cast<int>(kept_.size());
   out_.ground_texture = ground_.texture();
@@ -131,9 +138,10 @@ bool LayeredPass::learn(double noise_variance, double least_noise) {
   return learning_->run(all.first(std::min(kEarly, all.size())), all);
 }
 
-/// A coder that drops the noise leaves errors that the noise between frames does not tell of; light that
-/// stands in the picture leaves what only very noisy layers explain.
+/// Coding errors exceed the noise seen between frames, and static illumination not yet taken out is only
+/// explained by very noisy layers: where the measured noise does not do, larger ones are tried.
 bool LayeredPass::learn_layers() {
+  const auto running = clock_.enter(Stage::layers_learning);
   bool learnt = learn(options_.noise_variance, 0);
   for (double times = 1; !learnt && times <= kMostExcess; times *= 4) {
     const double noise = options_.noise_variance + times * options_.excess * options_.excess;
@@ -142,8 +150,9 @@ bool LayeredPass::learn_layers() {
   return learnt || fails("the layers do not explain most of the kept frames");
 }
 
-/// Layers and light in turn.
+/// Layers and static illumination in turn.
 bool LayeredPass::learn_light() {
+  const auto running = clock_.enter(Stage::layers_illumination);
   if (!options_.standing_light) return true;
   out_.bent_share = bent_share(kept_, disc_, learning_->noise());
   if (!(out_.bent_share > kBentShare)) return true;
@@ -152,7 +161,7 @@ bool LayeredPass::learn_light() {
     if (!lighting_.learn(kept_, disc_, ground_, learning_->noise())) break;
     registration_.set_standing_light(&lighting_.light());
     if (!learn_layers())
-      return fails("light stands in the picture, and the layers do not explain most of the kept frames");
+      return fails("with static illumination the layers do not explain most of the kept frames");
     ++out_.light_rounds;
     out_.light_unsettled = moved(lighting_.learnt_from(), centres(kept_));
     if (out_.light_unsettled < kLightSettled * learning_->sigma()) break;
@@ -161,7 +170,7 @@ bool LayeredPass::learn_light() {
   return true;
 }
 
-void LayeredPass::tell_what_was_learnt() {
+void LayeredPass::report_what_was_learnt() {
   out_.noise = learning_->noise();
   out_.disc_radius = learning_->disc_radius();
   out_.disc_radius_sd = learning_->disc_radius_sd();
@@ -171,8 +180,9 @@ void LayeredPass::tell_what_was_learnt() {
 
 /// Every frame, over the layers as they are now.
 void LayeredPass::measure() {
+  const auto running = clock_.enter(Stage::layers_measuring);
   const Point offset = learning_->offset();
-  // Each pixel's pictures took one of the windows' numbers, which the residuals that tell the noise lack.
+  // Each pixel's pictures took one degree of freedom from the residuals that the noise was estimated from.
   const double taken = static_cast<double>(kept_.size()) / static_cast<double>(kept_.size() - 1);
   const double usual = std::max(1.0, learning_->rim_chi_squared());
   const double widened = taken * usual * std::max(1.0, out_.slow_error.widening);
@@ -198,6 +208,23 @@ void LayeredPass::measure() {
   }
 }
 
+/// To the debug sink: the layers, and the frames chosen for it.
+void LayeredPass::show() const {
+  if (!options_.debug) return;
+  const auto running = clock_.enter(Stage::debug_pictures);
+  const LearntLayers layers{disc_, ground_, registration_.chosen(),
+                            lighting_.found() ? &lighting_.light() : nullptr};
+  show_layers(layers, *options_.debug);
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const auto shown = std::ranges::find(options_.shown, frames_[k].index, &ShownFrame::index);
+    if (shown == options_.shown.end() || !out_.fixes[k]) continue;
+    LayeredState state = out_.fixes[k]->state;
+    state.centre.x -= learning_->offset().x;
+    state.centre.y -= learning_->offset().y;
+    show_layered_frame(layers, state, *shown, source_, *options_.debug);
+  }
+}
+
 }  // namespace
 
 bool is_learning_frame(std::int64_t place, std::int64_t total) {
@@ -212,8 +239,8 @@ double layered_reach(double radius, double blur) {
 }
 
 LayeredResult layered_pass(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                           const LayeredOptions& options) {
-  if (frames.size() >= kFewest) return LayeredPass(source, frames, options).run();
+                           const LayeredOptions& options, StageClock& clock) {
+  if (frames.size() >= kFewest) return LayeredPass(source, frames, options, clock).run();
   LayeredResult out;
   out.why_not = "too few frames to learn the layers from";
   return out;

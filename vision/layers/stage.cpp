@@ -1,12 +1,12 @@
 #include "vision/layers/stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
-#include "vision/io/format_text.h"
+#include "vision/io/window.h"
 #include "vision/layers/pass.h"
 
 namespace tribotrack::vision {
@@ -17,17 +17,35 @@ constexpr double kScatter = 4;         ///< sd of a variance's estimate that are
 constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
 constexpr const char* kName = "layers: disc over platform";
 
-std::string finding(const FirstPass& first) {
-  return format(
-      "the ground has a texture of %.2f grey levels rms and a single template leaves %.2f "
-      "unexplained, against noise of %.2f",
+std::string finding(const FirstPassResult& first) {
+  return fmt::format(
+      "the ground has a texture of {:.2f} grey levels rms and a single template leaves {:.2f} unexplained, "
+      "against noise of {:.2f}",
       first.ground_texture, first.excess, std::sqrt(first.noise_variance));
 }
 
+LayeredOutcome left_out(std::string reason) {
+  LayeredOutcome outcome;
+  outcome.plan.push_back({.name = kName, .reason = std::move(reason)});
+  return outcome;
+}
+
+/// Why the stage is not even tried.
+std::optional<std::string> reason_against(const FirstPassResult& first, Layers layers) {
+  if (layers == Layers::off) return "switched off; " + finding(first);
+  if (first.blur <= 0) return "the part has no measured round rim";
+  if (!layers_wanted(first, layers)) return finding(first);
+  return std::nullopt;
+}
+
 /// The frames in which the part, and the marker where there is one, were found.
-std::vector<FirstPassFrame> seen_frames(const Track& track, const FirstPass& first,
-                                        std::vector<std::size_t>& places) {
+struct SeenFrames {
   std::vector<FirstPassFrame> frames;
+  std::vector<std::size_t> places;  ///< in the track
+};
+
+SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
+  SeenFrames seen;
   const MarkerPoint* origin = nullptr;
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const TrackPoint& p = track.points[k];
@@ -40,10 +58,33 @@ std::vector<FirstPassFrame> seen_frames(const Track& track, const FirstPass& fir
       if (!origin) origin = &*p.marker;
       f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
     }
-    frames.push_back(f);
-    places.push_back(k);
+    seen.frames.push_back(f);
+    seen.places.push_back(k);
   }
-  return frames;
+  return seen;
+}
+
+LayeredOptions options_of(const FrameSource& source, const FirstPassResult& first,
+                          const TrackOptions& options, const std::vector<ShownFrame>& shown,
+                          bool has_marker) {
+  LayeredOptions out;
+  out.disc = first.disc;
+  out.blur = first.blur;
+  out.turning = first.turning;
+  out.noise_variance = first.noise_variance;
+  out.excess = first.excess;
+  out.top_level = source.info().clipping_level();
+  out.standing_light = !source.info().decoded;
+  out.motion_known = has_marker;
+  out.first_index = first.first_index;
+  out.total = first.total;
+  if (options.progress)
+    out.progress = [&progress = options.progress, total = first.total](std::int64_t done) {
+      progress(total + done, 2 * total);
+    };
+  out.debug = options.debug;
+  out.shown = shown;
+  return out;
 }
 
 void change(TrackPoint& point, const LayeredFix& fix) {
@@ -55,129 +96,144 @@ void change(TrackPoint& point, const LayeredFix& fix) {
   point.ncc = fix.ncc;
 }
 
-/// What is left to the first pass gets the mean difference of the two passes, so that both speak of the same
-/// point of the disc.
-void keep_the_rest(Track& track, const std::vector<bool>& changed, const Point& moved) {
+/// How the second pass changed a track.
+struct Change {
+  std::int64_t measured = 0;  ///< frames
+  std::int64_t kept = 0;      ///< frames that keep the first pass's position
+  double median_sd = 0;       ///< of a coordinate of the measured ones, px
+  double moved = 0;           ///< px rms, without the mean
+};
+
+Change replace_positions(Track& track, const std::vector<std::size_t>& places,
+                         const std::vector<std::optional<LayeredFix>>& fixes) {
+  std::vector<bool> changed(track.points.size(), false);
+  std::vector<double> sds;
+  Point moved;
+  double square = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!fixes[k]) continue;
+    TrackPoint& p = track.points[places[k]];
+    const double x = fixes[k]->state.centre.x - p.x, y = fixes[k]->state.centre.y - p.y;
+    square += std::pow(x, 2) + std::pow(y, 2);
+    moved.x += x;
+    moved.y += y;
+    change(p, *fixes[k]);
+    changed[places[k]] = true;
+    sds.push_back(std::sqrt(0.5 * fixes[k]->covariance.trace()));
+  }
+  Change out;
+  if (sds.empty()) return out;
+  const auto count = static_cast<double>(sds.size());
+  // The rest moves with the mean, so that both passes refer to the same point of the disc.
   for (std::size_t k = 0; k < track.points.size(); ++k)
     if (track.points[k].status == TrackStatus::ok && !changed[k]) {
-      track.points[k].x += moved.x;
-      track.points[k].y += moved.y;
+      track.points[k].x += moved.x / count;
+      track.points[k].y += moved.y / count;
+      ++out.kept;
     }
+  out.measured = static_cast<std::int64_t>(sds.size());
+  out.moved =
+      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
+  const auto middle = sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2);
+  std::nth_element(sds.begin(), middle, sds.end());
+  out.median_sd = *middle;
+  return out;
 }
 
-/// Light that stands in the picture: looked for in what the layers leave.
-void note_light(const LayeredResult& result, bool coded, TrackSummary& summary) {
+/// Of the correlated errors, s.
+double correlation_time(const SlowError& error, const Track& track) {
+  const double duration = track.points.back().time_s - track.points.front().time_s;
+  return error.frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
+}
+
+PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first, double moved,
+                       double slow_time) {
+  std::string reason =
+      finding(first) +
+      fmt::format("; learnt from {} frames, noise variance {:.2f} + {:.4f} I, at the rim {:.0f} % above it",
+                  result.windows, result.noise.constant, result.noise.per_level,
+                  100 * std::max(0.0, result.rim_excess));
+  if (result.crossed_share > 0)
+    reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
+                          100 * result.crossed_share);
+  reason += fmt::format("; positions moved by {:.4f} px rms; errors share {:.5f} px over {:.2g} s", moved,
+                        result.slow_error.sd, slow_time);
+  return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
+}
+
+PlanStage illumination_stage(const LayeredResult& result, bool coded) {
+  PlanStage stage{.name = "static illumination", .on = result.light_rounds > 0, .reason = {}};
   if (coded) {
-    summary.plan.push_back({"light that stands in the picture", false,
-                            "not looked for in a coded recording: the coder's own errors bend the light", 0,
-                            0, 0});
-    return;
+    stage.reason = "not searched for in a coded recording: coding errors look alike";
+    return stage;
   }
-  std::string text =
-      format("the light over the disc is bent, by more than noise does it, in %.0f %% of %d frames",
-             100 * result.bent_share, result.windows);
-  if (result.light_rounds > 0)
-    text +=
-        format("; learnt with the layers in %d rounds and taken out: it had moved the disc by %.4f px rms",
-               result.light_rounds, result.light_moved);
-  summary.plan.push_back(
-      {"light that stands in the picture", result.light_rounds > 0, text, 0, result.light_moved, 0});
+  stage.reason =
+      fmt::format("the light over the disc is curved significantly beyond the noise in {:.0f} % of {} frames",
+                  100 * result.bent_share, result.windows);
+  if (!stage.on) return stage;
+  stage.reason += fmt::format(
+      "; learnt with the layers in {} rounds and taken out: it had moved the disc by {:.4f} px rms",
+      result.light_rounds, result.light_moved);
+  stage.error_bound_px = result.light_moved;
+  return stage;
+}
+
+std::string kept_warning(std::int64_t frames) {
+  return fmt::format(
+      "{} frames keep the position of the first pass, in which the ground is seen through the rim (the "
+      "ground "
+      "about the part is not known there, or something covers it): their standard deviations are wider",
+      frames);
 }
 
 }  // namespace
 
-bool layers_wanted(const FirstPass& first, double radius, Layers layers) {
+bool layers_wanted(const FirstPassResult& first, Layers layers) {
   if (layers == Layers::off || first.blur <= 0) return false;
   const double noise = std::sqrt(first.noise_variance);
   // The ring that the texture was measured in has this many pixels or more: noise alone scatters that much.
-  const double pixels = std::numbers::pi * (std::pow(radius + 8, 2) - std::pow(radius + 4, 2));
-  const double told = std::max(kTextureShare, std::sqrt(kScatter * std::sqrt(2 / pixels)));
-  return layers == Layers::on || first.ground_texture > told * noise || first.excess > kExcessShare * noise;
+  const double pixels =
+      std::numbers::pi * (std::pow(first.disc.radius + 8, 2) - std::pow(first.disc.radius + 4, 2));
+  const double significant = std::max(kTextureShare, std::sqrt(kScatter * std::sqrt(2 / pixels)));
+  return layers == Layers::on || first.ground_texture > significant * noise ||
+         first.excess > kExcessShare * noise;
 }
 
-bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
-                   TrackSummary& summary, const std::function<void(std::int64_t)>& progress) {
-  const auto off = [&](const std::string& reason) {
-    summary.plan.push_back({kName, false, reason, 0, 0, first.layers_cost});
-    return false;
-  };
-  if (layers == Layers::off) return off("switched off; " + finding(first));
-  if (first.blur <= 0) return off("the part has no measured round rim");
-  if (!layers_wanted(first, summary.disc.radius, layers)) return off(finding(first));
+LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
+  if (auto reason = reason_against(first, options.layers)) return left_out(std::move(*reason));
+  const SeenFrames seen = seen_frames(track, first);
+  const LayeredResult result =
+      layered_pass(source, seen.frames, options_of(source, first, options, shown, track.has_marker), clock);
+  if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
+  const Change change = replace_positions(track, seen.places, result.fixes);
+  if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
 
-  std::vector<std::size_t> places;
-  const std::vector<FirstPassFrame> frames = seen_frames(track, first, places);
-  LayeredOptions options;
-  options.disc = summary.disc;
-  options.blur = first.blur;
-  options.turning = first.turning;
-  options.noise_variance = first.noise_variance;
-  options.excess = first.excess;
-  options.top_level = std::ldexp(1.0, source.info().bits) - 1;
-  options.standing_light = !source.info().decoded;
-  options.motion_known = track.has_marker;
-  options.first_index = first.first_index;
-  options.total = first.total;
-  options.progress = progress;
-  const LayeredResult result = layered_pass(source, frames, options);
-  if (result.fixes.empty()) return off(result.why_not + "; " + finding(first));
+  LayeredOutcome outcome;
+  outcome.done = true;
+  outcome.limit_px = change.median_sd;
+  outcome.slow_sd = result.slow_error.sd;
+  outcome.slow_time = correlation_time(result.slow_error, track);
+  outcome.disc_radius = result.disc_radius;
+  outcome.disc_radius_sd = result.disc_radius_sd;
+  outcome.plan = {layers_stage(result, first, change.moved, outcome.slow_time),
+                  illumination_stage(result, source.info().decoded)};
+  if (change.kept > 0) outcome.warnings.push_back(kept_warning(change.kept));
+  return outcome;
+}
 
-  std::vector<bool> changed(track.points.size(), false);
-  std::vector<double> limits;
-  Point moved;
-  double square = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!result.fixes[k]) continue;
-    TrackPoint& p = track.points[places[k]];
-    square += std::pow(result.fixes[k]->state.centre.x - p.x, 2) +
-              std::pow(result.fixes[k]->state.centre.y - p.y, 2);
-    moved.x += result.fixes[k]->state.centre.x - p.x;
-    moved.y += result.fixes[k]->state.centre.y - p.y;
-    change(p, *result.fixes[k]);
-    changed[places[k]] = true;
-    limits.push_back(std::sqrt(0.5 * result.fixes[k]->covariance.trace()));
-  }
-  if (limits.empty()) return off("the layers explain no frame; " + finding(first));
-  const auto count = static_cast<double>(limits.size());
-  // What it bought: how far, the mean not counted, the single template was from here.
-  const double bought =
-      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
-  keep_the_rest(track, changed, {moved.x / count, moved.y / count});
-  std::nth_element(limits.begin(), limits.begin() + static_cast<std::ptrdiff_t>(limits.size() / 2),
-                   limits.end());
-  summary.limit_px = limits[limits.size() / 2];
-  summary.slow_sd = result.slow_error.sd;
-  const double duration = track.points.back().time_s - track.points.front().time_s;
-  summary.slow_time =
-      result.slow_error.frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
-  if (result.disc_radius > 0) {
-    summary.disc.radius = result.disc_radius;
-    summary.disc_radius_sd = result.disc_radius_sd;
-  }
-  std::int64_t left = 0;
-  for (std::size_t k = 0; k < track.points.size(); ++k)
-    left += track.points[k].status == TrackStatus::ok && !changed[k];
-  if (left > 0)
-    summary.warnings.push_back(format(
-        "%lld frames keep the position of the first pass, in which the ground is seen through the rim (the "
-        "ground about the part is not known there, or something covers it): their standard deviations are "
-        "wider",
-        static_cast<long long>(left)));
-  summary.plan.push_back(
-      {kName, true,
-       finding(first) +
-           format("; learnt from %d frames, noise variance %.2f + %.4f I, at the rim %.0f %% above it",
-                  result.windows, result.noise.constant, result.noise.per_level,
-                  100 * std::max(0.0, result.rim_excess)) +
-           (result.crossed_share > 0
-                ? format("; %.2g %% of the ground beside it was crossed by something, which is left out",
-                         100 * result.crossed_share)
-                : std::string()) +
-           format("; positions moved by %.4f px rms; errors share %.5f px over %.2g s", bought,
-                  summary.slow_sd, summary.slow_time),
-       0, bought, first.layers_cost});
-  note_light(result, source.info().decoded, summary);
-  return true;
+FramesForLayers::FramesForLayers(KeptFrames& frames, const FirstPassResult& first, Layers layers)
+    : frames_(frames),
+      first_index_(first.first_index),
+      total_(first.total),
+      wanted_(layers != Layers::off && first.blur > 0),
+      whole_(layers_wanted(first, layers)),
+      reach_(wanted_ ? layered_reach(first.disc.radius, first.blur) : 0) {}
+
+void FramesForLayers::seen(std::int64_t index, const Point& centre) {
+  if (!wanted_) return;
+  const bool whole = whole_ && is_learning_frame(index - first_index_, total_);
+  frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_, frames_.bounds()));
 }
 
 }  // namespace tribotrack::vision

@@ -1,37 +1,49 @@
-// The layered second pass as a stage of tracking: whether it is worth while, and what it changes in a track.
+// The layered second pass as a stage of tracking: whether it pays, and what it changes in a track.
 #pragma once
 
-#include <cstdint>
-#include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "vision/frame_source.h"
-#include "vision/track.h"
-#include "vision/tracker.h"
+#include "vision/camera/frame_cache.h"
+#include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stage_clock.h"
 
 namespace tribotrack::vision {
 
-/// What the first pass leaves behind.
-struct FirstPass {
-  std::int64_t first_index = 0;  ///< of the track's first point in the source
-  std::int64_t total = 0;        ///< frames analysed
-  std::vector<double> theta;     ///< the part's rotation, one per point
-  bool turning = false;          ///< its texture shows its rotation
-  double noise_variance = 0;
-  double ground_texture = 0;  ///< about the part in the first frame, grey levels rms beyond the noise
-  double excess = 0;          ///< median residual beyond the noise, grey levels rms
-  double blur = 0;            ///< of the part's rim, px; 0 where the part is not a disc
-  double layers_cost = 0;     ///< see plan_costs.h
+/// What the stage found out, for the track's summary.
+struct LayeredOutcome {
+  bool done = false;  ///< else the track is as it was, and only the plan is filled
+  std::vector<PlanStage> plan;
+  std::vector<std::string> warnings;
+  double limit_px = 0;                         ///< median standard deviation of a coordinate
+  double slow_sd = 0, slow_time = 0;           ///< see TrackSummary
+  double disc_radius = 0, disc_radius_sd = 0;  ///< px; 0 where the averaged picture shows no circle
 };
 
-/// Measures every frame again over the platform's own picture where the plan says that it pays: positions,
-/// standard deviations and correlations of the track's ok points change, never their status. Says in
-/// summary.plan why or why not. Returns whether it was done. `progress(done)` is called with the number of
-/// frames done.
-bool layered_stage(FrameSource& source, const FirstPass& first, Layers layers, Track& track,
-                   TrackSummary& summary, const std::function<void(std::int64_t)>& progress);
+/// Measures every frame again over the platform's own picture where that pays: positions, standard deviations
+/// and correlations of the track's ok points change, never their status. `shown` frames go to
+/// TrackOptions::debug.
+LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
-/// Whether layered_stage() would try, as far as this is known after the first pass; radius of the part, px.
-bool layers_wanted(const FirstPass& first, double radius, Layers layers);
+/// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
+bool layers_wanted(const FirstPassResult& first, Layers layers);
+
+/// Caches what the second pass will read again while the first has it decoded: of every frame in which the
+/// part is seen a window about it, and whole those that the layers are probably learnt from. Nothing for
+/// recordings that are not decoded.
+class FramesForLayers {
+ public:
+  FramesForLayers(KeptFrames& frames, const FirstPassResult& first, Layers layers);
+  void seen(std::int64_t index, const Point& centre);
+
+ private:
+  KeptFrames& frames_;
+  std::int64_t first_index_, total_;
+  bool wanted_, whole_;
+  double reach_;
+};
 
 }  // namespace tribotrack::vision

@@ -70,7 +70,11 @@ class TemplateRegistration {
   double score(const Picture& picture, int x, int y, const Pose& pose);
 
   /// Template grey levels turned by theta about the pattern's centre, on the pattern's own window.
-  Picture turned(double theta) const;
+  Picture turned(double theta) const { return at({0, 0, theta}, pattern_.window); }
+  /// The same at a pose, on a window of the camera.
+  Picture at(const Pose& pose, const Rect& window) const;
+  /// On the pattern's window: 1 where a pixel takes part, else 0.
+  Picture chosen() const;
 
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
@@ -80,8 +84,6 @@ class TemplateRegistration {
   const RegistrationOptions& options() const { return options_; }
   /// What the template's own noise adds to the variance of the position, relative to the bound.
   double template_noise_cost() const { return template_noise_cost_; }
-  /// Share of the template's pixels that take part.
-  double pixel_share() const { return pixel_share_; }
 
  private:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 5, 5>;
@@ -111,7 +113,7 @@ class TemplateRegistration {
   static constexpr int kFractions = 16;  ///< table of interpolation noise
   bool gaps_ = false;                    ///< the mask has holes that turn with the template
   double pixels_ = 0;                    ///< number of pixels that take part
-  double pixel_share_ = 1, template_noise_cost_ = 0;
+  double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
   double limit_theta_ = 0;
   std::vector<InterpolationNoise> noise_gain_;  ///< at fractions k / 16

@@ -80,7 +80,6 @@ void TemplateRegistration::choose_pixels() {
         mask_[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] = mask.at(x, y);
         chosen += mask.at(x, y) > 0;
       }
-  pixel_share_ = chosen / pixels_;
   pixels_ = chosen;
   arrays_.tiles = places_.size();
   for (auto* v :
@@ -135,17 +134,27 @@ void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
   }
 }
 
-Picture TemplateRegistration::turned(double theta) const {
-  const Rect& w = pattern_.window;
-  Picture out(w.width, w.height);
-  const double c = std::cos(theta);
-  const double s = std::sin(theta);
-  for (int y = 0; y < w.height; ++y)
-    for (int x = 0; x < w.width; ++x) {
-      const double rx = x + w.x - pattern_.centre.x;
-      const double ry = y + w.y - pattern_.centre.y;
+Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
+  Picture out(window.width, window.height);
+  const double c = std::cos(pose.theta);
+  const double s = std::sin(pose.theta);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x) {
+      const double rx = x + window.x - (pattern_.centre.x + pose.dx);
+      const double ry = y + window.y - (pattern_.centre.y + pose.dy);
       out.at(x, y) = static_cast<float>(spline_.value(pattern_.centre.x + c * rx - s * ry - spline_x_,
                                                       pattern_.centre.y + s * rx + c * ry - spline_y_));
+    }
+  return out;
+}
+
+Picture TemplateRegistration::chosen() const {
+  Picture out(pattern_.window.width, pattern_.window.height);
+  for (std::size_t t = 0; t < places_.size(); ++t)
+    for (std::size_t k = 0; k < kTilePixels; ++k) {
+      const int x = places_[t].x + static_cast<int>(k % kTile),
+                y = places_[t].y + static_cast<int>(k / kTile);
+      if (mask_[t * kTilePixels + k] > 0) out.at(x, y) = 1;
     }
   return out;
 }

@@ -1,15 +1,14 @@
 #include "vision/timing/container_timestamps.h"
 
-#include <cmath>
-#include <cstdio>
-#include <string>
+#include <fmt/core.h>
 
-#include "vision/io/format_text.h"
+#include <cmath>
+#include <string>
 
 namespace tribotrack::vision {
 namespace {
 
-/// Does stamp k lie within one tick of k / rate?
+/// Does timestamp k lie within one tick of k / rate?
 bool fit_to_one_tick(std::span<const std::int64_t> ticks, double ticks_per_frame) {
   for (std::size_t k = 0; k < ticks.size(); ++k) {
     const double expected = static_cast<double>(ticks[0]) + static_cast<double>(k) * ticks_per_frame;
@@ -25,7 +24,7 @@ bool exactly_uniform(std::span<const std::int64_t> ticks) {
 }
 
 std::string played_at(double rate_hz) {
-  return format("%.5g is a playback rate that files carry whatever the camera recorded at", rate_hz);
+  return fmt::format("{:.5g} is a playback rate that files carry independently of the camera", rate_hz);
 }
 
 /// An uneven rate need not hit a playback rate to be one.
@@ -38,12 +37,11 @@ std::optional<double> nearly_playback_rate(double rate_hz) {
 constexpr double kCoarsestForGaps = 0.1;  ///< tick over step
 constexpr double kCoarsestForTimes = 0.02;
 
-void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerStamps& stamps) {
+void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerTimestamps& stamps) {
   TimeBaseCandidate& candidate = stamps.candidate;
   for (std::size_t k = 1; k < ticks.size(); ++k)
     if (ticks[k] <= ticks[k - 1]) {
-      candidate.reason =
-          format("they are not uniform and do not rise at frame %lld", static_cast<long long>(k));
+      candidate.reason = fmt::format("they are not uniform and do not rise at frame {}", k);
       return;
     }
   std::vector<double> times;
@@ -53,7 +51,7 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
   const double coarseness = tick_s * check.rate_hz;
   if (coarseness > (check.variable ? kCoarsestForTimes : kCoarsestForGaps)) {
     candidate.reason =
-        format("they are not uniform, and ticks of %.3g s are too coarse to time frames by", tick_s);
+        fmt::format("they are not uniform, and ticks of {:.3g} s are too coarse to time frames by", tick_s);
     return;
   }
   stamps.times_s = std::move(times);
@@ -61,7 +59,7 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
   if (const auto usual = nearly_playback_rate(candidate.rate_hz)) {
     candidate.reason = "they are not uniform, and " + played_at(*usual);
   } else if (coarseness > kCoarsestForTimes) {
-    candidate.reason = format("ticks of %.3g s are too coarse to tell the rate", tick_s);
+    candidate.reason = fmt::format("ticks of {:.3g} s are too coarse to fix the rate", tick_s);
   } else {
     candidate.accepted = true;
     candidate.reason = stamps.check.variable
@@ -72,9 +70,9 @@ void judge_uneven(std::span<const std::int64_t> ticks, double tick_s, ContainerS
 
 }  // namespace
 
-ContainerStamps judge_container_stamps(std::span<const std::int64_t> ticks, double tick_s,
-                                       double stated_rate_hz) {
-  ContainerStamps stamps;
+ContainerTimestamps judge_container_timestamps(std::span<const std::int64_t> ticks, double tick_s,
+                                               double stated_rate_hz) {
+  ContainerTimestamps stamps;
   TimeBaseCandidate& candidate = stamps.candidate;
   candidate.source = "container time stamps";
   if (ticks.size() < 2) {
@@ -96,7 +94,7 @@ ContainerStamps judge_container_stamps(std::span<const std::int64_t> ticks, doub
   } else if (const auto usual = usual_playback_rate(candidate.rate_hz)) {
     candidate.reason = played_at(*usual);
   } else if (!stated_fits && !exactly_uniform(ticks) && 1 / span > 1e-4) {
-    candidate.reason = format("ticks of %.3g s are too coarse to tell the rate", tick_s);
+    candidate.reason = fmt::format("ticks of {:.3g} s are too coarse to fix the rate", tick_s);
   } else {
     candidate.accepted = true;
     candidate.reason = "uniform, and no usual playback rate";
@@ -104,7 +102,7 @@ ContainerStamps judge_container_stamps(std::span<const std::int64_t> ticks, doub
   return stamps;
 }
 
-std::vector<double> frame_times(const ContainerStamps& stamps, const TimeBase& base) {
+std::vector<double> frame_times(const ContainerTimestamps& stamps, const TimeBase& base) {
   if (stamps.times_s.empty() || !base.known()) return {};
   const StampCheck& check = stamps.check;
   const bool gaps_only = !check.variable && check.stretches.size() == 1 && check.strays.empty();

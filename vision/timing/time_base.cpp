@@ -1,8 +1,9 @@
 #include "vision/time_base.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "vision/picture.h"
 
@@ -10,9 +11,7 @@ namespace tribotrack::vision {
 namespace {
 
 std::string in_hz(double rate) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g Hz", rate);
-  return text;
+  return fmt::format("{:.6g} Hz", rate);
 }
 
 }  // namespace

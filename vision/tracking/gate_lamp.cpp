@@ -13,7 +13,7 @@ bool in_circle(const Circle& c, int x, int y) {
 }  // namespace
 
 GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
-    : circle_(circle), top_(static_cast<float>((1 << source.info().bits) - 1)) {
+    : circle_(circle), top_(static_cast<float>(source.info().clipping_level())) {
   const int x0 = static_cast<int>(std::floor(circle.x - circle.radius));
   const int y0 = static_cast<int>(std::floor(circle.y - circle.radius));
   const int x1 = static_cast<int>(std::ceil(circle.x + circle.radius));

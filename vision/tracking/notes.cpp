@@ -1,90 +1,173 @@
 #include "vision/tracking/notes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include "vision/io/format_text.h"
+#include <iterator>
 
 namespace tribotrack::vision {
 
-void count(const Track& track, double max_lost_share, TrackSummary& summary) {
+FrameCounts count(const Track& track, double max_lost_share) {
+  FrameCounts counts;
   const auto& points = track.points;
-  summary.frames = static_cast<std::int64_t>(points.size());
+  counts.frames = static_cast<std::int64_t>(points.size());
   for (const TrackPoint& p : points) {
-    summary.ok += p.status == TrackStatus::ok;
-    summary.lost += p.status == TrackStatus::lost;
-    summary.edge += p.status == TrackStatus::edge;
+    counts.ok += p.status == TrackStatus::ok;
+    counts.lost += p.status == TrackStatus::lost;
+    counts.edge += p.status == TrackStatus::edge;
   }
   // Left for good: not seen again after an edge.
   std::size_t end = points.size();
   while (end > 0 && points[end - 1].status != TrackStatus::ok) --end;
-  summary.left_for_good = end < points.size() && points[end].status == TrackStatus::edge;
-  const std::size_t counted = summary.left_for_good ? end : points.size();
-  for (std::size_t k = 0; k < counted; ++k) summary.lost_counted += points[k].status == TrackStatus::lost;
-  summary.gate_passed = static_cast<double>(summary.lost_counted) <=
-                        max_lost_share * static_cast<double>(std::max<std::int64_t>(1, summary.frames));
+  counts.left_for_good = end < points.size() && points[end].status == TrackStatus::edge;
+  const std::size_t counted = counts.left_for_good ? end : points.size();
+  for (std::size_t k = 0; k < counted; ++k) counts.lost_counted += points[k].status == TrackStatus::lost;
+  counts.gate_passed = static_cast<double>(counts.lost_counted) <=
+                       max_lost_share * static_cast<double>(std::max<std::int64_t>(1, counts.frames));
+  return counts;
 }
 
-void note_effort(const FollowEffort& effort, const PlanCosts& costs, const Rect& picture,
-                 TrackSummary& summary) {
-  const auto frames = static_cast<double>(std::max<std::int64_t>(1, summary.frames));
-  // A stage that is on works in some of the frames; one that is off would have worked in all.
-  const auto share = [&](std::int64_t used) { return used > 0 ? static_cast<double>(used) / frames : 1; };
-  constexpr double kMargin = 5;
-  summary.plan.push_back({"correlation over the predicted window", effort.window_searches > 0,
-                          format("refinement from the prediction proved the match in %.1f %% of the frames",
-                                 100 * static_cast<double>(effort.proved_by_refinement) / frames),
-                          0, 0, share(effort.window_searches) * costs.window_search(kMargin)});
-  summary.plan.push_back({"search of the whole frame", effort.whole_frame_searches > 0,
-                          format("needed in %lld frames, where the part was lost",
-                                 static_cast<long long>(effort.whole_frame_searches)),
-                          0, 0, share(effort.whole_frame_searches) * costs.whole_search(picture)});
+PlanStage bad_pixels_stage(std::size_t found) {
+  if (found == 0)
+    return {.name = "bad pixels",
+            .reason = "no pixel differs from all its neighbours in all of the first frames",
+            .error_bound_px = 0};  // nothing to replace: the pictures are the same either way
+  return {.name = "bad pixels",
+          .on = true,
+          .reason = fmt::format("{} differ from their neighbours in all of the first frames and are replaced "
+                                "by the median of the neighbours",
+                                found)};
 }
 
-double median_excess(std::vector<double>& excess) {
-  if (excess.empty()) return 0;
-  const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(excess.size() / 2);
-  std::nth_element(excess.begin(), middle, excess.end());
-  return *middle;
+PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
+  return {.name = "mask beyond the rim",
+          .on = beyond_rim,
+          .reason = fmt::format(
+              "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
+              texture, noise)};
 }
 
-void note_excess(double excess, double noise, TrackSummary& summary) {
-  if (excess > 0.5 * noise)
-    summary.warnings.push_back(format(
-        "the registration leaves %.2f grey levels rms beyond the noise of %.2f (moving ground seen through "
-        "the rim, glare, compression): the standard deviations are widened accordingly",
-        excess, noise));
+PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
+  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
+  PlanStage stage{.name = "rotation", .on = on, .reason = {}};
+  if (visible && !on)
+    stage.reason = "what looks like a texture of the part is not seen again in the following frames";
+  else if (limit_theta < kAnyAngle)
+    stage.reason = fmt::format("the part's texture shows its rotation to {:.3g} rad", limit_theta);
+  else
+    stage.reason = "the part has no texture above the noise that shows rotation";
+  return stage;
 }
 
-void note_stillness(const Track& track, TrackSummary& summary) {
+PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px) {
+  PlanStage stage{.name = "template averaged over the first frames",
+                  .on = agreeing.value_or(1) > 1,
+                  .reason = {},
+                  .error_bound_px = adds_px};
+  if (may_turn) {
+    stage.reason = "the part may turn: frames cannot be averaged";
+    return stage;
+  }
+  stage.reason =
+      fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
+  if (agreeing) stage.reason += fmt::format("; {} frames agree", *agreeing);
+  return stage;
+}
+
+PlanStage no_marker_stage() {
+  return {.name = "marker", .reason = "none given: positions are in the camera's frame"};
+}
+
+PlanStage marker_stage(const Circle& marker) {
+  return {.name = "marker",
+          .on = true,
+          .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted",
+                                marker.x, marker.y, marker.radius)};
+}
+
+PlanStage texture_marker_stage(const Rect& patch, double limit_px) {
+  return {.name = "marker",
+          .on = true,
+          .reason = fmt::format("none: a patch of the platform's texture at ({}, {}), {} px wide, that the "
+                                "part never covers locates it to {:.2g} px a frame",
+                                patch.x, patch.y, patch.width, limit_px)};
+}
+
+std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {
+  const double proved = static_cast<double>(effort.proved_by_refinement) /
+                        static_cast<double>(std::max<std::int64_t>(1, frames));
+  return {
+      {.name = "correlation over the predicted window",
+       .on = effort.window_searches > 0,
+       .reason = fmt::format("refinement from the prediction confirmed the match in {:.1f} % of the frames",
+                             100 * proved)},
+      {.name = "search of the whole frame",
+       .on = effort.whole_frame_searches > 0,
+       .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
+}
+
+std::string no_rim_warning(const char* what, const Circle& given) {
+  return fmt::format(
+      "the {}'s rim near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "
+      "as "
+      "they are, and a scale from its diameter is as good as the given radius",
+      what, given.x, given.y);
+}
+
+std::string texture_lost_warning(std::int64_t frames) {
+  return fmt::format("the platform's texture was not found again in {} frames", frames);
+}
+
+std::optional<std::string> excess_warning(double excess, double noise) {
+  if (!(excess > 0.5 * noise)) return std::nullopt;
+  return fmt::format(
+      "the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving ground seen through "
+      "the rim, glare, compression): the standard deviations are widened accordingly",
+      excess, noise);
+}
+
+std::optional<std::string> stillness_warning(const Track& track, const Circle& disc) {
   constexpr double kStill = 0.5;  // px
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  std::int64_t seen = 0;
   for (const TrackPoint& p : track.points) {
     if (p.status != TrackStatus::ok) continue;
+    ++seen;
     left = std::min(left, p.x);
     right = std::max(right, p.x);
     top = std::min(top, p.y);
     bottom = std::max(bottom, p.y);
   }
   const double range = std::hypot(right - left, bottom - top);
-  if (summary.ok < 2 || range > kStill) return;
-  summary.warnings.push_back(
-      format("the disc that was found at (%.1f, %.1f) px stays within %.2f px: if that is not the part, give "
-             "the part with --disc X,Y,R",
-             summary.disc.x, summary.disc.y, range));
+  if (seen < 2 || range > kStill) return std::nullopt;
+  return fmt::format(
+      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px: if that is not the part, give "
+      "the part with --disc X,Y,R",
+      disc.x, disc.y, range);
+}
+
+void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages) {
+  std::ranges::move(stages, std::back_inserter(plan));
+}
+
+void add(std::vector<std::string>& warnings, std::vector<std::string> more) {
+  std::ranges::move(more, std::back_inserter(warnings));
+}
+
+void add(std::vector<std::string>& warnings, std::optional<std::string> warning) {
+  if (warning) warnings.push_back(std::move(*warning));
 }
 
 std::string TrackSummary::brief_report() const {
-  std::string text =
-      format("%lld frames: %lld ok, %lld lost, %lld edge", static_cast<long long>(frames),
-             static_cast<long long>(ok), static_cast<long long>(lost), static_cast<long long>(edge));
-  if (refound > 0) text += format(", found again %lld times", static_cast<long long>(refound));
-  if (absent_at_first > 0)
-    text += format(", not there in the first %lld", static_cast<long long>(absent_at_first));
+  std::string text = fmt::format("{} frames: {} ok, {} lost, {} edge", frames, ok, lost, edge);
+  if (refound > 0) text += fmt::format(", found again {} times", refound);
+  if (absent_at_first > 0) text += fmt::format(", not there in the first {}", absent_at_first);
   if (left_for_good) text += ", left the picture for good";
-  text += format("; noise %.2f grey levels, limit %.4f px", noise_levels, limit_px);
-  if (disc.radius > 0) text += format("; disc at (%.2f, %.2f), radius %.3f px", disc.x, disc.y, disc.radius);
-  if (!gate_passed) text += "; GATE FAILED: lost for more than the allowed share of frames";
+  text += fmt::format("; noise {:.2f} grey levels, limit {:.4f} px", noise_levels, limit_px);
+  if (disc.radius > 0)
+    text += fmt::format("; disc at ({:.2f}, {:.2f}), radius {:.3f} px", disc.x, disc.y, disc.radius);
+  if (!gate_passed) text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
   return text;
 }
 

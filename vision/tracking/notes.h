@@ -1,24 +1,43 @@
-// What came of the tracking, in numbers and in words.
+// What a track's summary reports: counts, the plan's stages, warnings.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "vision/following/pattern_follower.h"
 #include "vision/tracker.h"
-#include "vision/tracking/plan_costs.h"
 
 namespace tribotrack::vision {
 
 /// Frames by their status, and the quality gate.
-void count(const Track& track, double max_lost_share, TrackSummary& summary);
-/// The plan's stages that were needed in some frames only.
-void note_effort(const FollowEffort& effort, const PlanCosts& costs, const Rect& picture,
-                 TrackSummary& summary);
-/// Grey levels rms beyond the noise, of the median frame.
-double median_excess(std::vector<double>& excess);
-/// A warning where that is much.
-void note_excess(double excess, double noise, TrackSummary& summary);
-/// What nobody pointed at and never moves may be a mark on the table.
-void note_stillness(const Track& track, TrackSummary& summary);
+FrameCounts count(const Track& track, double max_lost_share);
+
+PlanStage bad_pixels_stage(std::size_t found);
+/// Levels rms: texture of the ground around the disc, and the noise.
+PlanStage mask_stage(bool beyond_rim, double texture, double noise);
+/// `limit_theta` rad: Cramer-Rao bound of the rotation; `visible`: it is small enough for a first frame.
+PlanStage rotation_stage(bool on, bool visible, double limit_theta);
+/// A single template's noise adds `noise_cost` to the variance, relative, and `adds_px` to the standard
+/// deviation. `agreeing` frames: nothing where averaging was not tried.
+PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px);
+PlanStage no_marker_stage();
+PlanStage marker_stage(const Circle& marker);
+PlanStage texture_marker_stage(const Rect& patch, double limit_px);
+/// Stages that only some frames need.
+std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames);
+
+std::string no_rim_warning(const char* what, const Circle& given);
+std::string texture_lost_warning(std::int64_t frames);
+/// Where the residual beyond the noise is large; levels rms.
+std::optional<std::string> excess_warning(double excess, double noise);
+/// A disc that was found, not given, and never moves may be a mark on the table.
+std::optional<std::string> stillness_warning(const Track& track, const Circle& disc);
+
+/// Appends.
+void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages);
+void add(std::vector<std::string>& warnings, std::vector<std::string> more);
+void add(std::vector<std::string>& warnings, std::optional<std::string> warning);
 
 }  // namespace tribotrack::vision

@@ -1,20 +1,22 @@
 #include "vision/tracking/setup.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/following/texture_check.h"
-#include "vision/io/format_text.h"
+#include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kRotationLimit = 0.05;  ///< rad: a texture that shows less does not show rotation
-constexpr double kClear = 4;             ///< px beside the rim, at least, that show the disc's halo
+constexpr double kRotationLimit = 0.05;  ///< rad: rotation that is known less well is not estimated
+constexpr double kClear = 4;             ///< px beside the rim, at least, that the disc's blur reaches
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
 
-/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would let in. What
-/// lies far outside the median deviation, a neighbour or a shadow, does not count.
+/// Texture of the ground around the disc, grey levels rms beyond noise: what a wider mask would include.
+/// Levels far from the median, a neighbour or a shadow, do not count.
 double ground_texture(const Picture& first, const Circle& disc, double blur, double noise_variance) {
   std::vector<float> levels;
   const double inner = disc.radius + std::max(kClear, 4 * blur);
@@ -34,108 +36,95 @@ double ground_texture(const Picture& first, const Circle& disc, double blur, dou
   };
   const float centre = median();
   for (float& level : levels) level = std::abs(level - centre);
-  // The median of whole levels is coarse: it only says which pixels are strangers.
-  const double stranger = 4 * std::max(1.0, 1.4826 * median());
+  // The median of whole levels is coarse: good enough to reject outliers, not for the texture itself.
+  const double outlier = 4 * std::max(1.0, 1.4826 * median());
   double squares = 0;
   double count = 0;
   for (const float level : levels)
-    if (level <= stranger) {
+    if (level <= outlier) {
       squares += static_cast<double>(level) * level;
       ++count;
     }
   return std::sqrt(std::max(0.0, squares / count - noise_variance));
 }
 
-/// Pixels of the template, those that take part, and the window that is read about a prediction.
-PlanCosts costs_of(const Pattern& pattern, const TemplateRegistration& registration) {
-  constexpr int kMargin = 10;
-  PlanCosts costs;
-  for (const float weight : pattern.weights.levels()) costs.mask_pixels += weight > 0;
-  costs.part_pixels = costs.mask_pixels * registration.pixel_share();
-  costs.window_pixels = (pattern.window.width + kMargin) * (pattern.window.height + kMargin);
-  return costs;
+void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource& source, const Rect& r) {
+  if (r.width < 8 || r.height < 8 || !source.bounds().contains(r))
+    throw InputError(fmt::format(
+        "{}: the template {},{},{},{} must be at least 8 x 8 px and lie inside the {} x {} picture",
+        source.info().path.string(), r.x, r.y, r.width, r.height, first.width(), first.height()));
+  setup.pattern = rectangle_pattern(r);
+  setup.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
+}
+
+void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source,
+                 const TrackOptions& options) {
+  if (options.target.kind == Target::Kind::disc) {
+    check_whole(first, options.target.disc, source, "disc");
+    setup.rim = refined(first, options.target.disc);
+    if (!setup.rim) setup.warnings.push_back(no_rim_warning("disc", options.target.disc));
+  } else {
+    setup.rim = find_part(first, source, options);
+  }
+  setup.disc = setup.rim ? setup.rim->circle : options.target.disc;
+  setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
+  setup.disc_blur = setup.rim ? setup.rim->blur : 0;
+}
+
+/// A textured ground around the disc moves against it: then the mask ends at the rim.
+void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
+  const double noise = std::sqrt(noise_variance);
+  setup.ground_texture = ground_texture(first, setup.disc, setup.disc_blur, noise_variance);
+  const bool beyond_rim = !(setup.ground_texture > kTextureFactor * noise);
+  DiscPatternOptions mask;
+  mask.margin_px = beyond_rim ? 3 : 0;
+  setup.pattern = disc_pattern(first, setup.disc, mask);
+  setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
+}
+
+void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
+                     FrameSource& source, const FrameRange& range) {
+  const bool visible = trial.limit_theta() < kRotationLimit;
+  setup.follow.rotation =
+      visible && (setup.pattern.radius == 0 ||
+                  texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
+  setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
+}
+
+/// The template is averaged over the first frames where its noise matters.
+void quiet_template(PartSetup& setup, double noise_cost, const Picture& first, FrameSource& source,
+                    const FrameRange& range) {
+  std::optional<int> agreeing;
+  if (!setup.follow.rotation && !(noise_cost < kQuietTemplate)) {
+    setup.average = average_template(source, first, range.first, range.last, setup.pattern, setup.follow);
+    agreeing = setup.average.frames;
+    setup.follow.template_noise_share = 1.0 / setup.average.frames;
+  }
+  setup.plan.push_back(template_stage(setup.follow.rotation, noise_cost, agreeing,
+                                      setup.limit_px * (std::sqrt(1 + noise_cost) - 1)));
 }
 
 }  // namespace
 
-Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                const TrackOptions& options, double noise_variance, TrackSummary& summary) {
-  Setup setup;
+PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
+                      const TrackOptions& options, double noise_variance) {
+  PartSetup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
   setup.follow.search_margin_px = options.search_margin_px;
   if (options.target.kind == Target::Kind::rectangle) {
-    const Rect& r = options.target.rectangle;
-    if (r.width < 8 || r.height < 8 || !source.bounds().contains(r))
-      throw InputError(format(
-          "%s: the template %d,%d,%d,%d must be at least 8 x 8 px and lie inside the %d x %d "
-          "picture",
-          source.info().path.string().c_str(), r.x, r.y, r.width, r.height, first.width(), first.height()));
-    setup.pattern = rectangle_pattern(r);
-    summary.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
+    set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
-    if (options.target.kind == Target::Kind::disc) {
-      check_whole(first, options.target.disc, source, "disc");
-      setup.rim = refined(first, options.target.disc, "disc", summary);
-    } else {
-      setup.rim = find_part(first, source, options);
-    }
-    summary.disc = setup.rim ? setup.rim->circle : options.target.disc;
-    summary.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
-    summary.disc_blur = setup.rim ? setup.rim->blur : 0;
-    const double texture = ground_texture(first, summary.disc, summary.disc_blur, noise_variance);
-    setup.ground_texture = texture;
-    const bool busy = texture > kTextureFactor * std::sqrt(noise_variance);
-    DiscPatternOptions mask;
-    mask.margin_px = busy ? 0 : 3;
-    setup.pattern = disc_pattern(first, summary.disc, mask);
-    summary.plan.push_back({"mask beyond the rim", !busy,
-                            format("the ground around the disc has a texture of %.1f grey levels rms against "
-                                   "noise of %.1f",
-                                   texture, std::sqrt(noise_variance)),
-                            0, 0, 0});
+    locate_disc(setup, first, source, options);
+    mask_disc(setup, first, noise_variance);
   }
-  RegistrationOptions probe;
-  probe.noise_variance = noise_variance;
-  const TemplateRegistration trial(first, setup.pattern, probe);
-  const bool shown = trial.limit_theta() < kRotationLimit;
-  setup.follow.rotation =
-      shown && (setup.pattern.radius == 0 ||
-                texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
-  setup.template_noise_cost = trial.template_noise_cost();
-  setup.costs = costs_of(setup.pattern, trial);
-  summary.limit_px = std::sqrt(0.5 * trial.limit().trace());
-  summary.plan.push_back(
-      {"rotation", setup.follow.rotation,
-       shown && !setup.follow.rotation
-           ? std::string(
-                 "what looks like a texture of the part does not come again in the frames that follow")
-       : trial.limit_theta() < 10
-           ? format("the part's texture shows its rotation to %.3g rad", trial.limit_theta())
-           : std::string("the part has no texture above the noise that shows rotation"),
-       0, 0, setup.costs.rotation()});
+  RegistrationOptions registration;
+  registration.noise_variance = noise_variance;
+  const TemplateRegistration trial(first, setup.pattern, registration);
+  setup.limit_px = std::sqrt(0.5 * trial.limit().trace());
+  decide_rotation(setup, trial, first, source, range);
+  quiet_template(setup, trial.template_noise_cost(), first, source, range);
   return setup;
-}
-
-AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const FrameRange& range,
-                                Setup& setup, TrackSummary& summary) {
-  const double cost = 100 * setup.template_noise_cost;
-  AveragedTemplate average;
-  std::string reason;
-  if (setup.follow.rotation) {
-    reason = "the part may turn: frames are not laid on each other";
-  } else if (setup.template_noise_cost < kQuietTemplate) {
-    reason = format("the noise of a single template adds %.2g %% to the variance", cost);
-  } else {
-    average = average_template(source, first, range.first, range.last, setup.pattern, setup.follow);
-    setup.follow.template_noise_share = 1.0 / average.frames;
-    reason = format("the noise of a single template adds %.2g %% to the variance; %d frames agree", cost,
-                    average.frames);
-  }
-  summary.plan.push_back({"template averaged over the first frames", average.frames > 1, reason, 0,
-                          summary.limit_px * (std::sqrt(1 + setup.template_noise_cost) - 1),
-                          setup.costs.averaging(TemplateAverageOptions{}.frames)});
-  return average;
 }
 
 }  // namespace tribotrack::vision

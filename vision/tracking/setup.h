@@ -1,32 +1,34 @@
-// What the first frames say of the part, and what its tracking needs for it.
+// Preparing to follow the part: its place in the first frame, its template, what the scene requires.
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "vision/following/pattern_follower.h"
 #include "vision/following/template_average.h"
-#include "vision/tracking/plan_costs.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
 
 inline constexpr double kClickSd = 0.5;          ///< sd of a radius that no rim confirms, px
-inline constexpr double kQuietTemplate = 0.002;  ///< added variance that is not worth averaging frames for
+inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below which averaging does not pay
 
-struct Setup {
+struct PartSetup {
+  Circle disc;                 ///< radius 0 for a rectangle
+  std::optional<DiscFit> rim;  ///< of the disc in the first frame, where it is seen
+  double disc_radius_sd = 0, disc_blur = 0;
+  double ground_texture = 0;  ///< around the disc, grey levels rms beyond the noise
   Pattern pattern;
-  std::optional<DiscFit> rim;  ///< in the first frame
   FollowOptions follow;
-  double ground_texture = 0;
-  double template_noise_cost = 0;
-  PlanCosts costs;
+  double limit_px = 0;  ///< Cramer-Rao bound of a coordinate
+  AveragedTemplate average;
+  std::vector<PlanStage> plan;
+  std::vector<std::string> warnings;
 };
 
-/// The disc's rim or the rectangle, its template's mask, and whether it shows rotation.
-Setup plan_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                const TrackOptions& options, double noise_variance, TrackSummary& summary);
-/// The template the part is followed with: averaged over the first frames where its noise matters.
-AveragedTemplate quiet_template(FrameSource& source, const Picture& first, const FrameRange& range,
-                                Setup& setup, TrackSummary& summary);
+/// Throws InputError where the part cannot be followed from this frame.
+PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
+                      const TrackOptions& options, double noise_variance);
 
 }  // namespace tribotrack::vision

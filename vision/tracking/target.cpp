@@ -1,10 +1,11 @@
 #include "vision/tracking/target.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/discs/first_appearance.h"
-#include "vision/io/format_text.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -35,24 +36,19 @@ DiscSearch search_for_part(const TrackOptions& options) {
 
 }  // namespace
 
-std::optional<DiscFit> refined(const Picture& first, const Circle& given, const char* what,
-                               TrackSummary& summary) {
-  if (auto fit = fit_disc(first, given, capture_of(given)); fit && whole_in(all_of(first), fit->circle))
-    return fit;
-  summary.warnings.push_back(format(
-      "the %s's rim near (%.1f, %.1f) px is not seen as a circle: its given centre and radius are used "
-      "as they are, and a scale from its diameter is as good as the given radius",
-      what, given.x, given.y));
-  return std::nullopt;
+std::optional<DiscFit> refined(const Picture& first, const Circle& given) {
+  auto fit = fit_disc(first, given, capture_of(given));
+  if (fit && !whole_in(all_of(first), fit->circle)) fit.reset();
+  return fit;
 }
 
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
   if (whole_in(all_of(first), c) && c.radius >= 2) return;
   throw InputError(
-      format("%s: the %s at (%.1f, %.1f) px with radius %.1f px is not wholly in the %d x %d "
-             "picture; give its place in the first analysed frame, or start at a frame in which "
-             "it is whole",
-             source.info().path.string().c_str(), what, c.x, c.y, c.radius, first.width(), first.height()));
+      fmt::format("{}: the {} at ({:.1f}, {:.1f}) px with radius {:.1f} px is not wholly in the {} x {} "
+                  "picture; give its "
+                  "place in the first analysed frame, or start at a frame in which it is whole",
+                  source.info().path.string(), what, c.x, c.y, c.radius, first.width(), first.height()));
 }
 
 void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
@@ -63,7 +59,7 @@ void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
   });
 }
 
-std::int64_t arrival(FrameSource& source, const FrameRange& range, const TrackOptions& options) {
+std::int64_t first_appearance(FrameSource& source, const FrameRange& range, const TrackOptions& options) {
   const std::int64_t first = range.first;
   switch (options.target.kind) {
     case Target::Kind::rectangle:

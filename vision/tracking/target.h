@@ -6,26 +6,21 @@
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/tracker.h"
+#include "vision/tracking/frame_range.h"
 
 namespace tribotrack::vision {
 
-struct FrameRange {
-  std::int64_t first = 0, last = 0;  ///< indices, both included
-};
-
-/// A click made exact by the rim where it supports it; nothing, and a warning, where it does not.
-std::optional<DiscFit> refined(const Picture& first, const Circle& given, const char* what,
-                               TrackSummary& summary);
+/// The circle given by the user, fitted to the rim; nothing where no rim supports it.
+std::optional<DiscFit> refined(const Picture& first, const Circle& given);
 /// Throws InputError where the circle reaches out of the picture.
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what);
-/// The lamp is round and bright, too.
+/// The gate's lamp is round and bright, too.
 void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options);
-/// Where the recording starts before the part is there: the frame it is first seen in. Range.first where it
-/// is not seen at all, or need not be a disc.
-std::int64_t arrival(FrameSource& source, const FrameRange& range, const TrackOptions& options);
-/// The part, where the user does not say where it is: away from a given marker, which is round too, and the
-/// largest of what is supported nearly as well as the best.
+/// The frame in which the part is first seen, where the recording starts before that. Range.first where it is
+/// not seen at all, or need not be a disc.
+std::int64_t first_appearance(FrameSource& source, const FrameRange& range, const TrackOptions& options);
+/// The part, where its place is not given: away from a given marker, which is round too, and the largest of
+/// the discs that are supported nearly as well as the best. Throws InputError where no disc is found.
 DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

@@ -26,6 +26,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
+std::string error_bound_text(double px) {
+  if (std::isnan(px)) return "not known";
+  return px == 0 ? "none: exact" : fmt::format("{:.2g} px", px);
+}
+
 void collect_track(const RunFolder& folder, ReportRun& run) {
   const fs::path csv = folder.track(run.name);
   if (!fs::exists(csv)) return;
@@ -62,8 +67,7 @@ void collect_track(const RunFolder& folder, ReportRun& run) {
     for (const std::string& note : sentences_at(meta.at("summary"), "warnings")) run.notes.push_back(note);
     for (const Json& stage : meta.at("plan"))
       run.plan.push_back({word_at(stage, "stage"), stage.at("on").get<bool>(), word_at(stage, "reason"),
-                          number_at(stage, "predicted_saving"),
-                          fmt::format("{:.2g} px", number_at(stage, "error_bound_px"))});
+                          error_bound_text(number_at(stage, "error_bound_px"))});
   }
   if (fs::exists(folder.first_frame(run.name))) {
     std::ifstream picture(folder.first_frame(run.name), std::ios::binary);

@@ -48,9 +48,8 @@ struct ReportResidual {
 struct ReportStage {
   std::string stage;
   bool on = true;
-  std::string reason;                  ///< with its figure
-  double predicted_saving = no_value;  ///< share of run time saved by leaving it out, 0 .. 1
-  std::string error_bound;             ///< what leaving it out can add, in words with unit
+  std::string reason;       ///< with its figure
+  std::string error_bound;  ///< of leaving it out, with its unit; "not known" where nobody computed it
 };
 
 /// The platform and the gate in one recording, for the drawings.

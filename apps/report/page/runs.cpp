@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::size_t most_points_drawn = 1500;  // over a picture a few hundred pixels wide
 
-std::string percent(double share) {
-  return std::isnan(share) ? "–" : number(100 * share, 2) + " %";
-}
-
 std::string phi_and_dtau(const ReportRun& run) {
   if (run.kind == "free_slide") return "free slide";
   std::string text;
@@ -114,12 +110,11 @@ std::string run_row(const ReportRun& run, std::size_t index) {
 
 std::string stage_table(const std::vector<ReportStage>& stages) {
   std::string html =
-      "<table class=\"compact plan\"><thead><tr><th>Stage</th><th></th><th>Why</th><th class=\"n\">Run "
-      "time saved</th><th>Error this can add</th></tr></thead><tbody>";
+      "<table class=\"compact plan\"><thead><tr><th>Stage</th><th></th><th>Why</th><th>Error "
+      "this can add</th></tr></thead><tbody>";
   for (const ReportStage& stage : stages)
     html += "<tr>" + cell(escape_html(stage.stage)) + cell(stage.on ? "done" : "<b>left out</b>") +
-            cell(escape_html(stage.reason)) + number_cell(stage.on ? "" : percent(stage.predicted_saving)) +
-            cell(stage.on ? "" : escape_html(stage.error_bound)) + "</tr>";
+            cell(escape_html(stage.reason)) + cell(stage.on ? "" : escape_html(stage.error_bound)) + "</tr>";
   return html + "</tbody></table>\n";
 }
 
@@ -180,8 +175,7 @@ std::string plan_section(const ReportData& data) {
                           stage_table(data.runs[i].plan));
   if (html.empty()) return "";
   return "<section id=\"plan\"><h2>What was left out, and why</h2>\n<p class=\"note\">Before it works, the "
-         "program decides from each scene which stages are not needed. Savings are predictions made "
-         "before the run.</p>\n" +
+         "program decides from each scene which stages are not needed.</p>\n" +
          html + "</section>\n";
 }
 

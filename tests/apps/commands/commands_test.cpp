@@ -62,6 +62,11 @@ TEST_F(Commands, UsageErrorsAreExit2) {
   EXPECT_THAT(left_behind(), IsEmpty());
 }
 
+TEST_F(Commands, AMisspeltWordGetsTheNearestOne) {
+  expect_refused(run("trak v.cine -o t.csv"), 2, {"did you mean `track`?"});
+  expect_refused(run("track v.cine -o t.csv --disc-diamter-mm 6"), 2, {"did you mean `--disc-diameter-mm`?"});
+}
+
 TEST_F(Commands, SimulateReachesTheKnownEndPoint) {
   const Outcome outcome =
       run("simulate --mu1 .1 --mu2 .0125 --amplitude-mm .28 --omega-rad-s 62.8 --phi-rad 0.5 --dtau-rad pi/2 "

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -50,10 +51,10 @@ void expect_right(const Counting& source, std::int64_t index, const Rect& w, con
       ASSERT_EQ(picture.at(x, y), source.level(index, w.x + x, w.y + y)) << x << ' ' << y;
 }
 
-TEST(KeptFrames, WhatIsKeptComesBackBitForBitWithoutTheSource) {
+TEST(FrameCache, WhatIsKeptComesBackBitForBitWithoutTheSource) {
   for (const double scale : {1.0, 257.0, 0.299, 300.0}) {  // bytes, words, fractions, beyond words
     Counting source(scale);
-    KeptFrames frames(source);
+    FrameCache frames(source);
     const Rect kept{3, 5, 20, 17}, within{8, 6, 11, 9};
     for (const std::int64_t k : {0, 7, 99}) frames.keep(k, kept);
     const int reads = source.reads;
@@ -71,9 +72,9 @@ TEST(KeptFrames, WhatIsKeptComesBackBitForBitWithoutTheSource) {
   }
 }
 
-TEST(KeptFrames, TheRestIsTheSources) {
+TEST(FrameCache, TheRestIsTheSources) {
   Counting source(1);
-  KeptFrames frames(source);
+  FrameCache frames(source);
   frames.keep(4, {0, 0, 10, 10});
   Picture picture;
   for (const Rect& w : {Rect{1, 1, 10, 9}, Rect{20, 20, 3, 3}}) {
@@ -89,17 +90,17 @@ TEST(KeptFrames, TheRestIsTheSources) {
   EXPECT_EQ(source.reads, reads);
 }
 
-TEST(KeptFrames, NothingIsKeptOfWhatCostsNothingToReadAgain) {
+TEST(FrameCache, NothingIsKeptOfWhatCostsNothingToReadAgain) {
   Counting source(1, false);
-  KeptFrames frames(source);
+  FrameCache frames(source);
   frames.keep(4, frames.bounds());
   EXPECT_EQ(source.reads, 0);
   EXPECT_EQ(frames.kept_bytes(), 0);
 }
 
-TEST(KeptFrames, NoMoreThanTheBytesAllowed) {
+TEST(FrameCache, NoMoreThanTheBytesAllowed) {
   Counting source(1);
-  KeptFrames frames(source, 250);
+  FrameCache frames(source, 250);
   for (std::int64_t k = 0; k < 4; ++k) frames.keep(k, {0, 0, 10, 10});
   EXPECT_EQ(frames.kept_bytes(), 200);
   Picture picture;
@@ -109,19 +110,64 @@ TEST(KeptFrames, NoMoreThanTheBytesAllowed) {
   }
 }
 
+TEST(FrameCache, RecordingsSideBySideShareTheFreeSpace) {
+  // A disk with 1000 bytes free, of which each byte written takes one.
+  std::int64_t written = 0;
+  CacheSpace space(
+      std::filesystem::temp_directory_path(), [&] { return 1000 - written; }, 1'000'000);
+  Counting source(1);
+  {
+    std::array<FrameCache, 3> caches = {FrameCache(source, 10'000, space), FrameCache(source, 10'000, space),
+                                        FrameCache(source, 10'000, space)};
+    for (std::int64_t k = 0; k < 5; ++k)
+      for (FrameCache& frames : caches) {
+        frames.keep(k, {0, 0, 10, 10});
+        written = 0;
+        for (const FrameCache& c : caches) written += c.kept_bytes();
+        EXPECT_LE(written, 500) << "half of the free space, for all of them";
+      }
+    EXPECT_EQ(written, 500);
+  }
+  written = 0;
+  EXPECT_TRUE(space.take(500)) << "given back at the end";
+  EXPECT_FALSE(space.take(1));
+}
+
+TEST(CacheSpace, InMemoryIsBoundedHoweverMuchIsFree) {
+  CacheSpace space(
+      "/", [] { return std::int64_t{1'000'000'000}; }, 300);
+  EXPECT_TRUE(space.take(300));
+  EXPECT_FALSE(space.take(1));
+  space.give_back(200);
+  EXPECT_TRUE(space.take(200));
+}
+
+TEST(CacheSpace, FolderOnDiskIsPreferredToOneInMemory) {
+  const std::filesystem::path memory = "/dev/shm", disk = "/var/tmp";
+  if (!is_in_memory(memory) || is_in_memory(disk)) GTEST_SKIP() << "no such folders here";
+  const std::array<std::filesystem::path, 2> both = {memory, disk};
+  EXPECT_EQ(choose_cache_folder(both), disk);
+  const std::array<std::filesystem::path, 2> missing = {memory, "/nowhere"};
+  EXPECT_EQ(choose_cache_folder(missing), memory);
+  const CacheSpace& ours = CacheSpace::of_this_process();
+  if (is_in_memory(ours.folder())) {
+    EXPECT_EQ(ours.most_bytes(), CacheSpace::kMostInMemory);
+  }
+}
+
 /// Our nameless temporary file, by the name the system gives open ones; empty where it tells none.
 std::filesystem::path open_temporary_file() {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     const auto target = std::filesystem::read_symlink(entry.path(), error);
-    if (target.string().find("tribotrack-kept-") != std::string::npos) return entry.path();
+    if (target.string().find("tribotrack-frames-") != std::string::npos) return entry.path();
   }
   return {};
 }
 
-TEST(KeptFrames, AFileThatShrinksIsNoLossButTime) {
+TEST(FrameCache, AFileThatShrinksIsNoLossButTime) {
   Counting source(1);
-  KeptFrames frames(source);
+  FrameCache frames(source);
   for (std::int64_t k = 0; k < 4; ++k) frames.keep(k, {0, 0, 10, 10});
   const auto file = open_temporary_file();
   if (file.empty()) GTEST_SKIP() << "the system does not name open files";
@@ -153,7 +199,7 @@ class Decoding : public FrameSource {
   std::int64_t held_ = -1;
 };
 
-TEST(KeptFrames, ARecordingIsDecodedOnceAndTrackedAsIfItWereNotDecoded) {
+TEST(FrameCache, ARecordingIsDecodedOnceAndTrackedAsIfItWereNotDecoded) {
   SlidingScene s;
   s.frames = 160;
   SceneSource scene(s);

@@ -156,6 +156,22 @@ TEST_F(FrameSinkTest, AShorterSequenceReplacesALongerOne) {
   EXPECT_EQ(files_in_folder(), 4u);
 }
 
+TEST_F(FrameSinkTest, AnInterruptedProgramLeavesNothing) {
+  std::vector<std::unique_ptr<FrameSink>> sinks;
+  for (const char* name : {"a.cine", "a.mkv", "a.avi", "a.mp4", "a%02d.png", "a%02d.tif"}) {
+    sinks.push_back(create_sink(file(name), {.width = 32, .height = 32}));
+    for (int k = 0; k < 9; ++k) sinks.back()->write(test_picture(k, 32, 32, 8));
+  }
+  EXPECT_GT(files_in_folder(), 0u);
+  remove_partial_files();
+  EXPECT_EQ(files_in_folder(), 0u);
+  sinks.clear();
+  EXPECT_EQ(files_in_folder(), 0u);
+  write_recording(file("b%02d.png"), {.width = 32, .height = 32}, 3);  // what is finished stays
+  remove_partial_files();
+  EXPECT_EQ(files_in_folder(), 3u);
+}
+
 TEST_F(FrameSinkTest, LevelsAreRoundedAndClipped) {
   const auto sink = create_sink(file("a.cine"), {.width = 8, .height = 1});
   Picture picture(8, 1);

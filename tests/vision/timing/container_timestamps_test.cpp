@@ -18,16 +18,16 @@ std::vector<std::int64_t> rounded_stamps(double rate, double tick_s, int frames)
 }
 
 TimeBaseCandidate judge(std::span<const std::int64_t> ticks, double tick_s, double stated_rate_hz) {
-  return judge_container_stamps(ticks, tick_s, stated_rate_hz).candidate;
+  return judge_container_timestamps(ticks, tick_s, stated_rate_hz).candidate;
 }
 
-TEST(ContainerStamps, UniformTicksOfTheRateItselfAreBelieved) {
+TEST(ContainerTimestamps, UniformTicksOfTheRateItselfAreBelieved) {
   const auto judged = judge(rounded_stamps(7000, 1.0 / 7000, 200), 1.0 / 7000, 0);
   EXPECT_TRUE(judged.accepted) << judged.reason;
   EXPECT_DOUBLE_EQ(judged.rate_hz, 7000);
 }
 
-TEST(ContainerStamps, PlaybackRatesAreNot) {
+TEST(ContainerTimestamps, PlaybackRatesAreNot) {
   for (const double rate : {25.0, 30000.0 / 1001, 60.0, 600.0, 1000.0, 65535.0}) {
     const auto judged = judge(rounded_stamps(rate, 1 / rate, 200), 1 / rate, rate);
     EXPECT_FALSE(judged.accepted) << rate;
@@ -35,7 +35,7 @@ TEST(ContainerStamps, PlaybackRatesAreNot) {
   }
 }
 
-TEST(ContainerStamps, CoarseTicksNeedTheContainersOwnRate) {
+TEST(ContainerTimestamps, CoarseTicksNeedTheContainersOwnRate) {
   const auto ticks = rounded_stamps(7000, 1e-3, 200);  // 28 ms in ticks of 1 ms
   EXPECT_FALSE(judge(ticks, 1e-3, 0).accepted);
   const auto judged = judge(ticks, 1e-3, 7000);
@@ -51,8 +51,8 @@ std::vector<std::int64_t> with_a_gap(double rate) {
   return ticks;
 }
 
-TEST(ContainerStamps, AMissingFrameLeavesTheOthersTheirTimes) {
-  const ContainerStamps stamps = judge_container_stamps(with_a_gap(240), 1e-6, 0);
+TEST(ContainerTimestamps, AMissingFrameLeavesTheOthersTheirTimes) {
+  const ContainerTimestamps stamps = judge_container_timestamps(with_a_gap(240), 1e-6, 0);
   EXPECT_TRUE(stamps.candidate.accepted) << stamps.candidate.reason;
   EXPECT_NEAR(stamps.candidate.rate_hz, 240, 0.03);
   ASSERT_EQ(stamps.check.missing.size(), 1u);
@@ -63,9 +63,9 @@ TEST(ContainerStamps, AMissingFrameLeavesTheOthersTheirTimes) {
   EXPECT_NEAR(times[500] - times[499], 2 / 240.0, 2e-6);
 }
 
-TEST(ContainerStamps, AGapInASlowedRecordingIsAGapInTheRealOne) {
+TEST(ContainerTimestamps, AGapInASlowedRecordingIsAGapInTheRealOne) {
   // Recorded at 240 Hz, stored to play at 29.97: the user's word sets the unit, the stamps show the gap.
-  const ContainerStamps stamps = judge_container_stamps(with_a_gap(30000.0 / 1001), 1e-6, 0);
+  const ContainerTimestamps stamps = judge_container_timestamps(with_a_gap(30000.0 / 1001), 1e-6, 0);
   EXPECT_FALSE(stamps.candidate.accepted);
   EXPECT_THAT(stamps.candidate.reason, HasSubstr("playback rate"));
   EXPECT_TRUE(frame_times(stamps, choose_time_base({stamps.candidate})).empty());
@@ -75,10 +75,10 @@ TEST(ContainerStamps, AGapInASlowedRecordingIsAGapInTheRealOne) {
   EXPECT_DOUBLE_EQ(times[500], 501 / 240.0);
 }
 
-TEST(ContainerStamps, AVariableRateIsTakenStampByStamp) {
+TEST(ContainerTimestamps, AVariableRateIsTakenStampByStamp) {
   std::vector<std::int64_t> ticks{0};
   for (int k = 0; k < 300; ++k) ticks.push_back(ticks.back() + 4000 + 37 * (k * k % 29));
-  const ContainerStamps stamps = judge_container_stamps(ticks, 1e-6, 0);
+  const ContainerTimestamps stamps = judge_container_timestamps(ticks, 1e-6, 0);
   EXPECT_TRUE(stamps.candidate.accepted) << stamps.candidate.reason;
   EXPECT_TRUE(stamps.check.variable);
   const std::vector<double> times = frame_times(stamps, choose_time_base({stamps.candidate}));
@@ -93,7 +93,7 @@ TEST(ContainerStamps, AVariableRateIsTakenStampByStamp) {
   EXPECT_TRUE(frame_times(stamps, choose_time_base({user_rate(240)})).empty());
 }
 
-TEST(ContainerStamps, UnevenOnesProveNothingOnCoarseTicksOrNearAPlaybackRate) {
+TEST(ContainerTimestamps, UnevenOnesProveNothingOnCoarseTicksOrNearAPlaybackRate) {
   std::vector<std::int64_t> ticks{0};
   for (int k = 0; k < 300; ++k) ticks.push_back(ticks.back() + 3 + k % 3);
   EXPECT_THAT(judge(ticks, 1e-3, 0).reason, HasSubstr("too coarse"));
@@ -105,7 +105,7 @@ TEST(ContainerStamps, UnevenOnesProveNothingOnCoarseTicksOrNearAPlaybackRate) {
   EXPECT_THAT(judge(ticks, 1e-6, 0).reason, HasSubstr("do not rise"));
 }
 
-TEST(ContainerStamps, NothingToJudge) {
+TEST(ContainerTimestamps, NothingToJudge) {
   EXPECT_FALSE(judge(std::vector<std::int64_t>{5}, 1e-3, 240).accepted);
   EXPECT_FALSE(judge(std::vector<std::int64_t>{5, 5, 5}, 1e-3, 240).accepted);
 }

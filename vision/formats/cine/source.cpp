@@ -1,9 +1,10 @@
 #include "vision/formats/cine/source.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 
@@ -26,9 +27,7 @@ std::string iso_8601(CineTime time) {
   gmtime_r(&seconds, &utc);
   char day[32];
   std::strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &utc);
-  char text[48];
-  std::snprintf(text, sizeof text, "%s.%06uZ", day, micros);
-  return text;
+  return fmt::format("{}.{:06}Z", day, micros);
 }
 
 std::string codec_name(const CineHeader& header) {
@@ -112,12 +111,11 @@ void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::s
   const double rate = *info.time_base.rate_hz;
   if (info.time_base.check.stretches.size() < 2 && stamped_rate > 0 &&
       std::abs(stamped_rate / rate - 1) > 1e-3) {
-    char text[240];
-    std::snprintf(
-        text, sizeof text, "the camera's time stamps tell %.6g Hz where %.6g Hz is stated: each frame has %s",
-        stamped_rate, rate,
-        info.time_base.stamps_s.empty() ? "the time that the stated rate gives it" : "the time of its stamp");
-    notes.push_back(text);
+    notes.push_back(
+        fmt::format("the camera's time stamps tell {:.6g} Hz where {:.6g} Hz is stated: each frame has {}",
+                    stamped_rate, rate,
+                    info.time_base.stamps_s.empty() ? "the time that the stated rate gives it"
+                                                    : "the time of its stamp"));
   }
   for (std::string& finding : findings(info.time_base.check, info.first_number))
     notes.push_back(std::move(finding));

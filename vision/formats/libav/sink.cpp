@@ -1,6 +1,7 @@
 #include "vision/formats/libav/sink.h"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <cstring>
 #include <string>
 
@@ -86,9 +87,8 @@ class LibavSink : public FrameSink {
 
   /// Containers lie about rates or round them, so the capture rate goes along in the tag that cameras use.
   void write_header() {
-    char rate[32];
-    std::snprintf(rate, sizeof rate, "%.9g", options_.frame_rate_hz);
-    av_dict_set(&output_->metadata, "com.android.capture.fps", rate, 0);
+    const std::string rate = fmt::format("{:.9g}", options_.frame_rate_hz);
+    av_dict_set(&output_->metadata, "com.android.capture.fps", rate.c_str(), 0);
     AVDictionary* muxing = nullptr;
     if (std::string_view(output_->oformat->name) == "mp4")
       av_dict_set(&muxing, "movflags", "use_metadata_tags", 0);

@@ -1,5 +1,7 @@
 #include "vision/formats/libav/source.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
@@ -24,7 +26,7 @@ extern "C" {
 namespace tribotrack::vision {
 namespace {
 
-/// What the container says of one packet, in the order of decoding.
+/// What the container states about one packet, in the order of decoding.
 struct PacketRecord {
   std::int64_t pts = AV_NOPTS_VALUE;
   std::int64_t dts = AV_NOPTS_VALUE;
@@ -140,7 +142,7 @@ class LibavSource : public FrameSource {
   bool is_avi() const { return std::string_view(input_->iformat->name) == "avi"; }
 
   /// shown_[k] = packet of the k-th frame shown. Stamps give the order; where they are missing or tie and the
-  /// coding reorders frames, only decoding tells it.
+  /// coding reorders frames, only decoding shows it.
   void order_frames() {
     const auto time_of = [](const PacketRecord& p) { return p.pts != unknown_time ? p.pts : p.dts; };
     const bool reorders = stream().codecpar->video_delay > 0 || decoder_->has_b_frames > 0;
@@ -174,7 +176,7 @@ class LibavSource : public FrameSource {
     for (;;) {
       const int error = avcodec_receive_frame(decoder_.get(), frame_.get());
       if (error == 0) {
-        // These codings hide damage (a wrong checksum) behind an old picture and only mutter.
+        // These codings hide damage (a wrong checksum) behind an old picture and only log it.
         const AVCodecID codec = decoder_->codec_id;
         if (codec == AV_CODEC_ID_FFV1 || codec == AV_CODEC_ID_MJPEG)
           if (const std::string complaint = take_libav_complaint(); !complaint.empty()) {
@@ -302,13 +304,34 @@ class LibavSource : public FrameSource {
         info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
       else if (form.colour)
         info_.notes.push_back("luma of a colour recording, as stored");
-      if (form.colour && !form.rgb && frame_->color_range != AVCOL_RANGE_JPEG)
-        info_.notes.push_back("limited range: black is stored as " + std::to_string(16 << (form.bits - 8)) +
-                              ", white as " + std::to_string(235 << (form.bits - 8)));
+      const bool is_limited =
+          form.colour ? frame_->color_range != AVCOL_RANGE_JPEG : frame_->color_range == AVCOL_RANGE_MPEG;
+      if (is_limited && !form.rgb && form.bits >= 8) describe_limited_range(form.bits);
     } catch (const std::invalid_argument& reason) {
       refuse(std::string("cannot be measured: ") + reason.what());
     }
     describe_time(options);
+  }
+
+  /// Saturated pixels of limited range pile up at white. Some cameras record levels above it as well: where
+  /// the first frame has more of those than of white, the recording clips where full range does.
+  void describe_limited_range(int bits) {
+    const int unit = 1 << (bits - 8), black = 16 * unit, white = 235 * unit;
+    info_.notes.push_back(fmt::format("limited range: black is stored as {}, white as {}", black, white));
+    Picture first(info_.width, info_.height);
+    copy_libav_window(*frame_, bounds(), first);
+    const auto above = static_cast<float>(white + unit), below = static_cast<float>(white - unit);
+    std::ptrdiff_t brighter = 0, at_white = 0;
+    for (const float level : first.levels()) {
+      brighter += level > above;
+      at_white += level >= below && level <= above;
+    }
+    if (brighter > at_white) {
+      info_.notes.push_back("levels above white occur: pixels clip at the largest level");
+      return;
+    }
+    info_.black_level = black;
+    info_.white_level = white;
   }
 
   void describe_time(const SourceOptions& options) {
@@ -322,8 +345,8 @@ class LibavSource : public FrameSource {
       ticks.push_back(packets_[packet].pts != unknown_time ? packets_[packet].pts : packets_[packet].dts);
     // Where frames are reordered and stamps tie, the stamps in order are still those of the frames in order.
     std::sort(ticks.begin(), ticks.end());
-    ContainerStamps stamps =
-        judge_container_stamps(ticks, av_q2d(stream().time_base), av_q2d_or_zero(stream().avg_frame_rate));
+    ContainerTimestamps stamps = judge_container_timestamps(ticks, av_q2d(stream().time_base),
+                                                            av_q2d_or_zero(stream().avg_frame_rate));
     candidates.push_back(stamps.candidate);
     info_.time_base = choose_time_base(std::move(candidates));
     info_.time_base.stamps_s = frame_times(stamps, info_.time_base);
@@ -331,9 +354,8 @@ class LibavSource : public FrameSource {
       info_.notes.push_back(std::move(finding));
     if (!stamps.times_s.empty() && info_.time_base.known() && info_.time_base.stamps_s.empty())
       info_.notes.push_back(
-          "the rate given stands for even steps, though the container's stamps are uneven; leave --fps out "
-          "if "
-          "the file states a rate of its own");
+          "the rate given means even steps, though the container's timestamps are uneven; leave --fps out "
+          "if the file states a rate of its own");
     info_.time_base.check = std::move(stamps.check);
   }
   static double av_q2d_or_zero(AVRational rate) { return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0; }

@@ -1,6 +1,5 @@
 #include "vision/formats/pictures/sink.h"
 
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -71,11 +70,7 @@ class PictureSink : public FrameSink {
     const std::vector<int> parameters = tiff ? std::vector<int>{cv::IMWRITE_TIFF_COMPRESSION, 1}
                                              : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 2};
     cv::imencode(tiff ? ".tif" : ".png", image, bytes, parameters);
-    std::ofstream file(files_.back().path(), std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file)
-      throw InputError(in_quotes(files_.back().target()) + " cannot be written: the disk may be full");
+    files_.back().write(bytes);
     ++count_;
   }
 

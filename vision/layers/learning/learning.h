@@ -26,7 +26,6 @@ class LayeredLearning {
   const NoiseLaw& noise() const { return noise_; }
   /// Mean standard deviation of a coordinate of the windows, px.
   double sigma() const { return sigma_; }
-  int sweeps() const { return sweeps_; }
   /// Of the averaged picture's rim from the pivot of its grid; radius 0 where it shows no circle.
   Point offset() const { return offset_; }
   double disc_radius() const { return disc_radius_; }

@@ -10,6 +10,7 @@
 namespace tribotrack::vision {
 namespace {
 
+constexpr double kKeptBytes = 140e6;   ///< of memory for the windows and the pictures learnt
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
 constexpr double kEnoughSpread = 0.5;  ///< of the windows wanted: else any frame will do
@@ -68,9 +69,8 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
       4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
   const double area = static_cast<double>(region_.width) * region_.height;
   // The platform's pictures and a turning disc's live beside the windows.
-  const double room =
-      options.max_kept_bytes - kGroundBytes * area - (turning ? LayeredDisc::kTurningBytes : 0);
-  const double most = std::min<double>(options.max_windows, room / window_bytes);
+  const double room = kKeptBytes - kGroundBytes * area - (turning ? LayeredDisc::kTurningBytes : 0);
+  const double most = std::min<double>(kLearningFrames, room / window_bytes);
   chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)), options);
   const double averaged = std::max(kGroundFrames, kGroundPixels / area);
   ground_stride_ =

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
-#include "vision/picture.h"
+#include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {
 
@@ -16,7 +17,8 @@ struct FirstPassFrame {
   Point ground;  ///< the platform's displacement since the first frame
 };
 
-/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them.
+/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
+/// layers' own noise adds 1 / kLearningFrames to the variance.
 inline constexpr std::int64_t kLearningFrames = 128;
 /// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
 bool is_learning_frame(std::int64_t place, std::int64_t total);
@@ -24,19 +26,18 @@ bool is_learning_frame(std::int64_t place, std::int64_t total);
 double layered_reach(double radius, double blur);
 
 struct LayeredOptions {
-  Circle disc;                              ///< in the first frame
-  double blur = 1;                          ///< of its rim, px
-  bool turning = false;                     ///< its texture shows its rotation
-  double noise_variance = 1;                ///< a start
-  double top_level = 255;                   ///< at which pixels clip
-  bool standing_light = true;               ///< look for it; a coder's errors look alike
-  double excess = 0;                        ///< residual of the first pass beyond it, grey levels rms
-  bool motion_known = false;                ///< else the pass looks whether the platform rests
-  std::int64_t first_index = 0, total = 0;  ///< of the frames analysed; 0: not known
-  /// Kept for learning: the layers' own noise adds 1 / windows to the variance.
-  int max_windows = kLearningFrames;
-  double max_kept_bytes = 140e6;
+  Circle disc;                                      ///< in the first frame
+  double blur = 1;                                  ///< of its rim, px
+  bool turning = false;                             ///< its texture shows its rotation
+  double noise_variance = 1;                        ///< a start
+  double top_level = 255;                           ///< at which pixels clip
+  bool standing_light = true;                       ///< look for it; a coder's errors look alike
+  double excess = 0;                                ///< residual of the first pass beyond it, grey levels rms
+  bool motion_known = false;                        ///< else the pass looks whether the platform rests
+  std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known
   std::function<void(std::int64_t done)> progress;  ///< frames measured
+  DebugSink* debug = nullptr;                       ///< pictures of the layers, if wanted
+  std::vector<ShownFrame> shown;                    ///< and of these frames
 };
 
 }  // namespace tribotrack::vision

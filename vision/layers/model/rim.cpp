@@ -57,10 +57,8 @@ void RimProfile::solve(double noise_variance) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd right(n);
   const double prior = noise_variance / (kPriorSd * kPriorSd);
-  evidence_ = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    evidence_ += diagonal_[i];
     normal(k, k) = diagonal_[i] + prior;
     right(k) = right_[i] + prior * value_[i];
     if (k + 1 < n) normal(k, k + 1) = normal(k + 1, k) = beside_[i];

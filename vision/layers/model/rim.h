@@ -25,8 +25,6 @@ class RimProfile {
   /// Least squares over all that was added, held to the present profile by a prior of sd 0.1 per knot;
   /// `noise_variance` of one level. Forgets what was added.
   void solve(double noise_variance);
-  /// Ground variance times number of levels seen in the rim: what the profile is learnt from.
-  double evidence() const { return evidence_; }
 
  private:
   struct Place {
@@ -37,7 +35,6 @@ class RimProfile {
   double inner_ = 0, outer_ = 0, step_ = 0.5;
   std::vector<double> value_;                      ///< at the knots
   std::vector<double> right_, diagonal_, beside_;  ///< normal equations, tridiagonal
-  double evidence_ = 0;
 };
 
 }  // namespace tribotrack::vision

@@ -70,12 +70,10 @@ void LayeredRegistration::choose_pixels(int frames) {
   const auto below = static_cast<float>(ground_.mean());
   Picture weights(size, size);
   const double outer = disc_.rim().outer() + kBorder;
-  double all = 0;
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       if (std::hypot(i - disc_.half(), j - disc_.half()) > outer) continue;
       weights.at(i, j) = 1;
-      ++all;
       x.at(i, j) += below * wx.at(i, j);
       y.at(i, j) += below * wy.at(i, j);
     }
@@ -107,7 +105,6 @@ void LayeredRegistration::choose_pixels(int frames) {
                   &arrays_.rim, &arrays_.step_x, &arrays_.step_y, &arrays_.blended})
     v->resize(n);
   corners_.resize(places_.size());
-  double chosen = 0;
   rim_pixels_ = 0;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     TilePlace& place = places_[t];
@@ -123,10 +120,8 @@ void LayeredRegistration::choose_pixels(int frames) {
       const bool rim = mask_[at] > 0 && rho > disc_.rim().inner() && rho < disc_.rim().outer();
       arrays_.rim[at] = rim ? 1.0F : 0.0F;
       rim_pixels_ += rim;
-      chosen += mask_[at] > 0;
     }
   }
-  pixel_share_ = chosen / all;
   chosen_ = mask;
   // What is left of the disc itself.
   plateau_weight_ = Picture(size, size);
@@ -367,9 +362,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.sigma_slope = std::sqrt(0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY))) / s.gain;
   const CorrelationSums& c = sums.correlation;
-  fix.trimmed_share = static_cast<double>(strangers) / std::max(1.0, c.w + static_cast<double>(strangers));
-  fix.chi_squared =
-      (sums.squares + plateau.squares_at(light, shift())) / std::max(1.0, c.w + plateau.pixels - columns());
   fix.rim_chi_squared = sums.rim_squares / std::max(1.0, rim_counted_);
   // Four times the scatter of a variance, and a tenth for a noise law that is not quite right.
   const double excess = fix.rim_chi_squared / usual_ - 1;

@@ -31,10 +31,8 @@ struct LayeredFix {
   LayeredState state;
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre, px^2
   double sigma_slope = 0;                                ///< of g, 1/px
-  double chi_squared = 0;                                ///< per pixel, all that count
   double rim_chi_squared = 0;                            ///< per pixel of the rim
-  double trimmed_share = 0;
-  double ncc = 0;  ///< picture against model, where it tells something
+  double ncc = 0;                                        ///< picture against model, where it tells something
 };
 
 class LayeredRegistration {
@@ -67,8 +65,6 @@ class LayeredRegistration {
   const Picture& chosen() const { return chosen_; }
   /// Pixels about the centre that refine() looks at.
   int reach() const { return reach_; }
-  /// Share of the pixels about the disc that take part one by one.
-  double pixel_share() const { return pixel_share_; }
 
   /// Residuals of the last refine(), for the noise law: levels predicted and squared residuals of the pixels
   /// away from the rim are added up.
@@ -139,7 +135,6 @@ class LayeredRegistration {
   const StandingLight* out_of_picture_ = nullptr;
   double usual_ = std::numeric_limits<double>::infinity();
   int reach_ = 0;
-  double pixel_share_ = 1;
   double cached_theta_ = 1e9;
   Picture shown_;  ///< S at the angle it was last formed for
   QuinticSpline standing_, slope_theta_, share_;

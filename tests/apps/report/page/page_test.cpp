@@ -42,7 +42,7 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   data.next_runs = {{0, 1, 0.28, 62.8, hostile, {}, hostile}};
   data.parameters[0].name = data.given[0].name = data.given[0].source = hostile;
   data.inputs = {{hostile, hostile}};
-  data.plan[0] = {hostile, false, hostile, 0.1, hostile};
+  data.plan[0] = {hostile, false, hostile, hostile};
   for (ReportRun& run : data.runs) {
     run.name = run.video = run.time_base = hostile;
     run.notes = {hostile};

@@ -148,10 +148,12 @@ TEST_F(CineSourceTest, OldFilesWithShortOffsetsReadLikeNewOnes) {
 TEST_F(CineSourceTest, BlackAndWhiteAreLevelsAsHandedOut) {
   CineByHand cine;
   EXPECT_FALSE(open(cine)->info().black_level);
+  EXPECT_EQ(open(cine)->info().clipping_level(), 255);
   cine.black_level = 4;
   cine.white_level = 254;
   EXPECT_EQ(open(cine)->info().black_level, 4);
   EXPECT_EQ(open(cine)->info().white_level, 254);
+  EXPECT_EQ(open(cine)->info().clipping_level(), 254);
   cine.packing = 256;
   cine.image_bytes = 40;
   cine.black_level = 64;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "vision/recordings.h"
+#include "vision/tracking/gate_lamp.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -66,6 +67,46 @@ TEST_F(LibavSourceTest, AnyFrameOfVideosThatStoreFramesOutOfOrder) {
       EXPECT_NEAR(source->read(k).at(20, 20), 2 * k + 16, 0.8) << k;
     expect_exact_random_access(file(name), 40);
   }
+}
+
+/// Luma of a lamp of 40 x 40 px that is lit in every second frame, in H.264 of the given range.
+void write_lamp(const std::filesystem::path& path, int lit, const std::string& range) {
+  const std::string command =
+      "ffmpeg -v error -y -f lavfi -i \"color=black:s=96x96:r=240:d=0.05,"
+      "geq=lum='if(mod(N,2)*lt(abs(X-48),20)*lt(abs(Y-48),20)," +
+      std::to_string(lit) + ",60)':cb=128:cr=128\" -c:v libx264 -qp 10 -color_range " + range + " " +
+      path.string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(LibavSourceTest, LimitedRangeClipsAtWhite) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  const Circle lamp{48, 48, 12};
+  const auto clipped_share = [&](int lit, const std::string& range) {
+    write_lamp(file("a.mp4"), lit, range);
+    const auto source = open_source(file("a.mp4"));
+    EXPECT_EQ(source->info().clipping_level(), range == "tv" ? 235 : 255);
+    return GateLamp(lamp, *source).sample(*source, 1).clipped_share;
+  };
+  EXPECT_EQ(clipped_share(235, "tv"), 1);
+  EXPECT_EQ(clipped_share(220, "tv"), 0);
+  EXPECT_EQ(clipped_share(235, "pc"), 0);
+  EXPECT_EQ(clipped_share(255, "pc"), 1);
+}
+
+TEST_F(LibavSourceTest, LevelsAboveWhiteDoNotClipAtWhite) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  const std::string command =
+      "ffmpeg -v error -y -f lavfi -i \"color=black:s=96x96:r=240:d=0.05,"
+      "geq=lum='if(lt(abs(X-48),20)*lt(abs(Y-48),20),248,60)':cb=128:cr=128\" -c:v libx264 -qp 10 "
+      "-color_range tv " +
+      file("a.mp4").string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const auto source = open_source(file("a.mp4"));
+  EXPECT_EQ(source->info().clipping_level(), 255);
+  EXPECT_THAT(source->info().notes, Contains(HasSubstr("above white")));
 }
 
 TEST_F(LibavSourceTest, FramesWhoseStampsTieAreStillApart) {

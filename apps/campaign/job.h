@@ -1,0 +1,16 @@
+// First: how a run's recording is to be tracked.
+#pragma once
+
+#include "apps/campaign/track_recording.h"
+#include "apps/files/camera_section.h"
+#include "apps/files/campaign.h"
+
+namespace tribotrack::apps {
+
+/// Puts [part] and [camera] into a job.
+void apply(const PartSection& part, const CameraSection& camera, RecordingJob& job);
+
+/// The job of one run of a campaign; keys of the run override those of [camera].
+RecordingJob job_for(const Campaign& campaign, const CampaignRun& run);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,165 @@
+#include "vision/tracking/first_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/tracking/notes.h"
+#include "vision/tracking/pictures.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
+
+/// The call's result, its time counted for a stage.
+template <class Call>
+auto timed(StageClock& clock, Stage stage, const Call& call) {
+  const auto running = clock.enter(stage);
+  return call();
+}
+
+/// In the first frame: a disc given without a rim that confirms it still has one to measure.
+std::optional<DiscFit> rim_of(const PartSetup& part, const Picture& first) {
+  if (part.pattern.radius > 0 && !part.rim) return fit_disc(first, part.disc, 1);
+  return part.rim;
+}
+
+void fill(TrackPoint& point, const Sighting& s) {
+  point.status = TrackStatus::ok;
+  point.x = s.position.x;
+  point.y = s.position.y;
+  point.sigma_x = std::sqrt(s.covariance(0, 0));
+  point.sigma_y = std::sqrt(s.covariance(1, 1));
+  point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  point.ncc = s.ncc;
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera,
+                     const TrackOptions& options, StageClock& clock)
+    : source_(source),
+      range_(range),
+      options_(options),
+      clock_(clock),
+      bad_pixels_(camera.bad_pixels.size()),
+      noise_variance_(camera.noise_variance),
+      first_(source.read(range.first)),
+      setup_(timed(clock, Stage::setup,
+                   [&] { return set_up_part(first_, source, range, options, camera.noise_variance); })),
+      part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow),
+      marker_(timed(
+          clock, Stage::marker,
+          [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
+      rim_(rim_of(setup_, first_)),
+      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_) {
+  if (options.gate) lamp_.emplace(*options.gate, source);
+  result_.first_index = range.first;
+  result_.total = range.count();
+  result_.disc = setup_.disc;
+  result_.blur = rim_ ? rim_->blur : 0;
+  result_.turning = setup_.follow.rotation;
+  result_.noise_variance = noise_variance_;
+  result_.ground_texture = setup_.ground_texture;
+  track_.has_marker = marker_.follower.has_value();
+  track_.has_gate = lamp_.has_value();
+  track_.points.reserve(static_cast<std::size_t>(range.count()));
+}
+
+std::optional<Point> FirstPass::step(std::int64_t index) {
+  TrackPoint point;
+  point.frame = source_.number(index);
+  point.time_s = source_.time_s(index);
+  const FollowStep step = follow_part(index, point);
+  follow_marker(index, point);
+  sample_lamp(index, point);
+  track_.points.push_back(point);
+  if (!step.sighting) return std::nullopt;
+  return step.sighting->position;
+}
+
+FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
+  const FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index); });
+  if (step.confirms_previous && tentative_) {
+    fill(track_.points.back(), *tentative_);
+    result_.theta.back() = tentative_->pose.theta;
+    result_.residual.back() = tentative_->residual_rms;
+    ++refound_;
+  }
+  tentative_ = step.tentative ? step.sighting : std::nullopt;
+  point.status = step.status;
+  const bool ok = step.status == TrackStatus::ok;
+  result_.theta.push_back(ok ? step.sighting->pose.theta : 0);
+  result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
+  if (!ok) return step;
+  fill(point, *step.sighting);
+  excess_.push_back(step.sighting->excess_rms);
+  if (setup_.pattern.radius > 0) {
+    const auto running = clock_.enter(Stage::radius);
+    mean_radius_.see(source_, index, step.sighting->position);
+  }
+  return step;
+}
+
+void FirstPass::follow_marker(std::int64_t index, TrackPoint& point) {
+  if (!marker_.follower) return;
+  const auto running = clock_.enter(Stage::marker);
+  if (const FollowStep seen = marker_.follower->step(source_, index); seen.status == TrackStatus::ok)
+    point.marker = marker_point(*seen.sighting);
+}
+
+void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
+  if (!lamp_) return;
+  const auto running = clock_.enter(Stage::lamp);
+  const GateLamp::Sample light = lamp_->sample(source_, index);
+  point.gate = light.level;
+  clipped_share_ = std::max(clipped_share_, light.clipped_share);
+}
+
+Track FirstPass::finish(TrackSummary& summary) {
+  summary.disc = setup_.disc;
+  summary.disc_blur = setup_.disc_blur;
+  summary.disc_radius_sd = setup_.disc_radius_sd;
+  summary.marker = marker_.circle;
+  summary.noise_levels = std::sqrt(noise_variance_);
+  summary.limit_px = setup_.limit_px;
+  summary.gate_pixels = lamp_ ? lamp_->pixels() : 0;
+  summary.gate_clipped_share = clipped_share_;
+  summary.plan = {bad_pixels_stage(bad_pixels_)};
+  add(summary.plan, setup_.plan);
+  add(summary.plan, marker_.plan);
+  add(summary.warnings, setup_.warnings);
+  add(summary.warnings, marker_.warnings);
+  if (wants_texture(options_, track_.has_marker)) {
+    const auto running = clock_.enter(Stage::marker);
+    const TextureMarker texture =
+        follow_texture(source_, first_, range_.first, options_, noise_variance_, setup_.pattern, track_);
+    summary.texture_patch = texture.patch;
+    summary.marker = circle_in(texture.patch);
+    summary.plan.push_back(texture.stage);
+    if (texture.lost > 0) summary.warnings.push_back(texture_lost_warning(texture.lost));
+  }
+  static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
+  summary.refound = refound_;
+  add(summary.plan, search_stages(part_.effort(), summary.frames));
+  if (options_.target.kind == Target::Kind::find_disc)
+    add(summary.warnings, stillness_warning(track_, summary.disc));
+  result_.excess = median(excess_);
+  return std::move(track_);
+}
+
+void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) {
+  if (!options_.debug) return;
+  const auto running = clock_.enter(Stage::debug_pictures);
+  show_template(setup_, first_, *options_.debug);
+  show_first_pass(setup_, first_, result_, track, frames, source_, *options_.debug);
+}
+
+}  // namespace tribotrack::vision

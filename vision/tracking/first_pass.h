@@ -1,0 +1,67 @@
+// The first pass: the part, the marker and the lamp followed frame by frame, each by its own template.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/discs/mean_radius.h"
+#include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stage_clock.h"
+#include "vision/tracking/camera_check.h"
+#include "vision/tracking/gate_lamp.h"
+#include "vision/tracking/platform.h"
+#include "vision/tracking/setup.h"
+
+namespace tribotrack::vision {
+
+class FirstPass {
+ public:
+  /// Keeps references. The part must be there in the first frame of the range. Throws InputError where it,
+  /// the marker or the lamp cannot be followed from there.
+  FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera, const TrackOptions& options,
+            StageClock& clock);
+
+  /// The next frame; they must come in order. Where the part was seen, if it was: it may still turn out not
+  /// to be the part.
+  std::optional<Point> step(std::int64_t index);
+
+  /// After the last frame: the track, and its summary as far as it is known. Follows the platform's texture
+  /// where that serves as the marker.
+  Track finish(TrackSummary& summary);
+
+  /// Complete after finish().
+  const FirstPassResult& result() const { return result_; }
+  /// The disc's mean radius, where enough frames show its rim.
+  std::optional<MeanRadius> radius() const { return mean_radius_.radius(); }
+  /// To TrackOptions::debug: template, weights, and in each of these frames window, prediction and residual.
+  void show(const Track& track, const std::vector<ShownFrame>& frames);
+
+ private:
+  FollowStep follow_part(std::int64_t index, TrackPoint& point);
+  void follow_marker(std::int64_t index, TrackPoint& point);
+  void sample_lamp(std::int64_t index, TrackPoint& point);
+
+  FrameSource& source_;
+  FrameRange range_;
+  const TrackOptions& options_;
+  StageClock& clock_;
+  std::size_t bad_pixels_;
+  double noise_variance_;
+  Picture first_;
+  PartSetup setup_;
+  PatternFollower part_;
+  MarkerSetup marker_;
+  std::optional<GateLamp> lamp_;
+  std::optional<DiscFit> rim_;  ///< in the first frame
+  RimWatch mean_radius_;
+  FirstPassResult result_;
+
+  Track track_;
+  std::optional<Sighting> tentative_;  ///< in the last frame, to be confirmed by the next
+  std::vector<double> excess_;
+  std::int64_t refound_ = 0;
+  double clipped_share_ = 0;
+};
+
+}  // namespace tribotrack::vision
