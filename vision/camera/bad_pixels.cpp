@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "vision/kernels/median.h"
+#include "vision/kernels/vector_kernels.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -12,11 +15,8 @@ constexpr float kSpreads = 2;
 
 /// By how much the levels of a row exceed all their four neighbours but one (negative: fall short of all but
 /// one), its two ends left out. Whether any is further off than `least`.
-#if defined(__x86_64__)
-[[gnu::target_clones("arch=haswell", "default")]]
-#endif
-bool stand_out(const float* above, const float* here, const float* below, std::size_t width, float least,
-               float* steps) {
+TRIBOTRACK_CLONES bool stand_out(const float* above, const float* here, const float* below, std::size_t width,
+                                 float least, float* steps) {
   const auto low = [](float a, float b) { return a < b ? a : b; };
   const auto high = [](float a, float b) { return a < b ? b : a; };
   int any = 0;
@@ -100,13 +100,6 @@ std::vector<Pixel> BadPixelSearch::found() const {
   return others_ > 0 ? found_ : std::vector<Pixel>();
 }
 
-std::vector<Pixel> find_bad_pixels(std::span<const Picture> pictures, double noise_variance) {
-  if (pictures.empty()) return {};
-  BadPixelSearch search(pictures.front(), noise_variance);
-  for (const Picture& other : pictures.subspan(1)) search.look(other);
-  return search.found();
-}
-
 MendedSource::MendedSource(FrameSource& source, std::vector<Pixel> bad)
     : source_(source), bad_(std::move(bad)) {
   info_ = source.info();
@@ -131,9 +124,7 @@ void MendedSource::read(std::int64_t index, const Rect& window, Picture& picture
     for (const Pixel& q : healthy_[static_cast<std::size_t>(p - bad_.begin())])
       if (window.contains({q.x, q.y, 1, 1})) levels.push_back(picture.at(q.x - window.x, q.y - window.y));
     if (levels.empty()) continue;
-    const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-    std::nth_element(levels.begin(), middle, levels.end());
-    picture.at(p->x - window.x, p->y - window.y) = *middle;
+    picture.at(p->x - window.x, p->y - window.y) = median(levels);
   }
 }
 

@@ -1,7 +1,6 @@
-// Pixels of the camera that do not tell what they see: hot, dead or stuck.
+// Hot, dead and stuck pixels of the camera.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "vision/frame_source.h"
@@ -12,22 +11,19 @@ struct Pixel {
   int x = 0, y = 0;
 };
 
-/// Pixels that stand out of all their neighbours, or of all but one of them, in every picture and to the same
-/// side: by 8 sd of the noise and by twice what the neighbours differ among themselves. Optics blur whatever
-/// lies before the lens over more than a pixel (Gaussian sd >= 0.5 px: a point lights its neighbours by a
-/// third of what it is itself), so no part of the scene does that.
-/// At least two pictures of one recording; `noise_variance` in grey levels^2.
-std::vector<Pixel> find_bad_pixels(std::span<const Picture> pictures, double noise_variance);
-
-/// The same, picture by picture.
+/// Finds pixels that stand out of all their neighbours, or of all but one of them, in every picture and to
+/// the same side: by 8 sd of the noise and by twice what the neighbours differ among themselves. Optics blur
+/// every point of the scene over more than a pixel (Gaussian sd >= 0.5 px: a point lights its neighbours by a
+/// third of its own level), so no part of the scene does that.
 class BadPixelSearch {
  public:
+  /// `noise_variance` in grey levels^2.
   BadPixelSearch(const Picture& picture, double noise_variance);
-  /// At another picture of the recording.
+  /// Examines another picture of the recording.
   void look(const Picture& picture);
-  /// Nothing stands out, or no longer: further pictures need not be looked at.
+  /// Nothing stands out, or no longer: no further pictures are needed.
   bool settled() const { return found_.empty(); }
-  /// None before a second picture.
+  /// Empty before a second picture.
   std::vector<Pixel> found() const;
 
  private:

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "vision/kernels/median.h"
+#include "vision/kernels/vector_kernels.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -13,19 +16,12 @@ constexpr int kPairBlock = 8;  ///< of a difference of two: small, so that few o
 constexpr int kEnoughBlocks = 4000;
 constexpr double kRounding = 1.0 / 12;
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Mean over the blocks about the median that noise alone explains: what moves raises a block far beyond the
 /// scatter of such an estimate, and the median of all with it.
 double usual_of(std::vector<double>& blocks) {
   constexpr double kScatter = 0.178;  // sqrt(2 / (64 - 1))
   constexpr double kCut = 0.0177;     // phi(2.5) / Phi(2.5): the mean below 2.5 sd, in sd
-  double estimate = median_of(blocks);
+  double estimate = median(blocks);
   for (int round = 0; round < 10; ++round) {
     double sum = 0, count = 0;
     for (const double b : blocks)
@@ -41,10 +37,8 @@ double usual_of(std::vector<double>& blocks) {
 
 /// Sums of the differences and of their squares over 8 x 8 px blocks next to each other: first down the
 /// columns, which is exact for whole levels and goes eight columns at a time.
-#if defined(__x86_64__)
-[[gnu::target_clones("arch=haswell", "default")]]
-#endif
-void add_difference(const float* a, const float* b, std::size_t n, double* sums, double* squares) {
+TRIBOTRACK_CLONES void add_difference(const float* a, const float* b, std::size_t n, double* sums,
+                                      double* squares) {
   for (std::size_t i = 0; i < n; ++i) {
     const double d = static_cast<double>(a[i]) - static_cast<double>(b[i]);
     sums[i] += d;
@@ -53,10 +47,8 @@ void add_difference(const float* a, const float* b, std::size_t n, double* sums,
 }
 
 /// Squares of (1, -2, 1) down and across.
-#if defined(__x86_64__)
-[[gnu::target_clones("arch=haswell", "default")]]
-#endif
-void add_bends(const float* above, const float* here, const float* below, std::size_t n, double* squares) {
+TRIBOTRACK_CLONES void add_bends(const float* above, const float* here, const float* below, std::size_t n,
+                                 double* squares) {
   const auto down = [&](std::size_t i) {
     return static_cast<double>(above[i]) - 2.0 * static_cast<double>(here[i]) + static_cast<double>(below[i]);
   };
@@ -127,7 +119,7 @@ double noise_variance(const Picture& picture) {
       if (const double q = total(squares.data() + x0, kBlock); q > 0)
         blocks.push_back(q / (36.0 * kBlock * kBlock));
   }
-  return std::max(median_of(blocks), kRounding);
+  return std::max(median(blocks), kRounding);
 }
 
 }  // namespace tribotrack::vision

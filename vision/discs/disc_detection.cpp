@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vision/discs/rim_fit.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -61,15 +62,9 @@ std::vector<double> rim_steps(const Picture& picture, const Circle& c, double ha
   return steps;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Share of angles at which the step has the common sign and at least half the median size.
-double coverage_of(const std::vector<double>& steps, double median) {
-  const auto seen = std::count_if(steps.begin(), steps.end(), [&](double s) { return s / median > 0.4; });
+double coverage_of(const std::vector<double>& steps, double usual) {
+  const auto seen = std::count_if(steps.begin(), steps.end(), [&](double s) { return s / usual > 0.4; });
   return static_cast<double>(seen) / static_cast<double>(steps.size());
 }
 
@@ -171,7 +166,7 @@ bool whole(const Picture& picture, const Circle& c) {
          c.y + c.radius <= picture.height() - 1;
 }
 
-/// Variance of the sum of pulls that are alike all round, told by how they differ from sector to sector: the
+/// Variance of the sum of pulls that are alike all round, from how they differ from sector to sector: the
 /// power of their harmonics is that of the sum, were they white. A streaked ground pulls sectors alike over a
 /// good part of the rim: then the power of the slowest harmonics, the nearest to the sum, is larger and
 /// counts. The first one is taken up by the circle's centre.
@@ -258,8 +253,8 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   for (double dr = -capture; dr <= capture; dr += 0.5) {
     const double r = guess.radius + dr;
     if (r < 2) continue;
-    const double median = median_of(rim_steps(picture, {guess.x, guess.y, r}, 1.5, around));
-    if (std::abs(median) > std::abs(strongest)) strongest = median;
+    const double step = median(rim_steps(picture, {guess.x, guess.y, r}, 1.5, around));
+    if (std::abs(step) > std::abs(strongest)) strongest = step;
   }
   if (strongest == 0) return std::nullopt;
   const Circle rough = climb_rim(picture, guess, capture, strongest > 0 ? 1 : -1);
@@ -268,7 +263,7 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     std::vector<double> levels;
     for (const auto& [ux, uy] : around)
       levels.push_back(level_at(picture, rough.x + radius * ux, rough.y + radius * uy));
-    return median_of(std::move(levels));
+    return median(levels);
   };
   RimParameters p = RimParameters::Zero();
   p.head<4>() << rough.x, rough.y, rough.radius, 1.0;
@@ -319,10 +314,10 @@ std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search
   for (Candidate& c : candidates) {
     // Quick look at full size: does the picture step across this circle nearly all the way round?
     const double half = std::clamp(0.12 * c.circle.radius, 1.5, 12.0);
-    const auto steps = rim_steps(picture, c.circle, half, quick);
-    const double median = median_of(steps);
-    const double coverage = median != 0 ? coverage_of(steps, median) : 0;
-    c.votes = coverage < 0.4 ? 0 : coverage * coverage * std::abs(median) * std::sqrt(c.circle.radius);
+    auto steps = rim_steps(picture, c.circle, half, quick);
+    const double usual = median(steps);
+    const double coverage = usual != 0 ? coverage_of(steps, usual) : 0;
+    c.votes = coverage < 0.4 ? 0 : coverage * coverage * std::abs(usual) * std::sqrt(c.circle.radius);
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.votes > b.votes; });

@@ -21,7 +21,7 @@ namespace tribotrack::vision {
 
 struct DiscFit {
   Circle circle;
-  double radius_sd = 0;  ///< px; from the scatter along the rim where that can be told, see mean_radius
+  double radius_sd = 0;  ///< px; from the scatter along the rim where there are sectors, see mean_radius
   double centre_sd = 0;  ///< px, per axis
   double blur = 0;       ///< s, px
   double contrast = 0;   ///< level inside minus outside

@@ -15,7 +15,7 @@ bool nearly_whole(const DiscFit& fit) {
   return fit.coverage >= DiscSearch{}.min_coverage;
 }
 
-/// As whatever is found without being told where.
+/// As clear as a disc found without a given place.
 bool clear(const DiscFit& fit) {
   const DiscSearch usual;
   return nearly_whole(fit) && std::abs(fit.contrast) >= usual.min_clarity * fit.residual_rms &&

@@ -1,4 +1,4 @@
-// A recording may start before the part is there: where does tracking begin?
+// The part's first appearance: a recording may start before the part is there.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@
 namespace tribotrack::vision {
 
 /// The first of the frames first .. last (indices) in which a disc's rim is seen at the given place, up to
-/// `capture` px off. In the first, where the user says it is, any rim will do that goes nearly all the way
-/// round; a later one must be as clear as DiscSearch asks for. Reads no more than the window about it.
+/// `capture` px off. In the first frame, where the user has placed it, any rim will do that goes nearly all
+/// the way round; a later one must be as clear as DiscSearch requires. Reads no more than the window about
+/// it.
 std::optional<std::int64_t> arrival_at(FrameSource& source, std::int64_t first, std::int64_t last,
                                        const Circle& place, double capture);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vision/io/window.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -12,12 +13,6 @@ namespace {
 constexpr double kMargin = 8;         ///< px around the disc that the rim's fit sees
 constexpr double kCapture = 1;        ///< px; the track is far better
 constexpr double kMinCoverage = 0.9;  ///< share of the rim
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -44,9 +39,9 @@ std::optional<MeanRadius> RimWatch::radius() const {
   if (fits_.size() < 2) return std::nullopt;
   std::vector<double> radii;
   for (const DiscFit& fit : fits_) radii.push_back(fit.circle.radius);
-  const double middle = median_of(radii);
+  const double middle = median(radii);
   for (double& r : radii) r = std::abs(r - middle);
-  const double limit = 5 * 1.4826 * median_of(radii) + 1e-6;
+  const double limit = 5 * kNormalMad * median(radii) + 1e-6;
   std::vector<DiscFit> kept;
   for (const DiscFit& fit : fits_)
     if (std::abs(fit.circle.radius - middle) <= limit) kept.push_back(fit);

@@ -10,7 +10,7 @@
 
 namespace tribotrack::vision {
 
-/// One frame gives the radius with that frame's noise and whatever ground it lies on there; the mean over
+/// One frame gives the radius with that frame's noise and on that frame's background; the mean over
 /// some gives it better, with an sd that keeps what belongs to the disc (mean_radius).
 class RimWatch {
  public:

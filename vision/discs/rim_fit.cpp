@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "vision/discs/rim_model.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -16,15 +17,9 @@ constexpr std::array<int, 4> kCurved = {7, 8, 9, 13};  ///< that only large disc
 constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels inside their rim
 constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for sectors
 constexpr int kRounds = 4;            ///< of weights, the first all alike
-constexpr int kRoundsFromNear = 2;    ///< where the start already tells the weights
+constexpr int kRoundsFromNear = 2;    ///< where the start already yields the weights
 constexpr int kSteps = 25;            ///< for given weights, at most
 constexpr double kTukey = 6;          ///< sd: what is further off does not count
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Normal matrix, gradient and cost; what small discs do not have is held.
 RimSums normal_equations(const RimParameters& p, const RimPixels& pixels, bool curved) {
@@ -79,7 +74,7 @@ struct Influence {
 Influence weigh(const std::vector<double>& residuals, RimPixels& pixels) {
   std::vector<double> sizes(residuals.size());
   std::ranges::transform(residuals, sizes.begin(), [](double r) { return std::abs(r); });
-  const double scale = std::max(0.3, 1.4826 * median_of(sizes));
+  const double scale = std::max(0.3, kNormalMad * median(sizes));
   Influence sums;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const double t = residuals[i] / (kTukey * scale), rest = std::max(0.0, 1 - t * t);
@@ -138,7 +133,7 @@ bool rim_curves(const RimParameters& p) {
 
 double rim_band(const RimParameters& p) {
   const double band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
-  // A level that may curve needs pixels to tell its slope by.
+  // The slope of a level that may curve must be fixed by pixels.
   return rim_curves(p) ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
 }
 

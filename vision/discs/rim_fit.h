@@ -31,7 +31,7 @@ RimPixels rim_pixels(const Picture& picture, const Circle& circle, double band);
 /// The band that holds the blurred edge and enough of either side, px.
 double rim_band(const RimParameters& parameters);
 
-/// Large enough a disc for its levels to curve, and to tell that by.
+/// Whether the disc is large enough for the curvature of its levels to be fitted.
 bool rim_curves(const RimParameters& parameters);
 
 struct RimFit {
@@ -45,7 +45,7 @@ struct RimFitOptions {
   double damping = 1e-3;     ///< to begin with
   double on_the_way = 1e-3;  ///< px: a step below it is the last where the weights are to change yet
   double tolerance = 1e-5;   ///< px: likewise at the end
-  bool from_near = false;    ///< the start is that of a frame before: it tells which pixels do not belong
+  bool from_near = false;    ///< the start is the fit of a frame before: good enough to weigh pixels by
 };
 
 /// Levenberg-Marquardt, first all pixels alike unless the start is near, then with Tukey's weights. Changes

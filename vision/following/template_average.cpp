@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -32,9 +33,7 @@ std::vector<Seen> follow_some(FrameSource& source, const Picture& first, std::in
 double median_score(const std::vector<Seen>& seen) {
   std::vector<double> scores;
   for (const Seen& s : seen) scores.push_back(s.ncc);
-  const auto middle = scores.begin() + static_cast<std::ptrdiff_t>(scores.size() / 2);
-  std::nth_element(scores.begin(), middle, scores.end());
-  return *middle;
+  return median(scores);
 }
 
 /// Adds the frame, moved back by the pose, to the sums over `area`. False where it reaches out of the

@@ -6,13 +6,14 @@
 
 #include "vision/io/window.h"
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kFrames = 16;         ///< followed
 constexpr int kSoonest = 6;         ///< frames after the first: a coder repeats what it has for some
-constexpr std::size_t kFewest = 4;  ///< comparisons that say something
+constexpr std::size_t kFewest = 4;  ///< comparisons from which to conclude
 constexpr double kRim = 2.5;        ///< px inside the rim that are not texture
 constexpr double kReturns = 0.3;    ///< of the correlation that the noise leaves
 constexpr int kBorder = 8;          ///< px for the spline
@@ -101,9 +102,7 @@ bool texture_returns(FrameSource& source, const Picture& first, std::int64_t ind
     seen.push_back(best);
   }
   if (seen.size() < kFewest) return true;
-  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
-  std::nth_element(seen.begin(), middle, seen.end());
-  return *middle >= kReturns * expected;
+  return median(seen) >= kReturns * expected;
 }
 
 }  // namespace tribotrack::vision

@@ -1,16 +1,18 @@
-// What covers the template (glare, a hand) or is not explained by it.
+// TemplateRegistration, robustness: pixels that do not belong to the template (glare, a hand) are trimmed,
+// and what the template does not explain enters the covariance.
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/median.h"
 #include "vision/kernels/outlier_pixels.h"
 #include "vision/registration/registration.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kStrangeEdge = 3;     ///< px about what covers the template that are half covered
-constexpr double kMaxTrim = 0.4;       ///< more than this share of strange pixels: it is not the template
-constexpr double kUsual = 4 * 1.4826;  ///< median sizes of the residual
+constexpr double kOutlierEdge = 3;         ///< px about a covering object that are half covered
+constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
+constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
 
 }  // namespace
 
@@ -28,19 +30,17 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
     std::vector<float> sizes;
     for (std::size_t i = 0; i < mask_.size(); ++i)
       if (base_weight_[i] > 0) sizes.push_back(residual_[i]);
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    limit = std::max(least, kUsual * static_cast<double>(*middle));
+    limit = std::max(least, kUsual * static_cast<double>(median(sizes)));
   }
-  strange_.resize(mask_.size());
-  tile_kernels().mark(residual_, static_cast<float>(limit), strange_);
-  // A texture that has turned is strange wherever it is, until its angle is found.
-  if (!options_.rotation) spread_strangers(places_, kStrangeEdge, strange_);
+  outliers_.resize(mask_.size());
+  tile_kernels().mark(residual_, static_cast<float>(limit), outliers_);
+  // A texture that has turned does not match anywhere until its angle is found.
+  if (!options_.rotation) spread_outliers(places_, kOutlierEdge, outliers_);
   std::size_t count = 0;
   for (std::size_t i = 0; i < mask_.size(); i += kTile) {
-    if (!any_in_row(strange_.data() + i)) continue;
+    if (!any_in_row(outliers_.data() + i)) continue;
     for (std::size_t k = i; k < i + kTile; ++k) {
-      if (strange_[k] == 0 || !(base_weight_[k] > 0)) continue;
+      if (outliers_[k] == 0 || !(base_weight_[k] > 0)) continue;
       arrays_.weight[k] = 0;
       ++count;
     }

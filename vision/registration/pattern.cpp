@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/median.h"
+
 namespace tribotrack::vision {
 namespace {
-
-float median_of(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Profile at a fractional distance, linear between whole ones.
 double profile_at(const std::vector<float>& profile, double rho) {
@@ -54,7 +50,7 @@ std::vector<float> radial_profile(const Picture& picture, const Point& centre, d
     }
   std::vector<float> profile(rings.size());
   for (std::size_t k = 0; k < rings.size(); ++k)
-    profile[k] = !rings[k].empty() ? median_of(rings[k]) : k > 0 ? profile[k - 1] : 0.0F;
+    profile[k] = !rings[k].empty() ? median(rings[k]) : k > 0 ? profile[k - 1] : 0.0F;
   if (rings[0].empty()) profile[0] = profile[1];
   return profile;
 }
@@ -79,8 +75,8 @@ Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPattern
       const double rho = std::hypot(x + x0 - disc.x, y + y0 - disc.y);
       if (rho > mask) continue;
       const bool outside = rho > disc.radius + 0.5;
-      const bool strange = std::abs(first.at(x + x0, y + y0) - profile_at(profile, rho)) > foreign;
-      pattern.weights.at(x, y) = outside && strange ? 0.0F : 1.0F;
+      const bool differs = std::abs(first.at(x + x0, y + y0) - profile_at(profile, rho)) > foreign;
+      pattern.weights.at(x, y) = outside && differs ? 0.0F : 1.0F;
     }
   return pattern;
 }

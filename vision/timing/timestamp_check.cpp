@@ -1,24 +1,19 @@
-#include "vision/time_base.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "vision/kernels/median.h"
+#include "vision/time_base.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr double kTolerance = 1e-3;        ///< of a step
 constexpr std::size_t kShortest = 3;       ///< steps of a stretch
-constexpr double kLongestGap = 1000;       ///< steps; more is no gap but a stamp from elsewhere
+constexpr double kLongestGap = 1000;       ///< steps; more is no gap but a foreign timestamp
 constexpr std::size_t kMostStretches = 8;  ///< more are no changes of a setting but a rate that varies
-constexpr std::size_t kMostTold = 5;       ///< findings of a kind that are written out
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr std::size_t kMostListed = 5;     ///< findings of a kind that are written out
 
 /// Groups of at least kShortest consecutive equal steps; what lies between them belongs to none.
 std::vector<SteadyStretch> stretches_of(const std::vector<double>& steps, double tolerance) {
@@ -49,12 +44,12 @@ StampCheck check_stamps(std::span<const double> times_s, double tick_s) {
   if (times_s.size() < 2) return check;
   std::vector<double> steps;
   for (std::size_t k = 1; k < times_s.size(); ++k) steps.push_back(times_s[k] - times_s[k - 1]);
-  const double usual = median_of(steps);
+  const double usual = median(std::vector(steps));
   const double tolerance = std::max(kTolerance, 2 * tick_s / usual);
   check.rate_hz = 1 / usual;
   std::vector<double> off;
   for (const double step : steps) off.push_back(std::abs(step / usual - 1));
-  check.jitter = median_of(off);
+  check.jitter = median(off);
   check.uniform = *std::max_element(off.begin(), off.end()) <= tolerance;
   if (check.uniform) {
     check.stretches = {{0, static_cast<std::int64_t>(steps.size()), check.rate_hz}};
@@ -90,29 +85,29 @@ std::vector<std::string> findings(const StampCheck& check, std::int64_t first_nu
   if (check.variable)
     out.push_back(
         fmt::format("the time between frames varies all along (median {:.6g} s, half of the steps within "
-                    "{:.2g} % of it): "
-                    "every frame has the time of its own stamp",
+                    "{:.2g} % of it): each frame is timed by its own timestamp",
                     1 / check.rate_hz, 100 * check.jitter));
   if (check.stretches.size() > 1) {
     std::string text = "the rate changes within the shot:";
     for (const SteadyStretch& s : check.stretches)
       text += fmt::format(" {:.6g} Hz from image {} to {},", s.rate_hz, number(s.first), number(s.last));
     text.back() = ';';
-    out.push_back(text + " every frame has the time of its own stamp");
+    out.push_back(text + " each frame is timed by its own timestamp");
   }
   std::int64_t missing = 0;
   for (const MissingFrames& gap : check.missing) missing += gap.count;
-  for (std::size_t k = 0; k < std::min(kMostTold, check.missing.size()); ++k)
-    out.push_back(fmt::format("{} {} missing between image {} and {}, by the time stamps",
+  for (std::size_t k = 0; k < std::min(kMostListed, check.missing.size()); ++k)
+    out.push_back(fmt::format("{} {} missing between image {} and {}, by the timestamps",
                               check.missing[k].count, check.missing[k].count == 1 ? "frame is" : "frames are",
                               number(check.missing[k].after), number(check.missing[k].after + 1)));
-  if (check.missing.size() > kMostTold)
+  if (check.missing.size() > kMostListed)
     out.push_back(fmt::format("{} frames are missing in {} places in all", missing, check.missing.size()));
-  for (std::size_t k = 0; k < std::min(kMostTold, check.strays.size()); ++k)
-    out.push_back(fmt::format(
-        "the stamp of image {} is far from those of its neighbours: it does not belong to the recording; "
-        "leave it out with --frames",
-        number(check.strays[k])));
+  for (std::size_t k = 0; k < std::min(kMostListed, check.strays.size()); ++k)
+    out.push_back(
+        fmt::format("the timestamp of image {} is far from those of its neighbours: it does not belong to "
+                    "the recording; "
+                    "leave it out with --frames",
+                    number(check.strays[k])));
   return out;
 }
 
