@@ -1,19 +1,16 @@
-#include "vision/millimetres.h"
-
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <stdexcept>
+
+#include "vision/millimetres.h"
 
 namespace tribotrack::vision {
 namespace {
 
-/// Chi-squared exceeded once in 1000, by the cube-root law of Wilson and Hilferty (1931), good to 1 % from 2
-/// degrees of freedom on; 10.83 for one.
+/// Chi-squared exceeded once in 1000.
 double chi2_of_one_in_thousand(int degrees) {
-  if (degrees == 1) return 10.828;
-  constexpr double normal = 3.0902;  // exceeded once in 1000
-  const double spread = 2 / (9.0 * degrees);
-  return degrees * std::pow(1 - spread + normal * std::sqrt(spread), 3);
+  return quantile(complement(boost::math::chi_squared(degrees), 1e-3));
 }
 
 }  // namespace

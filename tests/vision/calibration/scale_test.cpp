@@ -72,6 +72,16 @@ TEST(PooledScale, RimsThatScatterMoreThanTheyKnowStillShareOneScale) {
   EXPECT_NEAR(pooled.scale.mm_per_px, 0.1, 1e-12);
 }
 
+TEST(PooledScale, ScatterIsNeededBeyondTheExactQuantile) {
+  // Two degrees of freedom: chi-squared exceeds x with probability exp(-x / 2), so one in 1000 is 13.8155.
+  for (const double chi2 : {13.80, 13.83}) {
+    const double off = 1e-4 * std::sqrt(chi2 / 2);
+    const std::vector<Scale> scales = {{0.1 - off, 1e-4, "a"}, {0.1, 1e-4, "a"}, {0.1 + off, 1e-4, "a"}};
+    EXPECT_NEAR(pooled_scale(scales).chi2, chi2, 1e-9);
+    EXPECT_EQ(pooled_scale(scales).scatter > 0, chi2 > 13.8155) << chi2;
+  }
+}
+
 TEST(PooledScale, ChanceIsBlamedAsOftenAsStated) {
   const unsigned seed = 5;
   SCOPED_TRACE(seed);
