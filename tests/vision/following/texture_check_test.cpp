@@ -45,22 +45,22 @@ bool returns(const std::vector<Picture>& exact, double noise, double noise_said)
   return texture_returns(source, frames.front(), 0, kFrames - 1, disc, follow);
 }
 
-TEST(TextureProof, MarksThatAreAnewInEveryFrameAreNoTexture) {
+TEST(TextureCheck, MarksThatAreAnewInEveryFrameAreNoTexture) {
   // As a coder leaves them: what differs between frames elsewhere says that there is hardly any noise.
   EXPECT_FALSE(returns(drifting(0, 0, 0), 2, 0.2));
 }
 
-TEST(TextureProof, ScratchesComeAgainWhetherTheDiscTurnsOrNot) {
+TEST(TextureCheck, ScratchesComeAgainWhetherTheDiscTurnsOrNot) {
   for (const double spin : {0.0, 0.004, 0.05})
     for (const double noise : {0.5, 2.0})
       EXPECT_TRUE(returns(drifting(8, 0, spin), noise, noise)) << spin << ' ' << noise;
 }
 
-TEST(TextureProof, AReflectionThatStandsStillIsLeftToTheLayersToTell) {
+TEST(TextureCheck, AReflectionThatStandsStillIsLeftToTheLayersToTell) {
   EXPECT_TRUE(returns(drifting(0, 60, 0.05), 1, 1));
 }
 
-TEST(TextureProof, TooFewFramesSayNothing) {
+TEST(TextureCheck, TooFewFramesSayNothing) {
   std::vector<Picture> frames = drifting(0, 0, 0);
   frames.resize(5);
   std::vector<Picture> noisy;

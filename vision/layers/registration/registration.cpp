@@ -264,7 +264,7 @@ std::size_t LayeredRegistration::trim(const LayerLight& light) {
     strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim);
   }
   // While the layers are learnt what is strange may be their own.
-  if (std::isfinite(usual_)) spread_strangers(places_, kStrangeEdge, strange);
+  if (std::isfinite(usual_)) spread_outliers(places_, kStrangeEdge, strange);
   std::size_t count = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     if (strange[i] == 0 || counts_[i] == 0) continue;

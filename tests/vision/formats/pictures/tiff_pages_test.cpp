@@ -66,7 +66,7 @@ TEST_F(TiffPagesTest, ARingIsDamageNotForever) {
 
 TEST_F(TiffPagesTest, NoTiff) {
   write_bytes(file("a.tif"), FileBytes(20, 'x'));
-  EXPECT_THAT(refusal(), HasSubstr("no TIFF"));
+  EXPECT_THAT(refusal(), HasSubstr("not a TIFF"));
 }
 
 }  // namespace
