@@ -206,9 +206,9 @@ void print_explanation(const vision::TrackResult& result) {
     fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
   double total = 0;
   for (const auto& stage : result.stage_times) total += stage.seconds;
-  fmt::print(stderr, "{:<28} {:>9} {:>6}\n", "time of each stage", "s", "share");
+  fmt::print(stderr, "{:<30} {:>9} {:>6}\n", "time of each stage", "s", "share");
   for (const auto& stage : result.stage_times)
-    fmt::print(stderr, "  {:<26} {:>9.4f} {:>4.0f} %\n", stage.name, stage.seconds,
+    fmt::print(stderr, "  {:<28} {:>9.4f} {:>4.0f} %\n", stage.name, stage.seconds,
                100 * stage.seconds / total);
 }
 
