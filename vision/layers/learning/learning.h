@@ -1,7 +1,7 @@
 // Learning the layers from kept windows: which disc, rim, ground, noise, and where in each window?
 //
 // Each sweep learns the pictures from the windows in their present states, then measures the windows over
-// these pictures: alternating least squares, accelerated (fixed_point.h) because a shift that goes with the
+// these pictures: alternating least squares, accelerated (anderson_acceleration.h) because a shift that goes with the
 // disc's place on the platform is told from a ground under the rim only slowly.
 #pragma once
 

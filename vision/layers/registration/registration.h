@@ -44,7 +44,7 @@ class LayeredRegistration {
 
   void set_noise(const NoiseLaw& noise);
   /// Once the layers are learnt, rim_chi_squared of the usual frame: one far above holds something that
-  /// neither layer has, and how far that may have drawn the disc goes into its covariance (layered_scatter).
+  /// neither layer has, and how far that may have drawn the disc goes into its covariance (cluster_sandwich.cpp).
   void set_usual(double rim_chi_squared) { usual_ = rim_chi_squared; }
   /// Light that is taken out of the pictures handed in: levels there are 1 / L as sure, and unseen ones do
   /// not count. Keeps the pointer; null without.
