@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -90,7 +91,14 @@ class Trajectory {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Integrates a scenario. Throws InvalidParameter (bad scenario) or std::runtime_error (max_steps).
+/// The motion was not followed to its end within IntegrationOptions::max_steps.
+class StepLimitExceeded : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Integrates a scenario. Throws InvalidParameter (no such motion), StepLimitExceeded, or
+/// std::invalid_argument (bad options).
 Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options = {});
 
 }  // namespace tribotrack::model

@@ -63,7 +63,7 @@ Json minima_json(const fit::FitResult& result, double mm_per_px) {
 }
 
 /// Null where no driven track was fitted.
-Json slow_json(const fit::SlowErrors& slow) {
+Json slow_json(const fit::CorrelatedErrors& slow) {
   if (!(slow.time > 0)) return {};
   return {{"time_s", slow.time},
           {"drift_mm", slow.drift * 1e3},
@@ -220,7 +220,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["scatter_mm"] = result.scatter * 1e3;
   json["scatter_along_m"] = result.scatter_along;
   json["scatter_across_m"] = result.scatter_across;
-  json["slow_errors"] = slow_json(result.slow_errors);
+  json["slow_errors"] = slow_json(result.correlated_errors);
   json["minima"] = minima_json(result, reference_mm_per_px(runs));
   json["covariance_meaning"] = result.covariance_meaning;
   json["identifiability"] = {{"verdict", word_for(result.identifiability.verdict)},

@@ -12,6 +12,7 @@
 #include "model/series/rest_series.h"
 #include "model/solver/piece.h"
 #include "model/solver/solver_input.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::model::internal {
 
@@ -110,8 +111,8 @@ class Stepper {
   double strength_bound() const { return drive_bound_ + value(kappa()); }
   void count_step() {
     if (++counts.steps > max_steps_)
-      throw std::runtime_error("integrate: more than max_steps = " + std::to_string(max_steps_) +
-                               " steps; raise IntegrationOptions::max_steps or shorten the run");
+      throw StepLimitExceeded("integrate: more than max_steps = " + std::to_string(max_steps_) +
+                              " steps; raise IntegrationOptions::max_steps or shorten the run");
     contact_ = {reduced_, false};
   }
   Piece<T> begin_piece() {
