@@ -7,7 +7,10 @@
 
 #include "vision/cramer_rao_bound.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
@@ -55,4 +58,4 @@ TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench
