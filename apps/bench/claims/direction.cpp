@@ -6,7 +6,10 @@
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -214,4 +217,4 @@ PaperClaim alpha_over_amplitude(bool quick) {
   return claim;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

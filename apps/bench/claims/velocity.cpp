@@ -4,7 +4,10 @@
 
 #include "apps/bench/claims/sweeps.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -204,4 +207,4 @@ PaperClaim effect_of_tilt(bool quick) {
   return claim;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

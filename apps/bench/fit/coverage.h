@@ -8,7 +8,7 @@
 
 #include "fit/problem.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
 
 struct CoverageOptions {
   int campaigns = 1000;
@@ -20,7 +20,7 @@ struct CoverageOptions {
 
 /// One campaign: its data and its truth.
 struct CoverageCampaign {
-  Problem problem;
+  fit::Problem problem;
   std::vector<double> truth;  ///< in the order of problem.free, SI
   bool slipping = true;       ///< mu1 g < A w^2: never sticks; else it may stop between the pulses
   bool tilted = false;        ///< an unknown tilt, fitted
@@ -48,4 +48,4 @@ struct CoverageRow {
 
 std::vector<CoverageRow> coverage(const CoverageOptions& options = {});
 
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

@@ -7,7 +7,7 @@
 
 #include "apps/bench/model/bench.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 /// One kind of sweep, solved side by side in one instruction set and by the scalar integrator in the best.
 /// CPU times of one thread, per scenario: medians, the competitors taken in turn.
@@ -30,4 +30,4 @@ struct BatchBenchRow {
 
 std::vector<BatchBenchRow> bench_batch(const ModelBenchOptions& options = {});
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -9,7 +9,7 @@
 
 #include "apps/bench/peers/peer.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 struct ModelBenchOptions {
   bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: for tests
@@ -22,7 +22,7 @@ struct ModelBenchOptions {
 /// A scene of the comparison: 20 cycles from rest (2 when quick).
 struct BenchScene {
   std::string name;
-  Scenario scenario;
+  model::Scenario scenario;
   /// False: explicit methods hang there, so the library's own result at its tightest tolerance is the
   /// reference instead of the independent one in extended precision.
   bool independent_reference = true;
@@ -76,4 +76,4 @@ struct ModelExtremeRow {
 
 std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& options = {});
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

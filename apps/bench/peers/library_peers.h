@@ -8,7 +8,7 @@
 
 #include "apps/bench/peers/peer.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
 
 /// How the switching friction is put before a smooth solver.
 enum class Switching {
@@ -29,4 +29,4 @@ std::vector<BenchPeer> all_peers();
 /// The libraries this build was made without, such as "SUNDIALS"; empty where it has both.
 std::vector<std::string> missing_libraries();
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
 
 struct PairedTiming {
   int rounds = 7;
@@ -59,4 +59,4 @@ inline std::vector<MedianTime> paired_medians(const std::vector<std::function<vo
   return result;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
 
 struct VisionBenchOptions {
   bool quick = false;  ///< one small disc, few frames: for tests
@@ -37,4 +37,4 @@ struct VisionBenchRow {
 /// cv::phaseCorrelate, the grey centroid about Otsu's threshold. Decoding is left out for all.
 std::vector<VisionBenchRow> bench_vision(const VisionBenchOptions& options = {});
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -7,7 +7,10 @@
 
 #include "vision/plain_disc_bound.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
@@ -56,4 +59,4 @@ TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

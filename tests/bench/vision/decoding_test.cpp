@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 TEST(BenchDecoding, EveryCodingIsWrittenDecodedAndTracked) {
@@ -20,4 +23,4 @@ TEST(BenchDecoding, EveryCodingIsWrittenDecodedAndTracked) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

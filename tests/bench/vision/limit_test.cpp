@@ -4,7 +4,10 @@
 
 #include <cstdio>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 /// More than 2000 error components on scenes of the analytic renderer.
@@ -57,4 +60,4 @@ TEST(VisionLimit, QuickRunHasBothPlans) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -26,7 +26,7 @@ struct Fitted {
 };
 
 Problem campaign() {
-  Problem problem = simulated_campaign({0.1, 0.0125, 0.15}, 17);
+  Problem problem = bench::simulated_campaign({0.1, 0.0125, 0.15}, 17);
   problem.prior[FitParameter::mu2] = {0.012, 0.002};
   return problem;
 }
@@ -90,7 +90,7 @@ TEST(CurvedResiduals, RefitsAreThoseOfDescents) {
 
 /// A direction the data do not see has no second order worth the name.
 TEST(CurvedResiduals, NoneWithAFlatDirection) {
-  const Fitted fitted(simulated_campaign({0.1, 0.0125, 0.15}, 17));
+  const Fitted fitted(bench::simulated_campaign({0.1, 0.0125, 0.15}, 17));
   Minimum flat = fitted.best;
   flat.jacobian.col(1).setZero();
   EXPECT_FALSE(CurvedResiduals::about(fitted.residuals, flat, 1));

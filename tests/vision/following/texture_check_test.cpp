@@ -37,8 +37,8 @@ std::vector<Picture> drifting(int scratches, double highlight, double spin) {
 
 bool returns(const std::vector<Picture>& exact, double noise, double noise_said) {
   std::vector<Picture> frames;
-  for (std::size_t k = 0; k < exact.size(); ++k) frames.push_back(recorded(exact[k], noise, k));
-  FramesInMemory source(frames);
+  for (std::size_t k = 0; k < exact.size(); ++k) frames.push_back(bench::recorded(exact[k], noise, k));
+  MemorySource source(frames, bench::kFrameRate);
   FollowOptions follow;
   follow.noise_variance = noise_said * noise_said + 1.0 / 12;
   const Pattern disc = disc_pattern(frames.front(), {50, 50, kRadius});
@@ -64,8 +64,8 @@ TEST(TextureCheck, TooFewFramesSayNothing) {
   std::vector<Picture> frames = drifting(0, 0, 0);
   frames.resize(5);
   std::vector<Picture> noisy;
-  for (std::size_t k = 0; k < frames.size(); ++k) noisy.push_back(recorded(frames[k], 2, k));
-  FramesInMemory source(noisy);
+  for (std::size_t k = 0; k < frames.size(); ++k) noisy.push_back(bench::recorded(frames[k], 2, k));
+  MemorySource source(noisy, bench::kFrameRate);
   FollowOptions follow;
   follow.noise_variance = 0.1;
   EXPECT_TRUE(
