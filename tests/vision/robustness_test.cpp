@@ -335,7 +335,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      GlareSpot{"Middling", 25, 40}, GlareSpot{"BrightWide", 60, 80})),
     spot_name);
 
-TEST(StandingLight, IsNotLookedForTwiceWhereThereIsNone) {
+TEST(StaticIllumination, IsNotLookedForTwiceWhereThereIsNone) {
   Recording r;
   r.scene.platform.texture_rms = 8;
   const Outcome o = followed("even light", r);

@@ -44,7 +44,7 @@ StageCurve rim_curve(const RimProfile& rim) {
   return curve;
 }
 
-void show_illumination(const StandingLight& light, DebugSink& sink) {
+void show_illumination(const StaticIllumination& light, DebugSink& sink) {
   StagePicture gain{.name = "layers_illumination_gain",
                     .title = "static illumination: gain L of I = L scene + H",
                     .levels = light.gain(),

@@ -34,7 +34,7 @@ struct KeptWindow {
   bool sees(double place_x, double place_y) const {
     const int i = static_cast<int>(std::lround(place_x)) - x, j = static_cast<int>(std::lround(place_y)) - y;
     return i >= 0 && j >= 0 && i < picture.width() && j < picture.height() &&
-           !StandingLight::unseen(picture.at(i, j));
+           !StaticIllumination::unseen(picture.at(i, j));
   }
 };
 

@@ -26,12 +26,12 @@ struct MeasuredSlope {
   double variance = 0;              ///< of each
 };
 
-class LightField {
+class IlluminationSlope {
  public:
   /// Nothing is known.
-  LightField() = default;
+  IlluminationSlope() = default;
   /// At least four slopes.
-  explicit LightField(std::span<const MeasuredSlope> slopes);
+  explicit IlluminationSlope(std::span<const MeasuredSlope> slopes);
 
   /// With the variance of a frame's own light about the field (lamps are not linear, flicker is not even) and
   /// of the field at this place.
