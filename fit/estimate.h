@@ -39,7 +39,7 @@ struct FitOptions {
   int bootstrap = 0;  ///< refits to simulated data; 0: none, 400 give the ends of intervals to about 10 %
   unsigned bootstrap_seed = 1;  ///< of their noise; recorded in the result
   /// Progress callback, from one thread at a time: stages are "starts", "bootstrap", ...
-  std::function<void(const char* stage, std::size_t done, std::size_t total)> progress;
+  std::function<void(const char* stage, std::size_t done, std::size_t total)> progress = {};
 
   /// Throws std::invalid_argument naming the option.
   void validate() const;

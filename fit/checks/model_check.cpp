@@ -147,13 +147,14 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
       result.models.back().sentence = strength_text(kind, rival, unknowns.reference_frequency());
     }
   } else {
-    result.left_out.push_back(!rest ? "Rival friction laws are compared for runs that start at rest only."
-                              : explained ? "Rival friction laws were not tried: tilt explains the residuals."
-                              : tracks    ? "Rival friction laws were not compared for tracks: that takes "
-                                            "seconds; ask for it with --compare-models."
-                                          : "Rival friction laws were not tried: the residuals look like "
-                                            "scatter, not like a wrong law (runs test p = " +
-                                             number(result.runs_test_p_value, 2) + ").");
+    result.left_out.push_back(
+        !rest       ? "Alternative friction laws are compared for runs that start at rest only."
+        : explained ? "Alternative friction laws were not tried: tilt explains the residuals."
+        : tracks    ? "Alternative friction laws were not compared for tracks: that takes "
+                      "seconds; --compare-models does it."
+                    : "Alternative friction laws were not tried: the residuals look like "
+                      "scatter, not like a wrong law (runs test p = " +
+                       number(result.runs_test_p_value, 2) + ").");
   }
   conclude(result);
 }
@@ -196,7 +197,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   const bool surprised = result.p_value < kSurprise;
   result.runs_test_p_value = runs_test(residuals, best);
   if (!surprised && !options.rivals) {
-    result.left_out.push_back("Tilt and rival friction laws were not tried: chi2 is no surprise (p = " +
+    result.left_out.push_back("Tilt and alternative friction laws were not tried: chi2 is no surprise (p = " +
                               number(result.p_value, 2) + ").");
     return;
   }
@@ -205,7 +206,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   if (!few.best().converged || few.best().jacobian.rows() == 0) return;
   compare_models(few.residuals(), few.best(), options, result);
   result.left_out.push_back(
-      "Models were compared at no more than some hundred points of each track, their slow errors "
+      "Models were compared at no more than some hundred points of each track, their correlated errors "
       "counted.");
 }
 

@@ -56,7 +56,7 @@ Outlier describe(const SummaryRun& run, double deviation, double probability, st
   outlier.deviation = deviation;
   outlier.chance = probability;
   outlier.sentence = "Run '" + run.name + "' lies " + number(deviation, 2) +
-                     " sigma from what all other runs say (chance " + number(probability, 1) +
+                     " sigma from the fit to all other runs (chance " + number(probability, 1) +
                      "); check its phi, dtau and label";
   if (phi) {
     outlier.looks_like_phi = *phi < 0 ? *phi + 2 * std::numbers::pi : *phi;

@@ -139,7 +139,7 @@ class Search {
     next.angular_frequency = forecast.candidate.angular_frequency;
     if (aim) next.aim = unknowns_.parameter(*aim);
     next.sentence = aim ? std::string("For ") + to_string(*next.aim) + " alone film"
-                        : std::string(own_drive ? "Film next" : "More would tell");
+                        : std::string(own_drive ? "Film next" : "More informative");
     if (!own_drive) next.sentence += ", if the platform can be driven so,";
     next.sentence += " phi = " + number(next.phi / std::numbers::pi) +
                      " pi, dtau = " + number(next.dtau / std::numbers::pi) + " pi";

@@ -43,9 +43,8 @@ std::optional<std::string> stuck_throughout(const Problem& problem) {
     take(run.scenario);
   }
   if (!(held > 0)) return std::nullopt;
-  return "No run moved beyond its error: the part sticks throughout. All this tells is that friction, "
-         "reduced "
-         "or not, held it: mu1 and mu2 above A w^2/g = " +
+  return "No run moved beyond its error: the part sticks throughout. The data only show that friction, "
+         "reduced or not, held it: mu1 and mu2 above A w^2/g = " +
          number(held) + ". Drive harder (A w^2 above mu1 g), or check that the actuator works.";
 }
 

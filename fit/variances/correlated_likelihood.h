@@ -18,7 +18,7 @@ struct CorrelatedLikelihood {
   std::array<Eigen::MatrixXd, kErrorParts> by_variance;  ///< of the covariance
 };
 
-/// See slow_variances.h for the formula.
+/// See correlated_variances.h for the formula.
 CorrelatedLikelihood correlated_likelihood_at(const CorrelatedSums& sums, const PartNumbers& variances);
 
 }  // namespace tribotrack::fit::internal

@@ -65,7 +65,7 @@ class Campaigns {
 Decision decide(const char* name, double scatter, double factor, unsigned seed) {
   const Campaigns campaigns(scatter);
   const std::vector<double> truth = campaigns.truth();
-  SequentialCoverage coverage;
+  SequentialCoverage coverage(0.01);
   std::array<IntervalTrials, 3> trials;
   for (int k = 0; k < kMostCampaigns && !coverage.decided(); ++k) {
     const FitResult result = campaigns.fit(seed, k);
