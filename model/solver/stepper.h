@@ -1,4 +1,6 @@
-// The part between two edges: stretches of one friction law, step by step, through stops and releases.
+// Eq. (5) integrated between two pulse edges, where mu is constant: advance() holds a sticking part to its
+// release and carries a slipping one by long arcs, Taylor series, or, near zero speed, in polar coordinates
+// to a stop.
 #pragma once
 
 #include <cmath>
@@ -58,7 +60,7 @@ class Stepper {
   void advance(double target);
   /// From here on the other law holds.
   void apply(const Edge<T>& edge);
-  /// The same instant, told from the next cycle's begin.
+  /// The same instant, counted from the next cycle's begin.
   void enter_next_cycle() {
     s_ = s_ == kTwoPi ? 0 : (s_ - kTwoPi) - kTwoPiRest;
     cycle_ += 1;

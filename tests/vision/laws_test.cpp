@@ -16,6 +16,10 @@ namespace {
 
 constexpr double kRadius = 12, kNoise = 1.5, kRate = 500;
 constexpr int kFrames = 40;
+/// px: what may differ where pixels are the same but lie elsewhere. The registration stops at a step of 1e-4
+/// px, of which Gauss-Newton leaves a few hundredths, and the noise is estimated from other pixels (2e-6 px
+/// were seen, at standard deviations of 4.5e-3 px).
+constexpr double kElsewhere = 1e-5;
 
 using Frames = std::vector<Picture>;
 
@@ -118,7 +122,7 @@ TEST(TrackerLaws, AShiftByWholePixelsShiftsTheTrack) {
                                [dx = dx, dy = dy](Point p) {
                                  return Point{p.x + dx, p.y + dy};
                                }),
-              1e-9);
+              kElsewhere);
   }
 }
 
@@ -139,18 +143,18 @@ TEST(TrackerLaws, AMirroredRecordingHasAMirroredTrack) {
   const int w = recording()[0].width(), h = recording()[0].height();
   const auto across = tracked(moved(w, h, [&](const Picture& p, int x, int y) { return p.at(w - 1 - x, y); }),
                               {w - 1 - truth(0).x, truth(0).y, kRadius});
-  EXPECT_LT(largest_distance(across, [&](Point p) { return Point{w - 1 - p.x, p.y}; }), 1e-6);
+  EXPECT_LT(largest_distance(across, [&](Point p) { return Point{w - 1 - p.x, p.y}; }), kElsewhere);
   const auto upside_down =
       tracked(moved(w, h, [&](const Picture& p, int x, int y) { return p.at(x, h - 1 - y); }),
               {truth(0).x, h - 1 - truth(0).y, kRadius});
-  EXPECT_LT(largest_distance(upside_down, [&](Point p) { return Point{p.x, h - 1 - p.y}; }), 1e-6);
+  EXPECT_LT(largest_distance(upside_down, [&](Point p) { return Point{p.x, h - 1 - p.y}; }), kElsewhere);
 }
 
 TEST(TrackerLaws, ARecordingTurnedByARightAngleHasATurnedTrack) {
   const int w = recording()[0].width(), h = recording()[0].height();
   const auto points = tracked(moved(h, w, [&](const Picture& p, int x, int y) { return p.at(y, h - 1 - x); }),
                               {h - 1 - truth(0).y, truth(0).x, kRadius});
-  EXPECT_LT(largest_distance(points, [&](Point p) { return Point{h - 1 - p.y, p.x}; }), 1e-6);
+  EXPECT_LT(largest_distance(points, [&](Point p) { return Point{h - 1 - p.y, p.x}; }), kElsewhere);
 }
 
 TEST(TrackerLaws, FramesInReverseOrderGiveTheSamePlaces) {

@@ -1,4 +1,4 @@
-// What Kilikevicius et al. 2021 say about the motion (sections 2.2 and 4), computed again: where it is
+// What Kilikevicius et al. 2021 state about the motion (sections 2.2 and 4), computed again: where it is
 // exactly true, where nearly, where not. Each verdict follows from the figures beside it.
 #pragma once
 
@@ -35,7 +35,7 @@ struct PaperClaim {
 };
 
 struct ClaimOptions {
-  bool quick = false;  ///< coarser sweeps: for tests
+  bool quick = false;  ///< coarser sweeps: a check that it works
   std::function<void(int done, int total)> progress;
 };
 

@@ -1,4 +1,4 @@
-// What the paper says about the end state and the direction alpha.
+// What the paper states about the end state and the direction alpha.
 #include <algorithm>
 #include <cstdio>
 

@@ -1,4 +1,4 @@
-// Sweeps of alpha and v for the table of model/claims.h.
+// Sweeps of alpha and v for the table of claims.h.
 #pragma once
 
 #include <cmath>

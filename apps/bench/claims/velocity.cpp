@@ -1,4 +1,4 @@
-// What the paper says about the mean velocity v, and what a tilt of the platform does to both.
+// What the paper states about the mean velocity v, and what a tilt of the platform does to both.
 #include <algorithm>
 #include <cstdio>
 

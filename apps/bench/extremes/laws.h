@@ -1,4 +1,4 @@
-// The laws that model/extremes.h demands, and the collector of its cases.
+// The laws of extremes.h, and the collector of its cases.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@
 namespace tribotrack::bench {
 
 struct FitBenchOptions {
-  bool quick = false;  ///< few campaigns of short runs: for tests
+  bool quick = false;  ///< few campaigns of short runs: a check that it works
   std::function<void(int done, int total)> progress;
 };
 

@@ -86,7 +86,7 @@ CoverageCampaign coverage_campaign(std::uint64_t seed, int index) {
     SummaryRun run;
     run.name = "run" + std::to_string(problem.summary_runs.size() + 1);
     run.scenario = scenario;
-    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // nothing of the truth is told
+    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // the fit does not see the truth
     run.scenario.friction.lag = run.scenario.drive.tilt_x = run.scenario.drive.tilt_y = 0;
     const double sigma = 0.01 * exact.norm() + 1e-6;
     run.measured.vector = exact + sigma * Eigen::Vector2d(normal(random), normal(random));

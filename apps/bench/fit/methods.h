@@ -9,7 +9,7 @@
 
 namespace tribotrack::bench {
 
-/// What a method says of one campaign, on the axes mu1, mu2, lag.
+/// What a method estimates from one campaign, on the axes mu1, mu2, lag.
 struct BenchAnswer {
   Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), sd = estimate, low = estimate, high = estimate;
   bool converged = false;

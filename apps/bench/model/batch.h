@@ -22,7 +22,7 @@ struct BatchBenchRow {
   double time_lanes = 0;   ///< s
   double speedup = 0;      ///< time_scalar / time_lanes
   /// A sweep of 1000 x 1000 on two cores, s: extrapolated, and in the last row of all measured on the wall's
-  /// clock (of as many as `scenarios` says), what other programs took included.
+  /// clock (of `scenarios` scenarios), the load of other programs included.
   double million = 0;
   double difference = 0;  ///< largest distance between the two solutions, in amplitudes of the drive; NaN too
   int repetitions = 0;

@@ -12,7 +12,7 @@
 namespace tribotrack::bench {
 
 struct ModelBenchOptions {
-  bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: for tests
+  bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: a check that it works
   /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean: what this build has of
   /// others (peers/library_peers.h).
   std::vector<BenchPeer> peers;
@@ -56,7 +56,7 @@ struct ModelBenchRow {
 
 std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options = {});
 
-/// One stiff or extreme scenario of model/extremes.h.
+/// One stiff or extreme scenario of extremes/extremes.h.
 struct ModelExtremeRow {
   std::string name;
   bool finite = false;

@@ -21,7 +21,7 @@ struct DormandPrinceOptions {
   double velocity_tolerance = 1e-6;  ///< absolute, m/s
   double max_step = 0;               ///< s; 0: none
   /// Stops at every friction switch and starts anew, sees stops (friction exceeds the drive and the velocity
-  /// has turned round or is below stop_speed) and releases. Without it mu is whatever the clock says and
+  /// has turned round or is below stop_speed) and releases. Without it mu is taken at each step's time and
   /// the part never sticks: it chatters.
   bool segmented = false;
   double stop_speed = 1e-6;  ///< m/s; what is left of the path, stop_speed^2 / (2 deceleration), is dropped
@@ -40,7 +40,7 @@ DormandPrinceOptions segmented_dormand_prince(const model::Scenario& scenario, d
 PeerResult dormand_prince(const model::Scenario& scenario, const DormandPrinceOptions& options);
 
 /// The same method in extended precision (64-bit mantissa), segmented, at 1e-17 of the scene's scales unless
-/// told otherwise: an end point independent of the library's integrator, good to about 1e-16 of the path.
+/// given otherwise: an end point independent of the library's integrator, good to about 1e-16 of the path.
 /// Slow (about a second).
 PeerResult extended_precision_reference(const model::Scenario& scenario, double tolerance = 1e-17);
 

@@ -9,7 +9,7 @@
 namespace tribotrack::bench {
 
 struct VisionBenchOptions {
-  bool quick = false;  ///< one small disc, few frames: for tests
+  bool quick = false;  ///< one small disc, few frames: a check that it works
   std::function<void(int done, int total)> progress;
 };
 

@@ -93,7 +93,7 @@ void write(const Path& path, const VisionDecodingOptions& options, const fs::pat
   for (auto& one : sinks) one->close();
 }
 
-/// The rate is the user's word: containers of a playback rate prove none.
+/// The rate is given: a container states a playback rate only.
 std::unique_ptr<FrameSource> open(const fs::path& file) {
   return open_source(file, SourceOptions{kFrameRate});
 }

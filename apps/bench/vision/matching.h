@@ -20,11 +20,11 @@ class PositionMethod {
   virtual vision::Point locate() = 0;
 };
 
-/// Those built on OpenCV (one thread each as OpenCV is told, see bench_vision).
+/// Those built on OpenCV (bench_vision limits OpenCV to one thread).
 std::vector<std::unique_ptr<PositionMethod>> peer_position_methods(const vision::Picture& first,
                                                                    const vision::Circle& disc);
 
-/// Tells OpenCV to use this many threads; returns how many it used before.
+/// Sets the number of OpenCV's threads; returns the number before.
 int set_opencv_threads(int count);
 
 }  // namespace tribotrack::bench

@@ -50,7 +50,9 @@ TEST(PeersLibrary, SegmentedOnesConvergeToTheReference) {
       ++seen;
     }
   }
-  if (peers::missing_libraries().empty()) EXPECT_GE(seen, 8);
+  if (peers::missing_libraries().empty()) {
+    EXPECT_GE(seen, 8);
+  }
 }
 
 TEST(PeersLibrary, ByTheClockTheyAreWithinMicrometresWhereNothingSticks) {
@@ -65,7 +67,9 @@ TEST(PeersLibrary, ByTheClockTheyAreWithinMicrometresWhereNothingSticks) {
     EXPECT_GT((result.position - reference.position).norm(), 0) << peer.name;
     ++seen;
   }
-  if (peers::missing_libraries().empty()) EXPECT_GE(seen, 5);
+  if (peers::missing_libraries().empty()) {
+    EXPECT_GE(seen, 5);
+  }
 }
 
 TEST(PeersLibrary, GivesUpAfterMaxSteps) {

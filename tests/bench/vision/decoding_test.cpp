@@ -4,8 +4,6 @@
 
 namespace tribotrack::bench {
 
-using namespace vision;
-
 namespace {
 
 TEST(BenchDecoding, EveryCodingIsWrittenDecodedAndTracked) {

@@ -6,8 +6,6 @@
 
 namespace tribotrack::bench {
 
-using namespace vision;
-
 namespace {
 
 /// More than 2000 error components on scenes of the analytic renderer.
