@@ -214,7 +214,8 @@ bool is_current(const std::filesystem::path& csv, const std::string& key) {
   if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
   try {
     const Json json = read_json(meta);
-    return json.is_object() && json.value("key", Json()) == key;
+    track_facts_from(json, meta);  // throws where it is damaged
+    return json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
     return false;  // damaged, or not ours: track again
   }
