@@ -25,7 +25,8 @@ double common_of_rim(const AnalysedRun& run) {
   return radius > 0 ? summary->value("disc_radius_common_sd_px", 0.0) / radius : 0;
 }
 
-/// The same track at another scale.
+}  // namespace
+
 void rescale(TrackFile& track, const vision::Scale& scale) {
   const double factor = scale.mm_per_px / *track.mm_per_px;
   for (auto* lengths : {&track.table.position, &track.table.marker})
@@ -36,8 +37,6 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
   track.mm_per_px = scale.mm_per_px;
   track.mm_per_px_sd = scale.sd;
 }
-
-}  // namespace
 
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
   std::vector<vision::Scale> scales;

@@ -13,7 +13,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/report.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"
 
@@ -209,7 +209,7 @@ void run_command(const RunOptions& options, Context& context) {
   meta.configuration = campaign.effective_configuration();
   write_file(folder.fit(), text_of(json));
   meta.write_beside(folder.fit());
-  write_file(folder.report(), report_page_of(folder));
+  write_file(folder.report(), report_page({campaign, runs, result, shared, meta.json(), folder}));
   write_log(folder, options, runs, logs, seconds_since(begun), threads_to_use(context));
 
   fmt::print("{}report {}\n", parameter_table(json), folder.report().string());

@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kSchemaVersion = 1;
-
 void add_file(XXH3_state_t* state, const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream)

@@ -18,6 +18,9 @@ using Json = nlohmann::ordered_json;
 /// InvalidInput.
 std::string hash_of_input(const std::filesystem::path& path);
 
+/// Of the result files; stands in their meta files.
+inline constexpr int kSchemaVersion = 1;
+
 /// X.meta.json for result X: program and schema version, input hashes, effective configuration, and whatever
 /// a command adds (time base, plan with predicted savings). Nothing volatile: same inputs, same bytes.
 struct MetaFile {

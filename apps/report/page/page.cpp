@@ -1,5 +1,7 @@
 #include "apps/report/page/page.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <map>
 #include <stdexcept>
@@ -41,17 +43,29 @@ std::string trajectory_section(const ReportData& data) {
          picture_section(data) + "</section>\n";
 }
 
+/// What the page is of, and by which program.
+std::string subtitle_of(const ReportData& data) {
+  std::string text = "tribotrack";
+  if (!data.program_version.empty()) text += " " + escape_html(data.program_version);
+  if (!data.runs.empty())
+    text += fmt::format(", {} run{}", data.runs.size(), data.runs.size() == 1 ? "" : "s");
+  if (!data.parameters.empty()) text += ": friction parameters fitted to them";
+  return text;
+}
+
 }  // namespace
 
-std::string render_report(const ReportData& data) {
+std::string page_of(const ReportData& data) {
   const std::string title = escape_html(data.title);
   const std::string body = verdict_section(data) + parameter_section(data) + check_section(data) +
                            next_section(data) + dependence_section(data) + trajectory_section(data) +
                            platform_section(data) + residual_section(data) + slide_section(data) +
                            run_section(data) + plan_section(data) + provenance_section(data);
+  const std::string subtitle = subtitle_of(data);
   const std::string figures = figures_json(data);
   const EmbeddedAssets& assets = embedded_assets();
   return fill_template(assets.page_template, {{"title", title},
+                                              {"subtitle", subtitle},
                                               {"style", assets.report_css},
                                               {"body", body},
                                               {"figures", figures},
