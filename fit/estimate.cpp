@@ -104,7 +104,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
 
   const Search search = multi_start(residuals, options);
   if (search.minima.empty())
-    throw DataError("The model cannot be evaluated at any start: check the drive and [fit.start].");
+    throw DataError("The model cannot be evaluated at any start: check the drive and [fit.guess].");
   FitResult result;
   result.starts_screened = search.screened;
   result.starts = search.starts;
@@ -174,7 +174,7 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   tell_minima(residuals, search, excess, result);
   if (!result.converged)
     result.warnings.push_back(
-        "The fit did not converge: start nearer ([fit.start]) or fit fewer parameters.");
+        "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
   if (options.next_experiment) {
     const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian,
                                                   *std::max_element(t.begin(), t.end()), options);

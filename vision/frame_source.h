@@ -1,6 +1,23 @@
 // Frames from a recording, whatever its format, at its native depth.
+//
+// A frame is a Picture of grey levels 0 .. 2^bits - 1, linear in the light where the format says how (the
+// companding of Phantom's P10 is undone, colour becomes luma); pixel (x, y) has its centre at whole x, y, the
+// origin is the upper left pixel, y points down. Times are seconds, the middle of the exposure, 0 at the
+// recording's first stored image. Everything that cannot be read, or not without guessing, is an InputError
+// that names file, place and remedy.
+//
+//   const auto source = open_source("run.cine");
+//   Picture frame;
+//   for (std::int64_t k = 0; k < source->info().frame_count; ++k) {
+//     source->read(k, source->bounds(), frame);
+//     std::cout << source->number(k) << " " << source->time_s(k) << " s: " << frame.at(10, 20) << "\n";
+//   }
+//
+// time_s() needs a time base: container files often state a playback rate only. Check
+// info().time_base.known() first and give SourceOptions::frame_rate_hz where it is not.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -25,15 +42,20 @@ struct SourceInfo {
   /// Any window of a frame costs the decoding of the whole frame, out of order that of others too.
   bool decoded = false;
   std::int64_t frame_count = 0;
-  std::int64_t first_number =
-      0;  ///< the recording's own number of its first stored image (0 unless it has numbers)
+  /// The recording's own number of its first stored image (0 unless it has numbers).
+  std::int64_t first_number = 0;
   TimeBase time_base;
   std::optional<double> exposure_s;  ///< of the first frame where it varies
   std::vector<double> exposures_s;   ///< one per frame where the camera wrote them down, else empty
-  std::optional<double> black_level, white_level;  ///< grey levels as handed out, where the file says them
-  std::string camera;                              ///< empty where the file does not say
-  std::string trigger_time;                        ///< ISO 8601 UTC, empty where the file does not say
+  /// Grey levels of black and white as handed out, where the file states them: the header of a .cine, or
+  /// video in limited range (16 and 235, scaled to the depth).
+  std::optional<double> black_level, white_level;
+  std::string camera;              ///< empty where the file does not state it
+  std::string trigger_time;        ///< ISO 8601 UTC, empty where the file does not state it
   std::vector<std::string> notes;  ///< what a user should know: companding undone, colour turned to luma, ...
+
+  /// Grey level from which on a pixel is saturated.
+  double clipping_level() const { return white_level.value_or(std::ldexp(1.0, bits) - 1); }
 };
 
 /// Random access to frames. index runs 0 .. frame_count - 1; number = first_number + index. Not thread-safe:
@@ -46,7 +68,7 @@ class FrameSource {
   /// Time of the middle of a frame's exposure, s; 0 at that of the recording's first stored image. Needs a
   /// time base.
   double time_s(std::int64_t index) const { return info_.time_base.time_s(index); }
-  /// How long a frame was exposed, s; nothing where the file does not say. time_s is the middle of it.
+  /// How long a frame was exposed, s; nothing where the file does not state it. time_s is the middle of it.
   std::optional<double> exposure_s(std::int64_t index) const {
     return info_.exposures_s.empty() ? info_.exposure_s : info_.exposures_s[static_cast<std::size_t>(index)];
   }
@@ -65,19 +87,28 @@ class FrameSource {
 };
 
 struct SourceOptions {
-  std::optional<double> frame_rate_hz;  ///< the user's word: beats what the file says
+  std::optional<double> frame_rate_hz;  ///< given by the user: overrides what the file states
 };
 
 /// Opens a Phantom .cine, anything libav decodes, a multi-page TIFF, a directory of pictures (natural sort),
-/// or a printf pattern such as "dir/%05d.png". Throws InputError. A recording whose capture rate cannot be
-/// told opens all the same, with time_base.rate_hz empty and the reasons in its candidates: what needs times
+/// or a printf pattern such as "dir/%05d.png". Throws InputError. A recording whose capture rate is unknown
+/// opens all the same, with time_base.rate_hz empty and the reasons in its candidates: code that needs times
 /// must refuse it.
 std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,
                                          const SourceOptions& options = {});
 
+/// The files whose bytes decide what open_source(path) hands out: the recording itself; the pictures of a
+/// folder or pattern, in the order of the frames, and nothing that lies beside them; the camera's text file
+/// (.cih, .cihx) that states the capture rate. Throws InputError where there is no such recording.
+std::vector<std::filesystem::path> files_of_recording(const std::filesystem::path& path);
+
+/// Whether the file's name holds one number to be filled in, as in "dir/%05d.png". The name alone decides, so
+/// it holds for recordings that are still to be written.
+bool is_number_pattern(const std::filesystem::path& path);
+
 /// Keeps OpenCV's own functions on the calling thread, for the whole process: recordings are worked on side
-/// by side, one a thread, and a thread count the user gives then means what it says. A program's own choice,
-/// so main() calls it.
+/// by side, one per thread, so that a thread count given by the user holds. This is the program's choice, so
+/// main() calls it.
 void keep_to_calling_thread();
 
 }  // namespace tribotrack::vision

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/program/progress.h"
+#include "apps/campaign/problem.h"
+#include "apps/files/scenario_file.h"
 
 namespace tribotrack::apps {
 
@@ -262,16 +263,6 @@ std::string parameter_table(const Json& fit) {
     table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", name, number(p["estimate"]), number(p["sd"]),
                          number(p["ci95"][0]), number(p["ci95"][1]));
   return table;
-}
-
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                            const Context& context, fit::FitOptions options) {
-  options.threads = threads_to_use(context);
-  StageProgress progress(context.quiet);
-  options.progress = [&progress](const char* stage, std::size_t done, std::size_t total) {
-    progress.update(std::string("fit, ") + stage, done, total);
-  };
-  return fit::estimate(problem_of(campaign, runs), options);
 }
 
 std::vector<std::string> remedies(const fit::FitResult& result) {

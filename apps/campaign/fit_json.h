@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign/analysis.h"
+#include "apps/campaign/conditions.h"
 #include "apps/files/campaign.h"
-#include "apps/files/meta_file.h"
-#include "apps/program/context.h"
+#include "apps/text/json.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::apps {
@@ -31,11 +30,6 @@ std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector
 /// One line per parameter on stdout: name, estimate, sd, low and high end of the 95 % interval,
 /// blank-separated.
 std::string parameter_table(const Json& fit);
-
-/// With the command's threads, telling its progress; `options` hold what was asked for beyond the campaign
-/// file.
-fit::FitResult fit_campaign(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                            const Context& context, fit::FitOptions options = {});
 
 /// Why an unusable fit is none, and what to do: one sentence for each thing the data cannot tell, and the run
 /// to film next. Empty for a usable one.

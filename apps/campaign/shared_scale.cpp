@@ -10,19 +10,14 @@ namespace tribotrack::apps {
 namespace {
 
 bool scaled_by_diameter(const AnalysedRun& run) {
-  if (!run.failure.empty() || !run.track || !run.track->mm_per_px || !run.track->mm_per_px_sd) return false;
-  const auto scale = run.track->meta.find("scale");
-  return scale != run.track->meta.end() && scale->is_object() &&
-         scale->value("source", "") == "part's diameter";
+  return run.failure.empty() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
+         run.track->facts.scale_source == "part's diameter";
 }
 
 /// What the rim's model leaves of a highlight: relative to the radius, the same in every recording.
 double common_of_rim(const AnalysedRun& run) {
-  const auto summary = run.track->meta.find("summary");
-  if (summary == run.track->meta.end() || !summary->is_object()) return 0;
-  const Json disc = summary->value("disc_px", Json());
-  const double radius = disc.is_array() && disc.size() == 3 ? disc[2].get<double>() : 0;
-  return radius > 0 ? summary->value("disc_radius_common_sd_px", 0.0) / radius : 0;
+  const TrackFacts& facts = run.track->facts;
+  return facts.disc_radius_px > 0 ? facts.disc_radius_common_sd_px / facts.disc_radius_px : 0;
 }
 
 }  // namespace
@@ -48,15 +43,14 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
     }
   if (scales.size() < 2) return std::nullopt;
   SharedScale shared;
-  const double common =
-      std::hypot(campaign.diameter_mm ? campaign.diameter_sd_mm / *campaign.diameter_mm : 0, of_rim);
+  const PartSection& part = campaign.part;
+  const double common = std::hypot(part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0, of_rim);
   shared.pooled = vision::pooled_scale(scales, common);
   shared.used = shared.pooled.one_scale;
   if (!shared.used) {
     shared.finding = fmt::format(
         "the part's diameter is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): "
-        "did "
-        "the camera move? each keeps the scale of its own",
+        "did the camera move? each keeps its own scale",
         shared.pooled.count, 100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;
   }
@@ -64,15 +58,18 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
       "{} recordings share one scale, {:.6g} +- {:.2g} mm/px (chi2 {:.3g}{})", shared.pooled.count,
       shared.pooled.scale.mm_per_px, shared.pooled.scale.sd, shared.pooled.chi2,
       shared.pooled.scatter > 0
-          ? fmt::format("; beyond their own sds they scatter by {:.2g} %, as rims on differing "
-                        "ground do: the mean's sd holds it",
+          ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as rims on differing "
+                        "backgrounds do: the sd of the mean includes it",
                         100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
           : "");
   for (AnalysedRun& run : runs) {
     if (!scaled_by_diameter(run)) continue;
-    TrackFile track = std::move(*run.track);
-    rescale(track, shared.pooled.scale);
-    run = analyse(campaign, *run.run, std::move(track));
+    rescale(*run.track, shared.pooled.scale);
+    try {
+      measure_again(campaign, run);
+    } catch (const std::exception& error) {
+      run.failure = failure_of(*run.run, error);
+    }
   }
   return shared;
 }

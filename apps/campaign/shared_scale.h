@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign/analysis.h"
+#include "apps/campaign/conditions.h"
 #include "vision/millimetres.h"
 
 namespace tribotrack::apps {
@@ -18,9 +18,9 @@ struct SharedScale {
 };
 
 /// Where two or more runs are scaled by the part's diameter and one scale explains them, all get the mean
-/// (vision/scale.h) and are analysed again with it: each run's noise in the radius is then no longer one of
-/// its own. Where none does (the camera moved, another part) each keeps its own. Nothing for fewer
-/// than two such runs.
+/// (vision::pooled_scale) and are measured again with it: the noise of each run's radius is then common to
+/// all. Where none does (the camera moved, another part) each keeps its own. A run that cannot be measured
+/// again has failed. Nothing for fewer than two such runs.
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs);
 
 /// The same track at another scale.

@@ -1,21 +1,16 @@
 #include "apps/campaign/track_recording.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
+
+#include <utility>
 
 #include "apps/files/calibration_file.h"
-#include "apps/files/track_file.h"
+#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
-#include "apps/text/output_file.h"
-#include "vision/millimetres.h"
 
 namespace tribotrack::apps {
 
 namespace {
-
-Json circle_json(const vision::Circle& circle) {
-  return Json::array({circle.x, circle.y, circle.radius});
-}
 
 Json target_json(const vision::Target& target) {
   using Kind = vision::Target::Kind;
@@ -57,60 +52,66 @@ std::optional<vision::PlaneGeometry> geometry_of(const RecordingJob& job, const 
                                vision::ScalePlane::part_top, parallax);
 }
 
-template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
+Json configuration_of(const RecordingJob& job, const std::optional<Input>& calibration) {
+  return {{"frame_rate_hz", optional_json(job.frame_rate_hz)},
+          {"mm_per_px", optional_json(job.mm_per_px)},
+          {"mm_per_px_sd", job.mm_per_px_sd},
+          {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
+          {"diameter_mm", optional_json(job.diameter_mm)},
+          {"diameter_sd_mm", job.diameter_sd_mm},
+          {"height_mm", optional_json(job.height_mm)},
+          {"working_distance_mm", optional_json(job.working_distance_mm)},
+          {"xi_axis_rad", job.xi_axis_rad},
+          {"target", target_json(job.track.target)},
+          {"marker", marker_json(job.track.marker)},
+          {"gate", circle_json(job.track.gate)},
+          {"first_frame", optional_json(job.track.first_frame)},
+          {"last_frame", optional_json(job.track.last_frame)},
+          {"min_ncc", job.track.min_ncc},
+          {"max_lost_share", job.track.max_lost_share},
+          {"search_margin_px", job.track.search_margin_px},
+          {"layers", job.track.layers == vision::Layers::automatic ? "auto"
+                     : job.track.layers == vision::Layers::on      ? "on"
+                                                                   : "off"}};
 }
 
 }  // namespace
 
-Json RecordingJob::configuration() const {
-  return {{"frame_rate_hz", optional_json(frame_rate_hz)},
-          {"mm_per_px", optional_json(mm_per_px)},
-          {"mm_per_px_sd", mm_per_px_sd},
-          {"calibration", calibration ? Json(hash_of_input(*calibration)) : Json()},
-          {"diameter_mm", optional_json(diameter_mm)},
-          {"diameter_sd_mm", diameter_sd_mm},
-          {"height_mm", optional_json(height_mm)},
-          {"working_distance_mm", optional_json(working_distance_mm)},
-          {"xi_axis_rad", xi_axis_rad},
-          {"target", target_json(track.target)},
-          {"marker", marker_json(track.marker)},
-          {"gate", track.gate ? circle_json(*track.gate) : Json()},
-          {"first_frame", optional_json(track.first_frame)},
-          {"last_frame", optional_json(track.last_frame)},
-          {"min_ncc", track.min_ncc},
-          {"max_lost_share", track.max_lost_share},
-          {"search_margin_px", track.search_margin_px},
-          {"layers", track.layers == vision::Layers::automatic ? "auto"
-                     : track.layers == vision::Layers::on      ? "on"
-                                                               : "off"}};
+PreparedJob prepare(RecordingJob job) {
+  PreparedJob prepared;
+  std::vector<std::filesystem::path> files = {job.video};
+  if (job.calibration) files.push_back(*job.calibration);
+  prepared.state = InputState(files);
+  prepared.inputs.push_back(hashed_recording(job.video));
+  if (job.calibration) prepared.inputs.push_back(hashed_input(*job.calibration));
+  prepared.configuration =
+      configuration_of(job, job.calibration ? std::optional(prepared.inputs[1]) : std::nullopt);
+  prepared.key =
+      hash_of_text(TRIBOTRACK_VERSION + prepared.configuration.dump() + prepared.inputs[0].xxh3_128);
+  prepared.job = std::move(job);
+  return prepared;
 }
 
-std::string RecordingJob::key() const {
-  const std::string text = TRIBOTRACK_VERSION + configuration().dump() + hash_of_input(video);
-  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
-TrackedRecording track_recording(const RecordingJob& job) {
-  const auto source = vision::open_source(job.video, {job.frame_rate_hz});
-  if (!source->info().time_base.known())
-    throw vision::InputError(
-        fmt::format("{}: {}", job.video.string(), source->info().time_base.why_unknown()));
+TrackedRecording track_recording(const PreparedJob& prepared) {
+  const RecordingJob& job = prepared.job;
+  TrackedRecording recording;
+  recording.source = vision::open_source(job.video, {job.frame_rate_hz});
+  const vision::SourceInfo& info = recording.info();
+  if (!info.time_base.known())
+    throw vision::InputError(fmt::format("{}: {}", job.video.string(), info.time_base.why_unknown()));
   if (!job.mm_per_px && !job.calibration && job.diameter_mm &&
       job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
-  TrackedRecording recording;
-  recording.result = vision::track(*source, job.track);
-  recording.info = source->info();
+  recording.result = vision::track(*recording.source, job.track);
+  prepared.state.require_unchanged();
   vision::TrackSummary& summary = recording.result.summary;
   try {
-    if (const auto geometry = geometry_of(job, recording.info, summary)) {
+    if (const auto geometry = geometry_of(job, info, summary)) {
       recording.geometry = geometry->as_needed(recording.result.track, summary.limit_px, summary.plan);
       recording.scale = recording.geometry->part_scale();
     }
+    recording.rows = track_rows(recording.result.track, recording.geometry, job.xi_axis_rad);
   } catch (const std::invalid_argument& error) {
     throw InvalidInput(fmt::format("{}: {}", job.video.string(), error.what()));
   } catch (const std::domain_error& error) {
@@ -118,6 +119,38 @@ TrackedRecording track_recording(const RecordingJob& job) {
                                    job.video.string(), error.what()));
   }
   return recording;
+}
+
+TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording) {
+  const vision::SourceInfo& info = recording.info();
+  const vision::TrackSummary& summary = recording.result.summary;
+  TrackFacts facts;
+  if (recording.scale) {
+    facts.mm_per_px = recording.scale->mm_per_px;
+    facts.mm_per_px_sd = recording.scale->sd;
+    facts.scale_source = recording.scale->source;
+  }
+  facts.xi_axis_rad = prepared.job.xi_axis_rad;
+  facts.exposure_s = info.exposure_s;
+  if (info.format == "cine" && info.time_base.rate_hz)
+    facts.trigger_time_s = -static_cast<double>(info.first_number) / *info.time_base.rate_hz;
+  if (recording.result.track.has_gate) facts.gate_clipped_share = summary.gate_clipped_share;
+  facts.disc_radius_px = summary.disc.radius;
+  facts.disc_radius_common_sd_px = summary.disc_radius_common_sd;
+  facts.frames = summary.frames;
+  facts.lost_counted = summary.lost_counted;
+  facts.accepted = summary.gate_passed;
+  facts.platform_from_texture = recording.result.track.has_marker && summary.texture_patch.width > 0;
+  facts.recorded_in = prepared.inputs;
+  facts.frame_rate_hz = info.time_base.rate_hz;
+  facts.time_base = info.time_base.source;
+  facts.width_px = info.width;
+  facts.height_px = info.height;
+  facts.in_camera_frame = !recording.result.track.has_marker;
+  facts.warnings = summary.warnings;
+  for (const vision::PlanStage& stage : summary.plan)
+    facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
+  return track_file_of(recording.rows, facts, prepared.job.video);
 }
 
 Json summary_json(const TrackedRecording& recording) {
@@ -139,8 +172,8 @@ Json summary_json(const TrackedRecording& recording) {
                {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
                {"limit_px", s.limit_px},
-               {"frame_rate_hz", optional_json(recording.info.time_base.rate_hz)},
-               {"time_base", recording.info.time_base.source},
+               {"frame_rate_hz", optional_json(recording.info().time_base.rate_hz)},
+               {"time_base", recording.info().time_base.source},
                {"mm_per_px", recording.scale ? Json(recording.scale->mm_per_px) : Json()},
                {"warnings", s.warnings}};
   if (recording.result.track.has_gate) {
@@ -151,24 +184,23 @@ Json summary_json(const TrackedRecording& recording) {
   return json;
 }
 
-void write_track(const std::filesystem::path& csv, const RecordingJob& job,
-                 const TrackedRecording& recording) {
+Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
+                  const TrackedRecording& recording) {
   MetaFile meta;
   meta.command = "track";
-  meta.inputs = {job.video};
-  if (job.calibration) meta.inputs.push_back(*job.calibration);
-  meta.configuration = job.configuration();
-  meta.more["key"] = job.key();
-  meta.more["time_base"] = json_of(recording.info.time_base);
-  meta.more["recording"] = {{"format", recording.info.format},
-                            {"codec", recording.info.codec},
-                            {"width", recording.info.width},
-                            {"height", recording.info.height},
-                            {"bits", recording.info.bits},
-                            {"frames", recording.info.frame_count},
-                            {"first_image", recording.info.first_number},
-                            {"exposure_s", optional_json(recording.info.exposure_s)},
-                            {"notes", recording.info.notes}};
+  meta.inputs = prepared.inputs;
+  meta.configuration = prepared.configuration;
+  meta.more["key"] = prepared.key;
+  meta.more["time_base"] = json_of(recording.info().time_base);
+  meta.more["recording"] = {{"format", recording.info().format},
+                            {"codec", recording.info().codec},
+                            {"width", recording.info().width},
+                            {"height", recording.info().height},
+                            {"bits", recording.info().bits},
+                            {"frames", recording.info().frame_count},
+                            {"first_image", recording.info().first_number},
+                            {"exposure_s", optional_json(recording.info().exposure_s)},
+                            {"notes", recording.info().notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
   if (recording.result.track.has_marker)
     meta.more["platform_seen_by"] = recording.result.summary.texture_patch.width > 0 ? "texture" : "marker";
@@ -181,17 +213,19 @@ void write_track(const std::filesystem::path& csv, const RecordingJob& job,
                            : Json();
   meta.more["summary"] = summary_json(recording);
   meta.more["plan"] = json_of(recording.result.summary.plan);
-  write_file(csv, track_csv(recording.result.track, recording.geometry, job.xi_axis_rad));
-  meta.write_beside(csv);
+  const std::string table = track_csv(recording.rows);
+  write_result(csv, table, meta);
+  return hashed_input(csv, table);
 }
 
 bool is_current(const std::filesystem::path& csv, const std::string& key) {
   const std::filesystem::path meta = csv.string() + ".meta.json";
   if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
   try {
-    return read_json(meta).value("key", "") == key;
+    const Json json = read_json(meta);
+    return json.is_object() && json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
-    return false;  // half a file from elsewhere: make it anew
+    return false;  // a damaged file from elsewhere: make it anew
   }
 }
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/track_file.h"
+#include "apps/text/input_file.h"
+#include "apps/text/json.h"
 #include "vision/frame_source.h"
 #include "vision/millimetres.h"
 #include "vision/track.h"
@@ -22,30 +25,47 @@ struct RecordingJob {
   std::optional<std::filesystem::path> calibration;  ///< of the camera; beats diameter_mm
   std::optional<double> diameter_mm;                 ///< of the part's top
   double diameter_sd_mm = 0;
-  std::optional<double> height_mm;  ///< of the part's top above the platform
-  std::optional<double>
-      working_distance_mm;  ///< from the lens to the platform; a calibration knows it itself
+  std::optional<double> height_mm;            ///< of the part's top above the platform
+  std::optional<double> working_distance_mm;  ///< from the lens to the platform; a calibration has its own
   double xi_axis_rad = 0;
   vision::TrackOptions track;
-  Json configuration() const;  ///< effective, for the meta file
-  /// What the result depends on: program version, configuration and the video's bytes.
-  std::string key() const;
 };
 
+/// A job and the content of its inputs, taken before they are read: what stands in the meta file of the track
+/// is what was tracked.
+struct PreparedJob {
+  RecordingJob job;
+  std::vector<Input> inputs;  ///< the recording and, where there is one, the calibration
+  Json configuration;         ///< effective, for the meta file
+  /// What the track depends on: program version, configuration and the bytes of the inputs. A track with this
+  /// key in its meta file is current.
+  std::string key;
+  InputState state;
+};
+
+/// Reads the recording once, to hash it. Throws InvalidInput.
+PreparedJob prepare(RecordingJob job);
+
 struct TrackedRecording {
-  vision::SourceInfo info;
+  std::unique_ptr<vision::FrameSource> source;  ///< still open, for pictures of the track
   vision::TrackResult result;
   std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
   std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
+  TrackRows rows;                                 ///< the table
+  const vision::SourceInfo& info() const { return source->info(); }
 };
 
 /// Throws vision::InputError where the recording cannot be tracked, with the flag to give where its frame
-/// rate is unknown.
-TrackedRecording track_recording(const RecordingJob& job);
+/// rate is unknown; InvalidInput where it has changed since it was prepared.
+TrackedRecording track_recording(const PreparedJob& prepared);
 
-/// Writes T.csv and T.csv.meta.json.
-void write_track(const std::filesystem::path& csv, const RecordingJob& job,
-                 const TrackedRecording& recording);
+/// The track as measuring takes it, the same to the last bit as read back from the files of write_track().
+/// `inputs` stay empty.
+TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording);
+
+/// Writes T.csv and T.csv.meta.json. Returns T.csv with its hash.
+Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
+                  const TrackedRecording& recording);
 
 /// Summary of the track as JSON (`track --json`, meta file).
 Json summary_json(const TrackedRecording& recording);

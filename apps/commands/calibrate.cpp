@@ -8,7 +8,9 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/calibration_file.h"
+#include "apps/files/meta_file.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "vision/calibration.h"
@@ -52,22 +54,26 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
   return board;
 }
 
-void print(const vision::CalibrationResult& result) {
+void print_table(const vision::CalibrationResult& result) {
   const auto& c = result.calibration;
-  fmt::print("{} x {} pixels, {:.6g} +- {:.2g} mm/px on the platform, {:.1f} mm from the lens's pupil\n",
-             c.width, c.height, c.mm_per_px, c.mm_per_px_sd, c.distance_mm());
-  fmt::print("focal length {:.1f} x {:.1f} px, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx,
-             c.lens.fy, c.lens.cx, c.lens.cy, result.model);
-  fmt::print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9} {:>9}  picture\n", result.rms_px, "corners",
-             "rms px", "worst px", "tilt deg");
+  print("{} x {} pixels, {:.6g} +- {:.2g} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width,
+        c.height, c.mm_per_px, c.mm_per_px_sd, c.distance_mm());
+  print("focal length {:.1f} x {:.1f} px, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx, c.lens.fy,
+        c.lens.cx, c.lens.cy, result.model);
+  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9} {:>9}  picture\n", result.rms_px, "corners",
+        "rms px", "worst px", "tilt deg");
   for (const auto& p : result.pictures)
-    fmt::print("{:>8} {:>9.4f} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.worst_px,
-               p.tilt_rad * 180 / std::numbers::pi, p.name);
+    print("{:>8} {:>9.4f} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.worst_px,
+          p.tilt_rad * 180 / std::numbers::pi, p.name);
 }
 
 void calibrate_command(const CalibrateOptions& options, Context& context) {
   const vision::CalibrationBoard board = board_of(options);
-  require_writable(options.output);
+  std::vector<std::filesystem::path> read;
+  for (const std::string& input : options.inputs)
+    for (const auto& file : files_of_input(input)) read.push_back(file);
+  for (const auto& file : files_of_input(options.plane)) read.push_back(file);
+  require_writable({{options.output}}, read);
   const vision::CalibrationPicture plane = vision::calibration_picture(options.plane);
   const std::vector<std::filesystem::path> inputs(options.inputs.begin(), options.inputs.end());
   const vision::CalibrationResult result =
@@ -75,20 +81,19 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
   const Json json = calibration_json(result);
   MetaFile meta;
   meta.command = "calibrate";
-  meta.inputs = inputs;
-  meta.inputs.emplace_back(options.plane);
+  for (const auto& input : inputs) meta.inputs.push_back(hashed_recording(input));
+  meta.inputs.push_back(hashed_recording(options.plane));
   meta.configuration = {{"squares", options.squares},
                         {"square_mm", board.square_mm},
                         {"square_relative_sd", board.square_relative_sd},
                         {"marker_mm", board.marker_mm},
                         {"dictionary", board.dictionary}};
-  write_file(options.output, text_of(json));
-  meta.write_beside(options.output);
+  write_result(options.output, text_of(json), meta);
   for (const auto& left_out : result.left_out) say(context.quiet, "left out: " + left_out);
   if (options.json)
-    fmt::print("{}", text_of(json));
+    print_text(text_of(json));
   else
-    print(result);
+    print_table(result);
 }
 
 }  // namespace
@@ -112,7 +117,7 @@ void add_calibrate(CLI::App& app, Context& context) {
   add_number(command, "--square-mm", options->square_mm, "Side of a square");
   command.get_option("--square-mm")->required();
   add_number(command, "--square-sd-mm", options->square_sd_mm,
-             "How well that is known: enters the scale's sd");
+             "Standard deviation of that side: enters the sd of the scale");
   add_number(command, "--marker-mm", options->marker_mm, "The board is a ChArUco board; side of its markers");
   command.add_option("--dictionary", options->dictionary, "Of the ChArUco board's markers (default 4x4_50)")
       ->type_name("NAME");

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <iostream>
 #include <string>
 
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
+#include "apps/text/strict_toml.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
@@ -28,10 +30,6 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
           },
           help)
       ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");
-}
-
-void complain(const std::string& message) {
-  fmt::print(stderr, "tribotrack: {}\n", message);
 }
 
 void add_commands(CLI::App& app, Context& context) {
@@ -71,6 +69,39 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
   add_parsed(command, flag, value, help, parse_number, "a finite number");
 }
 
+namespace {
+
+/// "; did you mean `track`?" for a command or an option that does not exist but is nearly one that does.
+std::string nearest_to(const CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  const std::string word = argc > 1 ? argv[1] : "";
+  const auto suggest = [](const std::string& near) {
+    return near.empty() ? "" : fmt::format("; did you mean `{}`?", near);
+  };
+  if (std::find(commands.begin(), commands.end(), word) == commands.end())
+    return word.starts_with('-') ? "" : suggest(nearest_word(word, commands));
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : app.get_subcommand(word)->get_options())
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  for (int k = 2; k < argc; ++k) {
+    const std::string flag = std::string(argv[k]).substr(0, std::string(argv[k]).find('='));
+    if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
+    return suggest(nearest_word(flag, flags));
+  }
+  return "";
+}
+
+/// Help and version go to stdout, through CLI11's own printing.
+int print_help(const CLI::App& app, const CLI::ParseError& error) {
+  app.exit(error);
+  std::cout.flush();
+  if (!std::cout) throw WriteError("write error: standard output takes no more");
+  return kDone;
+}
+
+}  // namespace
+
 int run_program(int argc, const char* const* argv) {
   Context context;
   CLI::App app{
@@ -83,13 +114,19 @@ int run_program(int argc, const char* const* argv) {
       "Each command explains itself: tribotrack COMMAND --help");
   add_commands(app, context);
   try {
-    app.parse(argc, argv);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      if (error.get_exit_code() == 0) return print_help(app, error);
+      // CLI11's own codes (100-110) collide with those workflow engines retry on.
+      complain(fmt::format("{}{} (see --help)", error.what(), nearest_to(app, argc, argv)));
+      return kUsage;
+    }
+    flush_output();
     return context.exit_code;
-  } catch (const CLI::ParseError& error) {
-    // CLI11's own codes (100-110) collide with those workflow engines retry on.
-    if (error.get_exit_code() == 0) return app.exit(error);
-    complain(fmt::format("{} (see --help)", error.what()));
-    return kUsage;
+  } catch (const WriteError& error) {
+    complain(error.what());
+    return kUnexpected;
   } catch (const UsageError& error) {
     complain(error.what());
     return kUsage;

@@ -1,14 +1,15 @@
 // tribotrack fit: friction parameters from the runs of a campaign.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <memory>
 
 #include "apps/campaign/fit_json.h"
-#include "apps/campaign/shared_scale.h"
+#include "apps/campaign/fit_stage.h"
+#include "apps/campaign/job.h"
 #include "apps/commands/command.h"
-#include "apps/program/parallel.h"
+#include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
@@ -26,106 +27,66 @@ struct FitCommandOptions {
 
 /// The track of a run: from the folder the user names, else made here.
 std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run,
-                                  const FitCommandOptions& options, const fs::path& scratch) {
+                                  const FitCommandOptions& options) {
   if (!run.video) return std::nullopt;
-  if (!options.tracks.empty()) return read_track_file(fs::path(options.tracks) / (run.name + ".csv"));
-  const RecordingJob job = job_for(campaign, run);
-  const TrackedRecording recording = track_recording(job);
-  if (!recording.result.summary.gate_passed)
-    throw InvalidInput(fmt::format("{}: run \"{}\": the part was lost in {} of {} frames", run.place,
-                                   run.name, recording.result.summary.lost_counted,
-                                   recording.result.summary.frames));
-  const fs::path csv = scratch / (run.name + ".csv");
-  write_track(csv, job, recording);
-  return read_track_file(csv);
+  if (!options.tracks.empty()) return read_track_file(RunFolder::track_in(options.tracks, run.name));
+  const PreparedJob job = prepare(job_for(campaign, run));
+  TrackFile track = track_file_of(job, track_recording(job));
+  track.inputs = job.inputs;
+  return track;
 }
 
-/// A folder for the tracks of this call, gone at its end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "tribotrack-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw InvalidInput(fmt::format("{}: no temporary folder can be made there; set TMPDIR", name));
-    path_ = name;
+/// Refuses to write over what is read, and into the folder of a `run` that is under way.
+void check_output(const Campaign& campaign, const FitCommandOptions& options) {
+  if (is_standard_output(options.output)) {
+    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
+    return;
   }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-std::vector<AnalysedRun> analyse_all(const Campaign& campaign, const FitCommandOptions& options,
-                                     const Context& context) {
-  const ScratchFolder scratch;
-  std::vector<AnalysedRun> runs(campaign.runs.size());
-  Progress progress("runs", context.quiet);
-  std::atomic<long> done = 0;
-  const auto count = static_cast<long>(runs.size());
-  for_each_index(count, threads_to_use(context), [&](long k) {
-    const auto index = static_cast<std::size_t>(k);
-    const CampaignRun& run = campaign.runs[index];
-    try {
-      runs[index] = analyse(campaign, run, track_of(campaign, run, options, scratch.path()));
-    } catch (const std::runtime_error& error) {
-      runs[index].run = &run;
-      runs[index].failure = error.what();
+  std::vector<fs::path> inputs = campaign.input_files();
+  if (!options.tracks.empty())
+    for (const CampaignRun& run : campaign.runs) {
+      inputs.push_back(RunFolder::track_in(options.tracks, run.name));
+      inputs.push_back(inputs.back().string() + ".meta.json");
     }
-    progress.update(++done, count);
-  });
-  return runs;
+  require_writable({{options.output}}, inputs);
+  const RunFolder folder{fs::path(options.output).parent_path()};
+  if (const auto writer = writer_of(folder))
+    throw InvalidInput(fmt::format(
+        "{}: a run is writing into its folder: {}; wait until it has finished, or give another output",
+        options.output, *writer));
+}
+
+/// Names the runs that failed; throws for the first of more than are allowed.
+void allow_for_missing(const std::vector<AnalysedRun>& runs, const FitCommandOptions& options,
+                       const Context& context) {
+  int missing = 0;
+  for (const AnalysedRun& run : runs) {
+    if (run.failure.empty()) continue;
+    if (++missing > options.allow_missing)
+      throw InvalidInput(options.allow_missing == 0 ? run.failure
+                                                    : fmt::format("{} (more than {} runs are missing)",
+                                                                  run.failure, options.allow_missing));
+    say(context.quiet, "left out: " + run.failure);
+  }
 }
 
 void fit_command(const FitCommandOptions& options, Context& context) {
   if (options.require_all && options.allow_missing > 0)
     throw UsageError("give --require-all or --allow-missing, not both");
   const Campaign campaign = read_campaign(options.campaign);
-  require_writable(options.output);
-  std::vector<AnalysedRun> runs = analyse_all(campaign, options, context);
-  int missing = 0;
-  for (const AnalysedRun& run : runs)
-    if (!run.failure.empty()) {
-      if (++missing > options.allow_missing)
-        throw InvalidInput(options.allow_missing == 0 ? run.failure
-                                                      : fmt::format("{} (more than {} runs are missing)",
-                                                                    run.failure, options.allow_missing));
-      say(context.quiet, "left out: " + run.failure);
-    }
-
+  check_output(campaign, options);
+  std::vector<AnalysedRun> runs = for_each_run(campaign, context, [&](std::size_t index) {
+    const CampaignRun& run = campaign.runs[index];
+    return analyse(campaign, run, track_of(campaign, run, options));
+  });
   const std::optional<SharedScale> shared = share_scale(campaign, runs);
-  const fit::FitResult result = fit_campaign(campaign, runs, context, options.fit);
-  Json json = fit_json(campaign, runs, result);
-  add_to(json, shared);
-  MetaFile meta;
-  meta.command = "fit";
-  meta.inputs = {options.campaign};
-  for (const CampaignRun& run : campaign.runs)
-    if (run.video && fs::exists(*run.video)) meta.inputs.push_back(*run.video);
-  meta.configuration = campaign.effective_configuration();
-  write_file(options.output, text_of(json));
-  meta.write_beside(options.output);
-  if (options.json)
-    fmt::print("{}", text_of(json));
-  else
-    fmt::print("{}", parameter_table(json));
-  say(context.quiet, options.explain ? result.full_report() : result.brief_report());
-  for (const Json& warning : json["warnings"]) say(context.quiet, "warning: " + warning.get<std::string>());
-  if (!result.usable()) {
-    fmt::print(
-        stderr, "tribotrack: {}: the fit is not usable: {}\n", options.campaign,
-        result.converged
-            ? "the data do not tell these parameters apart; see identifiability and next_experiment in " +
-                  options.output
-            : "it did not converge; give first guesses in [fit.start]");
-    for (const std::string& sentence : remedies(result)) fmt::print(stderr, "  {}\n", sentence);
-    context.exit_code = kFitUnusable;
-  }
+  allow_for_missing(runs, options, context);
+  const FitStage stage = fit_runs(campaign, runs, shared, context, options.fit);
+  write_fit(options.output, stage, meta_of_fit(campaign, runs));
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(stage.json) : parameter_table(stage.json));
+  report_fit(campaign, stage, options.explain, "identifiability and next_experiment in " + options.output,
+             context);
 }
 
 }  // namespace
@@ -151,17 +112,17 @@ void add_fit(CLI::App& app, Context& context) {
                   "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
       ->type_name("N")
       ->check(CLI::Range(20, 1'000'000));
-  command.add_option("--seed", options->fit.bootstrap_seed, "Of the bootstrap's noise; told in the result")
+  command.add_option("--seed", options->fit.bootstrap_seed, "Seed of the bootstrap; recorded in the result")
       ->type_name("N");
   command
       .add_option("--loss", options->fit.loss,
-                  "squares (default); huber or cauchy: far runs and points pull less; what that means for "
-                  "the intervals is told with them")
+                  "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
+                  "means for the intervals is printed with them")
       ->transform(CLI::CheckedTransformer(std::map<std::string, fit::Loss>{
           {"squares", fit::Loss::squares}, {"huber", fit::Loss::huber}, {"cauchy", fit::Loss::cauchy}}))
       ->type_name("LOSS");
   command.add_flag("--compare-models", options->fit.rivals,
-                   "Compare tilt and rival friction laws even where the residuals do not ask for it");
+                   "Compare tilt and alternative friction laws even where the residuals give no reason to");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
                    "Print the whole report: residuals, correlations, what was left out");

@@ -5,6 +5,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
@@ -25,7 +26,7 @@ gravity_m_s2 = 9.81
 diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 
 [camera]
-# frame_rate_hz = 1000.0        # only where the recording does not say it (`tribotrack probe VIDEO` tells)
+# frame_rate_hz = 1000.0        # only where the recording does not give it (see `tribotrack probe VIDEO`)
 # mm_per_px = 0.02
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
@@ -40,14 +41,17 @@ marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where 
 # sensor_delay_s = 0.0          # by which the sensor's filter makes its pulse late, with its sd
 # sensor_delay_sd_s = 0.0
 # tie = "sensor"                # phi counts from the sensor; "trigger": both zero at one trigger; "lamp": phi from gate_px
-# trigger_time_s = 0.0          # the trigger in the recording's time; a .cine tells it by itself
+# trigger_time_s = 0.0          # the trigger in the recording's time; a .cine holds it itself
 
 [fit]
 parameters = ["mu1", "mu2", "phase_lag_rad"]
 start = "rest"                  # how runs start at their first analysed frame: rest, circling or steady
 cycles = 20                     # whole cycles alpha and v are measured over, at most
 
-# One [[run]] per recording. Vary phi AND dtau: a sweep of phi alone cannot tell mu1 from the lag.
+# [fit.guess]                   # first guesses, where the fit needs better ones than its own
+# mu1 = 0.1
+
+# One [[run]] per recording. Vary phi AND dtau: a sweep of phi alone cannot separate mu1 from the lag.
 [[run]]
 video = "phi000_dtau060.cine"   # relative to this file
 phi_rad = 0
@@ -92,9 +96,9 @@ void add_init(CLI::App& app, Context& context) {
     const std::filesystem::path file = std::filesystem::path(*folder) / "campaign.toml";
     if (std::filesystem::exists(file))
       throw InvalidInput(
-          fmt::format("{}: is there already and is not overwritten; give another folder", file.string()));
+          fmt::format("{}: exists already and is not overwritten; give another folder", file.string()));
     write_file(file, kCampaign);
-    fmt::print("{}\n", file.string());
+    print("{}\n", file.string());
     say(context.quiet, fmt::format("edit it, then: tribotrack run {} -o {}", file.string(),
                                    (std::filesystem::path(*folder) / "out").string()));
   });

@@ -1,4 +1,4 @@
-// tribotrack measure: alpha, v and what else one track tells.
+// tribotrack measure: alpha, v and whatever else one track shows.
 #include <fmt/format.h>
 
 #include <memory>
@@ -6,7 +6,9 @@
 #include "apps/campaign/measure_run.h"
 #include "apps/campaign/measure_text.h"
 #include "apps/commands/command.h"
+#include "apps/files/meta_file.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
@@ -19,8 +21,17 @@ struct MeasureOptions {
   bool json = false;
 };
 
+void check_output(const MeasureOptions& options) {
+  if (options.output.empty()) return;
+  if (is_standard_output(options.output)) {
+    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
+    return;
+  }
+  require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
+}
+
 void measure_command(const MeasureOptions& options, const Context& context) {
-  if (!options.output.empty()) require_writable(options.output);
+  check_output(options);
   const TrackFile track = read_track_file(options.track);
   GivenConditions given;
   if (options.angular_frequency && !(*options.angular_frequency > 0))
@@ -42,13 +53,12 @@ void measure_command(const MeasureOptions& options, const Context& context) {
   if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "measure";
-    meta.inputs = {options.track};
-    meta.configuration = {{"omega_rad_s", given.angular_frequency ? Json(*given.angular_frequency) : Json()},
-                          {"cycles", given.cycles}};
-    write_file(options.output, text_of(json));
-    meta.write_beside(options.output);
+    meta.inputs = track.inputs;
+    meta.configuration = {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}};
+    write_result(options.output, text_of(json), meta);
   }
-  fmt::print("{}", options.json ? text_of(json) : measurement_text(measurement, track));
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(json) : measurement_text(measurement, track));
   for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/program/streams.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
 
@@ -15,11 +16,6 @@ namespace {
 
 /// Frames are compared until so many pixels have been: a second or two.
 constexpr double kPixelsToCompare = 3e8;
-
-template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
 
 Json stamps_json(const vision::StampCheck& check, std::int64_t first_image) {
   Json stretches = Json::array(), missing = Json::array(), strays = Json::array();
@@ -73,32 +69,32 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   return json;
 }
 
-void print(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
-  fmt::print("{}\n  {} ({}), {} x {} pixels, {} bits{}\n", info.path.string(), info.format, info.codec,
-             info.width, info.height, info.bits, info.colour ? ", colour" : "");
-  fmt::print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
-             info.first_number + info.frame_count - 1);
+void print_description(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
+  print("{}\n  {} ({}), {} x {} pixels, {} bits{}\n", info.path.string(), info.format, info.codec, info.width,
+        info.height, info.bits, info.colour ? ", colour" : "");
+  print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
+        info.first_number + info.frame_count - 1);
   if (info.time_base.known())
-    fmt::print("  recorded at {} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
-               info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
+    print("  recorded at {} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
+          info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
   else
-    fmt::print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
-               info.time_base.why_unknown());
+    print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
+          info.time_base.why_unknown());
   for (const auto& candidate : info.time_base.candidates)
-    fmt::print("    {} {} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected",
-               candidate.rate_hz, candidate.source, candidate.reason);
+    print("    {} {} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected", candidate.rate_hz,
+          candidate.source, candidate.reason);
   if (!info.exposures_s.empty())
-    fmt::print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
-               std::ranges::max(info.exposures_s));
+    print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
+          std::ranges::max(info.exposures_s));
   else if (info.exposure_s)
-    fmt::print("  exposure {:.6g} s\n", *info.exposure_s);
+    print("  exposure {:.6g} s\n", *info.exposure_s);
   if (info.black_level && info.white_level)
-    fmt::print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
-  if (!info.camera.empty()) fmt::print("  camera {}\n", info.camera);
-  if (!info.trigger_time.empty()) fmt::print("  triggered {}\n", info.trigger_time);
-  for (const auto& note : info.notes) fmt::print("  note: {}\n", note);
+    print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
+  if (!info.camera.empty()) print("  camera {}\n", info.camera);
+  if (!info.trigger_time.empty()) print("  triggered {}\n", info.trigger_time);
+  for (const auto& note : info.notes) print("  note: {}\n", note);
   if (repeats.looked_at < info.frame_count)
-    fmt::print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
+    print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
 }
 
 }  // namespace
@@ -107,10 +103,10 @@ void add_probe(CLI::App& app, Context& context) {
   auto video = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   auto fps = std::make_shared<std::optional<double>>();
-  CLI::App& command =
-      *app.add_subcommand("probe", "Say what a recording is and where its frame rate comes from");
+  CLI::App& command = *app.add_subcommand(
+      "probe", "Describe a recording: size, depth, frames, and where its frame rate comes from");
   command.add_option("VIDEO", *video, "The recording")->required();
-  add_number(command, "--fps", *fps, "Your word on the frame rate, to see how it is taken");
+  add_number(command, "--fps", *fps, "Override the frame rate, to see what follows from it");
   command.add_flag("--json", *json, "Print one JSON object");
   add_common(command, context, "  tribotrack probe phi000.cine");
   command.callback([video, json, fps] {
@@ -126,9 +122,9 @@ void add_probe(CLI::App& app, Context& context) {
     }
     for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
     if (*json)
-      fmt::print("{}", text_of(description_of(info, repeats)));
+      print_text(text_of(description_of(info, repeats)));
     else
-      print(info, repeats);
+      print_description(info, repeats);
   });
 }
 

@@ -1,4 +1,6 @@
 // tribotrack report: the page of a folder that `run` has filled.
+#include <fmt/format.h>
+
 #include <memory>
 
 #include "apps/commands/command.h"
@@ -14,13 +16,18 @@ void add_report(CLI::App& app, Context& context) {
   CLI::App& command =
       *app.add_subcommand("report", "One self-contained HTML page from the folder of a `run`");
   command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
-  command.add_option("-o,--output", *output, "The page; it holds all it needs and fetches nothing")
+  command
+      .add_option("-o,--output", *output, "The page; it is self-contained and loads nothing from elsewhere")
       ->type_name("report.html")
       ->required();
   add_common(command, context, "  tribotrack report out -o report.html");
   command.callback([folder, output, &context] {
-    require_writable(*output);
-    const std::string page = report_page_of(RunFolder{*folder});
+    const RunFolder run_folder{*folder};
+    require_writable({{*output}}, run_folder.files_of_report());
+    if (const auto writer = writer_of(run_folder))
+      say(context.quiet,
+          fmt::format("note: {} is being written by {}: the page shows what is there now", *folder, *writer));
+    const std::string page = report_page_of(run_folder);
     write_file(*output, page);
     say(context.quiet, *output + ": written");
   });

@@ -1,18 +1,23 @@
 // tribotrack run: from a campaign's recordings to its report, every stage, resuming what is there.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/utsname.h>
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "apps/campaign/fit_json.h"
-#include "apps/campaign/shared_scale.h"
+#include "apps/campaign/fit_stage.h"
+#include "apps/campaign/job.h"
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
-#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/report/report.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"
@@ -35,199 +40,227 @@ double seconds_since(std::chrono::steady_clock::time_point begun) {
 /// How one run went, for run.json.
 struct RunLog {
   bool skipped = false;  ///< its track was current
-  bool gate_failed = false;
   double seconds = 0;
   double frames_per_second = 0;
 };
 
-/// Tracks a run's video unless the track that is there is current. Pictures first: the track's meta file
-/// marks the run as done.
-void bring_track_up_to_date(const Campaign& campaign, const CampaignRun& run, const RunFolder& folder,
-                            const RunOptions& options, RunLog& log) {
-  const RecordingJob job = job_for(campaign, run);
-  if (!fs::exists(*run.video) && run.video->filename().string().find('%') == std::string::npos)
-    throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
-                                   run.name, run.video->string()));
-  const fs::path csv = folder.track(run.name);
-  log.skipped = is_current(csv, job.key()) && fs::exists(folder.first_frame(run.name)) &&
-                (!options.overlay_videos || fs::exists(folder.overlay_video(run.name)));
-  if (log.skipped) return;
-  const auto begun = std::chrono::steady_clock::now();
-  const TrackedRecording recording = track_recording(job);
-  log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
-  const auto source = vision::open_source(job.video, {job.frame_rate_hz});
-  const auto png = vision::first_frame_png(*source, recording.result.track.first_seen());
-  write_file(folder.first_frame(run.name), {reinterpret_cast<const char*>(png.data()), png.size()});
-  for (const fs::path& overlay : {folder.overlay(run.name), folder.overlay_video(run.name)}) {
-    if (overlay.extension() == ".mp4" && !options.overlay_videos) continue;
-    TemporaryFile file(overlay);
-    vision::write_overlay(*source, recording.result, file.name());
-    file.commit();
+/// One call of `run`: its verbs in the order of run_command() below.
+class CampaignRunner {
+ public:
+  CampaignRunner(const RunOptions& options, Context& context)
+      : options_(options),
+        context_(context),
+        campaign_(read_campaign(options.campaign)),
+        folder_{options.output},
+        logs_(campaign_.runs.size()) {}
+
+  void print_plan() const;
+  void take_folder();
+  void measure_runs();
+  void share_scale();
+  void refuse_if_none_is_left();
+  void fit_and_report();
+  void write_log() const;
+  void print_result() const;
+
+ private:
+  AnalysedRun carry_out(std::size_t index);
+  TrackFile track_of(const CampaignRun& run, RunLog& log) const;
+  bool is_complete(const CampaignRun& run, const std::string& key) const;
+  void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
+  void write_measurement(const AnalysedRun& run) const;
+  std::size_t failed() const;
+  std::size_t skipped() const;
+
+  const RunOptions& options_;
+  Context& context_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  const Campaign campaign_;
+  const RunFolder folder_;
+  std::optional<RunFolderLock> lock_;
+  std::vector<RunLog> logs_;
+  std::vector<AnalysedRun> runs_;
+  std::optional<SharedScale> shared_;
+  FitStage fit_;
+};
+
+void CampaignRunner::print_plan() const {
+  for (const CampaignRun& run : campaign_.runs) {
+    std::string step = "use alpha_rad, v_mm_s as given";
+    if (run.video) {
+      if (!may_be_recording(*run.video))
+        step = fmt::format("cannot: there is no recording {}", run.video->string());
+      else
+        step = is_complete(run, prepare(job_for(campaign_, run)).key) ? "skip tracking: its track is current"
+                                                                      : "track, measure";
+    }
+    print("{:<28} {}\n", run.name, step);
   }
-  write_track(csv, job, recording);
+  std::vector<std::string> names;
+  for (const auto parameter : campaign_.fit.parameters) names.emplace_back(fit::to_string(parameter));
+  print("{:<28} fit {} to {} runs -> {}\n{:<28} -> {}\n", "fit", fmt::format("{}", fmt::join(names, ", ")),
+        campaign_.runs.size(), folder_.fit().string(), "report", folder_.report().string());
 }
 
-AnalysedRun carry_out(const Campaign& campaign, const CampaignRun& run, const RunFolder& folder,
-                      const RunOptions& options, RunLog& log) {
-  std::optional<TrackFile> track;
-  if (run.video) {
-    bring_track_up_to_date(campaign, run, folder, options, log);
-    track = read_track_file(folder.track(run.name));
-    const Json& summary = track->meta.at("summary");
-    if (!summary.at("gate_passed").get<bool>()) {
-      log.gate_failed = true;
-      throw InvalidInput(
-          fmt::format("{}: run \"{}\": the part was lost in {} of {} frames, more than allowed; look at {}",
-                      run.place, run.name, summary.at("lost_counted").dump(), summary.at("frames").dump(),
-                      folder.overlay(run.name).string()));
-    }
+/// Makes sure that nothing but results of this campaign is written over, and that nobody else writes.
+void CampaignRunner::take_folder() {
+  lock_.emplace(folder_, options_.campaign);
+  std::vector<Output> outputs = {{folder_.fit()}, {folder_.report()}, {folder_.log()}};
+  for (const CampaignRun& run : campaign_.runs) {
+    outputs.push_back({folder_.measurement(run.name)});
+    if (!run.video) continue;
+    outputs.push_back({folder_.track(run.name)});
+    for (const fs::path& pictures :
+         {folder_.first_frame(run.name), folder_.overlay(run.name), folder_.overlay_video(run.name)})
+      outputs.push_back({pictures, Content::pictures});
   }
-  AnalysedRun analysed = analyse(campaign, run, std::move(track));
-  if (analysed.measurement)
-    write_file(folder.measurement(run.name),
-               text_of(measurement_json(*analysed.measurement, *analysed.track)));
+  require_writable(outputs, campaign_.input_files());
+  for (const fs::path& folder : {folder_.root, folder_.tracks(), folder_.measurements()})
+    remove_leftovers(folder);
+  std::vector<std::string> names;
+  for (const CampaignRun& run : campaign_.runs) names.push_back(run.name);
+  if (const auto others = folder_.runs_besides(names); !others.empty())
+    say(context_.quiet,
+        fmt::format("note: {} also holds {}, which {} not in {}; delete what you no longer need",
+                    folder_.tracks().string(), fmt::join(others, ", "), others.size() == 1 ? "is" : "are",
+                    options_.campaign));
+}
+
+void CampaignRunner::measure_runs() {
+  runs_ = for_each_run(campaign_, context_, [this](std::size_t index) { return carry_out(index); });
+}
+
+AnalysedRun CampaignRunner::carry_out(std::size_t index) {
+  const CampaignRun& run = campaign_.runs[index];
+  const auto begun = std::chrono::steady_clock::now();
+  struct Stopwatch {
+    const std::chrono::steady_clock::time_point begun;
+    double& seconds;
+    ~Stopwatch() { seconds = seconds_since(begun); }
+  } const stopwatch{begun, logs_[index].seconds};
+  std::optional<TrackFile> track;
+  if (run.video) track = track_of(run, logs_[index]);
+  AnalysedRun analysed = analyse(campaign_, run, std::move(track));
+  write_measurement(analysed);
   return analysed;
 }
 
-std::string now_utc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
+/// The track that is there, if it is current, else one made now.
+TrackFile CampaignRunner::track_of(const CampaignRun& run, RunLog& log) const {
+  if (!may_be_recording(*run.video))
+    throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
+                                   run.name, run.video->string()));
+  const PreparedJob job = prepare(job_for(campaign_, run));
+  log.skipped = is_complete(run, job.key);
+  if (log.skipped) return read_track_file(folder_.track(run.name));
+  const auto begun = std::chrono::steady_clock::now();
+  TrackedRecording recording = track_recording(job);
+  log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
+  write_pictures(run, recording);  // first: the track's meta file marks the run as done
+  const Input csv = write_track(folder_.track(run.name), job, recording);
+  TrackFile track = track_file_of(job, recording);
+  track.inputs = {csv};
+  return track;
 }
 
-void print_plan(const Campaign& campaign, const RunFolder& folder) {
-  for (const CampaignRun& run : campaign.runs) {
-    std::string step = "use alpha_rad, v_mm_s as given";
-    if (run.video) {
-      if (!fs::exists(*run.video) && run.video->filename().string().find('%') == std::string::npos)
-        step = fmt::format("cannot: there is no recording {}", run.video->string());
-      else
-        step = is_current(folder.track(run.name), job_for(campaign, run).key())
-                   ? "skip tracking: its track is current"
-                   : "track, measure";
-    }
-    fmt::print("{:<28} {}\n", run.name, step);
+bool CampaignRunner::is_complete(const CampaignRun& run, const std::string& key) const {
+  return is_current(folder_.track(run.name), key) && fs::exists(folder_.first_frame(run.name)) &&
+         (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
+}
+
+void CampaignRunner::write_pictures(const CampaignRun& run, TrackedRecording& recording) const {
+  const auto png = vision::first_frame_png(*recording.source, recording.result.track.first_seen());
+  write_file(folder_.first_frame(run.name), {reinterpret_cast<const char*>(png.data()), png.size()},
+             Content::pictures);
+  for (const fs::path& overlay : {folder_.overlay(run.name), folder_.overlay_video(run.name)}) {
+    if (overlay.extension() == ".mp4" && !options_.overlay_videos) continue;
+    TemporaryFile file(overlay, Content::pictures);
+    vision::write_overlay(*recording.source, recording.result, file.name());
+    file.commit();
   }
-  fmt::print("{:<28} fit {} to {} runs -> {}\n{:<28} -> {}\n", "fit",
-             fmt::join(
-                 [&] {
-                   std::vector<std::string> names;
-                   for (const auto parameter : campaign.fit.parameters)
-                     names.emplace_back(fit::to_string(parameter));
-                   return names;
-                 }(),
-                 ", "),
-             campaign.runs.size(), folder.fit().string(), "report", folder.report().string());
 }
 
-void write_log(const RunFolder& folder, const RunOptions& options, const std::vector<AnalysedRun>& runs,
-               const std::vector<RunLog>& logs, double seconds, int threads) {
+void CampaignRunner::write_measurement(const AnalysedRun& run) const {
+  if (run.measurement && run.track)
+    write_file(folder_.measurement(run.run->name), text_of(measurement_json(*run.measurement, *run.track)));
+}
+
+void CampaignRunner::share_scale() {
+  shared_ = apps::share_scale(campaign_, runs_);
+  if (!shared_ || !shared_->used) return;
+  for (const AnalysedRun& run : runs_)
+    if (run.failure.empty()) write_measurement(run);
+}
+
+/// Failed runs are named; finished tracks stay for the next call.
+void CampaignRunner::refuse_if_none_is_left() {
+  const bool none_left = failed() == runs_.size();
+  if (none_left && runs_.size() == 1) throw InvalidInput(runs_.front().failure);
+  for (const AnalysedRun& run : runs_)
+    if (!run.failure.empty()) complain(run.failure);
+  if (none_left)
+    throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
+                                   options_.campaign, runs_.size()));
+}
+
+void CampaignRunner::fit_and_report() {
+  fit_ = fit_runs(campaign_, runs_, shared_, context_);
+  const MetaFile meta = meta_of_fit(campaign_, runs_);
+  write_fit(folder_.fit(), fit_, meta);
+  write_file(folder_.report(), report_page({campaign_, runs_, fit_.result, shared_, meta.json(), folder_}));
+}
+
+void CampaignRunner::write_log() const {
   Json json;
-  json["finished"] = now_utc();
+  json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   utsname host{};
   uname(&host);
   json["host"] = host.nodename;
   json["machine"] = host.machine;
-  json["threads"] = threads;
-  json["command"] = fmt::format("tribotrack run {} -o {}", options.campaign, options.output);
-  json["seconds"] = seconds;
+  json["threads"] = threads_to_use(context_);
+  json["command"] = fmt::format("tribotrack run {} -o {}", options_.campaign, options_.output);
+  json["seconds"] = seconds_since(begun_);
   json["runs"] = Json::array();
-  for (std::size_t k = 0; k < runs.size(); ++k)
-    json["runs"].push_back({{"name", runs[k].run->name},
-                            {"skipped_as_current", logs[k].skipped},
-                            {"seconds", logs[k].seconds},
-                            {"frames_per_second", logs[k].frames_per_second},
-                            {"failure", runs[k].failure}});
-  write_file(folder.log(), text_of(json));
+  for (std::size_t k = 0; k < runs_.size(); ++k)
+    json["runs"].push_back({{"name", runs_[k].run->name},
+                            {"skipped_as_current", logs_[k].skipped},
+                            {"seconds", logs_[k].seconds},
+                            {"frames_per_second", logs_[k].frames_per_second},
+                            {"failure", runs_[k].failure}});
+  write_file(folder_.log(), text_of(json));
+}
+
+void CampaignRunner::print_result() const {
+  print("{}report {}\n", parameter_table(fit_.json), folder_.report().string());
+  if (skipped() > 0)
+    say(context_.quiet, fmt::format("{} of {} tracks were current and were kept", skipped(), runs_.size()));
+  if (failed() > 0) {
+    complain(fmt::format("{} of {} runs failed and were left out", failed(), runs_.size()));
+    context_.exit_code = kQualityGate;
+  }
+  report_fit(campaign_, fit_, options_.explain, "the report", context_);
+}
+
+std::size_t CampaignRunner::failed() const {
+  return static_cast<std::size_t>(
+      std::count_if(runs_.begin(), runs_.end(), [](const AnalysedRun& run) { return !run.failure.empty(); }));
+}
+
+std::size_t CampaignRunner::skipped() const {
+  return static_cast<std::size_t>(
+      std::count_if(logs_.begin(), logs_.end(), [](const RunLog& log) { return log.skipped; }));
 }
 
 void run_command(const RunOptions& options, Context& context) {
-  const auto begun = std::chrono::steady_clock::now();
-  const Campaign campaign = read_campaign(options.campaign);
-  const RunFolder folder{options.output};
-  if (options.dry_run) return print_plan(campaign, folder);
-  const bool made_here = !fs::exists(folder.root);
-  create_folder(folder.tracks());
-  create_folder(folder.measurement("x").parent_path());
-
-  std::vector<AnalysedRun> runs(campaign.runs.size());
-  std::vector<RunLog> logs(runs.size());
-  {
-    Progress progress("runs", context.quiet);
-    std::atomic<long> done = 0;
-    const auto count = static_cast<long>(runs.size());
-    for_each_index(count, threads_to_use(context), [&](long k) {
-      const auto index = static_cast<std::size_t>(k);
-      const CampaignRun& run = campaign.runs[index];
-      const auto run_begun = std::chrono::steady_clock::now();
-      try {
-        runs[index] = carry_out(campaign, run, folder, options, logs[index]);
-      } catch (const std::runtime_error& error) {
-        runs[index] = {};
-        runs[index].run = &run;
-        runs[index].failure = error.what();
-      }
-      logs[index].seconds = seconds_since(run_begun);
-      progress.update(++done, count);
-    });
-  }
-
-  std::size_t failed = 0, skipped = 0;
-  for (std::size_t k = 0; k < runs.size(); ++k) {
-    failed += !runs[k].failure.empty();
-    skipped += logs[k].skipped;
-  }
-  const bool none_left = failed == runs.size();
-  if (none_left) {
-    std::error_code ignored;
-    if (made_here) fs::remove_all(folder.root, ignored);
-    if (failed == 1) throw InvalidInput(runs.front().failure);
-  }
-  for (const AnalysedRun& run : runs)
-    if (!run.failure.empty()) fmt::print(stderr, "tribotrack: {}\n", run.failure);
-  if (none_left)
-    throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
-                                   options.campaign, runs.size()));
-
-  const std::optional<SharedScale> shared = share_scale(campaign, runs);
-  if (shared && shared->used)
-    for (const AnalysedRun& run : runs)
-      if (run.measurement && run.track)
-        write_file(folder.measurement(run.run->name),
-                   text_of(measurement_json(*run.measurement, *run.track)));
-  const fit::FitResult result = fit_campaign(campaign, runs, context);
-  Json json = fit_json(campaign, runs, result);
-  add_to(json, shared);
-  MetaFile meta;
-  meta.command = "fit";
-  meta.inputs = {options.campaign};
-  for (const AnalysedRun& run : runs)
-    if (run.run->video && run.failure.empty()) meta.inputs.push_back(folder.track(run.run->name));
-  meta.configuration = campaign.effective_configuration();
-  write_file(folder.fit(), text_of(json));
-  meta.write_beside(folder.fit());
-  write_file(folder.report(), report_page({campaign, runs, result, shared, meta.json(), folder}));
-  write_log(folder, options, runs, logs, seconds_since(begun), threads_to_use(context));
-
-  fmt::print("{}report {}\n", parameter_table(json), folder.report().string());
-  if (skipped > 0)
-    say(context.quiet, fmt::format("{} of {} tracks were current and were kept", skipped, runs.size()));
-  say(context.quiet, options.explain ? result.full_report() : result.brief_report());
-  for (const Json& warning : json["warnings"]) say(context.quiet, "warning: " + warning.get<std::string>());
-  if (failed > 0) {
-    fmt::print(stderr, "tribotrack: {} of {} runs failed and were left out\n", failed, runs.size());
-    context.exit_code = kQualityGate;
-  }
-  if (!result.usable()) {
-    fmt::print(stderr, "tribotrack: {}: the fit is not usable: {}\n", options.campaign,
-               result.converged ? "the data do not tell these parameters apart; see the report"
-                                : "it did not converge; give first guesses in [fit.start]");
-    for (const std::string& sentence : remedies(result)) fmt::print(stderr, "  {}\n", sentence);
-    context.exit_code = kFitUnusable;
-  }
+  CampaignRunner runner(options, context);
+  if (options.dry_run) return runner.print_plan();
+  runner.take_folder();
+  runner.measure_runs();
+  runner.share_scale();
+  runner.refuse_if_none_is_left();
+  runner.fit_and_report();
+  runner.write_log();
+  runner.print_result();
 }
 
 }  // namespace
@@ -235,14 +268,14 @@ void run_command(const RunOptions& options, Context& context) {
 void add_run(CLI::App& app, Context& context) {
   auto options = std::make_shared<RunOptions>();
   CLI::App& command = *app.add_subcommand(
-      "run", "All of it for every run of a campaign: track, measure, fit, report; resumes");
+      "run", "Run the whole pipeline on a campaign: track, measure, fit, report; resumes");
   command.add_option("CAMPAIGN", options->campaign, "The campaign file")
       ->type_name("CAMPAIGN.toml")
       ->required();
   command.add_option("-o,--output", options->output, "Folder for tracks, fit.json and report.html")
       ->type_name("DIR")
       ->required();
-  command.add_flag("--dry-run", options->dry_run, "Print what would be done and stop");
+  command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
   command.add_flag("--overlay-videos", options->overlay_videos,
                    "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");

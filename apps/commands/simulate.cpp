@@ -1,13 +1,14 @@
 // tribotrack simulate: one trajectory of the friction model.
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <cmath>
 #include <memory>
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
 #include "apps/files/scenario_file.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "model/alpha_v.h"
@@ -123,22 +124,33 @@ Json results_of(const model::Trajectory& trajectory) {
   return json;
 }
 
+void check_output(const SimulateOptions& options) {
+  if (options.output.empty()) return;
+  if (is_standard_output(options.output)) {
+    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
+    return;
+  }
+  std::vector<std::filesystem::path> inputs;
+  if (!options.scenario.empty()) inputs.emplace_back(options.scenario);
+  require_writable({{options.output}}, inputs);
+}
+
 void simulate(const SimulateOptions& options, const Context& context) {
   const ScenarioFile file = scenario_of(options);
-  if (!options.output.empty()) require_writable(options.output);
+  check_output(options);
   if (options.explain)
     for (const auto& stage : model::plan(file.scenario))
-      fmt::print(stderr, "{:<20} {:<4} {}{}\n", stage.name, stage.on ? "on" : "off", stage.reason,
-                 stage.on ? ""
-                          : fmt::format("; saves {:.0f} %, error at most {:.2g} mm",
-                                        100 * stage.predicted_saving, 1e3 * stage.error_bound));
+      print_error(fmt::format("{:<20} {:<4} {}{}", stage.name, stage.on ? "on" : "off", stage.reason,
+                              stage.on ? ""
+                                       : fmt::format("; saves {:.0f} %, error at most {:.2g} mm",
+                                                     100 * stage.predicted_saving, 1e3 * stage.error_bound)));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
   const Json results = results_of(trajectory);
   if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "simulate";
-    if (!options.scenario.empty()) meta.inputs = {options.scenario};
+    if (!options.scenario.empty()) meta.inputs = {hashed_input(options.scenario)};
     meta.configuration = json_of(file.scenario);
     meta.configuration["samples_per_cycle"] = file.samples_per_cycle;
     meta.more["results"] = results;
@@ -149,13 +161,12 @@ void simulate(const SimulateOptions& options, const Context& context) {
                                    {"reason", stage.reason},
                                    {"predicted_saving", stage.predicted_saving},
                                    {"error_bound_m", stage.error_bound}});
-    write_file(options.output, table_of(trajectory, file.samples_per_cycle));
-    meta.write_beside(options.output);
+    write_result(options.output, table_of(trajectory, file.samples_per_cycle), meta);
   }
   if (options.json) {
-    fmt::print("{}", text_of(results));
-  } else {
-    for (const auto& [name, value] : results.items()) fmt::print("{:<18} {}\n", name, value.dump());
+    print_text(text_of(results));
+  } else if (!is_standard_output(options.output)) {
+    for (const auto& [name, value] : results.items()) print("{:<18} {}\n", name, value.dump());
     say(context.quiet, trajectory.summary().brief_report());
   }
 }
@@ -181,8 +192,7 @@ void add_simulate(CLI::App& app, Context& context) {
                   "Write the trajectory: time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state")
       ->type_name("T.csv");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
-  command.add_flag("--explain", options->explain,
-                   "Say which machinery this scene needs and what is left out");
+  command.add_flag("--explain", options->explain, "Print which stages this scene needs and what is left out");
   add_common(command, context,
              "  tribotrack simulate --mu1 0.1 --mu2 0.0125 --amplitude-mm 0.28 --omega-rad-s 62.8 \\\n"
              "      --phi-rad pi/2 --dtau-rad pi/3 --cycles 20 -o trajectory.csv");

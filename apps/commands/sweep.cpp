@@ -89,7 +89,11 @@ void sweep(const SweepOptions& options, const Context& context) {
         "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
   std::vector<Axis> axes;
   for (const auto& text : texts) axes.push_back(parse_axis(text));
-  require_writable(options.output);
+  if (!is_standard_output(options.output)) {
+    std::vector<std::filesystem::path> inputs;
+    if (!options.scenario.empty()) inputs.emplace_back(options.scenario);
+    require_writable({{options.output}}, inputs);
+  }
 
   const std::size_t inner = axes.size() == 2 ? static_cast<std::size_t>(axes[1].count) : 1;
   const std::size_t total = static_cast<std::size_t>(axes[0].count) * inner;
@@ -117,11 +121,10 @@ void sweep(const SweepOptions& options, const Context& context) {
   }
   MetaFile meta;
   meta.command = "sweep";
-  if (!options.scenario.empty()) meta.inputs = {options.scenario};
+  if (!options.scenario.empty()) meta.inputs = {hashed_input(options.scenario)};
   meta.configuration = json_of(base.scenario);
   meta.configuration["over"] = texts;
-  write_file(options.output, table);
-  meta.write_beside(options.output);
+  write_result(options.output, table, meta);
   say(context.quiet,
       fmt::format("{}: {} scenarios; {}", options.output, total, outcome.summary.full_report()));
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "apps/commands/command.h"
+#include "apps/files/meta_file.h"
 #include "apps/files/scene_file.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
@@ -16,6 +17,7 @@
 #include "apps/text/output_file.h"
 #include "model/friction.h"
 #include "model/trajectory.h"
+#include "vision/frame_source.h"
 
 namespace tribotrack::apps {
 
@@ -108,7 +110,7 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
   options.exposure_s = shot.exposure_s;
   // A pattern names many files: its sink keeps them whole by itself.
   std::optional<TemporaryFile> file;
-  if (video.filename().string().find('%') == std::string::npos) file.emplace(video);
+  if (!vision::is_number_pattern(video)) file.emplace(video, Content::pictures);
   const auto sink = vision::create_sink(file ? file->name() : video, options);
 
   std::string truth = "frame,time_s,x_px,y_px,theta_rad,marker_x_px,marker_y_px,x_mm,y_mm\n";
@@ -132,19 +134,20 @@ struct SynthOptions {
 };
 
 void synth(const SynthOptions& options, const Context& context) {
+  const Input scene = hashed_input(options.scene);
   const std::vector<SceneShot> shots = read_scene_file(options.scene);
   const bool many = !shots.front().name.empty();
   if (many)
     create_folder(options.output);
   else
-    require_writable(options.output);
+    require_writable({{options.output, Content::pictures}, {options.output + ".truth.csv"}}, {options.scene});
   const auto video_of = [&](const SceneShot& shot) {
     return many ? fs::path(options.output) / (shot.name + "." + options.extension) : fs::path(options.output);
   };
   const auto write_meta = [&](const SceneShot& shot) {
     MetaFile meta;
     meta.command = "synth";
-    meta.inputs = {options.scene};
+    meta.inputs = {scene};
     meta.configuration = json_of(shot);
     meta.write_beside(video_of(shot));
   };

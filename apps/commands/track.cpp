@@ -1,11 +1,17 @@
 // tribotrack track: a recording to a sub-pixel trajectory.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
+#include "apps/campaign/job.h"
 #include "apps/campaign/track_recording.h"
 #include "apps/commands/command.h"
+#include "apps/files/camera_section.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
@@ -78,34 +84,12 @@ void set_frames(vision::TrackOptions& track, const std::string& text) {
 /// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
 void apply_config(RecordingJob& job, const std::string& file) {
   StrictTable top = StrictTable::read(file);
-  if (auto part = top.table("part")) {
-    job.diameter_mm = part->positive("diameter_mm");
-    job.diameter_sd_mm = part->not_negative("diameter_sd_mm").value_or(0);
-    job.height_mm = part->positive("height_mm");
-    part->finish();
-  }
-  if (auto camera = top.table("camera")) {
-    job.frame_rate_hz = camera->positive("frame_rate_hz");
-    job.mm_per_px = camera->positive("mm_per_px");
-    job.mm_per_px_sd = camera->not_negative("mm_per_px_sd").value_or(0);
-    job.working_distance_mm = camera->positive("working_distance_mm");
-    if (const auto text = camera->text("calibration")) {
-      if (job.mm_per_px) camera->fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
-      job.calibration = std::filesystem::path(file).parent_path() / *text;
-    }
-    job.xi_axis_rad = camera->angle("xi_axis_rad").value_or(0);
-    if (const auto v = camera->numbers("disc_px", 3)) {
-      job.track.target.kind = vision::Target::Kind::disc;
-      job.track.target.disc = {(*v)[0], (*v)[1], (*v)[2]};
-    }
-    if (const auto v = camera->numbers("marker_px", 3)) {
-      job.track.marker.kind = vision::MarkerChoice::Kind::circle;
-      job.track.marker.circle = {(*v)[0], (*v)[1], (*v)[2]};
-    }
-    if (const auto v = camera->numbers("gate_px", 3))
-      job.track.gate = vision::Circle{(*v)[0], (*v)[1], (*v)[2]};
-    camera->finish();
-  }
+  PartSection part;
+  CameraSection camera;
+  if (auto table = top.table("part")) part = read_part(*table);
+  if (auto table = top.table("camera"))
+    camera = read_camera(*table, std::filesystem::path(file).parent_path());
+  apply(part, camera, job);
   if (auto track = top.table("track")) {
     job.track.min_ncc = track->number("min_ncc").value_or(job.track.min_ncc);
     job.track.max_lost_share = track->not_negative("max_lost_share").value_or(job.track.max_lost_share);
@@ -178,43 +162,51 @@ RecordingJob job_of(const TrackCommandOptions& options) {
   return job;
 }
 
+void check_outputs(const TrackCommandOptions& options) {
+  std::vector<Output> outputs;
+  if (!is_standard_output(options.output))
+    outputs.push_back({options.output});
+  else if (options.json)
+    throw UsageError("give -o - or --json: both would go to standard output");
+  if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
+  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+  for (const std::string& file : {options.config, options.calibration})
+    if (!file.empty()) inputs.emplace_back(file);
+  require_writable(outputs, inputs);
+}
+
 void track_command(const TrackCommandOptions& options, Context& context) {
   RecordingJob job = job_of(options);
-  require_writable(options.output);
-  if (!options.overlay.empty()) require_writable(options.overlay);
-
-  TrackedRecording recording;
-  {
-    Progress progress("track", context.quiet);
-    job.track.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
-    recording = track_recording(job);
-  }
+  check_outputs(options);
+  std::optional<Progress> progress(std::in_place, "track", context.quiet);
+  job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
+  const PreparedJob prepared = prepare(job);
+  TrackedRecording recording = track_recording(prepared);
+  progress.reset();
   if (!options.overlay.empty()) {
-    const auto source = vision::open_source(job.video, {job.frame_rate_hz});
-    TemporaryFile file(options.overlay);
-    vision::write_overlay(*source, recording.result, file.name());
+    TemporaryFile file(options.overlay, Content::pictures);
+    vision::write_overlay(*recording.source, recording.result, file.name());
     file.commit();
   }
-  write_track(options.output, job, recording);
+  write_track(options.output, prepared, recording);
 
   const vision::TrackSummary& summary = recording.result.summary;
   if (options.explain)
     for (const auto& stage : summary.plan)
-      fmt::print(stderr, "{:<24} {:<4} {}\n", stage.name, stage.on ? "on" : "off", stage.reason);
-  for (const auto& note : recording.info.notes) say(context.quiet, "note: " + note);
+      print_error(fmt::format("{:<24} {:<4} {}", stage.name, stage.on ? "on" : "off", stage.reason));
+  for (const auto& note : recording.info().notes) say(context.quiet, "note: " + note);
   if (!recording.scale)
     say(context.quiet,
         "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm or "
         "--calibration)");
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
-  if (options.json) fmt::print("{}", text_of(summary_json(recording)));
+  if (options.json) print_text(text_of(summary_json(recording)));
   if (!summary.gate_passed) {
-    fmt::print(stderr,
-               "tribotrack: {}: the part was lost in {} of {} frames, more than the allowed share {}; look "
-               "at --overlay, give --disc, or leave "
-               "frames out with --frames\n",
-               options.input, summary.lost_counted, summary.frames, job.track.max_lost_share);
+    complain(fmt::format(
+        "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
+        "--disc, or leave frames out with --frames",
+        options.input, summary.lost_counted, summary.frames, job.track.max_lost_share));
     context.exit_code = kQualityGate;
   }
 }
@@ -231,7 +223,7 @@ void add_track(CLI::App& app, Context& context) {
       ->required();
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->fps,
-             "Rate it was recorded at, frames/s, where the file does not say it reliably");
+             "Rate of recording, frames/s, where the file does not give it reliably");
   add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
   command
@@ -278,7 +270,7 @@ void add_track(CLI::App& app, Context& context) {
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
-  command.add_flag("--explain", options->explain, "Say which stages this scene needed and why");
+  command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");
   add_common(
       command, context,
       "  tribotrack track phi000.cine --disc-diameter-mm 6 --marker auto -o phi000.csv --overlay phi000.mp4\n"

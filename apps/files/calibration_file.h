@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "apps/files/meta_file.h"
+#include "apps/text/json.h"
 #include "vision/calibration.h"
 
 namespace tribotrack::apps {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <regex>
 #include <set>
 
+#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -16,55 +16,18 @@ using fit::FitParameter;
 
 namespace {
 
+constexpr const char* kGuessHint =
+    "is a word, how the runs start; first guesses of parameters stand in the table [fit.guess]";
+
 const std::vector<FitParameter> kFitParameters = {
     FitParameter::mu1,   FitParameter::mu2,       FitParameter::lag,
     FitParameter::delay, FitParameter::amplitude, FitParameter::angular_frequency,
     FitParameter::scale, FitParameter::tilt_x,    FitParameter::tilt_y};
 
-// Campaigns may hold both `start = "rest"` in [fit] and first guesses in [fit.start]: TOML takes these for
-// one key defined twice. The table's header is renamed before parsing, to a word of the same length so that
-// columns stay right.
-constexpr const char* kGuesses = "guess";
-
-std::string with_guesses_renamed(const std::string& text) {
-  static const std::regex header(R"((^|\n)([ \t]*\[[ \t]*fit[ \t]*\.[ \t]*)start([ \t]*\]))");
-  return std::regex_replace(text, header, std::string("$1$2") + kGuesses + "$3");
-}
-
 std::vector<std::string> fit_parameter_names() {
   std::vector<std::string> names;
   for (const FitParameter parameter : kFitParameters) names.emplace_back(fit::to_string(parameter));
   return names;
-}
-
-std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
-  const auto values = table.numbers(key, 3);
-  if (!values) return std::nullopt;
-  if (!((*values)[2] > 0))
-    table.fail(key, fmt::format("must have a radius greater than 0, not {}", (*values)[2]));
-  return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
-}
-
-CameraSection read_camera(StrictTable& table, const fs::path& folder) {
-  CameraSection camera;
-  camera.frame_rate_hz = table.positive("frame_rate_hz");
-  camera.mm_per_px = table.positive("mm_per_px");
-  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
-  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
-  if (const auto file = table.text("calibration")) {
-    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
-    camera.calibration = folder / *file;
-  }
-  camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
-  camera.working_distance_mm = table.positive("working_distance_mm");
-  camera.disc_px = read_circle(table, "disc_px");
-  camera.marker_px = read_circle(table, "marker_px");
-  camera.gate_px = read_circle(table, "gate_px");
-  using Marker = vision::MarkerChoice::Kind;
-  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
-  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
-  table.finish();
-  return camera;
 }
 
 ScopeSection read_scope(StrictTable& table) {
@@ -141,16 +104,18 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
       table.fail("parameters", "is empty; name what is to be fitted, such as [\"mu1\"]");
   }
   section.trajectory = table.choice("data", {"summary", "trajectory"}).value_or(0) == 1;
+  if (table.is_table("start")) table.fail("start", kGuessHint);
   defaults.start = read_start(table, defaults.start);
-  if (auto guesses = table.table(kGuesses)) section.start = read_values(*guesses, kFitParameters);
+  if (auto guesses = table.table("guess")) section.guess = read_values(*guesses, kFitParameters);
   defaults.cycles = read_cycles(table, defaults.cycles);
   if (auto fixed = table.table("fixed"))
     section.fixed =
         read_values(*fixed, {FitParameter::mu1, FitParameter::mu2, FitParameter::lag, FitParameter::delay});
   for (const auto& [parameter, value] : section.fixed)
     if (std::count(section.parameters.begin(), section.parameters.end(), parameter) > 0)
-      table.fail("fixed", fmt::format("holds {}, which `parameters` asks to fit; take it out of one of them",
-                                      fit::to_string(parameter)));
+      table.fail("fixed",
+                 fmt::format("holds {}, which `parameters` lists as fitted; take it out of one of them",
+                             fit::to_string(parameter)));
   if (auto prior = table.table("prior")) {
     for (const std::string& name : prior->keys()) {
       const FitParameter parameter = require_fit_parameter(*prior, name, name);
@@ -218,7 +183,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
     throw InvalidInput(
         fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
   if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
-      !campaign.diameter_mm)
+      !campaign.part.diameter_mm)
     throw InvalidInput(
         fmt::format("{}: nothing says how large a pixel is; give `diameter_mm` in [part], or `mm_per_px` or "
                     "`calibration` in [camera]",
@@ -242,15 +207,6 @@ void name_runs(std::vector<CampaignRun>& runs) {
   }
 }
 
-template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
-Json circle_json(const std::optional<vision::Circle>& circle) {
-  return circle ? Json::array({circle->x, circle->y, circle->radius}) : Json();
-}
-
 }  // namespace
 
 std::optional<FitParameter> fit_parameter_named(const std::string& name) {
@@ -263,17 +219,30 @@ double si_per_campaign_unit(FitParameter parameter) {
   return parameter == FitParameter::amplitude ? 1e-3 : 1;
 }
 
+namespace {
+
+/// TOML calls `start = "rest"` in [fit] beside a table [fit.start] one key defined twice.
+StrictTable parse_campaign(const std::string& text, const fs::path& file) {
+  try {
+    return StrictTable::parse(text, file.string());
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    if (message.find("'start'") == std::string::npos || message.find("redefine") == std::string::npos) throw;
+    throw InvalidInput(
+        fmt::format("{}: `start` in [fit] {}", message.substr(0, message.find(": ")), kGuessHint));
+  }
+}
+
+}  // namespace
+
 Campaign read_campaign(const fs::path& file) {
-  StrictTable top = StrictTable::parse(with_guesses_renamed(read_text(file)), file.string());
+  const std::string text = read_text(file);
+  StrictTable top = parse_campaign(text, file);
   Campaign campaign;
   campaign.file = file;
+  campaign.input = hashed_input(file, text);
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
-  if (auto table = top.table("part")) {
-    campaign.diameter_mm = table->positive("diameter_mm");
-    campaign.diameter_sd_mm = table->not_negative("diameter_sd_mm").value_or(0);
-    campaign.height_mm = table->positive("height_mm");
-    table->finish();
-  }
+  if (auto table = top.table("part")) campaign.part = read_part(*table);
   if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
@@ -284,8 +253,21 @@ Campaign read_campaign(const fs::path& file) {
     throw InvalidInput(
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
   name_runs(campaign.runs);
-
   return campaign;
+}
+
+std::vector<fs::path> Campaign::input_files() const {
+  std::vector<fs::path> files = {file};
+  const auto add = [&](const std::optional<fs::path>& path) {
+    if (!path) return;
+    for (const fs::path& one : files_of_input(*path)) files.push_back(one);
+  };
+  add(camera.calibration);
+  for (const CampaignRun& run : runs) {
+    add(run.video);
+    add(run.scope);
+  }
+  return files;
 }
 
 Json Campaign::effective_configuration(const CampaignRun& run) const {
@@ -310,9 +292,9 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
           {"mm_per_px_sd", camera.mm_per_px_sd},
           {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
-          {"diameter_mm", optional_json(diameter_mm)},
-          {"diameter_sd_mm", diameter_sd_mm},
-          {"height_mm", optional_json(height_mm)},
+          {"diameter_mm", optional_json(part.diameter_mm)},
+          {"diameter_sd_mm", part.diameter_sd_mm},
+          {"height_mm", optional_json(part.height_mm)},
           {"working_distance_mm", optional_json(camera.working_distance_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
@@ -341,15 +323,15 @@ Json Campaign::effective_configuration() const {
                    {"tie", scope.tie},
                    {"trigger_time_s", optional_json(scope.trigger_time_s)},
                    {"tie_sd_s", scope.tie_sd_s}};
-  json["part"] = {{"diameter_mm", optional_json(diameter_mm)},
-                  {"diameter_sd_mm", diameter_sd_mm},
-                  {"height_mm", optional_json(height_mm)}};
+  json["part"] = {{"diameter_mm", optional_json(part.diameter_mm)},
+                  {"diameter_sd_mm", part.diameter_sd_mm},
+                  {"height_mm", optional_json(part.height_mm)}};
   Json fit_json;
   fit_json["parameters"] = Json::array();
   for (const FitParameter parameter : fit.parameters)
     fit_json["parameters"].push_back(fit::to_string(parameter));
   fit_json["data"] = fit.trajectory ? "trajectory" : "summary";
-  for (const auto& [name, values] : {std::pair{"fixed", &fit.fixed}, std::pair{"start", &fit.start}}) {
+  for (const auto& [name, values] : {std::pair{"fixed", &fit.fixed}, std::pair{"guess", &fit.guess}}) {
     fit_json[name] = Json::object();
     for (const auto& [parameter, value] : *values) fit_json[name][fit::to_string(parameter)] = value;
   }

@@ -8,26 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/camera_section.h"
 #include "apps/files/scenario_file.h"
+#include "apps/text/input_file.h"
+#include "apps/text/json.h"
 #include "fit/problem.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
-#include "vision/tracker.h"
 
 namespace tribotrack::apps {
-
-struct CameraSection {
-  std::optional<double> frame_rate_hz;
-  std::optional<double> mm_per_px;
-  double mm_per_px_sd = 0;
-  std::optional<std::filesystem::path> calibration;  ///< resolved against the campaign's folder
-  double xi_axis_rad = 0;
-  std::optional<double> working_distance_mm;
-  std::optional<vision::Circle> disc_px, marker_px, gate_px;
-  /// Without marker_px: how the platform's motion is seen.
-  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
-};
 
 /// [scope]: which channel is what, and how its time is tied to the camera's.
 struct ScopeSection {
@@ -44,7 +33,7 @@ struct FitSection {
                                                fit::FitParameter::lag};
   bool trajectory = false;  ///< data = "trajectory"
   // In campaign units: mm, rad, s, mm/px.
-  std::map<fit::FitParameter, double> fixed, start;
+  std::map<fit::FitParameter, double> fixed, guess;
   std::map<fit::FitParameter, fit::Prior> prior;
 };
 
@@ -70,9 +59,9 @@ struct CampaignRun {
 
 struct Campaign {
   std::filesystem::path file;
+  Input input;  ///< the file, with the hash of the text that was read
   PlatformSection platform;
-  std::optional<double> diameter_mm, height_mm;
-  double diameter_sd_mm = 0;
+  PartSection part;
   CameraSection camera;
   ScopeSection scope;
   FitSection fit;
@@ -80,8 +69,10 @@ struct Campaign {
   /// Keys that are understood but not yet acted on, each a sentence for the user.
   std::vector<std::string> warnings;
   Json effective_configuration() const;
-  Json effective_configuration(
-      const CampaignRun& run) const;  ///< what tracking and measuring this run depends on
+  /// What tracking and measuring this run depends on.
+  Json effective_configuration(const CampaignRun& run) const;
+  /// Every file a command on this campaign may read, none of which it may write.
+  std::vector<std::filesystem::path> input_files() const;
 };
 
 /// Reads and checks a campaign. Throws InvalidInput with file, line and column.

@@ -2,43 +2,40 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "apps/text/input_file.h"
+#include "apps/text/json.h"
+#include "vision/picture.h"
 #include "vision/time_base.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
-/// Keys keep the order they were written in: files for people as well.
-using Json = nlohmann::ordered_json;
-
-/// XXH3-128 of a file, as hex; of a folder or a printf pattern, of its pictures in order. Throws
-/// InvalidInput.
-std::string hash_of_input(const std::filesystem::path& path);
-
 /// Of the result files; stands in their meta files.
 inline constexpr int kSchemaVersion = 1;
 
-/// X.meta.json for result X: program and schema version, input hashes, effective configuration, and whatever
-/// a command adds (time base, plan with predicted savings). Nothing volatile: same inputs, same bytes.
+/// X.meta.json for result X: program and schema version, inputs with their hashes, effective configuration,
+/// and whatever a command adds (time base, plan). Nothing volatile: same inputs, same bytes.
 struct MetaFile {
   std::string command;
-  std::vector<std::filesystem::path> inputs;
+  std::vector<Input> inputs;
   Json configuration = Json::object();
   Json more = Json::object();
   Json json() const;
   void write_beside(const std::filesystem::path& result) const;
 };
 
+/// A result and its meta file; where `path` is the standard output, the result alone goes there.
+void write_result(const std::filesystem::path& path, std::string_view text, const MetaFile& meta);
+
 Json json_of(const vision::TimeBase& time_base);
 Json json_of(const std::vector<vision::PlanStage>& plan);
 
-/// Text of a JSON value, two spaces of indent, final newline. NaN becomes null.
-std::string text_of(const Json& json);
-
-/// Reads a JSON file. Throws InvalidInput.
-Json read_json(const std::filesystem::path& path);
+/// [x, y, radius]; null where there is none.
+Json circle_json(const std::optional<vision::Circle>& circle);
 
 }  // namespace tribotrack::apps

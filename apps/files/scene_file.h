@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
+#include "apps/text/json.h"
 #include "apps/files/scenario_file.h"
 #include "vision/frame_sink.h"
 #include "vision/scene.h"

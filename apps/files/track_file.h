@@ -1,4 +1,4 @@
-// The track table on disk: T.csv and what its meta file adds.
+// A track as measuring and fitting take it: its table, T.csv, and what its meta file adds.
 #pragma once
 
 #include <filesystem>
@@ -6,21 +6,47 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/track_rows.h"
+#include "apps/text/input_file.h"
+#include "apps/text/json.h"
 #include "fit/gate_timing.h"
 #include "fit/track_table.h"
-#include "vision/millimetres.h"
-#include "vision/track.h"
 
 namespace tribotrack::apps {
 
-/// The CSV of a track, columns as the interface promises. Without a scale the millimetre columns stay empty.
-/// Where the marker's plane has another scale than the part's top, or a lens is corrected, four columns more:
-/// rho_xy_mm,marker_x_mm,marker_y_mm,marker_sigma_mm.
-std::string track_csv(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
-                      double xi_axis_rad);
+/// A stage of the plan by which the track was made.
+struct PlannedStage {
+  std::string stage;
+  bool on = true;
+  std::string reason;
+  std::optional<double> error_bound_px;  ///< that leaving it out can add; empty where nobody computed it
+};
 
-/// A track read back.
+/// What the rows of a track do not say of it.
+struct TrackFacts {
+  std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top
+  std::string scale_source;                       ///< "given", "part's diameter", ...
+  double xi_axis_rad = 0;
+  std::optional<double> exposure_s;
+  double gate_clipped_share = 0;  ///< of the lamp's pixels
+  bool platform_from_texture = false;
+  double disc_radius_px = 0, disc_radius_common_sd_px = 0;
+  std::int64_t frames = 0, lost_counted = 0;
+  bool accepted = true;                  ///< the part was lost in no more frames than allowed
+  std::optional<double> trigger_time_s;  ///< of a recording that numbers its images from the trigger
+  std::vector<Input> recorded_in;        ///< the recording and, where there is one, the calibration
+  std::optional<double> frame_rate_hz;
+  std::string time_base;  ///< where the frame rate comes from
+  int width_px = 0, height_px = 0;
+  bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
+  std::vector<std::string> warnings;
+  std::vector<PlannedStage> plan;
+};
+
+/// The same from a meta file; keys that are not there keep their defaults. Throws InvalidInput naming `path`
+/// where one is not of its type.
+TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path);
+
 struct TrackFile {
   fit::TrackTable table;  ///< rows with status ok, SI
   std::size_t frames = 0, lost = 0, edge = 0;
@@ -28,17 +54,17 @@ struct TrackFile {
   std::vector<double> x_px, y_px, x_mm, y_mm, sigma_px;
   bool has_marker_columns = false;
   bool platform_from_texture = false;  ///< the marker's columns follow a patch of the platform's own texture
-  std::optional<double> mm_per_px;     ///< from the meta file; without it the marker's motion stays unknown
+  std::optional<double> mm_per_px;     ///< in use; without it the marker's motion stays unknown
   std::optional<double> mm_per_px_sd;
   fit::LampRecord lamp;  ///< the gate's lamp in every frame that shows it; empty where none was named
-  Json meta;             ///< null where there is none
+  TrackFacts facts;
+  std::vector<Input> inputs;  ///< what it was read from: T.csv, or the recording just tracked
 };
 
-/// The trigger in the recording's time, s: a recording that numbers its images from the trigger says it by
-/// the number of its first. nullopt where the format has no such numbers.
-std::optional<double> trigger_time_of(const TrackFile& track);
+/// Throws InvalidInput naming `path` and the frame and column that is missing.
+TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path);
 
-/// Throws InvalidInput naming the file and the column or line that is wrong.
+/// Reads T.csv and, where there is one, T.csv.meta.json. Throws InvalidInput naming file, line and column.
 TrackFile read_track_file(const std::filesystem::path& path);
 
 }  // namespace tribotrack::apps

@@ -5,14 +5,14 @@
 
 namespace tribotrack::apps {
 
-/// What every command can be told, and how it ended.
+/// The options every command has, and how the command ended.
 struct Context {
   bool quiet = false;
   int threads = 0;             ///< 0: as many as this process may use
-  ExitCode exit_code = kDone;  ///< set by a command that ends orderly but not well
+  ExitCode exit_code = kDone;  ///< set by a command that completed with a reservation
 };
 
-/// min(affinity, SLURM_CPUS_PER_TASK, cgroup quota) where the user does not say.
+/// --threads, else min(affinity, SLURM_CPUS_PER_TASK, cgroup quota).
 int threads_to_use(const Context& context);
 
 }  // namespace tribotrack::apps

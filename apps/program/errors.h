@@ -14,7 +14,7 @@ enum ExitCode {
   kFitUnusable = 5,
 };
 
-/// The command line cannot be meant like this. Exit 2.
+/// The command line makes no sense. Exit 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

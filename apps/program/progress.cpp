@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "apps/program/streams.h"
+
 namespace tribotrack::apps {
 
 namespace {
@@ -25,7 +27,7 @@ Progress::Progress(std::string what, bool quiet)
       last_(begun_) {}
 
 Progress::~Progress() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (shown_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::update(std::int64_t done, std::int64_t total) {
@@ -37,7 +39,9 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   shown_ = true;
   const double elapsed = std::chrono::duration<double>(now - begun_).count();
   const double left = done > 0 ? elapsed / static_cast<double>(done) * static_cast<double>(total - done) : 0;
-  fmt::print(stderr, "\r\033[K{}: {}/{} ({} %), {:.0f} s left", what_, done, total, 100 * done / total, left);
+  const std::string line =
+      fmt::format("\r\033[K{}: {}/{} ({} %), {:.0f} s left", what_, done, total, 100 * done / total, left);
+  std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
 
@@ -50,7 +54,7 @@ void StageProgress::update(const std::string& stage, std::size_t done, std::size
 }
 
 void say(bool quiet, const std::string& text) {
-  if (!quiet) fmt::print(stderr, "{}\n", text);
+  if (!quiet) print_error(text);
 }
 
 }  // namespace tribotrack::apps

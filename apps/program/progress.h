@@ -1,4 +1,4 @@
-// Telling a person how far the work is, on stderr.
+// Progress of long work, and notes for people, on stderr.
 #pragma once
 
 #include <chrono>

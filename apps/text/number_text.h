@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -21,6 +24,16 @@ inline std::string compact(double value) {
 
 inline std::string compact(const std::optional<double>& value) {
   return value ? compact(*value) : std::string();
+}
+
+/// The number that compact()'s text reads back as; NaN for what is not finite. What is computed from a value
+/// just measured and from the same value read back from its table is then the same, bit for bit.
+inline double as_written(double value) {
+  if (!std::isfinite(value)) return std::numeric_limits<double>::quiet_NaN();
+  fmt::memory_buffer text;
+  fmt::format_to(std::back_inserter(text), "{:.10g}", value);
+  std::from_chars(text.begin(), text.end(), value);
+  return value;
 }
 
 /// A value rounded to the place of the second significant digit of its sd, trailing zeros kept: (0.100123,

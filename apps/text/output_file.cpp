@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -19,6 +25,8 @@ namespace tribotrack::apps {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::string_view kPrefix = ".partial-";
 
 // A signal can come at any time, so what it has to remove is the one piece of state kept per process.
 class TemporaryNames {
@@ -31,7 +39,8 @@ class TemporaryNames {
     const std::lock_guard lock(mutex_);
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     // The extension stays last: video muxers choose the container by it.
-    fs::path name = folder / fmt::format(".partial-{}-{}-{}", ::getpid(), ++count_, path.filename().string());
+    fs::path name =
+        folder / fmt::format("{}{}-{}-{}", kPrefix, ::getpid(), ++count_, path.filename().string());
     names_.insert(name);
     return name;
   }
@@ -70,13 +79,113 @@ class TemporaryNames {
                   path.string(), why));
 }
 
+bool names_a_recording(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  constexpr std::array<std::string_view, 20> kRecordings = {
+      ".cine", ".mp4", ".m4v", ".avi",  ".mkv", ".mov", ".webm", ".wmv",  ".mpg", ".mpeg",
+      ".mts",  ".ts",  ".y4m", ".tiff", ".tif", ".png", ".bmp",  ".jpeg", ".jpg", ".pgm"};
+  return std::find(kRecordings.begin(), kRecordings.end(), extension) != kRecordings.end();
+}
+
+/// Where writing to `path` really ends: links are followed, so that the link stays.
+fs::path target_of(const fs::path& path) {
+  std::error_code error;
+  fs::path target = path;
+  for (int k = 0; k < 40 && fs::is_symlink(fs::symlink_status(target, error)); ++k) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) break;
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target;
+}
+
+/// Refuses what must never be replaced by a file of ours. Returns what to write instead of `path`.
+fs::path require_replaceable(const fs::path& path, Content content) {
+  if (path.empty()) throw UsageError("the output file has no name");
+  if (is_standard_output(path))
+    throw InvalidInput(
+        fmt::format("{}: this output cannot be written to standard output; give a file name", path.string()));
+  if (content == Content::result && names_a_recording(path))
+    throw InvalidInput(
+        fmt::format("{}: cannot be written: {} is the name of a recording or a picture, and "
+                    "the output is none; give another name",
+                    path.string(), path.extension().string()));
+  fs::path target = target_of(path);
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
+  if (fs::is_directory(status)) refuse(path, "it is a folder");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    refuse(path, fs::is_fifo(status) ? "it is a fifo" : "it is a device, not a file");
+  if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) refuse(path, "it is write-protected");
+  return target;
+}
+
+/// Device and inode of a file that is there, the whole path of one that is not yet: equal for the same file,
+/// by whatever name or link.
+std::string identity_of(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return fmt::format("{}:{}", status.st_dev, status.st_ino);
+  std::error_code error;
+  return fs::weakly_canonical(fs::absolute(path, error), error).string();
+}
+
+fs::path meta_beside(const fs::path& path) {
+  return path.string() + ".meta.json";
+}
+
+/// The process that made a temporary name, of this file or of vision's ("...partial-PID-N...").
+std::optional<::pid_t> maker_of(const std::string& name) {
+  const auto at = name.rfind(kPrefix);
+  if (name.front() != '.' || at == std::string::npos) return std::nullopt;
+  const char* begin = name.data() + at + kPrefix.size();
+  ::pid_t maker = 0;
+  const auto [end, error] = std::from_chars(begin, name.data() + name.size(), maker);
+  if (error != std::errc() || maker <= 0 || end == name.data() + name.size() || *end != '-')
+    return std::nullopt;
+  return maker;
+}
+
 }  // namespace
 
-TemporaryFile::TemporaryFile(const fs::path& path)
-    : path_(path), temporary_(TemporaryNames::of_this_process().add(path)) {}
+bool is_standard_output(const fs::path& path) {
+  const std::string name = path.string();
+  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1" || name == "/proc/self/fd/1";
+}
+
+void require_writable(const std::vector<Output>& outputs, const std::vector<fs::path>& inputs) {
+  std::map<std::string, fs::path> read;
+  for (const fs::path& input : inputs) read.emplace(identity_of(input), input);
+  std::set<std::string> written;
+  std::set<fs::path> folders;
+  for (const Output& output : outputs) {
+    require_replaceable(output.path, output.content);
+    const fs::path folder = output.path.has_parent_path() ? output.path.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder)) refuse(output.path, "its folder does not exist");
+    std::vector<fs::path> files = {output.path};
+    if (output.content == Content::result) files.push_back(meta_beside(output.path));
+    for (const fs::path& file : files) {
+      const std::string identity = identity_of(file);
+      if (const auto input = read.find(identity); input != read.end())
+        throw InvalidInput(fmt::format(
+            "{}: is an input of this command and would be overwritten{}; give another output",
+            input->second.string(), file == input->second ? "" : " by the output " + file.string()));
+      if (!written.insert(identity).second)
+        throw InvalidInput(
+            fmt::format("{}: two outputs would be written to it; give each its own name", file.string()));
+    }
+    if (!folders.insert(folder).second) continue;
+    TemporaryFile probe(output.path, output.content);
+    std::ofstream stream(probe.name());
+    if (!stream) refuse(output.path, std::strerror(errno));
+  }
+}
+
+TemporaryFile::TemporaryFile(const fs::path& path, Content content)
+    : path_(require_replaceable(path, content)), temporary_(TemporaryNames::of_this_process().add(path_)) {}
 
 TemporaryFile::~TemporaryFile() {
-  TemporaryNames::of_this_process().remove(temporary_);
+  if (!temporary_.empty()) TemporaryNames::of_this_process().remove(temporary_);
 }
 
 void TemporaryFile::commit() {
@@ -84,39 +193,48 @@ void TemporaryFile::commit() {
   fs::rename(temporary_, path_, error);
   if (error) refuse(path_, error.message());
   TemporaryNames::of_this_process().forget(temporary_);
+  temporary_.clear();
 }
 
-void write_file(const fs::path& path, std::string_view content) {
-  if (fs::is_directory(path)) refuse(path, "it is a folder");
-  TemporaryFile file(path);
+void write_file(const fs::path& path, std::string_view text, Content content) {
+  TemporaryFile file(path, content);
   {
     std::ofstream stream(file.name(), std::ios::binary);
     if (!stream) refuse(path, std::strerror(errno));
-    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
     stream.flush();
     if (!stream) refuse(path, std::strerror(errno));
   }
   file.commit();
 }
 
-void require_writable(const fs::path& path) {
-  if (path.empty()) throw UsageError("the output file has no name");
-  if (fs::is_directory(path)) refuse(path, "it is a folder");
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder)) refuse(path, "its folder does not exist");
-  TemporaryFile probe(path);
-  std::ofstream stream(probe.name());
-  if (!stream) refuse(path, std::strerror(errno));
-}
-
-void create_folder(const fs::path& path) {
+std::vector<fs::path> create_folder(const fs::path& path) {
+  std::vector<fs::path> missing;
   std::error_code error;
+  for (fs::path folder = path; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path()) {
+    if (folder.has_filename()) missing.insert(missing.begin(), folder);
+    if (folder == folder.root_path()) break;
+  }
+  error.clear();
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path))
     throw InvalidInput(fmt::format("{}: the output folder cannot be created: {}; give one that can",
                                    path.string(),
                                    error ? error.message() : "a file of that name is in the way"));
   require_writable(path / "writable");
+  return missing;
+}
+
+void remove_leftovers(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const auto maker = maker_of(entry.path().filename().string());
+    // Of this process's own number nothing is under way yet: in a container numbers come again.
+    if (maker && (*maker == ::getpid() || (::kill(*maker, 0) != 0 && errno == ESRCH)))
+      left.push_back(entry.path());
+  }
+  for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
 void clean_up_on_signals() {

@@ -1,21 +1,48 @@
-// Output files that appear whole or not at all.
+// Output files that appear whole or not at all, and never in place of something else.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tribotrack::apps {
 
-/// Writes `content` under a temporary name beside `path`, then renames. Throws InvalidInput naming the path.
-void write_file(const std::filesystem::path& path, std::string_view content);
+/// What a file is to hold. A name that ends like a recording's or a picture's is refused for a result: it is
+/// a slip, and may be somebody's only copy.
+enum class Content { result, pictures };
+
+/// One output of a command.
+struct Output {
+  std::filesystem::path path;
+  Content content = Content::result;
+};
+
+/// Checks before any work what a command is about to write. Throws InvalidInput where an output
+/// - is the same file (links included) as an input or another output, or its X.meta.json is,
+/// - exists and is not a regular file, or is write-protected,
+/// - is a result with the name of a recording,
+/// - lies in a folder that does not exist or cannot be written to.
+/// `inputs` are single files: a recording of many files is listed file by file.
+void require_writable(const std::vector<Output>& outputs,
+                      const std::vector<std::filesystem::path>& inputs = {});
+inline void require_writable(const std::filesystem::path& path) {
+  require_writable(std::vector<Output>{{path, Content::result}});
+}
+
+/// "-", or a name of this process's standard output: results that can be streamed go to print_text().
+bool is_standard_output(const std::filesystem::path& path);
+
+/// Writes `content` under a temporary name beside `path`, then renames. Where `path` is a symbolic link, the
+/// file it leads to is written. Throws InvalidInput naming the path.
+void write_file(const std::filesystem::path& path, std::string_view text, Content content = Content::result);
 
 /// A temporary file beside `path` for writers that need a name of their own (video muxers). commit() renames
 /// it to `path`; destroyed without commit(), or on SIGINT/SIGTERM, it and whatever was derived from its name
-/// is removed.
+/// is removed. Throws InvalidInput where `path` must not be written (see require_writable).
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::filesystem::path& path);
+  explicit TemporaryFile(const std::filesystem::path& path, Content content = Content::result);
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -27,12 +54,12 @@ class TemporaryFile {
   std::filesystem::path temporary_;
 };
 
-/// Throws InvalidInput unless a file could be created at `path` (its folder exists and can be written to).
-/// For asking before a long computation, not after it.
-void require_writable(const std::filesystem::path& path);
+/// Creates a folder and its parents. Returns those it made, outermost first. Throws InvalidInput.
+std::vector<std::filesystem::path> create_folder(const std::filesystem::path& path);
 
-/// Creates a folder and its parents. Throws InvalidInput.
-void create_folder(const std::filesystem::path& path);
+/// Removes temporary files in `folder` that processes which are no more left behind (killed, or the machine
+/// went down). Only where no other process of this program can be writing there.
+void remove_leftovers(const std::filesystem::path& folder);
 
 /// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends.
 void clean_up_on_signals();

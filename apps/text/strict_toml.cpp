@@ -235,6 +235,11 @@ bool StrictTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
 
+bool StrictTable::is_table(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  return node != nullptr && node->is_table();
+}
+
 std::vector<std::string> StrictTable::keys() const {
   std::vector<std::string> names;
   for (auto&& [name, value] : *node_->table) names.emplace_back(name.str());

@@ -11,8 +11,9 @@
 
 namespace tribotrack::apps {
 
-/// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses keys nobody
-/// asked for and names the nearest one that exists. All errors are InvalidInput with file, line and column.
+/// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses the keys
+/// that no getter was called for and names the nearest one that exists. All errors are InvalidInput with
+/// file, line and column.
 class StrictTable {
  public:
   /// Reads and parses a file. Duplicate keys are errors.
@@ -37,12 +38,13 @@ class StrictTable {
   std::optional<std::size_t> choice(std::string_view key, const std::vector<std::string>& words);
 
   bool has(std::string_view key) const;
+  bool is_table(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// An error at a key (or at the table itself when the key is not there).
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   /// "campaign.toml:12:1", the place of the table or of a key in it.
   std::string place(std::string_view key = {}) const;
-  /// Throws for the first key that no getter asked for.
+  /// Throws for the first key that no getter was called for.
   void finish() const;
 
  private:

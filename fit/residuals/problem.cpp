@@ -93,7 +93,7 @@ void Problem::validate() const {
     if (fixed.count(parameter))
       throw DataError(std::string(to_string(parameter)) + " is both fitted and fixed: take it out of one.");
   for (const auto& [parameter, value] : fixed) check_value(parameter, value, "fit.fixed");
-  for (const auto& [parameter, value] : start) check_value(parameter, value, "fit.start");
+  for (const auto& [parameter, value] : start) check_value(parameter, value, "fit.guess");
   for (const auto& [parameter, known] : prior) {
     check_value(parameter, known.mean, "fit.prior");
     if (!(known.sd > 0) || !std::isfinite(known.sd))

@@ -300,7 +300,7 @@ TEST(Estimate, RefusesWhatCannotBeFitted) {
   refuses(bad, "sd must be positive");
   bad = good;
   bad.start[FitParameter::mu1] = -0.1;
-  refuses(bad, "fit.start mu1");
+  refuses(bad, "fit.guess mu1");
   bad = good;
   bad.summary_runs[1].measured.covariance.setZero();
   refuses(bad, "Run 'r1'");

@@ -8,11 +8,27 @@
 #include "vision/formats/pictures/source.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/mapped_file.h"
+#include "vision/timing/photron_sidecar.h"
 
 namespace tribotrack::vision {
 namespace {
 
-void refuse_bare_pixels(const std::filesystem::path& path) {
+namespace fs = std::filesystem;
+
+/// The pictures of a folder or pattern; nothing where the path names a single file.
+std::optional<PictureList> pictures_at(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return pictures_in_folder(path);
+  if (fs::exists(path, ignored)) return std::nullopt;
+  const auto pattern = NumberPattern::parse(path);
+  return pattern ? std::optional(pictures_of_pattern(*pattern)) : std::nullopt;
+}
+
+bool is_cine(const fs::path& path) {
+  return looks_like_cine(path) || path.extension() == ".cine";
+}
+
+void refuse_bare_pixels(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".mraw" || extension == ".cih" || extension == ".cihx")
     throw InputError(
@@ -23,19 +39,30 @@ void refuse_bare_pixels(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path, const SourceOptions& options) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return open_picture_sequence(path, pictures_in_folder(path), options);
-  if (!fs::exists(path, ignored)) {
-    if (const auto pattern = NumberPattern::parse(path))
-      return open_picture_sequence(path, pictures_of_pattern(*pattern), options);
-  }
+std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptions& options) {
+  if (auto pictures = pictures_at(path)) return open_picture_sequence(path, std::move(*pictures), options);
   require_readable_file(path);
   refuse_bare_pixels(path);
-  if (looks_like_cine(path) || path.extension() == ".cine") return open_cine(path, options);
+  if (is_cine(path)) return open_cine(path, options);
   if (has_picture_extension(path)) return open_picture_stack(path, options);
   return open_libav(path, options);
+}
+
+std::vector<fs::path> files_of_recording(const fs::path& path) {
+  if (auto pictures = pictures_at(path)) return std::move(pictures->files);
+  require_readable_file(path);
+  std::vector<fs::path> files = {path};
+  if (!is_cine(path) && !has_picture_extension(path))
+    if (const auto sidecar = photron_sidecar(path)) files.push_back(*sidecar);
+  return files;
+}
+
+bool is_number_pattern(const fs::path& path) {
+  try {
+    return NumberPattern::parse(path).has_value();
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 void keep_to_calling_thread() {

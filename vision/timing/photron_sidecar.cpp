@@ -1,6 +1,5 @@
 #include "vision/timing/photron_sidecar.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -24,28 +23,26 @@ std::optional<double> number_after(std::string_view text, std::string_view key) 
 
 }  // namespace
 
-std::optional<TimeBaseCandidate> photron_sidecar_rate(const std::filesystem::path& recording) {
-  struct Form {
-    const char* extension;
-    const char* key;
-  };
-  constexpr std::array<Form, 4> forms = {{{".cihx", "<recordRate>"},
-                                          {".CIHX", "<recordRate>"},
-                                          {".cih", "Record Rate(fps)"},
-                                          {".CIH", "Record Rate(fps)"}}};
-  for (const Form& form : forms) {
+std::optional<std::filesystem::path> photron_sidecar(const std::filesystem::path& recording) {
+  for (const char* extension : {".cihx", ".CIHX", ".cih", ".CIH"}) {
     std::filesystem::path beside = recording;
-    beside.replace_extension(form.extension);
-    std::ifstream file(beside, std::ios::binary);
-    if (!file) continue;
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
-    const std::string source = "sidecar " + beside.filename().string();
-    if (const auto rate = number_after(text, form.key))
-      return TimeBaseCandidate{source, *rate, true, "written by the camera beside the recording"};
-    return TimeBaseCandidate{source, 0, false,
-                             std::string("no '") + form.key + "' with a positive number in it"};
+    beside.replace_extension(extension);
+    if (std::ifstream(beside, std::ios::binary)) return beside;
   }
   return std::nullopt;
+}
+
+std::optional<TimeBaseCandidate> photron_sidecar_rate(const std::filesystem::path& recording) {
+  const auto sidecar = photron_sidecar(recording);
+  if (!sidecar) return std::nullopt;
+  std::ifstream file(*sidecar, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::string source = "sidecar " + sidecar->filename().string();
+  const bool is_xml = sidecar->extension().string().size() == 5;
+  const std::string key = is_xml ? "<recordRate>" : "Record Rate(fps)";
+  if (const auto rate = number_after(text, key))
+    return TimeBaseCandidate{source, *rate, true, "written by the camera beside the recording"};
+  return TimeBaseCandidate{source, 0, false, "no '" + key + "' with a positive number in it"};
 }
 
 }  // namespace tribotrack::vision

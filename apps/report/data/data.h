@@ -139,7 +139,7 @@ struct ReportSlide {
 /// A run that contradicts the others.
 struct ReportOutlier {
   std::string run;
-  double deviation = no_value;           ///< standard deviations from what the others say
+  double deviation = no_value;           ///< standard deviations from the fit to the others
   double chance = no_value;              ///< that the largest of so many runs lies as far
   double looks_like_phi_rad = no_value;  ///< where a wrong phi alone explains it
 };

@@ -71,7 +71,7 @@ void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
     rescale(track, {used, number_at(measured, "mm_per_px_sd"), ""});
   add_track(track, folder, run);
   if (run.kind != "free_slide") add_drawings(track, run.platform);
-  add_recording(track, csv, data);
+  add_recording(track, data);
 }
 
 void read_given_measurement(const Json& configuration, ReportRun& run) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/campaign/fit_json.h"
+#include "apps/campaign/problem.h"
 #include "apps/files/scenario_file.h"
 #include "apps/report/data/curves.h"
 #include "apps/report/data/json.h"
@@ -206,7 +207,7 @@ ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportDat
   if (analysed.measurement) add_measurement(*analysed.measurement, *analysed.track, run);
   add_track(*analysed.track, folder, run);
   if (!given.free_slide) add_drawings(*analysed.track, run.platform);
-  add_recording(*analysed.track, folder.track(run.name), data);
+  add_recording(*analysed.track, data);
   return run;
 }
 

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "apps/campaign/analysis.h"
+#include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_scale.h"
-#include "apps/files/meta_file.h"
 #include "apps/files/run_folder.h"
 #include "apps/report/data/data.h"
+#include "apps/text/json.h"
 #include "fit/fit_result.h"
 
 namespace tribotrack::apps {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 #include "apps/report/data/data.h"
+#include "apps/text/json.h"
 
 namespace tribotrack::apps {
 

@@ -50,13 +50,13 @@ std::string goodness(const ReportData& data) {
 std::string runs_test(const ReportData& data) {
   const double p = data.runs_test_p_value;
   if (!std::isfinite(p)) return "";
-  const char* words =
+  const char* result =
       p < runs_test_rejects
           ? "residuals of neighbouring runs have the same sign more often than by chance, which points to "
             "a wrong model rather than to scatter."
       : p < 1 ? "no sign that residuals of neighbouring runs go together, as they would under a wrong model."
               : "no objection; with fewer than eight runs the test decides nothing.";
-  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), words);
+  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), result);
 }
 
 std::string phi_or_dash(double phi) {
@@ -70,7 +70,7 @@ std::string outlier_table(const ReportData& data) {
   });
   std::string html =
       "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
-      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table class=\"compact "
+      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
       "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
   if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
   html += "</tr></thead><tbody>";
@@ -107,7 +107,7 @@ std::string model_table(const ReportData& data) {
       "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
       "unknowns: lower is better; Δ is the difference from the first model, and less than 6 in AIC is not "
       "taken as evidence.</p>\n<div "
-      "class=\"wide\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
+      "class=\"wide\" tabindex=\"0\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
       "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">ΔAIC</th><th "
       "class=\"n\">BIC</th><th class=\"n\">ΔBIC</th><th>Result</th></tr></thead><tbody>\n";
   const auto signed_difference = [](double value, double first) {

@@ -76,9 +76,11 @@ json dependence(const ReportData& data, const Dependence& figure) {
   json groups = json::array();
   for (const ReportGroup& group : figure.over_phi ? data.over_phi : data.over_dtau)
     groups.push_back({{"label", (figure.over_phi ? "Δτ = " : "φ = ") + angle(group.shared_rad)},
+                      {"shared_rad", drawn(group.shared_rad)},
                       {"points", points(data, group, figure)},
                       {"curve", curve(group, figure.of_alpha)}});
   return {{"id", figure.id},
+          {"shared_title", figure.over_phi ? "Δτ, rad" : "φ, rad"},
           {"x_title", figure.over_phi ? "phase shift φ, rad" : "pulse width Δτ, rad"},
           {"y_title", figure.of_alpha ? "displacement angle α, rad" : "mean velocity v, mm/s"},
           {"y_is_angle", figure.of_alpha},
@@ -199,7 +201,7 @@ std::string dependence_section(const ReportData& data) {
   const char* how =
       "Points: measured, with one standard deviation (often smaller than the point); lines: the model at "
       "the fitted parameters.";
-  std::string html = "<section id=\"dependences\"><h2>Where the part goes, and how fast</h2>\n";
+  std::string html = "<section id=\"dependences\"><h2>Direction and velocity of the displacement</h2>\n";
   if (!data.over_phi.empty() || !data.over_dtau.empty()) html += "<div class=\"pair\">\n";
   if (!data.over_phi.empty())
     html += plot_box(
@@ -255,11 +257,11 @@ std::string residual_section(const ReportData& data) {
     return data.fitted ? "<section id=\"residuals\"><h2>Residuals</h2>\n<p class=\"left-out\">The fit gave "
                          "no residuals by run: figure left out.</p></section>\n"
                        : "";
-  return "<section id=\"residuals\"><h2>Residuals: how far each measurement is from the model</h2>\n" +
+  return "<section id=\"residuals\"><h2>Residuals</h2>\n" +
          plot_box("residuals",
                   "<b>Measured minus modelled, in standard deviations.</b> If the model and the errors "
-                  "are right, 19 of 20 lie inside the grey band (±2) and they show no trend. Where the "
-                  "observables of a run are correlated they have been made independent first.",
+                  "are right, 19 of 20 lie inside the grey band (±2) and show no trend. Correlated "
+                  "observables of a run are decorrelated first.",
                   "full") +
          "</section>\n";
 }

@@ -57,19 +57,19 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 std::string interval_table(const ReportData& data) {
   const std::vector<IntervalColumn> columns = interval_columns(data);
   std::string html = fmt::format(
-      "<div class=\"wide\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
+      "<div class=\"wide\" tabindex=\"0\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
       "class=\"n\">Value</th><th class=\"n\">Standard deviation</th>",
       columns.size() > 2 ? " many" : "");
   for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
   for (const ReportParameter& p : data.parameters) {
-    const ParameterText words = parameter_text(p.name);
-    html += "<tr><th>" + words.symbol + "</th>" + number_cell(rounded(p.estimate, p.sd)) +
+    const ParameterText shown = parameter_text(p.name);
+    html += "<tr><th>" + shown.symbol + "</th>" + number_cell(rounded(p.estimate, p.sd)) +
             number_cell(rounded(p.sd, p.sd));
     for (const IntervalColumn& column : columns)
       html += fmt::format("<td class=\"n ends\">{}</td>",
                           interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd));
-    html += cell(words.unit.empty() ? "1" : words.unit) + cell(words.meaning) + "</tr>\n";
+    html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n" + interval_note(data, columns);
 }

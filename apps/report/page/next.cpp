@@ -42,12 +42,13 @@ std::string interval(const ReportInterval& range) {
 
 std::string next_table(const ReportData& data) {
   std::string html =
-      "<div class=\"wide\"><table class=\"next\"><thead><tr><th>Best for</th><th class=\"n\">φ</th><th "
+      "<div class=\"wide\" tabindex=\"0\"><table class=\"next\"><thead><tr><th>Best for</th><th "
+      "class=\"n\">φ</th><th "
       "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
   for (const ReportParameter& parameter : data.parameters) {
-    const ParameterText words = parameter_text(parameter.name);
-    html += fmt::format("<th class=\"n\">{}{}</th>", words.symbol,
-                        words.unit.empty() ? "" : fmt::format(", {}", words.unit));
+    const ParameterText shown = parameter_text(parameter.name);
+    html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
+                        shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
   }
   html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
   for (const ReportParameter& parameter : data.parameters) html += number_cell(interval(parameter.ci95));

@@ -30,7 +30,7 @@ std::string fill_template(std::string_view page, const Parts& parts) {
     const std::size_t close = page.find("}}", open);
     const auto part = parts.find(page.substr(open + 2, close - open - 2));
     if (close == std::string_view::npos || part == parts.end())
-      throw std::logic_error("page.html asks for a part the report does not have");
+      throw std::logic_error("page.html names a part that the report does not have");
     filled += page.substr(position, open - position);
     filled += part->second;
     position = close + 2;
@@ -45,11 +45,13 @@ std::string trajectory_section(const ReportData& data) {
 
 /// What the page is of, and by which program.
 std::string subtitle_of(const ReportData& data) {
-  std::string text = "tribotrack";
-  if (!data.program_version.empty()) text += " " + escape_html(data.program_version);
+  std::string text;
   if (!data.runs.empty())
-    text += fmt::format(", {} run{}", data.runs.size(), data.runs.size() == 1 ? "" : "s");
-  if (!data.parameters.empty()) text += ": friction parameters fitted to them";
+    text =
+        fmt::format("{} {} run{}, ", data.parameters.empty() ? "Measurements of" : "Friction parameters from",
+                    data.runs.size(), data.runs.size() == 1 ? "" : "s");
+  text += "tribotrack";
+  if (!data.program_version.empty()) text += " " + escape_html(data.program_version);
   return text;
 }
 

@@ -56,10 +56,10 @@ class Drawing {
     svg_ += "\"/>";
   }
   std::string done(const std::string& x_name, const std::string& y_name, int digits) const {
-    const auto text = [](double x, double y, const char* anchor, const std::string& words) {
+    const auto text = [](double x, double y, const char* anchor, const std::string& label) {
       return fmt::format(
           "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"{}\" font-size=\"11\" fill=\"#444\">{}</text>", x, y,
-          anchor, words);
+          anchor, label);
     };
     const auto end = [&](double v) { return number(v, digits); };
     const double base = kHigh - kBottom;

@@ -179,7 +179,8 @@ std::string picture_section(const ReportData& data) {
 std::string run_section(const ReportData& data) {
   if (data.runs.empty()) return "";
   std::string html =
-      "<section id=\"runs\"><h2>Runs</h2>\n<div class=\"wide\"><table class=\"runs\"><thead><tr><th "
+      "<section id=\"runs\"><h2>Runs</h2>\n<div class=\"wide\" tabindex=\"0\"><table "
+      "class=\"runs\"><thead><tr><th "
       "class=\"n\">#</th><th>Run</th><th class=\"n\">φ</th><th class=\"n\">Δτ</th><th class=\"n\">α, "
       "rad</th><th class=\"n\">model</th><th class=\"n\">v, mm/s</th><th class=\"n\">model</th><th "
       "class=\"n\">cycles</th><th class=\"n\">frames<br>found / lost / edge</th><th class=\"n\">σ, "

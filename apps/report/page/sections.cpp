@@ -28,13 +28,14 @@ const char* css_class(Trust trust) {
 
 std::string given_table(const ReportData& data) {
   if (data.given.empty()) return "";
-  std::string html = "<h3>Taken as known</h3>\n<div class=\"wide\"><table class=\"compact\"><tbody>";
+  std::string html =
+      "<h3>Taken as known</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact\"><tbody>";
   for (const ReportGiven& given : data.given) {
-    const ParameterText words = parameter_text(given.name);
-    const bool in_radians = words.unit == "rad";
-    html += fmt::format("<tr><th>{}</th>", words.symbol);
+    const ParameterText shown = parameter_text(given.name);
+    const bool in_radians = shown.unit == "rad";
+    html += fmt::format("<tr><th>{}</th>", shown.symbol);
     html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
-    html += cell(in_radians ? "" : words.unit) + cell(escape_html(given.source)) + "</tr>";
+    html += cell(in_radians ? "" : shown.unit) + cell(escape_html(given.source)) + "</tr>";
   }
   return html + "</tbody></table></div>\n";
 }
@@ -50,7 +51,7 @@ std::string correlation_table(const ReportData& data) {
   const std::size_t n = data.parameters.size();
   if (n < 2 || data.correlation.size() != n) return "";
   std::string html =
-      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table class=\"compact "
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
       "correlation\"><thead><tr><th></th>";
   for (const ReportParameter& p : data.parameters)
     html += "<th class=\"n\">" + parameter_text(p.name).symbol + "</th>";

@@ -13,10 +13,10 @@ namespace {
 
 /// "mu1 = 0.1001 ± 0.0003 (95 % interval ... to ...)".
 std::string finding(const ReportParameter& parameter) {
-  const ParameterText words = parameter_text(parameter.name);
-  const std::string unit = words.unit.empty() ? "" : " " + words.unit;
+  const ParameterText shown = parameter_text(parameter.name);
+  const std::string unit = shown.unit.empty() ? "" : " " + shown.unit;
   std::string text =
-      fmt::format("<b>{} = {}{}</b>", words.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
+      fmt::format("<b>{} = {}{}</b>", shown.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
   if (std::isfinite(parameter.ci95.low) && std::isfinite(parameter.ci95.high))
     text += fmt::format(" (95 % interval {})",
                         interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd));
@@ -112,9 +112,9 @@ std::string reasons_for_care(const ReportData& data) {
   if (!data.other_minima.empty()) reasons.push_back("other values fit nearly as well");
   const std::size_t failed = failed_runs(data);
   if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
-  std::string words;
-  for (const std::string& reason : reasons) words += fmt::format("{}{}", words.empty() ? "" : ", ", reason);
-  return words;
+  std::string text;
+  for (const std::string& reason : reasons) text += fmt::format("{}{}", text.empty() ? "" : ", ", reason);
+  return text;
 }
 
 }  // namespace
@@ -163,7 +163,7 @@ Verdict verdict_of(const ReportData& data) {
                     agreement_text(data));
     if (data.scatter_mm > 0 && !scatter_is_from_residuals(data))
       verdict.paragraph += fmt::format(
-          " Repeated runs scatter by {} mm per axis beyond their own errors; the intervals include it.",
+          " Scatter of {} mm per axis beyond the measurement errors was added; the intervals include it.",
           number(data.scatter_mm, 2));
   }
   if (!data.warnings.empty())

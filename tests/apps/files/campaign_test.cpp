@@ -28,8 +28,7 @@ class CampaignTest : public ProgramTest {
 const std::string kRun =
     "[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = 0.1\nv_mm_s = 2\nv_sd_mm_s = 0.1\n";
 
-// The campaign printed in the interface description, whole: `start` as a word and [fit.start] as a table live
-// side by side.
+// The campaign printed in the interface description, whole.
 TEST_F(CampaignTest, ReadsEveryKeyOfTheInterface) {
   const Campaign c = read(R"(
 [platform]
@@ -57,7 +56,7 @@ start = "circling"
 cycles = 18
 [fit.fixed]
 delay_s = 1e-4
-[fit.start]
+[fit.guess]
 mu1 = 0.12
 phase_lag_rad = "pi/8"
 [fit.prior]
@@ -95,7 +94,7 @@ frames = [120, 480]
   EXPECT_DOUBLE_EQ(c.platform.tilt_y, 0.001);
   EXPECT_EQ(c.fit.parameters.size(), 4u);
   EXPECT_EQ(c.fit.parameters[3], fit::FitParameter::tilt_x);
-  EXPECT_DOUBLE_EQ(c.fit.start.at(fit::FitParameter::lag), pi / 8);
+  EXPECT_DOUBLE_EQ(c.fit.guess.at(fit::FitParameter::lag), pi / 8);
   EXPECT_DOUBLE_EQ(c.fit.fixed.at(fit::FitParameter::delay), 1e-4);
   EXPECT_DOUBLE_EQ(c.fit.prior.at(fit::FitParameter::amplitude).sd, 0.001);
   ASSERT_EQ(c.runs.size(), 3u);
@@ -127,12 +126,21 @@ TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
               HasSubstr("diameter_mm"));
   EXPECT_THAT(complaint("[fit]\nparameters = [\"mu3\"]\n" + kRun), HasSubstr("did you mean \"mu1\""));
   EXPECT_THAT(complaint("[fit]\nparameters = [\"mu1\"]\n[fit.fixed]\nmu1 = 0.1\n" + kRun),
-              HasSubstr("asks to fit"));
+              HasSubstr("lists as fitted"));
   EXPECT_THAT(complaint("[fit]\n"), HasSubstr("no [[run]]"));
   EXPECT_THAT(complaint("[[run]]\nname = \"a\"\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = "
                         "0\nv_mm_s = 1\nv_sd_mm_s = 1\n"),
               HasSubstr("alpha_sd_rad"));
   EXPECT_THAT(complaint("[platform]\namplitude_mm = 0.28\n[platform]\n" + kRun), HasSubstr("c.toml:3:"));
+}
+
+// Guesses once stood in [fit.start], beside `start = "rest"`: TOML calls that one key twice.
+TEST_F(CampaignTest, TheOldTableOfGuessesIsRefusedWithTheNewName) {
+  for (const char* before : {"[fit]\nstart = \"rest\"\n", "[fit]\n", "[fit]\ncycles = 3\n"}) {
+    const std::string text = complaint(before + std::string("[fit.start]\nmu1 = 0.12\n") + kRun);
+    EXPECT_THAT(text, HasSubstr("[fit.guess]")) << before;
+    EXPECT_THAT(text, HasSubstr("c.toml:")) << before;
+  }
 }
 
 TEST_F(CampaignTest, RunsWithoutANameGetOneOfTheirOwn) {

@@ -1,5 +1,5 @@
-// The page of `run` and of a later `report`: the same bytes, the same numbers in drawings and text, and what a
-// damaged folder is refused with.
+// The page of `run` and of a later `report`: the same bytes, the same numbers in drawings and text, and what
+// a damaged folder is refused with.
 #include "apps/report/report.h"
 
 #include <gmock/gmock.h>
@@ -149,7 +149,8 @@ TEST_F(ReportOfARun, TheGateDrawnIsTheGateMeasured) {
 
 TEST_F(ReportOfARun, AMissingTrackIsAWarningOnThePage) {
   std::filesystem::remove(folder().track("b"));
-  EXPECT_THAT(data_from_files(folder()).warnings, testing::Contains(HasSubstr("b: its track b.csv is missing")));
+  EXPECT_THAT(data_from_files(folder()).warnings,
+              testing::Contains(HasSubstr("b: its track b.csv is missing")));
 }
 
 /// Runs measured elsewhere: a folder without recordings.
@@ -215,7 +216,8 @@ TEST_F(DamagedReport, WrongContentIsRefusedWithFileAndKey) {
                        {"out/fit.json", "`runs[1].name` is missing"});
   expect_refused_after(fit, [](Json& f) { f["runs"][0]["observables"][0]["measured"] = "1"; },
                        {"out/fit.json", "`runs[0].observables[0].measured`"});
-  expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"] = 5; }, {"out/fit.json", "`runs[0].scenario`"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"] = 5; },
+                       {"out/fit.json", "`runs[0].scenario`"});
   expect_refused_after(meta, [](Json& m) { m["schema"] = 99; },
                        {"out/fit.json.meta.json", "`schema` is 99", "schema 1"});
   expect_refused_after(meta, [](Json& m) { m["configuration"]["runs"].erase(1); },

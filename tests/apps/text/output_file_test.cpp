@@ -30,6 +30,17 @@ TEST_F(OutputFile, ATemporaryFileThatIsNotCommittedVanishesWithAllDerivedFromIts
   EXPECT_THAT(left_behind(), IsEmpty());
 }
 
+TEST_F(OutputFile, WhatOthersMakeAfterACommitStays) {
+  {
+    TemporaryFile file(in_folder("a.csv"));
+    const std::string name = file.name().filename().string();
+    put(file.name(), "whole");
+    file.commit();
+    put(in_folder("notes on " + name), "mine");
+  }
+  EXPECT_EQ(left_behind().size(), 2u);
+}
+
 TEST_F(OutputFile, WhatCannotBeWrittenIsSaidBeforeTheWork) {
   EXPECT_THROW(require_writable(in_folder("nowhere/a.csv")), InvalidInput);
   EXPECT_THROW(require_writable(folder_), InvalidInput);

@@ -174,8 +174,9 @@ v_sd_mm_s = 0.012
   ASSERT_FALSE(data.next_runs.empty());
   EXPECT_GT(data.next_runs[0].predicted_ci95.at(0).low, 0);
   const std::string page = page_text(data);
-  for (const char* words : {"Do not use these values", "hidden by", "<b>Remedy:</b> Film next",
-                            "Other minima", "nothing checks the model", "the widths of the intervals are meaningful"})
+  for (const char* words :
+       {"Do not use these values", "hidden by", "<b>Remedy:</b> Film next", "Other minima",
+        "nothing checks the model", "the widths of the intervals are meaningful"})
     EXPECT_THAT(page, HasSubstr(words));
 }
 
@@ -208,8 +209,9 @@ TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
             "`parameters` must be an object with the fitted parameters, not {}");
   EXPECT_EQ(refusal([](Json& fit) { fit["correlation"]["mu1"].erase("phase_lag_rad"); }),
             "`correlation.mu1.phase_lag_rad` is missing");
-  EXPECT_EQ(refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
-            "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
+  EXPECT_EQ(
+      refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
+      "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
 }
 
 }  // namespace

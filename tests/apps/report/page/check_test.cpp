@@ -22,16 +22,16 @@ TEST(CheckSection, ChiSquareIsReadAgainstWhatChanceAllows) {
   data.scatter_mm = 0.5;
   EXPECT_THAT(
       check_section(data),
-      HasSubstr("<b>p &lt; 1e-300</b>: without the scatter estimated from the residuals, chance alone would make "
-                "χ² so large in fewer than one of 1000 campaigns."));
+      HasSubstr(
+          "<b>p &lt; 1e-300</b>: without the scatter estimated from the residuals, chance alone would make "
+          "χ² so large in fewer than one of 1000 campaigns."));
 }
 
 TEST(CheckSection, WithoutSpareDataNothingChecksTheModel) {
   ReportData data = sample::campaign();
   data.dof = 0;
   data.p_value = 1;
-  EXPECT_THAT(check_section(data),
-              HasSubstr("with 0 degrees of freedom: as many data as unknowns"));
+  EXPECT_THAT(check_section(data), HasSubstr("with 0 degrees of freedom: as many data as unknowns"));
   EXPECT_THAT(check_section(data), Not(HasSubstr("p = ")));
 }
 

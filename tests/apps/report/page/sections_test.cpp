@@ -29,9 +29,8 @@ TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
   ReportData data = sample::campaign();
   data.parameters[0].ci95 = {0.05, infinity};
   data.parameters[0].profile_ci95 = {};
-  EXPECT_THAT(
-      parameter_section(data),
-      HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">–</td><td>1</td>"));
+  EXPECT_THAT(parameter_section(data),
+              HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">–</td><td>1</td>"));
 }
 
 TEST(ParameterSection, WhatWasTakenAsKnownIsListedWithItsSource) {
@@ -45,8 +44,7 @@ TEST(ParameterSection, WeakDirectionsAreListed) {
   ReportData data = sample::campaign();
   data.identifiability = ReportVerdict::weak;
   data.weak_directions = {"mu1 up 1 % is hidden by phase_lag_rad down 0.021"};
-  EXPECT_THAT(parameter_section(data),
-              HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021</li>"));
+  EXPECT_THAT(parameter_section(data), HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021</li>"));
 }
 
 TEST(ParameterSection, IsLeftOutWithoutAFit) {

@@ -23,7 +23,7 @@ TEST(ReportVerdict, TheExpectedRangeOfChiSquaredIsTheTables) {
   const struct {
     int dof;
     double low, high;
-  } table[] = {{1, 3.927e-5, 7.8794}, {2, 0.010025, 10.5966}, {5, 0.41174, 16.7496},
+  } table[] = {{1, 3.927e-5, 7.8794},  {2, 0.010025, 10.5966}, {5, 0.41174, 16.7496},
                {10, 2.15586, 25.1882}, {30, 13.7867, 53.6720}, {100, 67.3276, 140.169}};
   for (const auto& row : table) {
     const ReportInterval range = expected_reduced_chi2(row.dof);

@@ -89,5 +89,27 @@ TEST_F(PictureListTest, PatternBeginsAtItsLowestNumberAndHasNoGap) {
   EXPECT_THAT(input_error(file("nowhere/g%04d.png")), HasSubstr("nowhere"));
 }
 
+TEST_F(PictureListTest, RecordingConsistsOfItsPicturesAlone) {
+  touch({"f10.png", "f9.png", "notes.txt", "f9.json", "g1.png", ".f11.png"});
+  EXPECT_THAT(files_of_recording(file("f%d.png")), ElementsAre(file("f9.png"), file("f10.png")));
+  EXPECT_THAT(files_of_recording(file("")), ElementsAre(file("f9.png"), file("f10.png"), file("g1.png")));
+  EXPECT_THAT(files_of_recording(file("g1.png")), ElementsAre(file("g1.png")));
+  EXPECT_THROW(files_of_recording(file("h%d.png")), InputError);
+  EXPECT_THROW(files_of_recording(file("nothing.avi")), InputError);
+}
+
+TEST_F(PictureListTest, SidecarThatStatesTheRateBelongsToTheRecording) {
+  touch({"run.avi", "run.txt", "run.cih", "other.cih", "alone.avi", "page.tif", "page.cih"});
+  EXPECT_THAT(files_of_recording(file("run.avi")), ElementsAre(file("run.avi"), file("run.cih")));
+  EXPECT_THAT(files_of_recording(file("alone.avi")), ElementsAre(file("alone.avi")));
+  EXPECT_THAT(files_of_recording(file("page.tif")), ElementsAre(file("page.tif")));  // states no rate, ever
+}
+
+TEST(NumberPattern, IsRecognisedByTheNameAlone) {
+  EXPECT_TRUE(is_number_pattern("nowhere/frame%05d.png"));
+  for (const char* name : {"frame.png", "dir%d/frame.png", "100%.cine", "%d%d.png"})
+    EXPECT_FALSE(is_number_pattern(name)) << name;
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

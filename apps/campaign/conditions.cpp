@@ -1,10 +1,13 @@
-#include "apps/campaign/analysis.h"
+#include "apps/campaign/conditions.h"
 
 #include <fmt/format.h>
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <new>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "apps/files/scope_file.h"
 #include "apps/program/errors.h"
@@ -56,14 +59,10 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const Ru
   return drive;
 }
 
-}  // namespace
-
-namespace {
-
 /// The run's trace with its events. Throws InvalidInput naming the file.
-ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const TrackFile& track) {
+ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const TrackFile& track,
+                       const ScopeFile& file) {
   const ScopeSection& section = campaign.scope;
-  const ScopeFile file = read_scope_file(*run.scope);
   const auto channel = [&](int number, const char* key) {
     if (number == 0) return std::vector<double>();
     if (static_cast<std::size_t>(number) > file.channels.size())
@@ -89,11 +88,11 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
                  : section.tie == "lamp"  ? ScopeTie::lamp
                                           : ScopeTie::sensor;
   evidence.tie_sd = section.tie_sd_s;
-  evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : trigger_time_of(track);
+  evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.facts.trigger_time_s;
   if (evidence.tie == ScopeTie::trigger && !evidence.trigger_time)
     throw InvalidInput(
-        fmt::format("{}: run \"{}\": the recording does not say when it was triggered; give [scope] "
-                    "trigger_time_s, the trigger's place in the recording's time",
+        fmt::format("{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
+                    "trigger_time_s, the trigger's time in the recording",
                     run.place, run.name));
   if (evidence.tie == ScopeTie::lamp && track.lamp.time.empty())
     throw InvalidInput(fmt::format(
@@ -117,51 +116,71 @@ void use_measured_gate(AnalysedRun& analysed) {
   fit::derive_alpha_and_v(analysed.displacement);
 }
 
-}  // namespace
-
-RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
-  RecordingJob job;
-  job.video = *run.video;
-  job.frame_rate_hz = campaign.camera.frame_rate_hz;
-  job.mm_per_px = run.mm_per_px ? run.mm_per_px : campaign.camera.mm_per_px;
-  if (job.mm_per_px)
-    job.mm_per_px_sd = run.mm_per_px ? 0 : campaign.camera.mm_per_px_sd;
-  else if (campaign.camera.calibration)
-    job.calibration = campaign.camera.calibration;
-  else
-    job.diameter_mm = campaign.diameter_mm;
-  job.diameter_sd_mm = campaign.diameter_sd_mm;
-  job.height_mm = campaign.height_mm;
-  job.working_distance_mm = campaign.camera.working_distance_mm;
-  job.xi_axis_rad = campaign.camera.xi_axis_rad;
-  if (const auto disc = run.disc_px ? run.disc_px : campaign.camera.disc_px)
-    job.track.target = {vision::Target::Kind::disc, *disc, {}};
-  const auto marker = run.marker_px ? run.marker_px : campaign.camera.marker_px;
-  if (!run.free_slide)
-    job.track.marker = marker ? vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *marker}
-                              : vision::MarkerChoice{campaign.camera.marker, {}};
-  if (!run.free_slide) job.track.gate = campaign.camera.gate_px;
-  job.track.first_frame = run.first_frame;
-  job.track.last_frame = run.last_frame;
-  return job;
+/// A track that lost its part too often measures nothing, whoever made it and when.
+void require_accepted(const CampaignRun& run, const TrackFile& track) {
+  if (track.facts.accepted) return;
+  std::string look;
+  if (!track.inputs.empty() && track.inputs.front().path.extension() == ".csv") {
+    std::filesystem::path overlay = track.inputs.front().path;
+    overlay.replace_extension(".png");
+    if (std::filesystem::exists(overlay)) look = fmt::format("look at {}; ", overlay.string());
+  }
+  throw InvalidInput(fmt::format(
+      "{}: run \"{}\": the part was lost in {} of {} frames, more than allowed; {}give disc_px, or leave "
+      "frames out with `frames`",
+      run.place, run.name, track.facts.lost_counted, track.facts.frames, look));
 }
+
+/// Everything that is known of one run: given, or seen in its track.
+GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed) {
+  const CampaignRun& run = *analysed.run;
+  GivenConditions given;
+  given.angular_frequency =
+      run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
+  given.amplitude = run.amplitude ? run.amplitude : campaign.platform.amplitude;
+  given.phase_shift = campaign.platform.phase_shift;
+  given.phase_at_zero = run.phase_at_zero;
+  given.phi = run.phi;
+  given.dtau = run.dtau;
+  given.scope = analysed.scope;
+  given.cycles = run.cycles;
+  return given;
+}
+
+}  // namespace
 
 AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track) {
   AnalysedRun analysed;
   analysed.run = &run;
-  if (track && !run.free_slide) {
-    GivenConditions given;
-    given.angular_frequency =
-        run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
-    given.amplitude = run.amplitude ? run.amplitude : campaign.platform.amplitude;
-    given.phase_shift = campaign.platform.phase_shift;
-    given.phase_at_zero = run.phase_at_zero;
-    given.phi = run.phi;
-    given.dtau = run.dtau;
-    if (run.scope) given.scope = scope_of(campaign, run, *track);
-    given.cycles = run.cycles;
-    analysed.measurement = measure_run(run.name, *track, given);
+  if (track) {
+    require_accepted(run, *track);
+    analysed.inputs = track->inputs;
+    if (run.scope && !run.free_slide) {
+      const ScopeFile file = read_scope_file(*run.scope);
+      analysed.inputs.push_back(file.input);
+      analysed.scope = scope_of(campaign, run, *track, file);
+    }
   }
+  analysed.track = std::move(track);
+  measure_again(campaign, analysed);
+  return analysed;
+}
+
+std::string failure_of(const CampaignRun& run, const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+    return fmt::format("{}: run \"{}\": out of memory; try fewer --threads", run.place, run.name);
+  // Messages of run-time errors name their file or run; others were written without knowing of runs.
+  if (dynamic_cast<const std::runtime_error*>(&error) != nullptr) return error.what();
+  return fmt::format("{}: run \"{}\": {}", run.place, run.name, error.what());
+}
+
+void measure_again(const Campaign& campaign, AnalysedRun& analysed) {
+  const CampaignRun& run = *analysed.run;
+  analysed.measurement.reset();
+  analysed.amplitude_from_track = false;
+  analysed.scenario = {};
+  if (analysed.track && !run.free_slide)
+    analysed.measurement = measure_run(run.name, *analysed.track, given_for(campaign, analysed));
   const RunMeasurement* measured = analysed.measurement ? &*analysed.measurement : nullptr;
   model::Scenario& scenario = analysed.scenario;
   scenario.drive = drive_of(campaign, run, measured, analysed.amplitude_from_track);
@@ -186,58 +205,6 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
                                                            scenario.drive.angular_frequency, run.cycles);
     scenario.start_phase = run.start_phase.value_or(0);
   }
-  analysed.track = std::move(track);
-  return analysed;
-}
-
-double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
-  double sum = 0;
-  int count = 0;
-  for (const AnalysedRun& run : runs)
-    if (run.failure.empty() && run.track && run.track->mm_per_px) {
-      sum += *run.track->mm_per_px;
-      ++count;
-    }
-  return count > 0 ? sum / count : 1;
-}
-
-fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
-  fit::Problem problem;
-  problem.free = campaign.fit.parameters;
-  const double mm_per_px = reference_mm_per_px(runs);
-  const auto si = [&](fit::FitParameter parameter, double value) {
-    return parameter == fit::FitParameter::scale ? value / mm_per_px
-                                                 : value * si_per_campaign_unit(parameter);
-  };
-  for (const auto& [parameter, value] : campaign.fit.fixed) problem.fixed[parameter] = si(parameter, value);
-  for (const auto& [parameter, value] : campaign.fit.start) problem.start[parameter] = si(parameter, value);
-  for (const auto& [parameter, prior] : campaign.fit.prior)
-    problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
-
-  double scale_sd = 0;
-  int scaled = 0;
-  for (const AnalysedRun& run : runs) {
-    if (!run.failure.empty()) continue;
-    const std::string& name = run.run->name;
-    if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
-      scale_sd += run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
-      ++scaled;
-    }
-    if (run.run->free_slide)
-      problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
-    else if (campaign.fit.trajectory && run.track) {
-      problem.trajectory_runs.push_back(
-          {name, run.scenario, run.track->table, false, run.amplitude_from_track});
-      if (run.measurement && run.measurement->platform &&
-          (run.measurement->phase_source == "marker" || run.measurement->phase_source == "texture"))
-        problem.trajectory_runs.back().start_phase_sd = run.measurement->platform->phase_at_zero.sd;
-    } else
-      problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
-  }
-  // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
-  // diameter).
-  problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
-  return problem;
 }
 
 }  // namespace tribotrack::apps

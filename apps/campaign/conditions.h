@@ -1,0 +1,40 @@
+// Then: the conditions under which a run was made, measured where its track shows them, else as given.
+#pragma once
+
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/campaign/measure_run.h"
+#include "apps/files/campaign.h"
+#include "apps/files/track_file.h"
+#include "apps/text/input_file.h"
+
+namespace tribotrack::apps {
+
+/// A run as far as it got. One with a failure takes no part in the fit.
+struct AnalysedRun {
+  const CampaignRun* run = nullptr;
+  std::optional<TrackFile> track;             ///< runs with a video
+  std::optional<ScopeEvidence> scope;         ///< runs with an oscilloscope trace
+  std::vector<Input> inputs;                  ///< the files its numbers were read from
+  std::optional<RunMeasurement> measurement;  ///< runs with pulses and a video
+  model::Scenario scenario;                   ///< mu1, mu2, lag still to be filled in
+  fit::Displacement displacement;             ///< runs with pulses
+  bool amplitude_from_track = false;
+  std::string failure;  ///< one sentence, empty when all went well
+};
+
+/// Reads the run's oscilloscope trace and measures the run. `track` is empty for runs measured elsewhere.
+/// Throws what measure_run throws, and InvalidInput where the part was lost too often or a condition is
+/// neither given nor measured.
+AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track);
+
+/// One sentence on why a run takes no part: what any exception says, with the run it befell.
+std::string failure_of(const CampaignRun& run, const std::exception& error);
+
+/// Measures it again, after a change of its track's scale.
+void measure_again(const Campaign& campaign, AnalysedRun& analysed);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,82 @@
+#include "apps/campaign/fit_stage.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <string>
+
+#include "apps/campaign/fit_json.h"
+#include "apps/campaign/problem.h"
+#include "apps/files/meta_file.h"
+#include "apps/program/parallel.h"
+#include "apps/program/progress.h"
+#include "apps/program/streams.h"
+
+namespace tribotrack::apps {
+
+std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
+                                      const std::function<AnalysedRun(std::size_t index)>& work) {
+  std::vector<AnalysedRun> runs(campaign.runs.size());
+  Progress progress("runs", context.quiet);
+  std::atomic<long> done = 0;
+  const auto count = static_cast<long>(runs.size());
+  for_each_index(count, threads_to_use(context), [&](long k) {
+    const auto index = static_cast<std::size_t>(k);
+    const CampaignRun& run = campaign.runs[index];
+    try {
+      runs[index] = work(index);
+    } catch (const std::exception& error) {
+      runs[index] = {};
+      runs[index].run = &run;
+      runs[index].failure = failure_of(run, error);
+    }
+    progress.update(++done, count);
+  });
+  return runs;
+}
+
+FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                  const std::optional<SharedScale>& shared, const Context& context, fit::FitOptions options) {
+  FitStage stage;
+  stage.shared = shared;
+  options.threads = threads_to_use(context);
+  StageProgress progress(context.quiet);
+  options.progress = [&progress](const char* name, std::size_t done, std::size_t total) {
+    progress.update(std::string("fit, ") + name, done, total);
+  };
+  stage.result = fit::estimate(problem_of(campaign, runs), options);
+  stage.json = fit_json(campaign, runs, stage.result);
+  add_to(stage.json, shared);
+  return stage;
+}
+
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+  MetaFile meta;
+  meta.command = "fit";
+  meta.inputs = {campaign.input};
+  for (const AnalysedRun& run : runs)
+    if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
+  meta.configuration = campaign.effective_configuration();
+  return meta;
+}
+
+void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta) {
+  write_result(path, text_of(stage.json), meta);
+}
+
+void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, const std::string& look_at,
+                Context& context) {
+  const fit::FitResult& result = stage.result;
+  say(context.quiet, explain ? result.full_report() : result.brief_report());
+  for (const Json& warning : stage.json["warnings"])
+    say(context.quiet, "warning: " + warning.get<std::string>());
+  if (result.usable()) return;
+  complain(fmt::format("{}: the fit is not usable: {}", campaign.file.string(),
+                       result.converged
+                           ? "the data do not determine these parameters separately; see " + look_at
+                           : "it did not converge; give first guesses in [fit.guess]"));
+  for (const std::string& sentence : remedies(result)) print_error("  " + sentence);
+  context.exit_code = kFitUnusable;
+}
+
+}  // namespace tribotrack::apps

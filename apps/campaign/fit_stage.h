@@ -1,0 +1,46 @@
+// What `run` and `fit` share: every run of a campaign side by side, then one fit to all of them.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "apps/campaign/conditions.h"
+#include "apps/campaign/shared_scale.h"
+#include "apps/files/campaign.h"
+#include "apps/files/meta_file.h"
+#include "apps/program/context.h"
+#include "apps/text/json.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::apps {
+
+/// Calls work(index) for every run of the campaign, on the command's threads, showing progress. A run whose
+/// work throws anything, lack of memory included, has failed; the others go on.
+std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
+                                      const std::function<AnalysedRun(std::size_t index)>& work);
+
+struct FitStage {
+  std::optional<SharedScale> shared;  ///< as found before the fit
+  fit::FitResult result;
+  Json json;  ///< the object of fit.json
+};
+
+/// Fits all runs that did not fail, whose scales have been shared. Throws fit::DataError.
+FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                  const std::optional<SharedScale>& shared, const Context& context,
+                  fit::FitOptions options = {});
+
+/// What stands beside fit.json: the campaign and what its runs were read from.
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs);
+
+/// Writes fit.json and its meta file.
+void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta);
+
+/// The fit's report and warnings on stderr, unless quiet; an unusable fit is explained in any case and sets
+/// the exit code. `look_at` names where the user finds more.
+void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, const std::string& look_at,
+                Context& context);
+
+}  // namespace tribotrack::apps

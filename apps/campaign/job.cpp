@@ -1,0 +1,51 @@
+#include "apps/campaign/job.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+vision::MarkerChoice marker_of(const CameraSection& camera) {
+  if (camera.marker_px) return {vision::MarkerChoice::Kind::circle, *camera.marker_px};
+  return {camera.marker, {}};
+}
+
+}  // namespace
+
+void apply(const PartSection& part, const CameraSection& camera, RecordingJob& job) {
+  job.frame_rate_hz = camera.frame_rate_hz;
+  job.mm_per_px = camera.mm_per_px;
+  job.mm_per_px_sd = camera.mm_per_px_sd;
+  job.calibration = camera.calibration;
+  job.diameter_mm = part.diameter_mm;
+  job.diameter_sd_mm = part.diameter_sd_mm;
+  job.height_mm = part.height_mm;
+  job.working_distance_mm = camera.working_distance_mm;
+  job.xi_axis_rad = camera.xi_axis_rad;
+  if (camera.disc_px) job.track.target = {vision::Target::Kind::disc, *camera.disc_px, {}};
+  job.track.marker = marker_of(camera);
+  job.track.gate = camera.gate_px;
+}
+
+RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
+  RecordingJob job;
+  job.video = *run.video;
+  CameraSection camera = campaign.camera;
+  if (run.disc_px) camera.disc_px = run.disc_px;
+  if (run.marker_px) camera.marker_px = run.marker_px;
+  if (run.mm_per_px) {
+    camera.mm_per_px = run.mm_per_px;
+    camera.mm_per_px_sd = 0;
+  }
+  apply(campaign.part, camera, job);
+  if (job.mm_per_px) job.calibration.reset();
+  if (job.mm_per_px || job.calibration) job.diameter_mm.reset();
+  if (run.free_slide) {  // its platform rests and no actuator works
+    job.track.marker = {};
+    job.track.gate.reset();
+  }
+  job.track.first_frame = run.first_frame;
+  job.track.last_frame = run.last_frame;
+  return job;
+}
+
+}  // namespace tribotrack::apps

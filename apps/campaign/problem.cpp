@@ -1,0 +1,55 @@
+#include "apps/campaign/problem.h"
+
+namespace tribotrack::apps {
+
+double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
+  double sum = 0;
+  int count = 0;
+  for (const AnalysedRun& run : runs)
+    if (run.failure.empty() && run.track && run.track->mm_per_px) {
+      sum += *run.track->mm_per_px;
+      ++count;
+    }
+  return count > 0 ? sum / count : 1;
+}
+
+fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+  fit::Problem problem;
+  problem.free = campaign.fit.parameters;
+  const double mm_per_px = reference_mm_per_px(runs);
+  const auto si = [&](fit::FitParameter parameter, double value) {
+    return parameter == fit::FitParameter::scale ? value / mm_per_px
+                                                 : value * si_per_campaign_unit(parameter);
+  };
+  for (const auto& [parameter, value] : campaign.fit.fixed) problem.fixed[parameter] = si(parameter, value);
+  for (const auto& [parameter, value] : campaign.fit.guess) problem.start[parameter] = si(parameter, value);
+  for (const auto& [parameter, prior] : campaign.fit.prior)
+    problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
+
+  double scale_sd = 0;
+  int scaled = 0;
+  for (const AnalysedRun& run : runs) {
+    if (!run.failure.empty()) continue;
+    const std::string& name = run.run->name;
+    if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
+      scale_sd += run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
+      ++scaled;
+    }
+    if (run.run->free_slide)
+      problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
+    else if (campaign.fit.trajectory && run.track) {
+      problem.trajectory_runs.push_back(
+          {name, run.scenario, run.track->table, false, run.amplitude_from_track});
+      if (run.measurement && run.measurement->platform &&
+          (run.measurement->phase_source == "marker" || run.measurement->phase_source == "texture"))
+        problem.trajectory_runs.back().start_phase_sd = run.measurement->platform->phase_at_zero.sd;
+    } else
+      problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
+  }
+  // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
+  // diameter).
+  problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
+  return problem;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,50 @@
+#include "apps/files/camera_section.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
+  const auto values = table.numbers(key, 3);
+  if (!values) return std::nullopt;
+  if (!((*values)[2] > 0))
+    table.fail(key, fmt::format("must have a radius greater than 0, not {}", (*values)[2]));
+  return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
+  CameraSection camera;
+  camera.frame_rate_hz = table.positive("frame_rate_hz");
+  camera.mm_per_px = table.positive("mm_per_px");
+  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (const auto file = table.text("calibration")) {
+    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+    camera.calibration = folder / *file;
+  }
+  camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
+  camera.working_distance_mm = table.positive("working_distance_mm");
+  camera.disc_px = read_circle(table, "disc_px");
+  camera.marker_px = read_circle(table, "marker_px");
+  camera.gate_px = read_circle(table, "gate_px");
+  using Marker = vision::MarkerChoice::Kind;
+  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
+  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
+  table.finish();
+  return camera;
+}
+
+PartSection read_part(StrictTable& table) {
+  PartSection part;
+  part.diameter_mm = table.positive("diameter_mm");
+  part.diameter_sd_mm = table.not_negative("diameter_sd_mm").value_or(0);
+  part.height_mm = table.positive("height_mm");
+  table.finish();
+  return part;
+}
+
+}  // namespace tribotrack::apps

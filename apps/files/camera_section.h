@@ -1,0 +1,37 @@
+// [camera] and [part]: the picture and the part in it, in a campaign and in the file of `track --config`.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "apps/text/strict_toml.h"
+#include "vision/picture.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::apps {
+
+struct PartSection {
+  std::optional<double> diameter_mm, height_mm;
+  double diameter_sd_mm = 0;
+};
+
+struct CameraSection {
+  std::optional<double> frame_rate_hz;
+  std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder
+  double xi_axis_rad = 0;
+  std::optional<double> working_distance_mm;
+  std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  /// Without marker_px: how the platform's motion is seen.
+  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
+};
+
+/// Both read the whole table and refuse unknown keys. Throw InvalidInput with file, line and column.
+PartSection read_part(StrictTable& table);
+CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder);
+
+/// [x, y, radius] under a key, the radius above 0.
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
+
+}  // namespace tribotrack::apps

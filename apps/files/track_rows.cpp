@@ -1,0 +1,208 @@
+#include "apps/files/track_rows.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "apps/program/errors.h"
+#include "apps/text/csv_table.h"
+#include "apps/text/number_text.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+enum class Group { always, marker, gate, planes };
+
+struct Column {
+  const char* name;
+  double TrackRow::*number;  ///< null: the status
+  Group group = Group::always;
+};
+
+/// After `frame` and `time_s`, in the file's order.
+constexpr std::array<Column, 20> kColumns = {
+    {{"x_px", &TrackRow::x_px},
+     {"y_px", &TrackRow::y_px},
+     {"sigma_x_px", &TrackRow::sigma_x_px},
+     {"sigma_y_px", &TrackRow::sigma_y_px},
+     {"rho_xy", &TrackRow::rho_xy},
+     {"ncc", &TrackRow::ncc},
+     {"status", nullptr},
+     {"x_mm", &TrackRow::x_mm},
+     {"y_mm", &TrackRow::y_mm},
+     {"sigma_x_mm", &TrackRow::sigma_x_mm},
+     {"sigma_y_mm", &TrackRow::sigma_y_mm},
+     {"marker_x_px", &TrackRow::marker_x_px, Group::marker},
+     {"marker_y_px", &TrackRow::marker_y_px, Group::marker},
+     {"marker_sigma_px", &TrackRow::marker_sigma_px, Group::marker},
+     {"marker_ncc", &TrackRow::marker_ncc, Group::marker},
+     {"gate", &TrackRow::gate, Group::gate},
+     {"rho_xy_mm", &TrackRow::rho_xy_mm, Group::planes},
+     {"marker_x_mm", &TrackRow::marker_x_mm, Group::planes},
+     {"marker_y_mm", &TrackRow::marker_y_mm, Group::planes},
+     {"marker_sigma_mm", &TrackRow::marker_sigma_mm, Group::planes}}};
+
+bool holds(const TrackRows& rows, Group group) {
+  return group == Group::always || (group == Group::marker && rows.has_marker) ||
+         (group == Group::gate && rows.has_gate) || (group == Group::planes && rows.has_planes);
+}
+
+std::string header_of(const TrackRows& rows) {
+  std::string header = "frame,time_s";
+  for (const Column& column : kColumns)
+    if (holds(rows, column.group)) header += std::string(",") + column.name;
+  return header;
+}
+
+void put_millimetres(TrackRow& row, const vision::PlacedPoint& point, bool planes) {
+  const Eigen::Matrix2d& c = point.covariance;
+  row.x_mm = as_written(point.mm.x());
+  row.y_mm = as_written(point.mm.y());
+  row.sigma_x_mm = as_written(std::sqrt(c(0, 0)));
+  row.sigma_y_mm = as_written(std::sqrt(c(1, 1)));
+  if (!planes) return;
+  row.rho_xy_mm = as_written(c(0, 1) / std::sqrt(c(0, 0) * c(1, 1)));
+  if (!point.marker_mm) return;
+  row.marker_x_mm = as_written(point.marker_mm->x());
+  row.marker_y_mm = as_written(point.marker_mm->y());
+  row.marker_sigma_mm = as_written(point.marker_sigma_mm);
+}
+
+/// Where each column stands in a file; a column that is not there has no place.
+class Places {
+ public:
+  explicit Places(const CsvTable& table) {
+    const auto place_of = [&](std::string_view name) -> std::optional<std::size_t> {
+      const auto& cells = table.cells();
+      for (std::size_t k = 0; k < cells.size(); ++k)
+        if (cells[k] == name) return k;
+      return std::nullopt;
+    };
+    const auto demand = [&](std::string_view name) {
+      const auto place = place_of(name);
+      if (!place)
+        table.fail(fmt::format("has no column `{}`; a track has {}{}", name, header_of({}),
+                               table.separated_by_semicolons()
+                                   ? ", separated by commas: save it with commas and decimal points"
+                                   : ""));
+      return *place;
+    };
+    columns_ = table.cells().size();
+    frame_ = demand("frame");
+    time_ = demand("time_s");
+    for (const char* needed : {"status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"}) demand(needed);
+    for (std::size_t k = 0; k < kColumns.size(); ++k) places_[k] = place_of(kColumns[k].name);
+  }
+
+  bool has(std::string_view name) const {
+    for (std::size_t k = 0; k < kColumns.size(); ++k)
+      if (kColumns[k].name == name) return places_[k].has_value();
+    return false;
+  }
+
+  TrackRow read(const CsvTable& table) const {
+    const auto& cells = table.cells();
+    if (cells.size() != columns_)
+      table.fail(fmt::format("has {} columns where {} belong", cells.size(), columns_));
+    TrackRow row;
+    row.frame = static_cast<std::int64_t>(table.number(cells[frame_]));
+    row.time_s = table.number(cells[time_]);
+    for (std::size_t k = 0; k < kColumns.size(); ++k) {
+      if (!places_[k]) continue;
+      const std::string_view cell = cells[*places_[k]];
+      if (kColumns[k].number == nullptr)
+        row.status = status_of(table, cell);
+      else if (!cell.empty())
+        row.*kColumns[k].number = number_of(table, cell, kColumns[k].name);
+    }
+    return row;
+  }
+
+ private:
+  static vision::TrackStatus status_of(const CsvTable& table, std::string_view cell) {
+    using vision::TrackStatus;
+    for (const TrackStatus status : {TrackStatus::ok, TrackStatus::lost, TrackStatus::edge})
+      if (cell == vision::to_string(status)) return status;
+    table.fail(cell, fmt::format("`{}` is no status; it must be ok, lost or edge", cell));
+  }
+  static double number_of(const CsvTable& table, std::string_view cell, const char* column) {
+    try {
+      return table.number(cell);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("{} in column {}", error.what(), column));
+    }
+  }
+
+  std::size_t columns_ = 0, frame_ = 0, time_ = 0;
+  std::array<std::optional<std::size_t>, kColumns.size()> places_;
+};
+
+}  // namespace
+
+TrackRows track_rows(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
+                     double xi_axis_rad) {
+  std::vector<std::optional<vision::PlacedPoint>> millimetres(track.points.size());
+  if (geometry) millimetres = vision::place_track(track, *geometry, xi_axis_rad);
+  TrackRows table;
+  table.has_marker = track.has_marker;
+  table.has_gate = track.has_gate;
+  table.has_planes = geometry && !geometry->plain();
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    const vision::TrackPoint& p = track.points[k];
+    TrackRow row;
+    row.frame = p.frame;
+    row.time_s = p.time_s;
+    row.status = p.status;
+    if (p.status == vision::TrackStatus::ok) {
+      row.x_px = as_written(p.x);
+      row.y_px = as_written(p.y);
+      row.sigma_x_px = as_written(p.sigma_x);
+      row.sigma_y_px = as_written(p.sigma_y);
+      row.rho_xy = as_written(p.rho_xy);
+      row.ncc = as_written(p.ncc);
+    }
+    if (millimetres[k]) put_millimetres(row, *millimetres[k], table.has_planes);
+    if (p.marker) {
+      row.marker_x_px = as_written(p.marker->x);
+      row.marker_y_px = as_written(p.marker->y);
+      row.marker_sigma_px = as_written(p.marker->sigma);
+      row.marker_ncc = as_written(p.marker->ncc);
+    }
+    if (p.gate) row.gate = as_written(*p.gate);
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+std::string track_csv(const TrackRows& table) {
+  std::string csv = header_of(table) + "\n";
+  for (const TrackRow& row : table.rows) {
+    csv += fmt::format("{},{}", row.frame, exact(row.time_s));
+    for (const Column& column : kColumns) {
+      if (!holds(table, column.group)) continue;
+      csv += ',';
+      csv += column.number == nullptr ? vision::to_string(row.status) : compact(row.*column.number);
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
+  CsvTable csv(path, std::move(text));
+  if (!csv.next())
+    throw InvalidInput(
+        fmt::format("{}: is not a track: it is empty; make one with `tribotrack track`", path.string()));
+  const Places places(csv);
+  TrackRows table;
+  table.has_marker = places.has("marker_x_px");
+  table.has_gate = places.has("gate");
+  table.has_planes = places.has("rho_xy_mm");
+  while (csv.next()) table.rows.push_back(places.read(csv));
+  return table;
+}
+
+}  // namespace tribotrack::apps

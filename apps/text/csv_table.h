@@ -1,0 +1,46 @@
+// CSV files, line by line, with the place of whatever is wrong in them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tribotrack::apps {
+
+/// The lines of a CSV file as cells without their surrounding blanks and quotes. Separated by commas; by
+/// semicolons, with decimal commas, where the first line holds a semicolon. A byte-order mark is skipped.
+class CsvTable {
+ public:
+  CsvTable(std::filesystem::path path, std::string text);
+  CsvTable(const CsvTable&) = delete;
+  CsvTable& operator=(const CsvTable&) = delete;
+
+  /// Goes to the next line that is not empty; false at the end.
+  bool next();
+  const std::vector<std::string_view>& cells() const { return cells_; }
+  /// Cells up to the last that is not empty.
+  std::size_t filled() const;
+  bool separated_by_semicolons() const { return separator_ == ';'; }
+
+  /// Throws InvalidInput unless the cell, or any other piece of this line, is a finite number.
+  double number(std::string_view cell) const;
+
+  /// Throws InvalidInput: "file:line: what", or "file:line:column: what" where a cell is at fault.
+  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(std::string_view cell, const std::string& what) const;
+
+ private:
+  void split(std::string_view line);
+
+  std::filesystem::path path_;
+  std::string text_;
+  char separator_ = ',';
+  std::string_view line_text_;
+  std::vector<std::string_view> cells_;
+  std::size_t place_ = 0;
+  int line_ = 0;
+};
+
+}  // namespace tribotrack::apps

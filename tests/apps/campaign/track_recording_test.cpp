@@ -1,0 +1,85 @@
+#include "apps/campaign/track_recording.h"
+
+#include <gmock/gmock.h>
+
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class TrackRecording : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    put(in_folder("scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\n[video]\nwidth = "
+        "160\nheight = 120\nframe_rate_hz = 1000\nframes = 20\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px "
+        "= "
+        "12\nscratches = 0\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
+    ASSERT_EQ(run("synth scene.toml -o a.cine -q").exit_code, 0);
+    job_.video = in_folder("a.cine");
+    job_.mm_per_px = 0.05;
+  }
+  RecordingJob job_;
+};
+
+// A recording that is still being copied must not be recorded as the one that was tracked.
+TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
+  job_.track.progress = [&](std::int64_t, std::int64_t) {
+    std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
+  };
+  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_)); }), HasSubstr("a.cine: changed while"));
+}
+
+TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
+  const PreparedJob prepared = prepare(job_);
+  const TrackedRecording recording = track_recording(prepared);
+  std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
+  write_track(in_folder("a.csv"), prepared, recording);
+  EXPECT_TRUE(is_current(in_folder("a.csv"), prepared.key));
+  EXPECT_FALSE(is_current(in_folder("a.csv"), prepare(job_).key));
+}
+
+// Whatever lies beside the pictures of a recording is not part of it.
+TEST_F(TrackRecording, ANoteBesideThePicturesChangesNothing) {
+  fs::create_directory(in_folder("p"));
+  ASSERT_EQ(run("synth scene.toml -o p/%04d.png -q").exit_code, 0);
+  fs::remove(in_folder("p/%04d.png.meta.json"));
+  for (const char* video : {"p", "p/%04d.png"}) {
+    job_.video = in_folder(video);
+    const std::string key = prepare(job_).key;
+    put(in_folder("p/notes.txt"), video);
+    put(in_folder("p/plot.png.txt"), video);
+    EXPECT_EQ(prepare(job_).key, key) << video;
+  }
+}
+
+TEST_F(TrackRecording, MemoryAndFilesGiveOneTrack) {
+  const PreparedJob prepared = prepare(job_);
+  const TrackedRecording recording = track_recording(prepared);
+  const TrackFile memory = track_file_of(prepared, recording);
+  const Input csv = write_track(in_folder("a.csv"), prepared, recording);
+  const TrackFile disk = read_track_file(in_folder("a.csv"));
+  EXPECT_EQ(csv.xxh3_128, disk.inputs.at(0).xxh3_128);
+  EXPECT_EQ(csv.xxh3_128, hashed_input(in_folder("a.csv")).xxh3_128);
+  EXPECT_EQ(memory.table.position, disk.table.position);
+  EXPECT_EQ(memory.table.covariance, disk.table.covariance);
+  EXPECT_EQ(memory.table.exposure, disk.table.exposure);
+  EXPECT_EQ(memory.facts.mm_per_px, disk.facts.mm_per_px);
+  EXPECT_EQ(memory.facts.mm_per_px_sd, disk.facts.mm_per_px_sd);
+  EXPECT_EQ(memory.facts.scale_source, disk.facts.scale_source);
+  EXPECT_EQ(memory.facts.exposure_s, disk.facts.exposure_s);
+  EXPECT_EQ(memory.facts.trigger_time_s, disk.facts.trigger_time_s);
+  EXPECT_EQ(memory.facts.disc_radius_px, disk.facts.disc_radius_px);
+  EXPECT_EQ(memory.facts.disc_radius_common_sd_px, disk.facts.disc_radius_common_sd_px);
+  EXPECT_EQ(memory.facts.frames, disk.facts.frames);
+  EXPECT_EQ(memory.facts.lost_counted, disk.facts.lost_counted);
+  EXPECT_EQ(memory.facts.accepted, disk.facts.accepted);
+  EXPECT_EQ(memory.facts.platform_from_texture, disk.facts.platform_from_texture);
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

@@ -1,0 +1,192 @@
+// The folder of `run`: who may write there, what is removed, what stays.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/file.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+const std::string kHead =
+    "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n";
+
+std::string slide(const std::string& name) {
+  return "[[run]]\nvideo = \"" + name + ".cine\"\nkind = \"free_slide\"\n";
+}
+
+class RunFolders : public ProgramTest {
+ protected:
+  void render(const std::string& name, const std::string& velocity = "100") {
+    put(in_folder("scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = " + velocity +
+            "\nvelocity_y_mm_s = 40\n[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = "
+            "0.2e-3\nframes = 40\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\n"
+            "highlight = 0\n[surface]\ntexture_rms = 0\n");
+    ASSERT_EQ(run("synth scene.toml -o " + name + ".cine -q").exit_code, 0);
+  }
+  Json meta_of(const std::string& result) const {
+    return Json::parse(content_of(in_folder(result + ".meta.json")));
+  }
+  void change_meta(const std::string& result, const std::function<void(Json&)>& change) {
+    Json meta = meta_of(result);
+    change(meta);
+    put(in_folder(result + ".meta.json"), meta.dump(2));
+  }
+  static std::vector<std::string> names_of_inputs(const Json& meta) {
+    std::vector<std::string> names;
+    for (const Json& input : meta.at("inputs"))
+      names.push_back(fs::path(input.at("path").get<std::string>()).filename().string());
+    return names;
+  }
+};
+
+TEST_F(RunFolders, AFailingRunRemovesNothingOfOthers) {
+  put(in_folder("bad.toml"), kHead + slide("gone"));
+  // The folder is not there when `run` starts; somebody puts a note into it meanwhile.
+  put(in_folder("watch.sh"),
+      "while ! [ -d out/tracks ]; do :; done; echo mine >out/note.txt; mkdir -p out/tracks; echo mine "
+      ">out/tracks/other.csv\n");
+  render("slow");
+  put(in_folder("frames.toml"), kHead +
+                                    "[[run]]\nvideo = \"slow.cine\"\nkind = \"free_slide\"\n"
+                                    "disc_px = [500, 500, 9]\n");
+  const Outcome outcome = run("run frames.toml -o out -q & sh watch.sh; wait $!; echo $? >code; :");
+  EXPECT_EQ(content_of(in_folder("code")), "3\n") << outcome.err;
+  EXPECT_EQ(content_of(in_folder("out/note.txt")), "mine\n");
+  EXPECT_EQ(content_of(in_folder("out/tracks/other.csv")), "mine\n");
+  // With nothing of others in it, the folder goes again.
+  expect_refused(run("run bad.toml -o out2 -q"), 3, {"gone.cine"});
+  EXPECT_FALSE(fs::exists(in_folder("out2")));
+}
+
+TEST_F(RunFolders, ASecondRunIsRefusedWhileOneIsWriting) {
+  render("a");
+  put(in_folder("c.toml"), kHead + slide("a"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  EXPECT_FALSE(fs::exists(in_folder("out/.lock")));
+  const std::string fit = content_of(in_folder("out/fit.json"));
+  put(in_folder("out/.lock"), "process 4711 on bench7 (campaign other.toml)\n");
+  const int lock = ::open(in_folder("out/.lock").c_str(), O_RDWR);
+  ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
+  expect_refused(run("run c.toml -o out -q"), 3, {"out", "4711", "bench7", "other.toml"});
+  expect_refused(run("fit c.toml --tracks out/tracks -o out/fit.json -q"), 3, {"4711"});
+  EXPECT_EQ(content_of(in_folder("out/fit.json")), fit);
+  // Reading is allowed: every file is whole.
+  const Outcome page = run("report out -o page.html");
+  EXPECT_EQ(page.exit_code, 0);
+  EXPECT_THAT(page.err, HasSubstr("4711"));
+  ::close(lock);  // as the kernel does when the holder dies
+  EXPECT_EQ(run("run c.toml -o out -q").exit_code, 0);
+}
+
+TEST_F(RunFolders, TwoCampaignsAtOnceDoNotMix) {
+  render("a");
+  put(in_folder("good.toml"), kHead + slide("a"));
+  put(in_folder("bad.toml"), kHead + slide("gone"));
+  for (int k = 0; k < 3; ++k) {
+    fs::remove_all(in_folder("race"));
+    const Outcome outcome = run("run bad.toml -o race -q & '" TRIBOTRACK_BINARY
+                                "' run good.toml -o race -q; echo $? >good; wait");
+    const std::string code = content_of(in_folder("good"));
+    EXPECT_TRUE(code == "0\n" || code == "3\n") << outcome.err;
+    EXPECT_EQ(fs::exists(in_folder("race/fit.json")), code == "0\n") << "said " << code << outcome.err;
+  }
+}
+
+TEST_F(RunFolders, LeftoversOfDeadProcessesAreRemoved) {
+  render("a");
+  put(in_folder("c.toml"), kHead + slide("a"));
+  fs::create_directories(in_folder("out/tracks"));
+  // Process numbers end at 4194304.
+  put(in_folder("out/tracks/.partial-99999999-3-a.csv"), "half");
+  put(in_folder("out/.b.mp4.partial-99999999-0"), "half");
+  put(in_folder("out/.partial-1-1-a.csv"), "of a living process");
+  put(in_folder("out/notes.partial-1.txt"), "mine");
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  EXPECT_FALSE(fs::exists(in_folder("out/tracks/.partial-99999999-3-a.csv")));
+  EXPECT_FALSE(fs::exists(in_folder("out/.b.mp4.partial-99999999-0")));
+  EXPECT_TRUE(fs::exists(in_folder("out/.partial-1-1-a.csv")));
+  EXPECT_TRUE(fs::exists(in_folder("out/notes.partial-1.txt")));
+}
+
+TEST_F(RunFolders, RunsThatLeftTheCampaignAreNamed) {
+  render("a");
+  render("b");
+  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  put(in_folder("c.toml"), kHead + slide("a"));
+  const Outcome outcome = run("run c.toml -o out");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("also holds b, which is not in c.toml"));
+  EXPECT_TRUE(fs::exists(in_folder("out/tracks/b.csv")));
+}
+
+TEST_F(RunFolders, FitAndRunRefuseTheSameTracks) {
+  render("a");
+  render("b", "90");
+  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  change_meta("out/tracks/b.csv", [](Json& meta) {
+    meta["summary"]["gate_passed"] = false;
+    meta["summary"]["lost_counted"] = 17;
+  });
+  const Outcome again = run("run c.toml -o out -q");
+  EXPECT_EQ(again.exit_code, 4);
+  EXPECT_THAT(again.err, HasSubstr("lost in 17 of 40 frames"));
+  const std::string fit = content_of(in_folder("out/fit.json"));
+  expect_refused(run("fit c.toml --tracks out/tracks -o f.json -q"), 3, {"lost in 17 of 40 frames"});
+  EXPECT_EQ(run("fit c.toml --tracks out/tracks -o f.json --allow-missing 1 -q").exit_code, 0);
+  EXPECT_EQ(content_of(in_folder("f.json")), fit);
+}
+
+TEST_F(RunFolders, TheFitNamesWhatWasRead) {
+  render("a");
+  put(in_folder("c.toml"), kHead + slide("a"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  ASSERT_EQ(run("fit c.toml --tracks out/tracks -o tracks.json -q").exit_code, 0);
+  ASSERT_EQ(run("fit c.toml -o videos.json -q").exit_code, 0);
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names_of_inputs(meta_of("out/fit.json")), (Names{"c.toml", "a.csv"}));
+  EXPECT_EQ(meta_of("out/fit.json")["inputs"], meta_of("tracks.json")["inputs"]);
+  EXPECT_EQ(names_of_inputs(meta_of("videos.json")), (Names{"c.toml", "a.cine"}));
+}
+
+// A fresh campaign is fitted from memory, a resumed one from its files.
+TEST_F(RunFolders, ResumingGivesTheSameBytes) {
+  render("a");
+  render("b", "90");
+  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  std::map<std::string, std::string> fresh;
+  for (const char* file : {"out/fit.json", "out/fit.json.meta.json", "out/report.html", "out/tracks/a.csv",
+                           "out/tracks/a.csv.meta.json"})
+    fresh[file] = content_of(in_folder(file));
+  fs::remove(in_folder("out/tracks/b.csv"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  for (const auto& [file, content] : fresh) EXPECT_EQ(content_of(in_folder(file)), content) << file;
+}
+
+TEST_F(RunFolders, ADamagedMetaFileCostsOneRun) {
+  render("a");
+  render("b", "90");
+  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  change_meta("out/tracks/b.csv", [](Json& meta) { meta["scale"] = {{"mm_per_px", "wide"}}; });
+  const Outcome fit = run("fit c.toml --tracks out/tracks -o f.json --allow-missing 1");
+  EXPECT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_THAT(fit.err, HasSubstr("b.csv.meta.json: is not the meta file of a track"));
+  const Outcome again = run("run c.toml -o out -q");
+  EXPECT_EQ(again.exit_code, 4) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("b.csv.meta.json"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

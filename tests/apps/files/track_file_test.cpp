@@ -1,0 +1,136 @@
+#include "apps/files/track_file.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+class TrackFiles : public ProgramTest {
+ protected:
+  TrackFile read(const std::string& csv, const std::string& meta = "") {
+    put(in_folder("t.csv"), csv);
+    if (!meta.empty()) put(in_folder("t.csv.meta.json"), meta);
+    return read_track_file(in_folder("t.csv"));
+  }
+  std::string complaint(const std::string& csv, const std::string& meta = "") {
+    return complaint_of([&] { read(csv, meta); });
+  }
+};
+
+const std::string kHeader =
+    "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm\n";
+
+vision::Track noisy_track(bool marker) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  vision::Track track;
+  track.has_marker = marker;
+  track.has_gate = true;
+  for (int k = 0; k < 200; ++k) {
+    vision::TrackPoint p;
+    p.frame = k - 17;
+    p.time_s = k / 997.0;
+    p.status = k % 19 == 0 ? vision::TrackStatus::lost : vision::TrackStatus::ok;
+    p.x = 300 + 20 * normal(random);
+    p.y = 200 + 20 * normal(random);
+    p.sigma_x = 0.01 * std::abs(normal(random)) + 1e-3;
+    p.sigma_y = 0.01 * std::abs(normal(random)) + 1e-3;
+    p.rho_xy = 0.1 * normal(random);
+    p.ncc = 0.99;
+    if (marker) p.marker = vision::MarkerPoint{normal(random), normal(random), 0.003, 0.98};
+    p.gate = 100 + normal(random);
+    track.points.push_back(p);
+  }
+  return track;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+           return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) ||
+                  (std::isnan(x) && std::isnan(y));
+         });
+}
+
+// What is fitted from memory and what is fitted from the files must be the same, bit for bit.
+TEST_F(TrackFiles, ATrackInMemoryIsTheTrackReadBack) {
+  for (const bool marker : {false, true})
+    for (const bool parallax : {false, true}) {
+      const vision::PlaneGeometry geometry(
+          vision::given_scale(0.0213, 1e-5), vision::ScalePlane::platform,
+          parallax ? std::optional<vision::Parallax>({0.8, 100}) : std::nullopt);
+      const TrackRows rows = track_rows(noisy_track(marker), geometry, 0.123);
+      EXPECT_EQ(rows.has_planes, parallax);
+      TrackFacts facts;
+      facts.mm_per_px = 0.0213;
+      facts.mm_per_px_sd = 1e-5;
+      facts.xi_axis_rad = 0.123;
+      const TrackFile memory = track_file_of(rows, facts, "memory");
+      const TrackFile disk = read(track_csv(rows),
+                                  "{\"scale\": {\"mm_per_px\": 0.0213, \"mm_per_px_sd\": 1e-5}, "
+                                  "\"configuration\": {\"xi_axis_rad\": 0.123}}");
+      EXPECT_EQ(track_csv(read_track_rows("t.csv", track_csv(rows))), track_csv(rows));
+      EXPECT_EQ(memory.lost, disk.lost);
+      EXPECT_EQ(memory.table.frame, disk.table.frame);
+      EXPECT_TRUE(same_bits(memory.table.time, disk.table.time));
+      EXPECT_TRUE(same_bits(memory.x_px, disk.x_px));
+      EXPECT_TRUE(same_bits(memory.sigma_px, disk.sigma_px));
+      EXPECT_TRUE(same_bits(memory.lamp.level, disk.lamp.level));
+      EXPECT_EQ(memory.table.position, disk.table.position);
+      EXPECT_EQ(memory.table.covariance, disk.table.covariance);
+      EXPECT_EQ(memory.table.marker, disk.table.marker);
+      EXPECT_TRUE(same_bits(memory.table.marker_sigma, disk.table.marker_sigma));
+    }
+}
+
+// mm = s R(-xi) diag(1, -1) px, so C_mm = s^2 R F C_px F R^T; a marker's own noise is added along both axes.
+TEST_F(TrackFiles, CovariancesAreThoseOfThePixelsTurned) {
+  const double s = 0.02, xi = 0.3;
+  const TrackFile file = read(
+      "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,"
+      "marker_x_px,marker_y_px,marker_sigma_px,marker_ncc\n"
+      "0,0,10,20,0.3,0.4,0.5,1,ok,1,2,0.1,0.1,3,4,0.2,1\n",
+      "{\"scale\": {\"mm_per_px\": 0.02, \"mm_per_px_sd\": 0}, \"configuration\": {\"xi_axis_rad\": 0.3}}");
+  Eigen::Matrix2d px;
+  px << 0.09, 0.06, 0.06, 0.16;
+  const Eigen::Matrix2d turn =
+      Eigen::Rotation2Dd(-xi).toRotationMatrix() * Eigen::Vector2d(1, -1).asDiagonal();
+  const Eigen::Matrix2d expected =
+      1e-6 * s * s * (turn * px * turn.transpose() + 0.04 * Eigen::Matrix2d::Identity());
+  ASSERT_EQ(file.table.covariance.size(), 1u);
+  EXPECT_TRUE(file.table.covariance[0].isApprox(expected, 1e-12)) << file.table.covariance[0];
+  EXPECT_TRUE(file.table.marker[0].isApprox(1e-3 * s * turn * Eigen::Vector2d(3, 4), 1e-12));
+}
+
+TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
+  const std::string row = "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
+  EXPECT_THAT(complaint(""), HasSubstr("t.csv: is not a track"));
+  EXPECT_THAT(complaint("a,b\n1,2\n"), HasSubstr("t.csv:1: has no column `frame`"));
+  EXPECT_THAT(complaint("frame;time_s;x\n1;2;3\n"), HasSubstr("commas and decimal points"));
+  EXPECT_THAT(complaint(kHeader + row + "1,0.1,1\n"), HasSubstr("t.csv:3: has 3 columns where 13 belong"));
+  EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,ok,abc,2,0.1,0.1\n"),
+              HasSubstr("t.csv:2:27: `abc` is not a number in column x_mm"));
+  EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,okay,1,2,0.1,0.1\n"),
+              HasSubstr("t.csv:2:24: `okay` is no status"));
+  EXPECT_THAT(complaint(kHeader + "0,0,1,2,,,0,1,ok,1,2,,0.1\n"), HasSubstr("sigma_x_mm"));
+  EXPECT_EQ(complaint(kHeader + row), "no complaint");
+}
+
+TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
+  const std::string csv = kHeader + "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
+  for (const char* meta : {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}",
+                           "{\"summary\": {\"gate_passed\": 3}}", "{\"recording\": {\"exposure_s\": [1]}}"})
+    EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
+  EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
