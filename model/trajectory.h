@@ -108,7 +108,8 @@ class StepLimitExceeded : public std::runtime_error {
 };
 
 /// Integrates a scenario. Throws InvalidParameter for a bad scenario, a tolerance outside (0, 0.1), more than
-/// 16 derivatives or a start on a periodic motion that does not exist, and StepLimitExceeded beyond max_steps.
+/// 16 derivatives or a start on a periodic motion that does not exist, and StepLimitExceeded beyond
+/// max_steps.
 Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options = {});
 
 }  // namespace tribotrack::model

@@ -191,8 +191,8 @@ void print_explanation(const vision::TrackResult& result) {
   for (const auto& stage : result.stage_times) total += stage.seconds;
   print_error(fmt::format("{:<30} {:>9} {:>6}", "time of each stage", "s", "share"));
   for (const auto& stage : result.stage_times)
-    print_error(fmt::format("  {:<28} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds,
-                            100 * stage.seconds / total));
+    print_error(
+        fmt::format("  {:<28} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds, 100 * stage.seconds / total));
 }
 
 void check_outputs(const TrackCommandOptions& options) {
