@@ -238,7 +238,7 @@ TEST(Trajectory, RepeatingCyclesEndWhereEveryCycleDoes) {
 TEST(Trajectory, MaxStepsIsAnError) {
   IntegrationOptions options;
   options.max_steps = 10;
-  EXPECT_THROW(integrate(reference_run(), options), std::runtime_error);
+  EXPECT_THROW(integrate(reference_run(), options), StepLimitExceeded);
 }
 
 TEST(Trajectory, SmoothTakeOffAgreesWithQuadruplePrecision) {

@@ -155,22 +155,23 @@ test::SequentialCoverage::Decision decide(const Kind& kind, unsigned seed) {
     }
   }
   std::printf("%-20s %.1f %% of %d, score", kind.name, 100 * coverage.share(), coverage.trials);
+  double mean = 0;  // over the parameters; an infinite interval scores infinity
   for (const auto& trial : trials) {
     std::printf(" %.2f", trial.relative_score());
-    // An infinite interval scores infinity; about a hundred trials of each parameter.
-    EXPECT_GT(trial.relative_score(), 0.75 * test::kNormalScore) << kind.name;
-    EXPECT_LT(trial.relative_score(), 1.35 * test::kNormalScore) << kind.name;
+    mean += trial.relative_score() / static_cast<double>(trials.size());
   }
   std::printf(" (exact %.2f)\n", test::kNormalScore);
   std::fflush(stdout);
+  EXPECT_GT(mean, 0.85 * test::kNormalScore) << kind.name;
+  EXPECT_LT(mean, 1.2 * test::kNormalScore) << kind.name;
   return coverage.decision();
 }
 
 TEST(SlowCoverage, Is95PercentAndNot90Or98) {
   const unsigned seed = 5;
   SCOPED_TRACE(seed);
-  for (const std::size_t kind : {0u, 7u})
-    EXPECT_EQ(decide(kKinds[kind], seed), test::SequentialCoverage::Decision::nominal) << kKinds[kind].name;
+  const Kind& all = kKinds[7];
+  EXPECT_EQ(decide(all, seed), test::SequentialCoverage::Decision::nominal) << all.name;
 }
 
 TEST(SlowCoverageCampaign, DISABLED_OfHundredsIsBetween93And97Percent) {
