@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/campaign/shared_scale.h"
+#include "apps/files/meta_file.h"
 #include "apps/files/scenario_file.h"
 #include "apps/files/track_file.h"
 #include "apps/report/data/curves.h"
@@ -168,7 +169,15 @@ ReportData data_from_files(const RunFolder& folder) {
   const Json meta = read_json(meta_file);
   ReportData data;
   reading(folder.fit(), [&] { read_fit(fit, data); });
-  reading(meta_file, [&] { add_provenance(meta, data); });
+  reading(meta_file, [&] {
+    const int schema = JsonPlace{meta, ""}.at("schema").integer();
+    if (schema > kSchemaVersion)
+      throw InvalidInput(
+          fmt::format("{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: "
+                      "update it, or run the campaign again",
+                      meta_file.string(), schema, kSchemaVersion));
+    add_provenance(meta, data);
+  });
   read_runs(folder, fit, meta, data);
   return data;
 }

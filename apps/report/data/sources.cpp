@@ -1,13 +1,10 @@
 #include "apps/report/data/sources.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
-#include "apps/files/meta_file.h"
 #include "apps/report/data/json.h"
 
 namespace tribotrack::apps {
@@ -59,9 +56,6 @@ double median_of_finite(std::vector<double> values) {
 
 void add_provenance(const Json& meta, ReportData& data) {
   const JsonPlace place{meta, ""};
-  if (const int schema = place.at("schema").integer(); schema > kSchemaVersion)
-    throw WrongContent(fmt::format("`schema` is {}, of a newer tribotrack; this one reads schema {}", schema,
-                                   kSchemaVersion));
   const JsonPlace configuration = place.at("configuration");
   add_given(configuration, data);
   data.program_version = text_at(meta, "version");

@@ -219,7 +219,7 @@ TEST_F(DamagedReport, WrongContentIsRefusedWithFileAndKey) {
   expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"] = 5; },
                        {"out/fit.json", "`runs[0].scenario`"});
   expect_refused_after(meta, [](Json& m) { m["schema"] = 99; },
-                       {"out/fit.json.meta.json", "`schema` is 99", "schema 1"});
+                       {"out/fit.json.meta.json", "`schema` is 99", "reads up to 1"});
   expect_refused_after(meta, [](Json& m) { m["configuration"]["runs"].erase(1); },
                        {"out/fit.json.meta.json", "`configuration.runs[1]` is missing"});
 }
