@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
+#include "fit/checks/agreement.h"
 #include "fit/checks/model_check.h"
 #include "fit/checks/outliers.h"
 #include "fit/design/next_experiment.h"
@@ -11,9 +13,8 @@
 #include "fit/report/error_text.h"
 #include "fit/report/fill_result.h"
 #include "fit/residuals/sticking.h"
-#include "fit/tools/parallel.h"
-#include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
 #include "fit/uncertainty/bootstrap.h"
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/profile.h"
@@ -26,162 +27,213 @@ namespace {
 
 using namespace internal;
 
-/// Of the integrator, relative to the path: an error of 1e-12 m and less.
+/// Error of the integrator relative to the path: 1e-12 m and less.
 constexpr double kFine = 1e-9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// All minima within a chi-square of the best, the lag folded, the best as it stands now first.
-void tell_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result) {
-  const Unknowns& unknowns = residuals.unknowns();
-  result.minima.emplace_back();
-  for (const ParameterEstimate& p : result.parameters) result.minima.front().values[p.parameter] = p.estimate;
-  for (std::size_t i = 1; i < search.minima.size(); ++i) {
-    const Minimum& other = search.minima[i].minimum;
-    const double above = (other.chi2 - search.minima.front().minimum.chi2) / excess;
-    if (above > 9) continue;
-    const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
-    OneMinimum minimum;
-    minimum.chi2_above = above;
-    std::string text = "Another minimum fits nearly as well (chi2 higher by " + number(above, 2) + "):";
-    for (Eigen::Index k = 0; k < unknowns.reported(); ++k) {
-      const FitParameter parameter = unknowns.parameter(k);
-      minimum.values[parameter] = values(k);
-      text += std::string(k > 0 ? ", " : " ") + to_string(parameter) + " = " +
-              number(values(k) * display_factor(parameter), 4);
-    }
-    minimum.sentence = text + ".";
-    result.warnings.push_back(minimum.sentence);
-    result.minima.push_back(minimum);
+/// A fit from its start to its result; the members are called in their order.
+class Estimation {
+ public:
+  Estimation(const Problem& problem, const FitOptions& options)
+      : problem_(problem),
+        options_(options),
+        unknowns_(problem),
+        residuals_(unknowns_, problem.trajectory_runs.empty() ? 1 : options.threads) {
+    residuals_.set_tolerance(kFine);
+    result_.loss = options.loss;
   }
-}
+  Estimation(const Estimation&) = delete;  // residuals_ refers to unknowns_
+  Estimation& operator=(const Estimation&) = delete;
 
-void add_scatter_of_replicates(Residuals& residuals, const FitOptions& options, Minimum& minimum,
-                               FitResult& result) {
-  const Replicates repeated = replicates(residuals.unknowns().problem());
-  result.replicate_dof = repeated.dof;
-  result.scatter_from_replicates = options.estimate_scatter && repeated.scatter > 0;
-  if (!result.scatter_from_replicates) return;
-  Scatter scatter = residuals.scatter();
-  scatter.along = scatter.across = repeated.scatter;
-  residuals.set_scatter(scatter);
-  minimum = minimise(residuals, minimum.z);
-}
+  void find_minimum();
+  /// p of chi^2 with the data's own sigma and the scatter of repeated runs; outlying runs.
+  void test_residuals();
+  void check_model() { internal::check_model(residuals_, minimum_, options_, result_); }
+  /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
+  void explain_excess_variance();
+  void quantify_uncertainty();
+  FitResult report();
 
-/// Everything that rests on the minimum and its curvature.
-struct Judged {
-  KnownMinimum best;
-  Eigen::VectorXd values;
-  Uncertainty spread;
+ private:
+  void add_scatter_of_replicates();
+  void evaluate_curvature(const Minimum& minimum);
+  std::vector<double> quantiles() const;
+
+  const Problem& problem_;
+  const FitOptions& options_;
+  Unknowns unknowns_;
+  Residuals residuals_;
+  FitResult result_;
+  Search search_;
+  Minimum minimum_;
+  double excess_ = 1;  ///< chi^2/dof before any scatter was estimated
+  CorrelatedEstimate correlated_;
+  // At the final minimum:
+  KnownMinimum best_;
+  Eigen::VectorXd values_;
+  Uncertainty uncertainty_;
+  std::vector<double> t_;  ///< two-sided 95 % quantile of each parameter
+  std::vector<Interval> profiles_;
 };
 
-Judged judge(const Residuals& residuals, const Minimum& minimum, Loss loss) {
-  Judged judged{with_curvature(residuals, minimum), residuals.unknowns().values(minimum.z), {}};
-  const Minimum& best = judged.best.minimum;
+void Estimation::find_minimum() {
+  search_ = multi_start(residuals_, options_);
+  if (search_.minima.empty()) {
+    const auto failures = residuals_.failures().kept();
+    throw DataError("The model cannot be evaluated at any start" +
+                    (failures.empty() ? "" : " (" + failures.front().reason + ")") +
+                    ": check the drive and the first guesses ([fit.guess]).");
+  }
+  result_.starts_screened = search_.screened;
+  result_.starts = search_.starts;
+  result_.starts_at_best = search_.at_best;
+  minimum_ = minimise(residuals_, search_.minima.front().minimum.z);
+  result_.chi2_before_scatter = minimum_.chi2;
+}
+
+void Estimation::add_scatter_of_replicates() {
+  const Replicates repeated = replicates(problem_);
+  result_.replicate_dof = repeated.dof;
+  result_.scatter_from_replicates = options_.estimate_scatter && repeated.scatter > 0;
+  if (!result_.scatter_from_replicates) return;
+  ExcessVariance excess = residuals_.excess_variance();
+  excess.along = excess.across = repeated.scatter;
+  residuals_.set_excess_variance(excess);
+  minimum_ = minimise(residuals_, minimum_.z);
+}
+
+void Estimation::test_residuals() {
+  add_scatter_of_replicates();
+  result_.p_value = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
+  excess_ = residuals_.excess(minimum_.chi2);
+  result_.outliers = find_outliers(residuals_, minimum_);
+}
+
+void Estimation::explain_excess_variance() {
+  const bool driven = std::any_of(problem_.trajectory_runs.begin(), problem_.trajectory_runs.end(),
+                                  [](const auto& run) { return !run.free_slide; });
+  const bool known = problem_.summary_runs.empty() || result_.scatter_from_replicates;
+  const bool rejected = result_.p_value < (known ? kSurprise : kDoubt);
+  const Reweighting reweighting{options_.estimate_scatter && driven, options_.estimate_scatter && rejected,
+                                options_.loss};
+  if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
+    correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
+}
+
+void Estimation::evaluate_curvature(const Minimum& minimum) {
+  best_ = with_curvature(residuals_, minimum);
+  values_ = unknowns_.values(minimum.z);
+  const Minimum& best = best_.minimum;
   if (best.jacobian.rows() == 0)
     throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-  if (loss == Loss::squares) {
-    judged.spread = uncertainty(residuals.unknowns(), judged.values, best.jacobian);
-    return judged;
+  if (options_.loss == Loss::squares) {
+    uncertainty_ = uncertainty(unknowns_, values_, best.jacobian);
+    return;
   }
-  // An M-estimate's covariance rests on the unweighted sensitivity.
-  Residuals plain = residuals;
+  // The covariance of an M-estimate rests on the unweighted sensitivity.
+  Residuals plain = residuals_;
   plain.set_weights({});
   Eigen::VectorXd r;
   Eigen::MatrixXd jacobian;
-  plain.evaluate(judged.values, r, &jacobian);
-  const double factor = robust_covariance_factor(residuals, best.residuals, loss);
-  judged.spread = uncertainty(residuals.unknowns(), judged.values, jacobian / std::sqrt(factor));
-  return judged;
+  if (!plain.evaluate(values_, r, &jacobian))
+    throw DataError("The model cannot be evaluated at the minimum: check the drive.");
+  const double factor = robust_covariance_factor(residuals_, best.residuals, options_.loss);
+  uncertainty_ = uncertainty(unknowns_, values_, jacobian / std::sqrt(factor));
+}
+
+/// Student's t where a variance was estimated: by the degrees of freedom that it has, or Satterthwaite's.
+std::vector<double> Estimation::quantiles() const {
+  const bool from_residuals = any(residuals_.excess_variance()) || options_.loss != Loss::squares;
+  const double estimated_by = result_.scatter_from_replicates
+                                  ? result_.replicate_dof
+                                  : std::max(1.0, residuals_.degrees_of_freedom());
+  std::vector<double> t;
+  for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
+    const double by_correlated =
+        correlated_.degrees_of_freedom.size() > 0 ? correlated_.degrees_of_freedom(i) : kInfinity;
+    const double dof = std::max(1.0, std::min(from_residuals ? estimated_by : kInfinity, by_correlated));
+    t.push_back(two_sided_quantile(kConfidence, dof));
+  }
+  return t;
+}
+
+void Estimation::quantify_uncertainty() {
+  // What the residuals need beyond the repetitions' scatter is estimated from them.
+  if (result_.p_value < kSurprise) result_.scatter_from_replicates = false;
+  minimum_.z = fold_lag(unknowns_, minimum_.z);
+  evaluate_curvature(minimum_);
+  t_ = quantiles();
+  if (!options_.profiles || options_.loss != Loss::squares || stuck_throughout(problem_)) return;
+  std::vector<double> rises;
+  for (const double t : t_) rises.push_back(t * t);
+  const double found = best_.minimum.chi2;
+  profiles_ = profiles(residuals_, best_, moved_by_flat_direction(uncertainty_), rises, options_.threads);
+  if (best_.minimum.chi2 < found) evaluate_curvature(Minimum(best_.minimum));
+}
+
+FitResult Estimation::report() {
+  const Minimum& best = best_.minimum;
+  FitResult& result = result_;
+  result.converged = best.converged;
+  result.chi2 = best.chi2;
+  result.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
+  fill_parameters(unknowns_, values_, uncertainty_, t_, result);
+  for (std::size_t i = 0; i < profiles_.size(); ++i) result.parameters[i].profile_ci95 = profiles_[i];
+  if (options_.bootstrap > 0) {
+    const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
+    result.bootstrap = refits.converged;
+    result.bootstrap_seed = options_.bootstrap_seed;
+    for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
+  }
+  result.identifiability = identifiability(unknowns_, values_, uncertainty_);
+  compare_with_profiles(unknowns_, result.parameters, result.identifiability);
+  fill_excess_variance(residuals_, options_.estimate_scatter, result);
+  fill_correlated_errors(residuals_, result);
+  result.agreement = agreement(result);
+  result.neighbours_err_alike = result.runs_test_p_value < kAlike;
+  fill_runs(residuals_, best, result);
+  for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
+  fill_systematics(residuals_, best, uncertainty_, result);
+  fill_minima(residuals_, search_, excess_, result);
+  fill_failures(residuals_, best, result);
+  if (!result.converged)
+    result.warnings.push_back(
+        "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
+  if (options_.next_experiment) {
+    NextExperiments next = next_experiments(residuals_, values_, best.jacobian,
+                                            *std::max_element(t_.begin(), t_.end()), options_);
+    result.next_experiment = std::move(next.best);
+    result.other_next_experiments = std::move(next.others);
+  }
+  return std::move(result);
 }
 
 }  // namespace
 
+void FitOptions::validate() const {
+  const auto at_least = [](const char* name, int value, int least) {
+    if (value < least)
+      throw std::invalid_argument(std::string("FitOptions::") + name + " = " + std::to_string(value) +
+                                  " must be at least " + std::to_string(least));
+  };
+  at_least("threads", threads, 1);
+  at_least("multi_starts", multi_starts, 1);
+  at_least("bootstrap", bootstrap, 0);
+}
+
 FitResult estimate(const Problem& problem, const FitOptions& options) {
+  options.validate();
   problem.validate();
-  const Unknowns unknowns(problem);
-  const int run_threads = problem.trajectory_runs.empty() ? 1 : options.threads;
-  Residuals residuals(problem, unknowns, run_threads);
-  residuals.set_tolerance(kFine);
-
-  const Search search = multi_start(residuals, options);
-  if (search.minima.empty())
-    throw DataError("The model cannot be evaluated at any start: check the drive and [fit.guess].");
-  FitResult result;
-  result.starts_screened = search.screened;
-  result.starts = search.starts;
-  result.starts_at_best = search.at_best;
-  result.loss = options.loss;
-
-  Minimum minimum = minimise(residuals, search.minima.front().minimum.z);
-  result.chi2_before_scatter = minimum.chi2;
-  add_scatter_of_replicates(residuals, options, minimum, result);
-  result.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
-  const double excess = residuals.excess(minimum.chi2);
-  result.outliers = find_outliers(residuals, minimum);
-  if (problem.trajectory_runs.empty()) check_model(residuals, minimum, options, result);
-  const bool surprised = result.p_value < kSurprise;
-  const bool driven = std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
-                                  [](const auto& run) { return !run.free_slide; });
-  const bool told = problem.summary_runs.empty() || result.scatter_from_replicates;
-  const bool asks = result.p_value < (told ? kSurprise : kDoubt);
-  const Settling settling{options.estimate_scatter && driven, options.estimate_scatter && asks, options.loss};
-  SlowEstimate slow;
-  if (settling.slow_errors || settling.scatter || options.loss != Loss::squares)
-    slow = settle(residuals, minimum, settling);
-  if (!problem.trajectory_runs.empty()) check_model(residuals, minimum, options, result);
-  if (surprised) result.scatter_from_replicates = false;  // the residuals say more than the repetitions
-  minimum.z = fold_lag(unknowns, minimum.z);
-
-  // Uncertainty at the minimum; the profiles may find a better one, then once more.
-  Judged judged = judge(residuals, minimum, options.loss);
-  const double dof = residuals.degrees_of_freedom();
-  const bool from_residuals = any(residuals.scatter()) || options.loss != Loss::squares;
-  const double told_by = result.scatter_from_replicates ? result.replicate_dof : std::max(1.0, dof);
-  const double infinite = std::numeric_limits<double>::infinity();
-  std::vector<double> t, rises;  // of each parameter
-  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
-    const double by_slow = slow.degrees_of_freedom.size() > 0 ? slow.degrees_of_freedom(i) : infinite;
-    t.push_back(
-        two_sided_quantile(0.95, std::max(1.0, std::min(from_residuals ? told_by : infinite, by_slow))));
-    rises.push_back(t.back() * t.back());
-  }
-  std::vector<Interval> intervals;
-  if (options.profiles && options.loss == Loss::squares && !stuck_throughout(problem)) {
-    const double found = judged.best.minimum.chi2;
-    intervals =
-        profiles(residuals, judged.best, moved_by_flat_direction(judged.spread), rises, options.threads);
-    if (judged.best.minimum.chi2 < found) judged = judge(residuals, judged.best.minimum, options.loss);
-  }
-
-  const Minimum& best = judged.best.minimum;
-  result.converged = best.converged;
-  result.chi2 = best.chi2;
-  result.dof = std::max(0, static_cast<int>(std::lround(dof)));
-  tell_parameters(unknowns, judged.values, judged.spread, t, result);
-  for (std::size_t i = 0; i < intervals.size(); ++i) result.parameters[i].profile_ci95 = intervals[i];
-  if (options.bootstrap > 0) {
-    const Bootstrap refits = bootstrap(residuals, best, any(residuals.scatter()), options);
-    result.bootstrap = refits.converged;
-    result.bootstrap_seed = options.bootstrap_seed;
-    for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
-  }
-  result.identifiability = identifiability(unknowns, judged.values, judged.spread);
-  compare_with_profiles(unknowns, result.parameters, result.identifiability);
-  tell_scatter(residuals, options.estimate_scatter, result);
-  tell_slow_errors(residuals, result);
-  tell_runs(residuals, best, result);
-  for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
-  tell_systematics(residuals, best, judged.spread, result);
-  tell_minima(residuals, search, excess, result);
-  if (!result.converged)
-    result.warnings.push_back(
-        "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
-  if (options.next_experiment) {
-    const NextExperiments next = next_experiments(residuals, judged.values, best.jacobian,
-                                                  *std::max_element(t.begin(), t.end()), options);
-    result.next_experiment = next.best;
-    result.other_next_experiments = next.others;
-  }
-  return result;
+  Estimation fit(problem, options);
+  fit.find_minimum();
+  fit.test_residuals();
+  // Tracks are compared with other models once their correlated errors are known.
+  const bool tracks = !problem.trajectory_runs.empty();
+  if (!tracks) fit.check_model();
+  fit.explain_excess_variance();
+  if (tracks) fit.check_model();
+  fit.quantify_uncertainty();
+  return fit.report();
 }
 
 }  // namespace tribotrack::fit

@@ -1,8 +1,17 @@
-// What a fit finds: estimates, intervals, residuals of every run, and what the data cannot tell.
+// The result of a fit: estimates, intervals, residuals of every run, and what the data cannot determine.
+//
+//   const FitResult result = estimate(problem);
+//   if (!result.usable()) std::puts(result.identifiability.weak_directions.front().c_str());
+//   if (result.agreement == Agreement::poor) ...;  // the model misses the data
+//   const ParameterEstimate& mu1 = result.parameters[0];  // in the order of Problem::free
+//   std::printf("mu1 = %g +- %g, 95 %% from %g to %g\n", mu1.estimate, mu1.sd, mu1.ci95.low, mu1.ci95.high);
+//   std::puts(result.full_report().c_str());
+//
+// All numbers are SI unless a name carries a unit.
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,23 +29,24 @@ struct Interval {
 struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
+  /// From C = (J'J)^-1, J the whitened sensitivity d r/d theta at the minimum; infinite, as the interval, for
+  /// a parameter that a flat direction moves.
   double sd = 0;
-  /// From the covariance; Student's t where a scatter or slow errors were estimated. For mu1, A, w and scale
-  /// on the axis of their logarithm, for mu2 too while sd < 0.3 mu2, else linear and cut at 0. sd and
-  /// interval are infinite for a parameter that a flat direction moves.
+  /// estimate -+ t sd with t = 1.96, or Student's t where a variance was estimated from the residuals. On the
+  /// axis of the logarithm for mu1, A, w and scale, for mu2 too while sd < 0.3 mu2; else linear and cut at 0.
   Interval ci95;
-  /// From the profile likelihood, re-optimised at every point; infinite where open, 0 where mu is compatible
-  /// with 0. NaN when profiles were not asked for.
+  /// From the profile likelihood min over all others of chi^2 = chi^2_min + t^2: the reference where the
+  /// likelihood is no parabola. Infinite where open, 0 where mu is compatible with 0, NaN where not computed
+  /// (FitOptions::profiles).
   Interval profile_ci95;
-  /// From the parametric bootstrap: the 2.5 and 97.5 % points of refits to simulated data. NaN when it was
-  /// not asked for.
+  /// 2.5 and 97.5 % points of refits to simulated data. NaN without FitOptions::bootstrap.
   Interval bootstrap_ci95;
 };
 
 /// One observable of one run.
 struct Residual {
   std::string observable;  ///< "dx_mm", "dy_mm", "alpha_rad", "v_mm_s", ...
-  double measured = 0;     ///< SI unless the name carries a unit, then in that unit
+  double measured = 0;     ///< in the unit of the name
   double modelled = 0;
   double sd = 0;
   double standardised = 0;  ///< whitened where the observables of a run are correlated
@@ -48,8 +58,8 @@ struct RunResult {
   std::vector<Residual> residuals;
   std::size_t points = 0;  ///< trajectory runs: points used
   double rms_m = 0;        ///< trajectory runs: rms of the residual, m
-  std::map<std::string, double>
-      nuisance;  ///< trajectory runs: start point, initial velocity, onset, ... with units in the names
+  /// Trajectory runs: start point, initial velocity, onset, ... with units in the names.
+  std::map<std::string, double> nuisance;
   /// Free slides, one entry per point used: distance along the initial velocity from the fitted start point.
   struct Slide {
     std::vector<double> time;      ///< s, the recording's
@@ -62,10 +72,22 @@ enum class Verdict { identifiable, weak, not_identifiable };
 
 struct Identifiability {
   Verdict verdict = Verdict::identifiable;
-  /// Each in words with its figure: "mu1 up 1 % is hidden by phase_lag_rad down 0.021".
+  /// Sentences with figures: "mu1 up 1 % is hidden by phase_lag_rad down 0.021".
   std::vector<std::string> weak_directions;
   std::vector<double> singular_values;  ///< of the whitened sensitivity, parameters scaled by their own size
 };
+
+/// Does the model describe the data?
+enum class Agreement {
+  good,               ///< chi^2 is what chance allows, p >= 0.001
+  only_with_scatter,  ///< p < 0.001 by the data's own sigma; chi^2 agrees by the scatter that was added
+  poor,               ///< p < 0.001 and nothing added: the model misses the data
+  too_good,           ///< chi^2/dof below the 0.5 % point: the stated sigmas are too large
+  unknown             ///< no more data than unknowns: nothing checks the model
+};
+
+/// The 99 % range of chi^2/dof under the model. Zeros for dof < 1.
+Interval expected_reduced_chi2(int dof);
 
 /// A run that would shrink the intervals most.
 struct NextExperiment {
@@ -94,27 +116,28 @@ struct ModelComparison {
   double chi2 = 0;     ///< with the data's own sigma
   /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
   double aic = 0, bic = 0;
-  std::string sentence;  ///< what it found
+  std::string sentence;  ///< its additional parameters
 };
 
-/// How strongly a far run may pull: squares fully, Huber as much as one at 2 sigma, Cauchy hardly.
+/// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
 enum class Loss { squares, huber, cauchy };
 
 /// A minimum of chi^2.
 struct OneMinimum {
   std::map<FitParameter, double> values;  ///< of the fitted parameters
-  double chi2_above = 0;                  ///< the best one's, in units of the scatter about it
+  double chi2_above = 0;                  ///< rise above the best one's, in units of chi^2/dof there
   std::string sentence;                   ///< empty for the best
 };
 
-/// Errors that many points of a driven track share, one size for all runs of a fit: standard deviations per
-/// axis, m, told from the residuals beside the points' own noise (restricted maximum likelihood). 0 where the
-/// residuals do not ask.
-struct SlowErrors {
-  double drift = 0;      ///< of a straight drift over `time`: a run's own and what all share along their ways
-  double walk = 0;       ///< of a Brownian walk over `time`
-  double circle = 0;     ///< of each of cos wt and sin wt
-  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
+/// Errors that neighbouring points of a driven track share, one size for all runs of a fit: standard
+/// deviations per axis, m, estimated from the residuals beside the points' own noise (restricted maximum
+/// likelihood). 0 where the residuals show none.
+struct CorrelatedErrors {
+  double drift =
+      0;  ///< of a straight drift over `time`: each run's own and the one all share along their ways
+  double walk = 0;              ///< of a Brownian walk over `time`
+  double circle = 0;            ///< of each of cos wt and sin wt
+  double overtones = 0;         ///< of each of cos and sin of 2wt and 3wt
   double common_circle = 0;     ///< as circle, but one error that all runs share
   double common_overtones = 0;  ///< as overtones, likewise
   double time = 0;              ///< s, of the longest run; 0 where no driven track was fitted
@@ -124,46 +147,61 @@ struct SlowErrors {
 };
 
 struct FitResult {
-  std::vector<ParameterEstimate> parameters;
-  Eigen::MatrixXd covariance;  ///< SI, in the order of parameters
+  // The estimates.
+  std::vector<ParameterEstimate> parameters;  ///< in the order of Problem::free
+  Eigen::MatrixXd covariance;                 ///< SI, in that order
   Eigen::MatrixXd correlation;
-  double chi2 = 0;
-  int dof = 0;
+  std::string covariance_meaning;              ///< which errors the covariance counts, a sentence
+  double value(FitParameter parameter) const;  ///< throws DataError for one that was not fitted
+
+  // Can they be used?
   bool converged = false;
   Identifiability identifiability;
+  Agreement agreement = Agreement::unknown;
+  std::vector<std::string> warnings;
+  bool usable() const { return converged && identifiability.verdict != Verdict::not_identifiable; }
+
+  // Goodness of fit.
+  double chi2 = 0;  ///< at the minimum, with the scatter below counted in the sigmas
+  int dof = 0;
+  double p_value = 1;                 ///< of chi^2 with the data's own sigma and the replicates' scatter
+  double chi2_before_scatter = 0;     ///< with the data's own sigma alone
+  double runs_test_p_value = 1;       ///< small: neighbouring runs err alike
+  bool neighbours_err_alike = false;  ///< runs_test_p_value < 0.01, as under a wrong model
   std::vector<RunResult> runs;
+  std::vector<Outlier> outliers;        ///< farthest first
+  std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
+  std::vector<std::string> left_out;    ///< checks that the data did not require, with the reason
+
+  // Errors beyond the data's own sigma, counted in the covariance.
+  double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
+  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
+  /// show that they differ.
+  double scatter_along = 0, scatter_across = 0;
+  bool scatter_from_replicates = false;  ///< estimated from repeated runs: p_value still judges the model
+  int replicate_dof = 0;                 ///< two for each repetition
+  CorrelatedErrors correlated_errors;
+  Loss loss = Loss::squares;
+  /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
+  std::vector<std::string> systematics;
+
+  // The search for the minimum.
+  std::vector<OneMinimum> minima;  ///< all within chi^2 9 of the best, which is the first
+  int starts_screened = 0;         ///< points of the box looked at
+  int starts = 0;                  ///< descents made
+  int starts_at_best = 0;          ///< of them, those that ended in the minimum reported
+  /// Trial values at which the model has no motion. A warning where some lie within three sd of the minimum.
+  std::size_t failed_evaluations = 0;
+  int bootstrap = 0;  ///< refits that converged
+  unsigned bootstrap_seed = 0;
+
+  // What to measure next.
   std::optional<NextExperiment> next_experiment;
   /// The best run for each parameter alone, and, where it helps much more, the best with another A or w.
   std::vector<NextExperiment> other_next_experiments;
-  std::vector<Outlier> outliers;  ///< farthest first
-  Loss loss = Loss::squares;
-  int bootstrap = 0;  ///< refits that converged
-  unsigned bootstrap_seed = 0;
-  double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals did not ask for it
-  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
-  /// say that they differ.
-  double scatter_along = 0, scatter_across = 0;
-  SlowErrors slow_errors;  ///< counted in the covariance
-  /// Repeated runs tell the scatter by themselves: then chi2 counts it, and p_value still judges the model.
-  bool scatter_from_replicates = false;
-  int replicate_dof = 0;                ///< two for each repetition
-  std::string covariance_meaning;       ///< which covariance is printed, in words
-  double chi2_before_scatter = 0;       ///< with the data's own sigma alone
-  double p_value = 1;                   ///< of chi^2 with the data's own sigma and the replicates' scatter
-  std::vector<OneMinimum> minima;       ///< all within chi-square 9 of the best, which is the first
-  int starts_screened = 0;              ///< points of the box looked at
-  int starts = 0;                       ///< descents made
-  int starts_at_best = 0;               ///< of them, those that ended in the minimum told
-  double runs_test_p_value = 1;         ///< small: neighbouring runs err alike, a wrong model
-  std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
-  std::vector<std::string> left_out;    ///< what the data did not ask for, and why
-  /// How far an error in what was taken as known moves the parameters, in words: "A up 1 %: mu1 up 1.02 %".
-  std::vector<std::string> systematics;
-  std::vector<std::string> warnings;
-  bool usable() const { return converged && identifiability.verdict != Verdict::not_identifiable; }
-  double value(FitParameter parameter) const;
-  std::string brief_report() const;
-  std::string full_report() const;
+
+  std::string brief_report() const;  ///< one line
+  std::string full_report() const;   ///< as `tribotrack fit` prints it
 };
 
 }  // namespace tribotrack::fit

@@ -1,4 +1,10 @@
-// When the actuator's gate was really open: phi and dtau from a lamp's brightness, frame by frame.
+// When the actuator's gate was open: phi and dtau from a lamp's brightness, frame by frame.
+//
+//   LampRecord lamp{times, levels, 200e-6};                    // s, grey levels, exposure in s
+//   PhaseClock clock{motion.angular_frequency.value, motion.phase_at_zero.value, motion.phase_at_middle.sd};
+//   const GateMeasurement gate = measure_gate(lamp, clock);
+//   if (gate.timing) scenario.friction.phase = gate.timing->phi.value;
+//   else std::puts(gate.why_not.c_str());
 #pragma once
 
 #include <Eigen/Core>
@@ -17,10 +23,10 @@ struct LampRecord {
   std::vector<double> time;        ///< s, middle of each exposure
   std::vector<double> level;       ///< grey levels
   std::optional<double> exposure;  ///< s; unknown where the recording does not say
-  bool clipped = false;            ///< the lit lamp saturates: brightness says lit, partly lit, not lit
+  bool clipped = false;            ///< the lit lamp saturates: levels show lit, partly lit, not lit only
 };
 
-/// The platform's phase as a clock: wt at a time, in the phase the run is told in.
+/// The platform's phase as a clock: wt at a time, with the zero of phase that phi is counted from.
 struct PhaseClock {
   double angular_frequency = 0;  ///< rad/s
   double phase_at_zero = 0;      ///< rad
@@ -28,7 +34,7 @@ struct PhaseClock {
   double at(double time) const { return angular_frequency * time + phase_at_zero; }
 };
 
-/// phi and dtau as they were: the gate is open while phi + 2 pi n < wt < phi + dtau + 2 pi n.
+/// phi and dtau as measured: the gate is open while phi + 2 pi n < wt < phi + dtau + 2 pi n.
 struct GateTiming {
   Estimate phi;           ///< rad in [0, 2 pi)
   Estimate dtau;          ///< rad
@@ -60,17 +66,17 @@ struct GateMeasurement {
 /// Opening and closing edge are taken apart, which needs a pulse and a pause longer than one exposure.
 GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock);
 
-/// Brightness as a share of the lit lamp's, folded into one cycle: for pictures.
+/// Brightness as a share of the lit lamp's, folded into one cycle: for plots.
 struct FoldedLamp {
   std::vector<double> phase;  ///< rad in [0, 2 pi), ascending
   std::vector<double> share;
 };
-/// The same as the fitted edges and the exposure make it: a trapezoid.
-FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
+/// The same under the fitted edges and the exposure: a trapezoid.
+FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 
-/// J C J^T, m^2: J = d(displacement)/d(phi, dtau) of the scenario as it stands (its mu1, mu2, lag: guesses
-/// do), C the covariance of the measured phi and dtau, rad^2.
+/// J C J', m^2, to add to the covariance of a displacement: J = d(displacement)/d(phi, dtau) of the scenario
+/// (first guesses of its mu1, mu2, lag suffice), C the covariance of the measured phi and dtau, rad^2.
 Eigen::Matrix2d displacement_covariance_of_gate(const model::Scenario& scenario,
                                                 const Eigen::Matrix2d& gate_covariance);
 

@@ -1,4 +1,10 @@
-// What one track tells: displacement (alpha, v) and the platform's motion, with uncertainty.
+// Measurements on a single track: displacement (alpha, v) and the platform's motion, with uncertainty.
+//
+//   if (const auto platform = measure_platform_motion(track)) {             // the marker's circle
+//     const Displacement moved = measure_displacement(track, platform->angular_frequency, 20);
+//     if (moved.alpha) std::printf("alpha %g +- %g rad\n", moved.alpha->value, moved.alpha->sd);
+//     std::printf("v %g +- %g m/s\n", moved.mean_velocity.value, moved.mean_velocity.sd);
+//   }
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +17,7 @@
 
 namespace tribotrack::fit {
 
-/// Data that cannot be used as asked. what() is one sentence for the user with the remedy.
+/// Data that cannot be used. what() is one sentence for the user with the remedy.
 class DataError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -31,10 +37,9 @@ struct Displacement {
   int cycles = 0;                                        ///< N
   double start_time = 0;                                 ///< s, the first analysed frame
   double duration = 0;                                   ///< s, N 2 pi / w
-  /// alpha and v of N whole cycles as told elsewhere: if w is found to be another, the vector belongs to
-  /// another duration, at the same v. False: two points of a recording, which lie `duration` apart whatever w
-  /// is.
-  bool told_as_velocity = false;
+  /// Given as alpha and v of N whole cycles, measured elsewhere: a fit that changes w changes the duration,
+  /// at the same v. False: two points of a recording, which lie `duration` apart whatever w is.
+  bool given_as_velocity = false;
   std::optional<Estimate> alpha;  ///< rad in [0, 2 pi); empty below 3 sd of displacement
   Estimate mean_velocity;         ///< v, m/s
 };
@@ -42,8 +47,9 @@ struct Displacement {
 /// Fills alpha and mean_velocity from vector, covariance and duration.
 void derive_alpha_and_v(Displacement& displacement);
 
-/// A displacement measured elsewhere and told as alpha (rad) and v (m/s), as a vector with its covariance.
-/// At v = 0 alpha says nothing and the covariance is round. Throws DataError unless v >= 0 and both sds > 0.
+/// A displacement measured elsewhere and given as alpha (rad) and v (m/s), as a vector with its covariance.
+/// At v = 0 alpha has no meaning and the covariance is round. Throws DataError unless v >= 0 and both sds >
+/// 0.
 Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& velocity,
                                        double angular_frequency, int cycles);
 
@@ -94,20 +100,20 @@ struct PlatformMotion {
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 
-/// The same measurements with the sd of the scale (relative, common to all lengths) counted in. A fit carries
-/// the scale as a parameter of its own and wants them without; what is told to people and other programs has
-/// it in.
+/// The same measurements with the sd of the scale (relative, common to all lengths) added. For reports and
+/// other programs; a fit has the scale as a parameter of its own and takes them without.
 Displacement with_scale_sd(Displacement displacement, double relative_sd);
 PlatformMotion with_scale_sd(PlatformMotion motion, double relative_sd);
 
+/// The platform's motion for plots.
 struct PlatformPicture {
   std::vector<Eigen::Vector2d> orbit;  ///< m, the marker about its mean, one per row of the track
   std::vector<double> phase_left;      ///< rad, by which each frame is ahead of constant w
   std::vector<Eigen::Vector2d> model;  ///< m, one whole turn of the fitted motion
 };
 
-/// A frame's phase left is its residual along the direction of motion, over the speed there: eq. (1) to first
-/// order. Where the platform stands still for a moment (motion along one axis) it is NaN.
+/// A frame's remaining phase is its residual along the direction of motion, over the speed there: eq. (1) to
+/// first order. Where the platform stands still for a moment (motion along one axis) it is NaN.
 PlatformPicture picture_of(const TrackTable& track, const PlatformMotion& motion);
 
 }  // namespace tribotrack::fit

@@ -1,4 +1,17 @@
-// What is to be fitted to what.
+// The problem of a fit: parameters and data.
+//
+//   Problem problem;
+//   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+//   SummaryRun run;
+//   run.name = "phi 0, dtau pi/3";
+//   run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0.28e-3;   // m
+//   run.scenario.drive.angular_frequency = 62.8;                               // rad/s
+//   run.scenario.friction.phase = 0;                                           // phi
+//   run.scenario.friction.pulse_width = 1.047;                                 // dtau
+//   run.scenario.cycles = 20;
+//   run.measured = displacement_from_alpha_v({5.93, 0.02}, {1.78e-3, 0.04e-3}, 62.8, 20);
+//   problem.summary_runs = {run};                                              // two numbers a run
+//   const FitResult result = estimate(problem);                                // fit/estimate.h
 #pragma once
 
 #include <Eigen/Core>
@@ -29,14 +42,13 @@ struct Prior {
 /// A run with a displacement over whole cycles, measured by us or elsewhere.
 struct SummaryRun {
   std::string name;
-  model::Scenario
-      scenario;  ///< everything but the fitted parameters: drive, phi, dtau, start, start_phase, cycles
+  model::Scenario scenario;  ///< all but the fitted parameters: drive, phi, dtau, start, start_phase, cycles
   Displacement measured;
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
 };
 
-/// A run fitted point by point: the model's dense trajectory + nuisance parameters (start point; the
-/// platform's phase; initial velocity for a free slide). A track in the camera's frame is compared with the
+/// A run fitted point by point: the model's trajectory and nuisance parameters (start point; the platform's
+/// phase; initial velocity of a free slide). A track in the camera's frame is compared with the
 /// motion in the platform's frame plus the platform's own.
 struct TrajectoryRun {
   std::string name;
@@ -50,22 +62,21 @@ struct TrajectoryRun {
 };
 
 struct Problem {
-  std::vector<FitParameter> free;  ///< what is fitted
-  std::map<FitParameter, double>
-      fixed;  ///< values of mu1, mu2, lag, delay not fitted (lag and delay default 0)
+  std::vector<FitParameter> free;        ///< what is fitted
+  std::map<FitParameter, double> fixed;  ///< values of mu1, mu2, lag, delay not fitted (lag, delay: 0)
   std::map<FitParameter, double> start;  ///< first guesses; missing ones are chosen
   std::map<FitParameter, Prior> prior;
-  double scale_sd = 0;  ///< relative sd of the scale common to all runs, carried as a nuisance with a prior
+  double scale_sd = 0;  ///< relative sd of the scale common to all runs, a nuisance parameter with a prior
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not
-  /// numbers. Fewer data than unknowns are no error: the fit then says what can be told.
+  /// numbers. Fewer data than unknowns are no error: the result then states what can be determined.
   void validate() const;
   /// Numbers measured or known beforehand, and unknowns to be found from them.
   std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };
 
-/// The model's displacement over the run's cycles at given parameter values, for curves in reports. m.
+/// The model's displacement over the run's cycles, m: for curves in reports.
 Eigen::Vector2d modelled_displacement(const model::Scenario& scenario);
 
 }  // namespace tribotrack::fit

@@ -1,4 +1,9 @@
-// What an oscilloscope saw: the platform's reference pulses and the actuator's bursts.
+// Timing from an oscilloscope: the platform's reference pulses and the actuator's bursts.
+//
+//   const ScopeEvents events = find_scope_events(trace, {.carrier_hz = 5890});
+//   if (const auto sensor = sensor_clock(events, {}))
+//     if (const auto gate = gate_from_scope(events, sensor->clock); gate.timing)
+//       std::printf("phi %g, dtau %g rad\n", gate.timing->phi.value, gate.timing->dtau.value);
 #pragma once
 
 #include <optional>
@@ -9,7 +14,8 @@
 
 namespace tribotrack::fit {
 
-/// Evenly sampled voltages; sample n is taken at start + n increment. A channel that is not there is empty.
+/// Evenly sampled voltages; sample n is taken at start + n increment. A channel that was not recorded is
+/// empty.
 struct ScopeTrace {
   double start = 0, increment = 0;  ///< s, in the oscilloscope's time (0 = its trigger)
   std::vector<double> sensor;       ///< V, one pulse a turn when the platform is at wt = 0
@@ -32,7 +38,7 @@ struct ScopeEvents {
 /// Pulses: upward crossings of half the height, with a hysteresis of a tenth. Bursts: the rectified carrier
 /// is averaged over one carrier period (its ripple has exactly that period, so it vanishes), and crosses half
 /// of its lit level. An edge is met half-way through the average, so the average's own delay cancels. Throws
-/// DataError where a channel that is there shows neither.
+/// DataError where a recorded channel shows none.
 ScopeEvents find_scope_events(const ScopeTrace& trace, const ScopeOptions& options);
 
 /// w and wt = 0 from the pulses: t_n = t_0 + 2 pi n / w, least squares.

@@ -1,4 +1,13 @@
-// A track as the fit sees it: a plain table of numbers in SI, whoever made it.
+// A track as the fit sees it: a plain table of numbers in SI, whatever tracker made it.
+//
+//   TrackTable track;
+//   for (const auto& row : rows) {                       // in the order of time, lost rows left out
+//     track.frame.push_back(row.frame);
+//     track.time.push_back(row.time_s);                  // s
+//     track.position.emplace_back(row.x_m, row.y_m);     // m, y up
+//     track.covariance.push_back(row.sd_m * row.sd_m * Eigen::Matrix2d::Identity());
+//   }
+//   const Displacement moved = measure_displacement(track, {62.8, 0.01}, 20);   // fit/measurement.h
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,8 @@
-// alpha and v, the paper's two numbers for a run (section 2.2).
+// alpha and v, the paper's two numbers for a run (section 2.2), from its displacement relative to the
+// platform.
+//   const Eigen::Vector2d moved = integrate(scenario).end().position;
+//   displacement_angle(moved);                           // alpha, rad
+//   mean_velocity(moved, scenario.end_time());           // v, m/s
 #pragma once
 
 #include <Eigen/Core>
@@ -7,13 +11,14 @@
 
 namespace tribotrack::model {
 
-/// alpha = atan2(dy, dx) in [0, 2 pi): the angle between the horizontal and the covered distance.
+/// alpha = atan2(dy, dx) in [0, 2 pi): the angle from the x axis to the displacement, counter-clockwise. 0
+/// for no displacement.
 inline double displacement_angle(const Eigen::Vector2d& displacement) {
   const double angle = std::atan2(displacement.y(), displacement.x());
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
-/// v = |displacement| / duration, m/s.
+/// v = |displacement| / duration, m/s, for m and s > 0.
 inline double mean_velocity(const Eigen::Vector2d& displacement, double duration) {
   return displacement.norm() / duration;
 }

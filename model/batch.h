@@ -19,7 +19,7 @@ enum class BatchStatus {
   done,
   invalid,           ///< a parameter out of its range
   no_steady_motion,  ///< none that is unique: no friction in the cycle, tilt beyond the friction angle
-  failed,            ///< not solved; BatchOutcome::reasons says why
+  failed,            ///< not solved; the reason is in BatchOutcome::reasons
 };
 const char* to_string(BatchStatus status);
 
@@ -37,21 +37,21 @@ struct BatchSteady {
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< displacement per cycle, m
   double alpha = 0;                                 ///< its direction, rad in [0, 2 pi); NaN without drift
   double v = 0;                                     ///< |drift| w / 2 pi, m/s
-  /// Spectral radius of the one-cycle velocity map, 0 with stick. Told to 1e-3, mostly to 1e-5, where it
+  /// Spectral radius of the one-cycle velocity map, 0 with stick. Good to 1e-3, mostly to 1e-5, where it
   /// comes from lanes.
   double contraction = 0;
 };
 
 struct BatchOptions {
-  bool ends = true;     ///< wanted: the end point of each run
-  bool steady = false;  ///< wanted: each scenario's steady motion with pulses
+  bool ends = true;     ///< compute the end point of each run
+  bool steady = false;  ///< compute each scenario's steady motion with pulses
   int threads = 1;      ///< results do not depend on it
   /// Of the velocity at every step of an end's run, in units of A w: 1e-14 leaves some 1e-13 of the path.
-  /// Looser ones are for who asks for less; steady motions are always told in full.
+  /// Looser ones are faster; steady motions always come at full accuracy.
   double tolerance = 1e-14;
   /// False: every scenario by the scalar integrator, one at a time (to compare with).
   bool lanes = true;
-  /// Told how many solutions are ready of how many, every now and then, by one thread at a time.
+  /// Progress callback: solutions done and wanted. Called now and then, by one thread at a time.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
@@ -92,16 +92,16 @@ struct BatchOutcome {
 /// with its own step lengths and friction switches (a lane whose run has ended is given another), on several
 /// threads that take scenarios from a common counter, ever fewer at a time towards the end. Runs the lanes
 /// cannot carry (see ScalarReason) are solved by integrate() and steady_orbit(). Results agree with those to
-/// 1e-11 of the path, and are the same to the last bit whatever the number of threads and whoever travels
-/// side by side.
+/// 1e-11 of the path, and are the same to the last bit whatever the number of threads and whichever scenarios
+/// share a vector. Nothing is thrown for a bad scenario: its status is `invalid`, with the reason.
 ///   BatchOptions options;
 ///   options.threads = 4;
 ///   const auto outcome = solve_batch(scenarios, options);
 ///   if (outcome.ends[k].status == BatchStatus::done) use(outcome.ends[k].position);
 BatchOutcome solve_batch(std::span<const Scenario> scenarios, const BatchOptions& options = {});
 
-/// The same of scenarios that are made when they are needed, by any of the threads. What `scenario_at` throws
-/// makes that scenario `invalid`.
+/// The same for scenarios made on demand, by any of the threads. An exception from `scenario_at` makes that
+/// scenario `invalid`.
 BatchOutcome solve_batch(std::size_t count, const std::function<Scenario(std::size_t)>& scenario_at,
                          const BatchOptions& options = {});
 

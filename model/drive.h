@@ -1,4 +1,4 @@
-// The platform's motion and what it does to a part lying on it.
+// The platform's motion, eq. (1), and the force it exerts on a part lying on it.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,9 +7,11 @@ namespace tribotrack::model {
 
 /// Circularly (or elliptically) oscillating platform, Kilikevicius et al. 2021, eq. (1):
 ///   xi  = A cos(wt),   eta = A_y cos(wt + epsilon),
-/// x right, y up. With A_y = A, epsilon = +pi/2 circles clockwise. In the platform's frame the part feels the
-/// drive d(t) = w^2 (A cos wt, A_y cos(wt + epsilon)) + g (sin tilt_x, sin tilt_y), the right-hand side of
-/// eq. (5) with the tilt the paper leaves out.
+/// x right, y up. With A_y = A and epsilon = +pi/2 the platform circles clockwise. In the platform's frame
+/// the inertial force per mass is the drive of eq. (5),
+///   d(wt) = -(xi'', eta'') + g (sin tilt_x, sin tilt_y)
+///         = w^2 (A cos wt, A_y cos(wt + epsilon)) + g (sin tilt_x, sin tilt_y);
+/// the paper has no tilt. Values are not checked here: Scenario::validate() does.
 struct Drive {
   double amplitude = 0.28e-3;               ///< A, m, >= 0. 0 = platform at rest.
   double amplitude_y = 0.28e-3;             ///< A_y, m, >= 0.

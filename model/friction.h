@@ -1,11 +1,14 @@
-// The rectangular function for dynamic dry friction control.
+// The rectangular function that controls dry friction dynamically, eq. (6).
 #pragma once
 
 namespace tribotrack::model {
 
 /// Kilikevicius et al. 2021, eq. (6), with the actuator's phase lag: the coefficient is mu2 while
 ///   phi + lag + 2 pi n < wt < phi + lag + dtau + 2 pi n   for any integer n,
-/// else mu1.
+/// else mu1. phi is the commanded phase; the friction follows the command `lag` later. Values are not checked
+/// here: Scenario::validate() does.
+///   const Friction f{0.1, 0.0125, 0.5, M_PI / 2, 0.1};
+///   f.coefficient(0.7);  // 0.0125: within (0.6, 0.6 + pi/2)
 struct Friction {
   double nominal = 0.1;     ///< mu1, >= 0.
   double reduced = 0.0125;  ///< mu2, >= 0.

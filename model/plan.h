@@ -1,4 +1,7 @@
-// What a run of the friction model needs, decided from its scenario before anything is integrated.
+// What a run of the friction model needs, decided from its scenario before anything is integrated: the answer
+// to `tribotrack simulate --explain`.
+//   for (const PlanStage& stage : plan(scenario, {0, false}))
+//     if (!stage.on) print(stage.name + " left out: " + stage.reason);
 #pragma once
 
 #include <string>
@@ -26,9 +29,9 @@ struct PlanPurpose {
 /// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?), platform
 /// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
 /// every cycle (do they repeat, so that the rest follows by addition?), dense output (is anything but the end
-/// wanted?), derivatives (for whom?). Costs one
-/// steady_orbit() where cycles could repeat. Savings come from a measured cost model
-/// (model/internal/plan_cost.h); `tribotrack bench model` prints them beside measured ones.
+/// wanted?), derivatives (is the run part of a fit?). Costs one steady_orbit() where cycles could repeat.
+/// Savings come from a measured cost model (plan/plan_cost.h); `tribotrack bench model` prints them beside
+/// measured ones. Throws InvalidParameter for a bad scenario.
 std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});
 
 /// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a

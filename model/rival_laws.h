@@ -1,4 +1,6 @@
-// Other friction laws than the paper's, to ask whether data want one of them.
+// Alternative friction laws, to test whether data reject the paper's.
+//   const RivalLaw law{RivalLaw::Kind::viscous, 0.5};                     // mu g + 0.5 1/s |u|
+//   const Eigen::Vector2d moved = rival_displacement(scenario, law);      // m
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,15 @@
 // Everything one run of the friction model needs, and the names of its parameters.
+//
+// A part lies on a horizontal platform that oscillates in its own plane, eq. (1) of Kilikevicius et al. 2021.
+// With u the part's velocity relative to the platform, its motion obeys eq. (5),
+//   du/dt = d(wt) - mu(wt) g u/|u|  while it slips (u != 0),
+//   u = 0                           while it sticks, that is as long as |d(wt)| <= mu(wt) g,
+// with the drive d (drive.h) and the pulsed friction coefficient mu of eq. (6) (friction.h). Mass does not
+// matter. x points right, y up; all quantities are in SI units, angles in rad.
+//   Scenario s;                                     // the paper's conditions: A = 0.28 mm, w = 62.8 rad/s
+//   s.friction = {0.1, 0.0125, 0, M_PI / 2, 0};     // mu1, mu2, phi, dtau, lag
+//   const Trajectory run = integrate(s);            // trajectory.h: 20 cycles from rest
+//   const double alpha = displacement_angle(run.end().position);  // alpha_v.h
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +22,7 @@
 
 namespace tribotrack::model {
 
-/// How a run starts, at its first analysed frame.
+/// How a run starts, at its first analysed frame. The periodic motions are found by steady_orbit().
 enum class Start {
   rest,      ///< u = initial_velocity (default 0) relative to the platform
   circling,  ///< the periodic motion at constant mu1, until the first pulse opens
@@ -56,7 +67,8 @@ struct Scenario {
   double duration = 0;
   double cycles = 20;
 
-  /// Throws InvalidParameter naming the offender (negative mu, g <= 0, dtau outside [0, 2 pi], NaN, ...).
+  /// Throws InvalidParameter naming the parameter (negative mu, g <= 0, dtau outside [0, 2 pi], NaN, ...).
+  /// integrate(), steady_orbit(), plan() and solve_batch() call it.
   void validate() const;
   /// duration, or cycles * 2 pi / w when duration is 0. s.
   double end_time() const;

@@ -1,4 +1,10 @@
 // The periodic motion the part settles into, found directly.
+//
+// Under eq. (5) two motions never separate: |u - u'| does not grow, and shrinks while both slip under
+// friction. So where friction acts at all and can hold the mean of the drive there is one periodic motion,
+// which every run approaches; it is the root of P(U) - U, P being the map of the velocity over one cycle.
+//   if (const auto orbit = steady_orbit(scenario))
+//     use(orbit->alpha(), orbit->mean_velocity(scenario.drive.angular_frequency));
 #pragma once
 
 #include <Eigen/Core>
@@ -21,10 +27,10 @@ struct SteadyOrbit {
 };
 
 /// Newton's method: by parts of the cycle side by side where the part slides throughout on a circling
-/// platform (internal/shooting.h), else on the one-cycle map; a cycle where stick wipes the memory. From the
+/// platform (lanes/shooting.h), else on the one-cycle map; a cycle where stick wipes the memory. From the
 /// platform phase scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling").
 /// nullopt where no unique steady motion exists (no friction anywhere in the cycle, tilt beyond the friction
-/// angle).
+/// angle). Throws InvalidParameter for a bad scenario.
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses = true);
 
 }  // namespace tribotrack::model

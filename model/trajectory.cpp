@@ -53,7 +53,7 @@ Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options
   using internal::Run;
   scenario.validate();
   if (!(options.tolerance > 0 && options.tolerance < 0.1))
-    throw InvalidParameter("tolerance = " + std::to_string(options.tolerance) + " must be in (0, 0.1)");
+    throw std::invalid_argument("tolerance = " + std::to_string(options.tolerance) + " must be in (0, 0.1)");
   const size_t n = options.derivatives.size();
   std::unique_ptr<Trajectory::Implementation> run;
   if (n == 0)
@@ -65,7 +65,7 @@ Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options
   else if (n <= 16)
     run = std::make_unique<Run<Jet<16>>>(scenario, options);
   else
-    throw InvalidParameter("derivatives: at most 16 parameters at a time");
+    throw std::invalid_argument("derivatives: at most 16 parameters at a time");
   return Trajectory(std::move(run));
 }
 

@@ -4,6 +4,17 @@
 // OpenCV's calib3d (Zhang 2000) finds the camera by least squares over all corners of all pictures. Of the
 // lens terms only those that pay are kept: the model with the least Bayesian information criterion n ln(RSS /
 // n) + k ln n, n residuals, k unknowns.
+//
+// One picture shows the board lying on the platform and fixes the plane; the others show it tilted and fix
+// the lens. The result is a map from pixels to mm on that plane, with its derivative for covariances:
+//
+//   CalibrationBoard board;
+//   board.columns = 10, board.rows = 7, board.square_mm = 5;
+//   const CalibrationPicture flat = calibration_picture("flat.png");
+//   const CalibrationResult result = calibrate_camera(board, flat, calibration_pictures({"tilted/"}, flat));
+//   std::cout << result.rms_px << " px rms, lens terms: " << result.model << "\n";
+//   const PlanePoint p = result.calibration.locate({812.4, 377.9}, 3.2);  // 3.2 mm above the plane
+//   const Eigen::Matrix2d covariance_mm = p.slope * covariance_px * p.slope.transpose();
 #pragma once
 
 #include <Eigen/Core>
@@ -65,8 +76,8 @@ double scale_in_the_middle(const CameraCalibration& calibration);
 /// plane.
 Eigen::Matrix3d plane_homography(const CameraCalibration& calibration);
 
-/// The pose in which x points right and y up in the middle of the picture, whichever way the board that told
-/// it lay there.
+/// The pose turned within its plane so that x points right and y up in the middle of the picture, whichever
+/// way the board lay.
 PlanePose turned_to_picture(const CameraCalibration& calibration);
 
 /// A flat board of squares. A checkerboard is found only when it is seen whole; a ChArUco board (a marker in
@@ -87,7 +98,7 @@ struct CalibrationPicture {
   Picture picture;
 };
 
-/// What a picture of the board tells.
+/// How well one picture of the board fits.
 struct PictureResult {
   std::string name;
   int corners = 0;

@@ -1,4 +1,7 @@
 // Frames that repeat the one before: a camera or a converter that stored a picture twice.
+//
+// A repeated frame shows the scene at an earlier time than its own and shows up in a velocity as a step of
+// zero followed by a double one.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +13,7 @@
 namespace tribotrack::vision {
 
 struct RepeatedFrames {
-  std::int64_t looked_at = 0;          ///< frames compared with the one before, plus 1
+  std::int64_t looked_at = 0;          ///< frames examined, the first included
   std::vector<std::int64_t> repeated;  ///< indices of pictures equal to the one before, level for level
   /// Stretches of 4 and more equal pictures, [first, last] indices: a paused recording, or a scene at rest
   /// whose coder wrote "nothing changed". They do not count as repeated.
@@ -21,8 +24,7 @@ struct RepeatedFrames {
 /// makes two pictures of even the same scene differ, so equal ones are one picture. Reads forwards.
 RepeatedFrames find_repeated_frames(FrameSource& source, std::int64_t max_frames);
 
-/// One sentence for each finding, with the recording's own image numbers; empty where there is nothing to
-/// say.
+/// One sentence for each finding, with the recording's own image numbers; empty where there is none.
 std::vector<std::string> findings(const RepeatedFrames& repeats, const FrameSource& source);
 
 }  // namespace tribotrack::vision

@@ -86,6 +86,21 @@ class FrameSource {
   SourceInfo info_;
 };
 
+/// Pictures in memory as a recording: rendered scenes, frames of a camera's own library. Pictures hold whole
+/// or fractional grey levels of `bits` bits; frame 0 is at time 0.
+///   MemorySource source(std::move(pictures), 1000);
+///   const TrackResult result = track(source, options);
+class MemorySource : public FrameSource {
+ public:
+  /// Throws std::invalid_argument without frames, for frames of different sizes or a rate not above 0 Hz.
+  MemorySource(std::vector<Picture> frames, double frame_rate_hz, int bits = 8);
+  void read(std::int64_t index, const Rect& window, Picture& picture) override;
+  using FrameSource::read;
+
+ private:
+  std::vector<Picture> frames_;
+};
+
 struct SourceOptions {
   std::optional<double> frame_rate_hz;  ///< given by the user: overrides what the file states
 };

@@ -1,5 +1,15 @@
 // Tracks in millimetres: the scale of a picture, the part's top and the marker's plane each with its own, or
 // through a calibrated camera. Positions are mapped, pictures never resampled.
+//
+// With one scale per plane a pixel (u, v) maps to mm_per_px (u, -v): y points up. A part of height h on a
+// platform at distance L from the lens's pupil is nearer by h, so mm_per_px at its top is (1 - h / L) of that
+// at the platform; the part's displacement relative to the platform needs both.
+//
+//   const Scale scale = scale_from_diameter(20.0, summary.disc.radius, summary.disc_radius_sd, 0.01);
+//   const PlaneGeometry geometry(scale, ScalePlane::part_top, Parallax{3.2, 450});
+//   for (const auto& point : place_track(track, geometry, 0))
+//     if (point) std::cout << point->mm.transpose() << " mm, sd " << std::sqrt(point->covariance(0, 0)) <<
+//     "\n";
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +28,7 @@ namespace tribotrack::vision {
 /// optics and pixels (fit_disc allows for what blur does to a curved rim):
 ///   mm_per_px = D / (2 R),   (sd / mm_per_px)^2 = (sd(D) / D)^2 + (sd(R) / R)^2.
 /// A part whose own edge is rounded shows the radius at which its edge is half as bright: then that is what D
-/// must be measured to, and diameter_sd_mm says how well.
+/// must be measured to, with the uncertainty diameter_sd_mm.
 Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd_px,
                           double diameter_sd_mm = 0);
 
@@ -27,15 +37,15 @@ Scale given_scale(double mm_per_px, double sd = 0);
 
 /// Several recordings of one part by one camera that did not move.
 struct PooledScale {
-  Scale scale;            ///< sd: what the mean does not know of itself, and what all recordings share
+  Scale scale;            ///< sd: that of the mean, and what all recordings share
   double chi2 = 0;        ///< of the recordings' own scales about their mean, count - 1 degrees of freedom
   int count = 0;          ///< recordings
   double scatter = 0;     ///< between recordings, beyond their own sds; 0 where these explain chi2
-  bool one_scale = true;  ///< no scatter, or one that rims on differing ground explain (kRimScatter)
+  bool one_scale = true;  ///< no scatter, or one that rims on differing backgrounds explain (kRimScatter)
 };
 
-/// Scatter between recordings, of the scale, up to which it is that of measuring: the ground that a rim lies
-/// on pulls its radius by some hundredths of a pixel. A camera that is moved changes its scale by more.
+/// Scatter between recordings, of the scale, up to which it is that of measuring: the background of a rim
+/// pulls its radius by some hundredths of a pixel. A camera that is moved changes its scale by more.
 inline constexpr double kRimScatter = 5e-4;
 
 /// The mean weighted by 1 / (sd^2 + scatter^2), sd without what they share: relative sd `common_relative_sd`
@@ -73,8 +83,8 @@ class PlaneGeometry {
   /// Both planes alike and no lens: a factor is all there is.
   bool plain() const { return !calibration_ && part_.mm_per_px == marker_.mm_per_px; }
 
-  /// What is left when stages are left out whose corrections do not show in this track: parallax, lens. Each
-  /// says so in the plan, with the largest correction it would make against a tenth of the tracking's sd.
+  /// The geometry without those stages, parallax and lens, whose corrections stay below a tenth of the
+  /// tracking's sd in this track. Each is entered in the plan with the largest correction it would make.
   PlaneGeometry as_needed(const Track& track, double tracking_sd_px, std::vector<PlanStage>& plan) const;
 
  private:
@@ -86,8 +96,8 @@ class PlaneGeometry {
 
 /// A tracked point in campaign axes (x right, y up, turned by -xi_axis_rad).
 struct PlacedPoint {
-  Eigen::Vector2d mm =
-      Eigen::Vector2d::Zero();  ///< relative to the first, in the platform's frame where known
+  /// Relative to the first, in the platform's frame where known.
+  Eigen::Vector2d mm = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< mm^2, of this point's own noise
   std::optional<Eigen::Vector2d> marker_mm;              ///< in the plane, not relative
   double marker_sigma_mm = 0;

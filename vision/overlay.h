@@ -1,4 +1,12 @@
-// Pictures a person checks a track by.
+// Pictures to check a track by eye: a wrong target or a slipping template shows at a glance.
+//
+//   const auto source = open_source("run.cine");
+//   const TrackResult result = track(*source, {});
+//   write_overlay(*source, result, "run.png");   // the path over the first analysed frame
+//   write_overlay(*source, result, "run.mp4");   // every analysed frame
+//
+// Drawn in the frame's own pixel coordinates, enlarged where the frame is small. Files appear whole or not at
+// all.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +39,8 @@ class DebugFolder : public DebugSink {
   std::string index_;
 };
 
-/// First analysed frame as an 8-bit grey PNG, in memory (for reports), stretched to full range.
+/// A frame, by the recording's own number, as an 8-bit grey PNG in memory (for reports), stretched to full
+/// range.
 std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number);
 
 }  // namespace tribotrack::vision

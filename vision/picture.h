@@ -1,4 +1,4 @@
-// Grey pictures and the places in them.
+// Grey pictures and the places in them: the types that everything else in vision/ is written in.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,17 @@
 // Synthetic recordings with exactly known truth: an analytic scene integrated over pixels and exposure, never
 // an interpolated picture.
+//
+// A disc on a platform seen from above, with a marker ring and a lamp on demand; lengths in px, angles in
+// rad, grey levels on the 8-bit scale whatever the depth. A recording of a disc in circular motion:
+//
+//   Scene scene;
+//   scene.bits = 12;
+//   scene.marker = MarkerAppearance{{60, 60}};
+//   const SceneRenderer renderer(scene);
+//   const auto pose = [](double t) {
+//     return ScenePose{{160 + 20 * std::cos(40 * t), 120 - 20 * std::sin(40 * t)}, 0.1 * t, {}};
+//   };
+//   for (int k = 0; k < 1000; ++k) sink->write(renderer.render(k, k / 5000.0, 20e-6, pose));
 #pragma once
 
 #include <cstdint>
@@ -77,9 +89,6 @@ struct Scene {
 /// a, l coverages of disc and lamp, P the platform with its marker, c, p, theta the pose: by closed forms
 /// where there is no edge, by Gauss-Legendre points where there is one, to about 1e-4 of the contrast. Then
 /// comes what acts on whole pixels: vignetting, the exposure's mean of the flicker, noise, rounding.
-///
-///   SceneRenderer renderer(scene);
-///   Picture frame = renderer.render(k, k / fps, exposure, [&](double t) { return pose_of(t); });
 class SceneRenderer {
  public:
   /// Throws std::invalid_argument naming the key, see Scene::validate.

@@ -1,5 +1,9 @@
-// Where the times of a recording's frames come from, and what its time stamps show: missing frames, a rate
+// Where the times of a recording's frames come from, and what its timestamps show: missing frames, a rate
 // that changed.
+//
+// Everything dynamic a track yields is proportional to the frame rate, and most video files state the rate of
+// playback rather than that of recording. A rate is therefore used only where its source is known to mean
+// recording; every source that was considered is kept with the reason why it was accepted or rejected.
 #pragma once
 
 #include <cstdint>
@@ -29,18 +33,19 @@ struct StampCheck {
   bool variable = false;  ///< the steps differ all along: neither drops nor a few stretches explain them
   std::vector<SteadyStretch> stretches;  ///< two or more where the rate changed within the shot
   std::vector<MissingFrames> missing;
-  std::vector<std::int64_t> strays;  ///< stamped too far from their neighbours to belong to them
+  std::vector<std::int64_t>
+      strays;  ///< their timestamps are too far from their neighbours' to belong to them
 };
 
-/// `times` rise. A step is steady when it is within `tolerance` (of a step) of the others of its stretch; 2
-/// to 1000 times that are frames missing, more is a stray. A stretch has at least 3 steps: shorter ones are
-/// missing frames or strays.
+/// `times_s` must rise. A step is steady when it is within `tolerance` (of a step) of the others of its
+/// stretch; 2 to 1000 times that are frames missing, more is a stray. A stretch has at least 3 steps: shorter
+/// ones are missing frames or strays.
 StampCheck check_stamps(std::span<const double> times_s, double tolerance);
 
 /// One sentence for each finding, with image numbers counted from first_number; at most a few of each kind.
 std::vector<std::string> findings(const StampCheck& check, std::int64_t first_number);
 
-/// One thing in or beside the file that claims a frame rate, and whether it is believed.
+/// One statement of the frame rate, in or beside the file, and whether it is used.
 struct TimeBaseCandidate {
   std::string source;  ///< "--fps", "cine header", "container time stamps", ...
   double rate_hz = 0;
@@ -48,35 +53,35 @@ struct TimeBaseCandidate {
   std::string reason;  ///< why it was accepted or rejected, one clause
 };
 
-/// Time of frame k, the middle of its exposure: stamps_s[k] where frames have stamps of their own, else k /
-/// rate. 0 at the first stored image. Order of trust: the user, camera header or sidecar, capture tag
-/// (com.android.capture.fps), uniform container stamps whose rate is not a usual playback rate (24,
-/// 25, 29.97, 30, 50, 59.94, 60, 600, 1000, 65535).
+/// Time of frame k, the middle of its exposure: stamps_s[k] where frames have timestamps of their own, else
+/// k / rate. 0 at the first stored image. Order of trust: the user, camera header or sidecar, capture tag
+/// (com.android.capture.fps), uniform container timestamps whose rate is not a usual playback rate (24, 25,
+/// 29.97, 30, 50, 59.94, 60, 600, 1000, 65535).
 struct TimeBase {
   std::optional<double> rate_hz;
   std::string source;            ///< that of the accepted candidate
   std::vector<double> stamps_s;  ///< one per frame, or empty
   std::vector<TimeBaseCandidate> candidates;
-  StampCheck check;  ///< what the stamps say of missing frames and of changes of the rate; of none, nothing
+  StampCheck check;  ///< missing frames and changes of the rate; empty where there are no timestamps
 
   bool known() const { return rate_hz.has_value(); }
   double time_s(std::int64_t index) const {
     return stamps_s.empty() ? static_cast<double>(index) / rate_hz.value()
                             : stamps_s[static_cast<std::size_t>(index)];
   }
-  /// For the user who must give --fps: what was found and why it was not believed, one sentence.
+  /// For the user who must give --fps: what was found and why it was not used, one sentence.
   std::string why_unknown() const;
 };
 
-/// Rates that players and muxers write whatever the camera did: 24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000
-/// and 65535, within 0.15 % (which takes in 23.976). The rate meant, or nothing.
+/// Rates that players and muxers write independently of the camera: 24, 25, 29.97, 30, 50, 59.94, 60, 600,
+/// 1000 and 65535, within 0.15 % (which takes in 23.976). The nominal rate, or nothing.
 std::optional<double> usual_playback_rate(double rate_hz);
 
-/// The user's own word. Throws InputError unless it is a positive finite number.
+/// The rate given by the user. Throws InputError unless it is a positive finite number.
 TimeBaseCandidate user_rate(double rate_hz);
 
 /// Takes the first candidate marked accepted, in the order given (the most trusted first); marks later ones
-/// rejected and says why.
+/// rejected, with the reason.
 TimeBase choose_time_base(std::vector<TimeBaseCandidate> candidates);
 
 }  // namespace tribotrack::vision

@@ -60,7 +60,7 @@ struct StagePicture {
   Picture levels;                          ///< NaN where nothing is known
   std::string unit = "grey levels";
   Point first = {};           ///< place of the first pixel
-  std::string place = {};     ///< that place's coordinates: "camera", "disc's centre", "platform"
+  std::string place = {};     ///< the coordinates of that place: "of the camera", "of the platform"
   double low = 0, high = 0;   ///< range to draw; equal: that of the levels
   bool zero_centred = false;  ///< a difference: zero lies in the middle of the range
 };

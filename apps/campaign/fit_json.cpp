@@ -36,8 +36,7 @@ Json interval_json(const fit::Interval& interval, double unit) {
 Json parameters_json(const fit::FitResult& result, double mm_per_px) {
   Json json = Json::object();
   for (const fit::ParameterEstimate& p : result.parameters) {
-    const double unit =
-        p.parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(p.parameter);
+    const double unit = campaign_unit_per_si(p.parameter, mm_per_px);
     json[fit::to_string(p.parameter)] = {{"estimate", finite(p.estimate * unit)},
                                          {"sd", finite(p.sd * unit)},
                                          {"ci95", interval_json(p.ci95, unit)},
@@ -53,8 +52,7 @@ Json minima_json(const fit::FitResult& result, double mm_per_px) {
   for (const fit::OneMinimum& minimum : result.minima) {
     Json values = Json::object();
     for (const auto& [parameter, value] : minimum.values)
-      values[fit::to_string(parameter)] = finite(
-          value * (parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter)));
+      values[fit::to_string(parameter)] = finite(value * campaign_unit_per_si(parameter, mm_per_px));
     json.push_back({{"parameters", values},
                     {"chi2_above_best", finite(minimum.chi2_above)},
                     {"sentence", minimum.sentence}});
@@ -63,7 +61,7 @@ Json minima_json(const fit::FitResult& result, double mm_per_px) {
 }
 
 /// Null where no driven track was fitted.
-Json slow_json(const fit::SlowErrors& slow) {
+Json slow_json(const fit::CorrelatedErrors& slow) {
   if (!(slow.time > 0)) return {};
   return {{"time_s", slow.time},
           {"drift_mm", slow.drift * 1e3},
@@ -87,8 +85,7 @@ Json slide_json(const fit::RunResult& run) {
   Json json = {{"time_s", run.slide.time}, {"position_mm", Json::array()}, {"fitted_mm", Json::array()}};
   for (const double m : run.slide.measured) json["position_mm"].push_back(m * 1e3);
   for (const double m : run.slide.modelled) json["fitted_mm"].push_back(m * 1e3);
-  json["sentence"] = fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
-                                 run.nuisance.at("initial_speed_mm_s"), run.points, run.rms_m * 1e3);
+  json["sentence"] = slide_sentence(run);
   return json;
 }
 
@@ -150,8 +147,7 @@ Json next_json(const fit::NextExperiment& next, double mm_per_px) {
                {"aim", next.aim ? Json(fit::to_string(*next.aim)) : Json()},
                {"sentence", next.sentence}};
   for (const auto& [parameter, sd] : next.predicted_sd) {
-    const double unit =
-        parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
+    const double unit = campaign_unit_per_si(parameter, mm_per_px);
     json["predicted_sd"][fit::to_string(parameter)] = finite(sd * unit);
     json["predicted_ci95"][fit::to_string(parameter)] =
         interval_json(next.predicted_ci95.at(parameter), unit);
@@ -186,7 +182,12 @@ void add_checks(const fit::FitResult& result, Json& json) {
     json["bootstrap"] = {{"refits", result.bootstrap}, {"seed", result.bootstrap_seed}};
 }
 
-/// Whose zero phi counts from, and with it what a turned camera does to the lag. Empty without pulses.
+}  // namespace
+
+double campaign_unit_per_si(fit::FitParameter parameter, double mm_per_px) {
+  return parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
+}
+
 std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
   std::size_t by_camera = 0, by_sensor = 0;
   for (const AnalysedRun& run : runs) {
@@ -207,7 +208,20 @@ std::string phase_reference(const Campaign& campaign, const std::vector<Analysed
       by_sensor, by_camera + by_sensor, campaign.camera.xi_axis_rad);
 }
 
-}  // namespace
+std::string slide_sentence(const fit::RunResult& run) {
+  return fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                     run.nuisance.at("initial_speed_mm_s"), run.points, run.rms_m * 1e3);
+}
+
+std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                                     const fit::FitResult& result) {
+  std::vector<std::string> warnings = result.warnings;
+  warnings.insert(warnings.end(), campaign.warnings.begin(), campaign.warnings.end());
+  for (const AnalysedRun& run : runs)
+    if (run.measurement)
+      warnings.insert(warnings.end(), run.measurement->warnings.begin(), run.measurement->warnings.end());
+  return warnings;
+}
 
 Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result) {
   Json json;
@@ -220,7 +234,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["scatter_mm"] = result.scatter * 1e3;
   json["scatter_along_m"] = result.scatter_along;
   json["scatter_across_m"] = result.scatter_across;
-  json["slow_errors"] = slow_json(result.slow_errors);
+  json["slow_errors"] = slow_json(result.correlated_errors);
   json["minima"] = minima_json(result, reference_mm_per_px(runs));
   json["covariance_meaning"] = result.covariance_meaning;
   json["identifiability"] = {{"verdict", word_for(result.identifiability.verdict)},
@@ -235,11 +249,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
     json["other_next_experiments"].push_back(next_json(next, mm_per_px));
   add_checks(result, json);
   json["phase_reference"] = phase_reference(campaign, runs);
-  json["warnings"] = result.warnings;
-  for (const std::string& warning : campaign.warnings) json["warnings"].push_back(warning);
-  for (const AnalysedRun& run : runs)
-    if (run.measurement)
-      for (const std::string& warning : run.measurement->warnings) json["warnings"].push_back(warning);
+  json["warnings"] = warnings_of(campaign, runs, result);
   return json;
 }
 

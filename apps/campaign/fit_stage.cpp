@@ -50,14 +50,17 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   return stage;
 }
 
-void write_fit(const std::filesystem::path& path, const Campaign& campaign,
-               const std::vector<AnalysedRun>& runs, const FitStage& stage) {
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {campaign.input};
   for (const AnalysedRun& run : runs)
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
   meta.configuration = campaign.effective_configuration();
+  return meta;
+}
+
+void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta) {
   write_result(path, text_of(stage.json), meta);
 }
 

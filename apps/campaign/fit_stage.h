@@ -9,6 +9,7 @@
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_scale.h"
 #include "apps/files/campaign.h"
+#include "apps/files/meta_file.h"
 #include "apps/program/context.h"
 #include "apps/text/json.h"
 #include "fit/estimate.h"
@@ -31,9 +32,11 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
                   const std::optional<SharedScale>& shared, const Context& context,
                   fit::FitOptions options = {});
 
-/// Writes fit.json and its meta file, which lists the campaign and what its runs were read from.
-void write_fit(const std::filesystem::path& path, const Campaign& campaign,
-               const std::vector<AnalysedRun>& runs, const FitStage& stage);
+/// What stands beside fit.json: the campaign and what its runs were read from.
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs);
+
+/// Writes fit.json and its meta file.
+void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta);
 
 /// The fit's report and warnings on stderr, unless quiet; an unusable fit is explained in any case and sets
 /// the exit code. `look_at` names where the user finds more.

@@ -170,6 +170,10 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
   return m;
 }
 
+bool lamp_gave_phi(const fit::GateTiming& gate) {
+  return gate.on_level != gate.off_level;
+}
+
 Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
   Json json = Json::object();
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
@@ -213,6 +217,10 @@ Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
                     {"bracket_rad", m.gate->bracket},
                     {"edge_jitter_rad", m.gate->jitter},
                     {"cov_phi_dtau_rad2", m.gate->covariance}};
+    if (lamp_gave_phi(*m.gate)) {
+      json["gate"]["lamp_off_level"] = m.gate->off_level;
+      json["gate"]["lamp_on_level"] = m.gate->on_level;
+    }
   }
   json["phase_at_start_rad"] = m.phase_at_start;
   json["phase_source"] = m.phase_source;

@@ -58,6 +58,10 @@ struct RunMeasurement {
 /// given one); `name` stands in their messages.
 RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given);
 
+/// The gate's timing comes from the lamp's brightness (its width maybe from an oscilloscope): its levels are
+/// known.
+bool lamp_gave_phi(const fit::GateTiming& gate);
+
 /// The object `measure --json` prints: every quantity that was measured, with its _sd.
 Json measurement_json(const RunMeasurement& measurement, const TrackFile& track);
 

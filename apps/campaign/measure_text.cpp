@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/report/text/text.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -14,12 +14,10 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// With the minus of terminals and files, not the page's.
 std::string with_sd(const fit::Estimate& estimate, double unit = 1) {
   const double value = estimate.value / unit, sd = estimate.sd / unit;
   if (!(sd > 0)) return fmt::format("{:.8g}", value);
-  return fmt::format("{}{} +- {}", value < 0 ? "-" : "", rounded_to_sd(std::abs(value), sd),
-                     rounded_to_sd(sd, sd));
+  return fmt::format("{} +- {}", rounded_to_sd(value, sd), rounded_to_sd(sd, sd));
 }
 
 std::string line(const char* name, const std::string& text) {

@@ -20,7 +20,8 @@ double common_of_rim(const AnalysedRun& run) {
   return facts.disc_radius_px > 0 ? facts.disc_radius_common_sd_px / facts.disc_radius_px : 0;
 }
 
-/// The same track at another scale.
+}  // namespace
+
 void rescale(TrackFile& track, const vision::Scale& scale) {
   const double factor = scale.mm_per_px / *track.mm_per_px;
   for (auto* lengths : {&track.table.position, &track.table.marker})
@@ -31,8 +32,6 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
   track.mm_per_px = scale.mm_per_px;
   track.mm_per_px_sd = scale.sd;
 }
-
-}  // namespace
 
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
   std::vector<vision::Scale> scales;

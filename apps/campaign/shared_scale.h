@@ -23,6 +23,9 @@ struct SharedScale {
 /// again has failed. Nothing for fewer than two such runs.
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs);
 
+/// The same track at another scale.
+void rescale(TrackFile& track, const vision::Scale& scale);
+
 /// Into fit.json: `shared_scale`, and a warning where the runs do not agree.
 void add_to(Json& fit, const std::optional<SharedScale>& shared);
 

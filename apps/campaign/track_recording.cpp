@@ -141,6 +141,15 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.lost_counted = summary.lost_counted;
   facts.accepted = summary.gate_passed;
   facts.platform_from_texture = recording.result.track.has_marker && summary.texture_patch.width > 0;
+  facts.recorded_in = prepared.inputs;
+  facts.frame_rate_hz = info.time_base.rate_hz;
+  facts.time_base = info.time_base.source;
+  facts.width_px = info.width;
+  facts.height_px = info.height;
+  facts.in_camera_frame = !recording.result.track.has_marker;
+  facts.warnings = summary.warnings;
+  for (const vision::PlanStage& stage : summary.plan)
+    facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);
 }
 
@@ -214,7 +223,8 @@ bool is_current(const std::filesystem::path& csv, const std::string& key) {
   if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
   try {
     const Json json = read_json(meta);
-    return json.is_object() && json.value("key", Json()) == key;
+    track_facts_from(json, meta);  // throws where it is damaged
+    return json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
     return false;  // damaged, or not ours: track again
   }

@@ -14,6 +14,7 @@
 #include "apps/files/meta_file.h"
 #include "apps/program/progress.h"
 #include "apps/text/output_file.h"
+#include "apps/text/svg_plot.h"
 
 namespace tribotrack::apps {
 
@@ -41,7 +42,7 @@ Json load_average() {
   return {load[0], load[1], load[2]};
 }
 
-/// What the figures depend on.
+/// What the figures depend on: machine, build and references.
 Json circumstances() {
   Json json;
   json["program"] = "tribotrack " TRIBOTRACK_VERSION;
@@ -56,13 +57,13 @@ Json circumstances() {
                         "friction switches, local "
                         "tolerance 1e-17 of the scene's scales (1e-15 with --quick); in the marginal scene, "
                         "where explicit methods "
-                        "hang, tribotrack's own result at tolerance 1e-17. Which one, is said in each row"},
+                        "hang, tribotrack's own result at tolerance 1e-17. Each row names its reference"},
                        {"vision",
                         "truth of analytically rendered pictures; the bound is Cramer-Rao with everything "
                         "but the position known, "
                         "the 1/12 of rounding included"},
                        {"fit", "truth of simulated campaigns; 1 degree on alpha and 2 % on v per run"}};
-  json["peers_missing"] = model::peers::missing_libraries();
+  json["peers_missing"] = bench::peers::missing_libraries();
   json["peers"] =
       "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, and Boost.odeint, "
       "compiled with the same flags (odeint a second time for AVX2 and FMA); SUNDIALS and OpenCV as "
@@ -79,45 +80,45 @@ class Bench {
   }
 
   void model() {
-    model::ModelBenchOptions options;
+    bench::ModelBenchOptions options;
     options.quick = options_.quick;
-    options.peers = model::peers::all_peers();
-    for (const std::string& library : model::peers::missing_libraries())
+    options.peers = bench::peers::all_peers();
+    for (const std::string& library : bench::peers::missing_libraries())
       say(context_.quiet,
-          fmt::format("bench model: this build was made without {}; its solvers are left out", library));
-    std::vector<model::ModelBenchRow> rows;
-    std::vector<model::ModelExtremeRow> extremes;
+          fmt::format("bench model: this build was made without {}; its solvers are not compared", library));
+    std::vector<bench::ModelBenchRow> rows;
+    std::vector<bench::ModelExtremeRow> extremes;
     {
       Progress progress("bench model", context_.quiet);
       options.progress = [&](int done, int total) { progress.update(done, total); };
-      rows = model::bench_model(options);
+      rows = bench::bench_model(options);
     }
     {
       Progress progress("bench model, extremes", context_.quiet);
       options.progress = [&](int done, int total) { progress.update(done, total); };
-      extremes = model::bench_model_extremes(options);
+      extremes = bench::bench_model_extremes(options);
     }
-    std::vector<model::PlanBenchRow> omissions;
+    std::vector<bench::PlanBenchRow> omissions;
     {
       Progress progress("bench model, plan", context_.quiet);
       options.progress = [&](int done, int total) { progress.update(done, total); };
-      omissions = model::bench_plan(options);
+      omissions = bench::bench_plan(options);
     }
-    std::vector<model::BatchBenchRow> batches;
+    std::vector<bench::BatchBenchRow> batches;
     {
       Progress progress("bench model, many at once", context_.quiet);
       options.progress = [&](int done, int total) { progress.update(done, total); };
-      batches = model::bench_batch(options);
+      batches = bench::bench_batch(options);
     }
-    std::vector<model::PaperClaim> claims;
+    std::vector<bench::PaperClaim> claims;
     {
       Progress progress("bench model, claims", context_.quiet);
-      model::ClaimOptions claim_options;
+      bench::ClaimOptions claim_options;
       claim_options.quick = options_.quick;
       claim_options.progress = [&](int done, int total) { progress.update(done, total); };
-      claims = model::paper_claims(claim_options);
+      claims = bench::paper_claims(claim_options);
     }
-    keep("bench_model", table_of(rows));
+    keep("bench_model", table_of(rows, bench::peers::missing_libraries()));
     keep("bench_model_extremes", table_of(extremes));
     keep("bench_model_plan", table_of(omissions));
     keep("bench_model_batch", table_of(batches));
@@ -135,29 +136,29 @@ class Bench {
   }
 
   void vision() {
-    vision::VisionBenchOptions options;
+    bench::VisionBenchOptions options;
     options.quick = options_.quick;
-    std::vector<vision::VisionBenchRow> rows;
+    std::vector<bench::VisionBenchRow> rows;
     {
       Progress progress("bench vision", context_.quiet);
       options.progress = [&](int done, int total) { progress.update(done, total); };
-      rows = vision::bench_vision(options);
+      rows = bench::bench_vision(options);
     }
-    vision::VisionLimitOptions grid;
-    if (options_.quick) grid = vision::quick_limit_options();
-    std::vector<vision::VisionLimitRow> limits;
+    bench::VisionLimitOptions grid;
+    if (options_.quick) grid = bench::quick_limit_options();
+    std::vector<bench::VisionLimitRow> limits;
     {
       Progress progress("bench vision, limit", context_.quiet);
       grid.progress = [&](int done, int total) { progress.update(done, total); };
-      limits = vision::bench_limit(grid);
+      limits = bench::bench_limit(grid);
     }
-    vision::VisionDecodingOptions recordings;
-    if (options_.quick) recordings = vision::quick_decoding_options();
-    std::vector<vision::VisionDecodingRow> decodings;
+    bench::VisionDecodingOptions recordings;
+    if (options_.quick) recordings = bench::quick_decoding_options();
+    std::vector<bench::VisionDecodingRow> decodings;
     {
       Progress progress("bench vision, recordings", context_.quiet);
       recordings.progress = [&](int done, int total) { progress.update(done, total); };
-      decodings = vision::bench_decoding(recordings);
+      decodings = bench::bench_decoding(recordings);
     }
     keep("bench_vision", table_of(rows));
     keep("bench_vision_limit", table_of(limits));
@@ -167,34 +168,34 @@ class Bench {
   }
 
   void fit() {
-    fit::FitBenchOptions options;
+    bench::FitBenchOptions options;
     options.quick = options_.quick;
     Progress progress("bench fit", context_.quiet);
     options.progress = [&](int done, int total) { progress.update(done, total); };
-    const auto rows = fit::bench_fit(options);
+    const auto rows = bench::bench_fit(options);
     keep("bench_fit", table_of(rows));
-    fit::CoverageOptions campaigns;
+    bench::CoverageOptions campaigns;
     if (options_.quick) campaigns.campaigns = 10;
     campaigns.profiles = !options_.quick;
     campaigns.threads = threads_to_use(context_);
     Progress counting("bench fit, coverage", context_.quiet);
     campaigns.progress = [&](int done, int total) { counting.update(done, total); };
-    const auto covered = fit::coverage(campaigns);
+    const auto covered = bench::coverage(campaigns);
     keep("bench_fit_coverage", table_of(covered));
     results_["fit"] = {{"rows", rows.size()},
                        {"coverage", {{"campaigns", campaigns.campaigns}, {"seed", campaigns.seed}}}};
   }
 
-  /// Files and tables once everything is measured: a bench that is broken off leaves nothing half done.
+  /// Files and tables once everything is measured: an interrupted bench leaves nothing half done.
   void finish() {
     for (const auto& [name, table] : tables_) {
       const fs::path csv = folder_ / (name + ".csv");
       write_file(csv, table.csv);
       write_meta(csv);
       fmt::print("{}\n", csv.string());
-      if (!table.svg.empty()) {
+      if (!table.plot.panels.empty()) {
         const fs::path svg = folder_ / (name + ".svg");
-        write_file(svg, table.svg);
+        write_file(svg, svg_of(table.plot));
         write_meta(svg);
         fmt::print("{}\n", svg.string());
       }
@@ -207,7 +208,9 @@ class Bench {
   }
 
  private:
-  void keep(const std::string& name, BenchTable table) { tables_.emplace_back(name, std::move(table)); }
+  void keep(const std::string& name, bench::BenchTable table) {
+    tables_.emplace_back(name, std::move(table));
+  }
   void write_meta(const fs::path& result) const {
     MetaFile meta;
     meta.command = "bench";
@@ -221,16 +224,24 @@ class Bench {
   fs::path folder_;
   Json json_;
   Json results_ = Json::object();
-  std::vector<std::pair<std::string, BenchTable>> tables_;
+  std::vector<std::pair<std::string, bench::BenchTable>> tables_;
 };
 
 void run_bench(const BenchOptions& options, const Context& context) {
-  Bench bench(options, context);
+  Bench measurements(options, context);
   const bool all = options.what == "all";
-  if (all || options.what == "model") bench.model();
-  if (all || options.what == "vision") bench.vision();
-  if (all || options.what == "fit") bench.fit();
-  bench.finish();
+  if (all || options.what == "model") measurements.model();
+  if (all || options.what == "vision") measurements.vision();
+  if (all || options.what == "fit") measurements.fit();
+  measurements.finish();
+}
+
+/// For --help.
+std::string peers_of_this_build() {
+  std::string missing;
+  for (const std::string& library : bench::peers::missing_libraries())
+    missing += (missing.empty() ? "" : " and ") + library;
+  return missing.empty() ? "" : "\nThis build was made without " + missing + ".";
 }
 
 }  // namespace
@@ -252,20 +263,25 @@ void add_bench(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
       ->required();
   command
-      .add_option("-o,--output", options->output,
-                  "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
-                  "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
-                  "bench_vision_decoding.csv, bench_fit.csv, bench_fit_coverage.csv, their "
-                  "plots (.svg) and bench.json (CPU, compiler flags, how the references were made)")
+      .add_option(
+          "-o,--output", options->output,
+          "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
+          "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
+          "bench_vision_decoding.csv, bench_fit.csv, bench_fit_coverage.csv, their "
+          "plots (.svg) and bench.json (CPU, compiler flags, how the references were made, solvers this "
+          "build lacks)")
       ->type_name("DIR")
       ->required();
   command.add_flag("--quick", options->quick,
-                   "Few and short cases, seconds in all: shows that it works, no more");
-  add_common(command, context,
-             "  tribotrack bench model -o bench\n\nTables for people go to stderr, the names of the files "
-             "written to "
-             "stdout. Where a peer wins,\nthe table says so. One thread is used whatever --threads says, but "
-             "two for the measured sweep\nof a million and all for the thousand campaigns of `bench fit`.");
+                   "Few and short cases, seconds in all: a check that it works, not a measurement");
+  add_common(
+      command, context,
+      "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to "
+      "stdout. Where another\nmethod is more accurate or faster, the table marks it PEER WINS. One thread is "
+      "used\nwhatever --threads is, but two for the measured sweep of a million and all for the\nthousand "
+      "campaigns of `bench fit`. `bench model` includes SUNDIALS and Boost.odeint where\nthe program was "
+      "built with them (CMake option TRIBOTRACK_PEERS), else it names what is missing." +
+          peers_of_this_build());
   command.callback([options, &context] { run_bench(*options, context); });
 }
 

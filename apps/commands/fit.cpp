@@ -82,7 +82,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   const std::optional<SharedScale> shared = share_scale(campaign, runs);
   allow_for_missing(runs, options, context);
   const FitStage stage = fit_runs(campaign, runs, shared, context, options.fit);
-  write_fit(options.output, campaign, runs, stage);
+  write_fit(options.output, stage, meta_of_fit(campaign, runs));
   if (!is_standard_output(options.output))
     print_text(options.json ? text_of(stage.json) : parameter_table(stage.json));
   report_fit(campaign, stage, options.explain, "identifiability and next_experiment in " + options.output,

@@ -5,7 +5,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/program/progress.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/report.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {

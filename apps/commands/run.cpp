@@ -18,7 +18,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/report.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"
 
@@ -207,8 +207,9 @@ void CampaignRunner::refuse_if_none_is_left() {
 
 void CampaignRunner::fit_and_report() {
   fit_ = fit_runs(campaign_, runs_, shared_, context_);
-  write_fit(folder_.fit(), campaign_, runs_, fit_);
-  write_file(folder_.report(), report_page_of(folder_));
+  const MetaFile meta = meta_of_fit(campaign_, runs_);
+  write_fit(folder_.fit(), fit_, meta);
+  write_file(folder_.report(), report_page({campaign_, runs_, fit_.result, shared_, meta.json(), folder_}));
 }
 
 void CampaignRunner::write_log() const {

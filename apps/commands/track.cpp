@@ -189,9 +189,9 @@ void print_explanation(const vision::TrackResult& result) {
     print_error(fmt::format("{:<24} {:<4} {}", stage.name, stage.on ? "on" : "off", stage.reason));
   double total = 0;
   for (const auto& stage : result.stage_times) total += stage.seconds;
-  print_error(fmt::format("{:<28} {:>9} {:>6}", "time of each stage", "s", "share"));
+  print_error(fmt::format("{:<30} {:>9} {:>6}", "time of each stage", "s", "share"));
   for (const auto& stage : result.stage_times)
-    print_error(fmt::format("  {:<26} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds,
+    print_error(fmt::format("  {:<28} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds,
                             100 * stage.seconds / total));
 }
 

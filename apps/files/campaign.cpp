@@ -227,7 +227,7 @@ StrictTable parse_campaign(const std::string& text, const fs::path& file) {
     return StrictTable::parse(text, file.string());
   } catch (const InvalidInput& error) {
     const std::string message = error.what();
-    if (message.find("'start'") == std::string::npos || message.find("redefine") == std::string::npos) throw;
+    if (message.find("start'") == std::string::npos || message.find("redefine") == std::string::npos) throw;
     throw InvalidInput(
         fmt::format("{}: `start` in [fit] {}", message.substr(0, message.find(": ")), kGuessHint));
   }

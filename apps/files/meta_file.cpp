@@ -7,12 +7,6 @@ namespace tribotrack::apps {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr int kSchemaVersion = 1;
-
-}  // namespace
-
 Json MetaFile::json() const {
   Json meta;
   meta["program"] = "tribotrack";

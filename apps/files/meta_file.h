@@ -15,6 +15,9 @@
 
 namespace tribotrack::apps {
 
+/// Of the result files; stands in their meta files.
+inline constexpr int kSchemaVersion = 1;
+
 /// X.meta.json for result X: program and schema version, inputs with their hashes, effective configuration,
 /// and whatever a command adds (time base, plan). Nothing volatile: same inputs, same bytes.
 struct MetaFile {

@@ -146,6 +146,17 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
     facts.accepted = summary.value("gate_passed", true);
     facts.platform_from_texture = meta.value("platform_seen_by", "") == "texture";
+    facts.frame_rate_hz = number_at(object_at("time_base"), "rate_hz");
+    facts.time_base = object_at("time_base").value("source", "");
+    facts.width_px = recording.value("width", 0);
+    facts.height_px = recording.value("height", 0);
+    facts.in_camera_frame = meta.value("frame_of_reference", "") == "camera";
+    facts.warnings = summary.value("warnings", std::vector<std::string>());
+    for (const Json& input : meta.value("inputs", Json::array()))
+      facts.recorded_in.push_back({input.at("path").get<std::string>(), input.value("xxh3_128", "")});
+    for (const Json& stage : meta.value("plan", Json::array()))
+      facts.plan.push_back({stage.at("stage").get<std::string>(), stage.at("on").get<bool>(),
+                            stage.value("reason", ""), number_at(stage, "error_bound_px")});
   } catch (const Json::exception& error) {
     throw InvalidInput(fmt::format(
         "{}: is not the meta file of a track ({}); track the recording again, or delete this file",
@@ -159,17 +170,12 @@ TrackFile read_track_file(const std::filesystem::path& path) {
     throw InvalidInput(
         fmt::format("{}: there is no such track; make one with `tribotrack track`", path.string()));
   const std::filesystem::path meta_path = path.string() + ".meta.json";
-  Json meta;
   TrackFacts facts;
-  if (std::filesystem::exists(meta_path)) {
-    meta = read_json(meta_path);
-    facts = track_facts_from(meta, meta_path);
-  }
+  if (std::filesystem::exists(meta_path)) facts = track_facts_from(read_json(meta_path), meta_path);
   std::string text = read_text(path);
   Input input = hashed_input(path, text);
   TrackFile file = track_file_of(read_track_rows(path, std::move(text)), facts, path);
   file.inputs = {std::move(input)};
-  file.meta = std::move(meta);
   return file;
 }
 

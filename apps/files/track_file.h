@@ -14,6 +14,14 @@
 
 namespace tribotrack::apps {
 
+/// A stage of the plan by which the track was made.
+struct PlannedStage {
+  std::string stage;
+  bool on = true;
+  std::string reason;
+  std::optional<double> error_bound_px;  ///< that leaving it out can add; empty where nobody computed it
+};
+
 /// Properties of a track that its rows do not hold.
 struct TrackFacts {
   std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top
@@ -26,6 +34,13 @@ struct TrackFacts {
   std::int64_t frames = 0, lost_counted = 0;
   bool accepted = true;                  ///< the part was lost in no more frames than allowed
   std::optional<double> trigger_time_s;  ///< of a recording that numbers its images from the trigger
+  std::vector<Input> recorded_in;        ///< the recording and, where there is one, the calibration
+  std::optional<double> frame_rate_hz;
+  std::string time_base;  ///< where the frame rate comes from
+  int width_px = 0, height_px = 0;
+  bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
+  std::vector<std::string> warnings;
+  std::vector<PlannedStage> plan;
 };
 
 /// The same from a meta file; keys that are not there keep their defaults. Throws InvalidInput naming `path`
@@ -44,7 +59,6 @@ struct TrackFile {
   fit::LampRecord lamp;  ///< the gate's lamp in every frame that shows it; empty where none was named
   TrackFacts facts;
   std::vector<Input> inputs;  ///< what it was read from: T.csv, or the recording just tracked
-  Json meta;                  ///< as read from T.csv.meta.json; null where there is none
 };
 
 /// Throws InvalidInput naming `path` and the frame and column that is missing.

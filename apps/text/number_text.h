@@ -1,4 +1,4 @@
-// Numbers as text, for tables that machines read.
+// Numbers as text: every digit for tables that machines read, rounded to the sd for people.
 #pragma once
 
 #include <fmt/format.h>
@@ -35,5 +35,10 @@ inline double as_written(double value) {
   std::from_chars(text.begin(), text.end(), value);
   return value;
 }
+
+/// A value rounded to the place of the second significant digit of its sd, trailing zeros kept: (0.100123,
+/// 0.00031) gives "0.10012". rounded_to_sd(sd, sd) is the sd itself. Four significant digits without a usable
+/// sd.
+std::string rounded_to_sd(double value, double sd);
 
 }  // namespace tribotrack::apps

@@ -10,13 +10,12 @@
 #include "fit/minimum/multi_start.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 using Kind = model::RivalLaw::Kind;
-
-constexpr double kSurprise = 1e-3, kAlike = 0.01;
 
 /// P(no more than `seen` runs among `up` and `down` signs), normal approximation.
 double few_runs(int seen, double up, double down) {
@@ -43,7 +42,7 @@ struct Criteria {
   }
 };
 
-std::string strength_in_words(Kind kind, const RivalFit& fit, double w) {
+std::string strength_text(Kind kind, const RivalFit& fit, double w) {
   const auto pm = [&](double unit) {
     return number(fit.strength * unit, 3) + " +- " + number(fit.sd * unit, 2);
   };
@@ -72,9 +71,9 @@ std::optional<ModelComparison> with_tilt(const Residuals& residuals, const Minim
   const Eigen::VectorXd values = unknowns.values(best.z);
   for (Eigen::Index i = 0; i < unknowns.common(); ++i) problem.start[unknowns.parameter(i)] = values(i);
   const Unknowns tilted(problem);
-  Residuals free(problem, tilted);
+  Residuals free(tilted);
   free.set_tolerance(1e-8);
-  free.set_scatter(residuals.scatter());
+  free.set_excess_variance(residuals.excess_variance());
   const Minimum minimum = minimise(free, tilted.z(tilted.first_guess()), {.held = {}, .decrement = 1e-4});
   if (!minimum.converged) return std::nullopt;
   ModelComparison row = criteria.row("tilt", minimum.chi2, tilted.size());
@@ -88,7 +87,7 @@ void conclude(FitResult& result) {
   const auto best = std::min_element(result.models.begin(), result.models.end(),
                                      [](const auto& a, const auto& b) { return a.aic < b.aic; });
   const ModelComparison& own = result.models.front();
-  if (best == result.models.begin() || own.aic - best->aic < 6) {
+  if (best == result.models.begin() || own.aic - best->aic < kPreferred) {
     result.left_out.push_back("No other model compared explains the data better (AIC).");
     return;
   }
@@ -114,7 +113,7 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
   const Problem& problem = unknowns.problem();
   const bool surprised = result.p_value < kSurprise, tracks = !problem.trajectory_runs.empty();
   Criteria criteria{residuals, true};
-  // Tracks come with their slow errors; one slide's tilt is part of its friction.
+  // Tracks carry their correlated errors; one slide's tilt is part of its friction.
   const bool slides = problem.summary_runs.empty() &&
                       std::all_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
                                   [](const auto& run) { return run.free_slide; });
@@ -145,16 +144,17 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
         continue;
       }
       result.models.push_back(criteria.row(to_string(kind), rival.chi2, unknowns.size() + 1));
-      result.models.back().sentence = strength_in_words(kind, rival, unknowns.reference_frequency());
+      result.models.back().sentence = strength_text(kind, rival, unknowns.reference_frequency());
     }
   } else {
-    result.left_out.push_back(!rest ? "Rival friction laws are compared for runs that start at rest only."
-                              : explained ? "Rival friction laws were not tried: tilt explains the residuals."
-                              : tracks    ? "Rival friction laws were not compared for tracks: that takes "
-                                            "seconds; ask for it with --compare-models."
-                                          : "Rival friction laws were not tried: the residuals look like "
-                                            "scatter, not like a wrong law (runs test p = " +
-                                             number(result.runs_test_p_value, 2) + ").");
+    result.left_out.push_back(
+        !rest       ? "Alternative friction laws are compared for runs that start at rest only."
+        : explained ? "Alternative friction laws were not tried: tilt explains the residuals."
+        : tracks    ? "Alternative friction laws were not compared for tracks: that takes "
+                      "seconds; --compare-models does it."
+                    : "Alternative friction laws were not tried: the residuals look like "
+                      "scatter, not like a wrong law (runs test p = " +
+                       number(result.runs_test_p_value, 2) + ").");
   }
   conclude(result);
 }
@@ -197,7 +197,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   const bool surprised = result.p_value < kSurprise;
   result.runs_test_p_value = runs_test(residuals, best);
   if (!surprised && !options.rivals) {
-    result.left_out.push_back("Tilt and rival friction laws were not tried: chi2 is no surprise (p = " +
+    result.left_out.push_back("Tilt and alternative friction laws were not tried: chi2 is no surprise (p = " +
                               number(result.p_value, 2) + ").");
     return;
   }
@@ -206,7 +206,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   if (!few.best().converged || few.best().jacobian.rows() == 0) return;
   compare_models(few.residuals(), few.best(), options, result);
   result.left_out.push_back(
-      "Models were compared at no more than some hundred points of each track, their slow errors "
+      "Models were compared at no more than some hundred points of each track, their correlated errors "
       "counted.");
 }
 

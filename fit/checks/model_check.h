@@ -1,4 +1,4 @@
-// Is the model right? Tilt, scatter, rival friction laws: in this order, and only where the residuals ask.
+// Is the model right? Tilt, scatter, alternative friction laws, in this order and only where needed.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ namespace tribotrack::fit::internal {
 /// under a wrong model and do not under scatter. 1 for fewer than eight summary runs.
 double runs_test(const Residuals& residuals, const Minimum& best);
 
-/// The models compared, the one fitted first; empty where neither residuals nor user ask. `best` is the
-/// minimum without scatter, `p_value` its own. What was not tried goes to result.left_out, what was found to
-/// result.warnings.
+/// The models compared, the one fitted first; empty where neither residuals nor user require it. `best` is
+/// the minimum without scatter, `p_value` its own. What was not tried goes to result.left_out, what was found
+/// to result.warnings.
 void check_model(const Residuals& residuals, const Minimum& best, const FitOptions& options,
                  FitResult& result);
 

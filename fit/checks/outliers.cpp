@@ -6,12 +6,11 @@
 #include <numbers>
 
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/thresholds.h"
 #include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {
 namespace {
-
-constexpr double kChance = 0.01;
 
 /// P of `drop` in chi^2 by leaving out two data, when the rest has `rest` at `dof` degrees of freedom.
 double chance(double drop, double rest, double dof) {
@@ -51,13 +50,13 @@ std::pair<std::size_t, double> worst(const Residuals& residuals, const Minimum& 
   return found;
 }
 
-Outlier tell(const SummaryRun& run, double deviation, double probability, std::optional<double> phi) {
+Outlier describe(const SummaryRun& run, double deviation, double probability, std::optional<double> phi) {
   Outlier outlier;
   outlier.run = run.name;
   outlier.deviation = deviation;
   outlier.chance = probability;
   outlier.sentence = "Run '" + run.name + "' lies " + number(deviation, 2) +
-                     " sigma from what all other runs say (chance " + number(probability, 1) +
+                     " sigma from the fit to all other runs (chance " + number(probability, 1) +
                      "); check its phi, dtau and label";
   if (phi) {
     outlier.looks_like_phi = *phi < 0 ? *phi + 2 * std::numbers::pi : *phi;
@@ -81,7 +80,8 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   while (found.size() < runs / 4 && dof > 3 && best.jacobian.rows() > 0) {
     const auto [i, first_order] = worst(residuals, best, out);
     const double count = static_cast<double>(runs);
-    if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kChance)) break;
+    if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
+      break;
     out[i] = true;
     Weights weights;
     for (std::size_t k = 0; k < runs; ++k) weights.runs.push_back(out[k] ? kLeftOut : 1);
@@ -90,13 +90,13 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     if (without.jacobian.rows() == 0) without = with_curvature(residuals, without).minimum;
     const double drop = best.chi2 - without.chi2;
     const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
-    if (!(probability < kChance) || without.jacobian.rows() == 0) break;
+    if (!(probability < kOutlier) || without.jacobian.rows() == 0) break;
     const double spread = std::sqrt(std::max(1.0, without.chi2 / (dof - 2)));
     const Eigen::Vector2d modelled =
         problem.summary_runs[i].measured.vector - residuals.difference(without.residuals, i);
     const double sigma = spread * std::sqrt(0.5 * residuals.covariance(i).trace());
-    found.push_back(tell(problem.summary_runs[i], std::sqrt(drop) / spread, probability,
-                         looks_like(problem.summary_runs[i], modelled, sigma)));
+    found.push_back(describe(problem.summary_runs[i], std::sqrt(drop) / spread, probability,
+                             looks_like(problem.summary_runs[i], modelled, sigma)));
     best = without;
     dof -= 2;
   }

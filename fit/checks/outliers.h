@@ -12,8 +12,8 @@ namespace tribotrack::fit::internal {
 /// then the fit is made again without the worst, and D compared with what is left, F = (D/2)/(chi^2 - D)
 /// (dof - 2) (externally studentised; where the rest agrees with its sigma, with the sigma instead). It is
 /// named when so large a D has a chance below 1 % among all runs. Where turning its pulse by an angle would
-/// bring it back (rotation law), the phi it looks like is told, too. `residuals` without scatter and weights,
-/// `best` their minimum.
+/// bring it back (rotation law), the phi it looks like is reported, too. `residuals` without scatter and
+/// weights, `best` their minimum.
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
 
 }  // namespace tribotrack::fit::internal

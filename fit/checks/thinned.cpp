@@ -42,12 +42,12 @@ Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
 Thinned::Thinned(const Residuals& residuals, const Minimum& best)
     : problem_(thinned(residuals.unknowns(), residuals.unknowns().values(best.z))),
       unknowns_(problem_),
-      residuals_(problem_, unknowns_) {
+      residuals_(unknowns_) {
   residuals_.set_tolerance(1e-8);
   // Scatter between points was estimated under the paper's law and would hide what that law misses.
-  Scatter scatter = residuals_.scatter();
-  scatter.slow = residuals.scatter().slow;
-  residuals_.set_scatter(scatter);
+  ExcessVariance scatter = residuals_.excess_variance();
+  scatter.correlated = residuals.excess_variance().correlated;
+  residuals_.set_excess_variance(scatter);
   // The phases came last.
   best_ = minimise(residuals_, best.z.head(unknowns_.size()), {.held = {}, .decrement = 1e-6});
 }

@@ -1,4 +1,4 @@
-// The same campaign with fewer points, for what is integrated slowly.
+// The same campaign with fewer points, for models whose integration is slow.
 #pragma once
 
 #include "fit/minimum/minimise.h"
@@ -6,8 +6,9 @@
 namespace tribotrack::fit::internal {
 
 /// Tracks of at most some hundred points each (every k-th of them), the platform's phases taken as they were
-/// fitted, exposures as of no length; summary runs, priors, unknowns, and slow errors as they are; no scatter
-/// between points. Points that are left out take nothing from the rest but their share of the precision.
+/// fitted, exposures as of no length; summary runs, priors, unknowns, and correlated errors as they are; no
+/// scatter between points. Points that are left out take nothing from the rest but their share of the
+/// precision.
 class Thinned {
  public:
   Thinned(const Residuals& residuals, const Minimum& best);

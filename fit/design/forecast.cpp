@@ -10,7 +10,7 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kMostPoints = 240;  ///< of a forecast track: more only repeat what these tell
+constexpr std::size_t kMostPoints = 240;  ///< of a forecast track: more add no shape
 
 }  // namespace
 
@@ -104,25 +104,26 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
     times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
   const PointModel points = model_points(unknowns, applied, times,
                                          {!like.track.platform_frame, like.track.exposure}, tolerance, true);
-  const auto& scatter = residuals_.scatter().trajectories[*track_];
+  const auto& scatter = residuals_.excess_variance().trajectories[*track_];
   const double variance =
       0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
   // Of one of the n points, which stand for all that are seen.
   const double white =
       variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
-  SlowShapes slow = slow_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
-                                residuals_.slow_reference_time(), kAllSlowParts);
-  for (std::size_t j = 0; j < slow.count(); ++j)
-    slow.values.col(static_cast<Eigen::Index>(j)) *=
-        std::sqrt(residuals_.scatter().slow[slow.part[j]] / white);
-  slow.values.rowwise() -= slow.values.colwise().mean().eval();
-  const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd::Identity(slow.values.cols(), slow.values.cols()) +
-                                           slow.values.transpose() * slow.values);
+  ErrorShapes correlated = error_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
+                                        residuals_.reference_time(), kAllParts);
+  for (std::size_t j = 0; j < correlated.count(); ++j)
+    correlated.values.col(static_cast<Eigen::Index>(j)) *=
+        std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]] / white);
+  correlated.values.rowwise() -= correlated.values.colwise().mean().eval();
+  const Eigen::LLT<Eigen::MatrixXd> factor(
+      Eigen::MatrixXd::Identity(correlated.values.cols(), correlated.values.cols()) +
+      correlated.values.transpose() * correlated.values);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(known + 1, known + 1);
   for (Eigen::Index axis = 0; axis < 2; ++axis) {  // its own start point: less the mean
     Eigen::MatrixXd rows = points.jacobian(Eigen::seqN(axis, n, 2), Eigen::all);
     rows.rowwise() -= rows.colwise().mean().eval();
-    const Eigen::MatrixXd hidden = factor.matrixL().solve(slow.values.transpose() * rows);
+    const Eigen::MatrixXd hidden = factor.matrixL().solve(correlated.values.transpose() * rows);
     information += (rows.transpose() * rows - hidden.transpose() * hidden) / white;
   }
   if (like.start_phase_sd > 0) {
@@ -138,7 +139,9 @@ std::optional<Forecast> Forecaster::forecast(const Candidate& candidate, double 
   try {
     forecast.information =
         track_ ? of_track(scenario(candidate), tolerance) : of_displacement(scenario(candidate), tolerance);
-  } catch (const std::exception&) {
+  } catch (const model::InvalidParameter&) {
+    return std::nullopt;
+  } catch (const model::StepLimitExceeded&) {
     return std::nullopt;
   }
   if (forecast.information.size() == 0 || !forecast.information.allFinite()) return std::nullopt;

@@ -1,4 +1,4 @@
-// What a run not yet filmed would tell.
+// The information that a run not yet filmed would add.
 #pragma once
 
 #include <optional>
@@ -24,10 +24,12 @@ struct Forecast {
 /// Forecasts with the start, length and kind of the runs so far (displacements or whole tracks, whichever are
 /// more) and an error like theirs. A displacement's error is that of the run whose displacement is nearest in
 /// length, growing with the length as it does among them; a track has as many points per cycle as the first,
-/// its scatter, correlation and slow errors, and a start point and phase of its own.
+/// its scatter, correlation and correlated errors, and a start point and phase of its own.
 class Forecaster {
  public:
+  /// Refers to the residuals, which must outlive it.
   Forecaster(const Residuals& residuals, const Eigen::VectorXd& values);
+  Forecaster(const Residuals&& residuals, const Eigen::VectorXd& values) = delete;
   Candidate drive_so_far() const;
   /// nullopt where the model cannot be evaluated or nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;

@@ -7,16 +7,16 @@
 #include <numbers>
 
 #include "fit/design/forecast.h"
-#include "fit/report/fill_result.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/uncertainty/identifiability.h"
+#include "fit/uncertainty/intervals.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr int kPhases = 8, kWidths = 7;
 constexpr double kStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
-constexpr double kWorthTelling = 0.02;          ///< shorter standard deviation than with the best for all
+constexpr double kWorthMentioning = 0.02;       ///< shorter standard deviation than with the best for all
 constexpr double kWorthAnotherDrive = 0.1;      ///< shorter standard deviations than with the own drive
 constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
 constexpr std::size_t kForecastAgain = 3;  ///< best places of the grid, at every phi
@@ -87,7 +87,7 @@ class Search {
         chosen = &*forecast;
       }
     if (!chosen) return std::nullopt;
-    return tell(*chosen, aim, own_drive);
+    return describe(*chosen, aim, own_drive);
   }
 
   /// How much the standard deviation aimed at (their geometric mean without an aim) shrinks, as a logarithm.
@@ -106,7 +106,7 @@ class Search {
     Candidate seed;
     bool own_drive = false;
     std::optional<Forecast> at_zero = {};            ///< phi = 0
-    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once it was asked for
+    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once needed
   };
 
   double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
@@ -130,7 +130,7 @@ class Search {
     return reported_covariance(information_ + forecast.information, unknowns_.reported());
   }
 
-  NextExperiment tell(const Forecast& forecast, std::optional<Eigen::Index> aim, bool own_drive) const {
+  NextExperiment describe(const Forecast& forecast, std::optional<Eigen::Index> aim, bool own_drive) const {
     const Eigen::MatrixXd covariance = after(forecast);
     NextExperiment next;
     next.phi = forecast.candidate.phi;
@@ -139,7 +139,7 @@ class Search {
     next.angular_frequency = forecast.candidate.angular_frequency;
     if (aim) next.aim = unknowns_.parameter(*aim);
     next.sentence = aim ? std::string("For ") + to_string(*next.aim) + " alone film"
-                        : std::string(own_drive ? "Film next" : "More would tell");
+                        : std::string(own_drive ? "Film next" : "More informative");
     if (!own_drive) next.sentence += ", if the platform can be driven so,";
     next.sentence += " phi = " + number(next.phi / std::numbers::pi) +
                      " pi, dtau = " + number(next.dtau / std::numbers::pi) + " pi";
@@ -186,7 +186,7 @@ NextExperiments next_experiments(const Residuals& residuals, const Eigen::Vector
   };
   for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
     if (const auto aimed = search.best(i, true);
-        aimed && search.gain(aimed, i) > search.gain(result.best, i) + kWorthTelling)
+        aimed && search.gain(aimed, i) > search.gain(result.best, i) + kWorthMentioning)
       result.others.push_back(*aimed);
   const auto driven = search.best(std::nullopt, false);
   if (driven &&

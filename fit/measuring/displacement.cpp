@@ -146,14 +146,14 @@ Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& ve
     throw DataError(
         "A run measured elsewhere needs a finite alpha_rad, v_mm_s >= 0, and alpha_sd_rad, v_sd_mm_s > 0.");
   Displacement result;
-  result.told_as_velocity = true;
+  result.given_as_velocity = true;
   result.cycles = cycles;
   result.duration = cycles * 2 * std::numbers::pi / angular_frequency;
   const double length = velocity.value * result.duration;
   const Eigen::Vector2d along(std::cos(alpha.value), std::sin(alpha.value));
   const Eigen::Vector2d across(-along.y(), along.x());
   const double sd_along = velocity.sd * result.duration;
-  // At v = 0 the direction says nothing: the vector is as uncertain across as along.
+  // At v = 0 the direction has no meaning: the vector is as uncertain across as along.
   const double sd_across = std::max(length * std::min(alpha.sd, 1.0), length > 0 ? 0.0 : sd_along);
   result.vector = length * along;
   result.covariance =

@@ -61,7 +61,7 @@ double frame_likelihood(const EdgeFrame& f, double e, double tau) {
   return (1 - kStray) * sum + kStray / contrast;
 }
 
-/// The log-likelihood over a range of edges: frames that say the same for all of it are summed once.
+/// The log-likelihood over a range of edges: frames that contribute the same to all of it are summed once.
 class LogLikelihood {
  public:
   LogLikelihood(const std::vector<EdgeFrame>& frames, double from, double to, double tau) : tau_(tau) {

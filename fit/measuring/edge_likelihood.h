@@ -14,7 +14,7 @@ struct EdgeFrame {
   double level = 0;
   double level_below = 0, level_above = 0;
   double sigma_below = 1, sigma_above = 1;  ///< of the level
-  /// Brightness between the two levels tells only that the edge is inside (a saturated lamp, an unknown
+  /// Brightness between the two levels shows only that the edge is inside (a saturated lamp, an unknown
   /// exposure).
   bool only_inside = false;
 };

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fit/measuring/edge_likelihood.h"
+#include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
@@ -19,12 +20,6 @@ double into_circle(double angle) {
   return turned < 0 ? turned + turn : turned;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Level of a lamp that does not change, and the sd of a single frame about it.
 struct Plateau {
   double level = 0, sigma = 0;
@@ -35,10 +30,10 @@ Plateau plateau_of(const std::vector<double>& levels) {
   Plateau p;
   p.frames = static_cast<double>(levels.size());
   if (levels.empty()) return p;
-  const double centre = median(levels);
+  const double centre = internal::upper_median(levels);
   std::vector<double> off;
   for (const double l : levels) off.push_back(std::abs(l - centre));
-  const double robust = 1.4826 * median(off);
+  const double robust = internal::kSdPerMad * internal::upper_median(off);
   double sum = 0, squares = 0, count = 0;
   for (const double l : levels) {
     if (std::abs(l - centre) > 4 * std::max(robust, 0.02)) continue;
@@ -110,7 +105,7 @@ Levels levels_of(const LampRecord& lamp, const std::vector<double>& phase, const
   return {plateau_of(dark), plateau_of(lit)};
 }
 
-/// The frames that can speak of one edge, relative to `edge`.
+/// The frames that contain information on one edge, relative to `edge`.
 std::vector<internal::EdgeFrame> frames_about(double edge, bool opening, double reach, double half_exposure,
                                               double half_interval, const LampRecord& lamp,
                                               const std::vector<double>& phase, const Levels& levels) {
@@ -133,9 +128,9 @@ std::vector<internal::EdgeFrame> frames_about(double edge, bool opening, double 
     f.only_inside = lamp.clipped || !lamp.exposure;
     double half = lamp.exposure ? half_exposure : half_interval;
     double centre = at;
-    if (!lamp.exposure && !between) half = 0;  // says no more than where the middle of the exposure lies
+    if (!lamp.exposure && !between) half = 0;  // only the middle of the exposure is known
     if (lamp.exposure && lamp.clipped && !between) {
-      // A saturated lamp may have been lit for a part of it only: not dark says that some of it was.
+      // A saturated lamp may have been lit for a part of it only: not dark means that some of it was.
       centre += opening ? half : -half;
       half = 0;
     }
@@ -155,7 +150,7 @@ struct Edge {
 Edge edge_of(double guess, bool opening, double reach, double half_exposure, double half_interval,
              double cycles, const LampRecord& lamp, const std::vector<double>& phase, const Levels& levels) {
   const auto frames = frames_about(guess, opening, reach, half_exposure, half_interval, lamp, phase, levels);
-  // What one frame can say at best, over as many as there are.
+  // The resolution of one frame at best, over as many as there are.
   const double sigma = std::max(levels.off.sigma, levels.on.sigma) / levels.contrast();
   const double resolution = std::max(1e-7, 0.5 * sigma * std::max(2 * half_exposure, 1e-4) /
                                                std::sqrt(static_cast<double>(frames.size() + 1)));
@@ -163,12 +158,13 @@ Edge edge_of(double guess, bool opening, double reach, double half_exposure, dou
   Edge edge;
   edge.phase = {guess + found.edge.value, found.edge.sd};
   edge.jitter = found.jitter;
-  // One cycle tells its own edge once, whatever its frames say.
+  // One cycle measures its own edge once, however many frames it has.
   edge.phase.sd = std::max(edge.phase.sd, edge.jitter / std::sqrt(std::max(1.0, cycles)));
   for (const auto& f : frames)
     edge.partly_lit += !f.only_inside && f.low < found.edge.value && f.high > found.edge.value;
   if (edge.partly_lit > 0) {
-    // The levels are means of finitely many frames: half-way up, an error of either moves the edge alike.
+    // The levels are means of finitely many frames: half-way up, an error of either moves the edge by as
+    // much.
     const double by_level = half_exposure / levels.contrast();
     edge.phase.sd = std::hypot(edge.phase.sd,
                                by_level * std::hypot(levels.on.sigma / std::sqrt(1.0 + levels.on.frames),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
@@ -53,10 +54,7 @@ std::vector<Crossing> crossings(const std::vector<double>& v, double level, doub
 /// Mean of |v - median| over one carrier period (a whole number of samples and the fraction at the end),
 /// centred: entry i belongs to sample i.
 std::vector<double> envelope_of(const std::vector<double>& v, double period_samples) {
-  std::vector<double> sorted = v;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double zero = *middle;
+  const double zero = internal::upper_median(v);
   std::vector<double> sum(v.size() + 1, 0);
   for (std::size_t i = 0; i < v.size(); ++i) sum[i + 1] = sum[i] + std::abs(v[i] - zero);
   const auto until = [&](double place) {  // integral from the first sample to a fractional place
@@ -139,8 +137,7 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
   if (n < 3) return std::nullopt;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < n; ++i) gaps.push_back(events.pulses[i] - events.pulses[i - 1]);
-  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-  const double gap = gaps[gaps.size() / 2];
+  const double gap = internal::upper_median(gaps);
   // Turns counted by whole gaps, so that a missed pulse costs one pulse and no phase.
   std::vector<double> turns(n, 0);
   for (std::size_t i = 1; i < n; ++i)

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "fit/tools/statistics.h"
+
 namespace tribotrack::fit::internal {
 namespace {
 
@@ -78,8 +80,7 @@ double strongest_frequency(const MarkerSeries& marker, std::size_t first, std::s
   const double span = marker.time(last - 1) - marker.time(first);
   std::vector<double> gaps;
   for (std::size_t i = first + 1; i < last; ++i) gaps.push_back(marker.time(i) - marker.time(i - 1));
-  std::nth_element(gaps.begin(), gaps.begin() + gaps.size() / 2, gaps.end());
-  const double top = pi / gaps[gaps.size() / 2];
+  const double top = pi / upper_median(gaps);
 
   // Offset and drift off first.
   SineFit line;

@@ -10,7 +10,7 @@ struct Rows {
   Eigen::VectorXd residuals;
 };
 
-/// Rows with the same J'J, J'r and r'r, which is all that a step of Gauss and Newton's asks for: blocks of
+/// Rows with the same J'J, J'r and r'r, which is all that a Gauss-Newton step needs: blocks of
 /// rows are replaced by the triangle of their QR decomposition (Golub and Van Loan, Matrix Computations,
 /// 5.3), columns that are zero in a block left out of it.
 /// Rows that are not needed stay zero.

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "fit/minimum/compress.h"
+#include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -62,7 +63,7 @@ class WholeProblem final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::VectorXd z = full(parameters[0]);
-    // A point is asked for its cost first and, nearly always, for its Jacobian next: one simulation does
+    // Ceres needs the cost at a point first and, nearly always, its Jacobian next: one simulation does
     // both.
     const Point* point = known(z);
     if (!point) {
@@ -142,7 +143,7 @@ class Watch final : public ceres::IterationCallback {
  private:
   /// Three steps in a row that gain less than a tenth of the way down to what would be worth telling.
   bool crawls(const ceres::IterationSummary& summary, double chi2, double lowest, double spread) {
-    const double above = chi2 - lowest - 9 * spread;
+    const double above = chi2 - lowest - kNearMinimum * spread;
     const bool slow = summary.iteration > 0 && above > 0 && 2 * std::abs(summary.cost_change) < 0.1 * above;
     slow_steps_ = slow ? slow_steps_ + 1 : 0;
     return slow_steps_ >= 3 && summary.step_is_successful;

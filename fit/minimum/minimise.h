@@ -19,7 +19,7 @@ struct Minimum {
   Eigen::MatrixXd jacobian;   ///< by physical values, likewise
 };
 
-/// A minimum with its curvature, so that other starts can tell that they fall into it.
+/// A minimum with its curvature, by which other descents recognise it.
 struct KnownMinimum {
   Minimum minimum;
   Eigen::MatrixXd curvature;  ///< J'J by z

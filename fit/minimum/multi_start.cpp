@@ -7,16 +7,16 @@
 #include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr int kScreenedPerStart = 3;
-constexpr double kSurprise = 1e-3;
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 
-/// Within half a standard deviation; standard deviations as wide as the residuals ask for (`spread` =
+/// Within half a standard deviation; standard deviations widened by the residuals (`spread` =
 /// chi^2/dof).
 bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread) {
   Eigen::VectorXd distance = b.z - a.minimum.z;
@@ -39,7 +39,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   Search search;
 
   // Start 0 is the user's, or the scene's own scale where nothing better is known.
-  const std::size_t wanted = static_cast<std::size_t>(std::max(1, options.multi_starts));
+  const std::size_t wanted = static_cast<std::size_t>(options.multi_starts);
   const bool guessed = !unknowns.problem().start.empty();
   std::vector<Eigen::VectorXd> starts, reserve;
   if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
@@ -83,7 +83,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     for (const Minimum& minimum : found) keep(minimum);
   };
   descend_from(starts, stage);
-  // While chi^2 says that the best minimum cannot be the truth, the next points are tried as well.
+  // While chi^2 rejects the best minimum, the next points are tried as well.
   const auto surprising = [&] {
     double lowest = HUGE_VAL;
     for (const KnownMinimum& known : search.minima) lowest = std::min(lowest, known.minimum.chi2);

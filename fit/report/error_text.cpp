@@ -1,101 +1,122 @@
 #include "fit/report/error_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/thresholds.h"
 #include "fit/variances/reweighted_fit.h"
 #include "fit/variances/robust.h"
 
 namespace tribotrack::fit::internal {
+namespace {
 
-void tell_scatter(const Residuals& residuals, bool allowed, FitResult& result) {
+std::string scatter_text(const ExcessVariance& excess) {
+  return excess.along == excess.across
+             ? fmt::format("{} mm per axis", number(1e3 * excess.runs()))
+             : fmt::format("{} mm along (v) and {} mm across their displacement (alpha)",
+                           number(1e3 * excess.along), number(1e3 * excess.across));
+}
+
+double sd_of(const CorrelatedVariances& variances, ErrorPart part) {
+  return std::sqrt(variances[static_cast<std::size_t>(part)]);
+}
+
+/// Rms about the mean of a run; a sine's two coefficients add up to one variance.
+double rms_of(const CorrelatedErrors& errors) {
+  return std::sqrt(errors.drift * errors.drift / 12 + errors.walk * errors.walk / 6 +
+                   std::pow(std::hypot(errors.circle, errors.common_circle), 2) +
+                   2 * std::pow(std::hypot(errors.overtones, errors.common_overtones), 2));
+}
+
+}  // namespace
+
+void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& result) {
   const Problem& problem = residuals.unknowns().problem();
-  const Scatter& scatter = residuals.scatter();
-  result.scatter = scatter.runs();
-  result.scatter_along = scatter.along;
-  result.scatter_across = scatter.across;
-  for (const auto& run : scatter.trajectories) result.scatter = std::max(result.scatter, run.between_points);
-  if (!any(scatter)) {
+  const ExcessVariance& excess = residuals.excess_variance();
+  result.scatter = excess.runs();
+  result.scatter_along = excess.along;
+  result.scatter_across = excess.across;
+  for (const auto& run : excess.trajectories) result.scatter = std::max(result.scatter, run.between_points);
+  if (!any(excess)) {
     result.covariance_meaning =
         result.loss == Loss::squares
-            ? "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with " +
-                  std::string(residuals.scatter().slow == SlowVariances{} ? "1.96 sd." : "Student's t.")
+            ? fmt::format(
+                  "sd from the data's own sigma (absolute; not scaled by chi2), 95 % intervals with {}",
+                  excess.correlated == CorrelatedVariances{} ? "1.96 sd." : "Student's t.")
             : std::string("95 % intervals with Student's t.") + robust_meaning(result.loss);
     if (result.p_value < kSurprise && !allowed)
-      result.warnings.push_back("chi2 = " + number(result.chi2, 4) + " at " + std::to_string(result.dof) +
-                                " degrees of freedom (p = " + number(result.p_value, 2) +
-                                "): the model or the sigmas are wrong, and the sds too small.");
+      result.warnings.push_back(
+          fmt::format("chi2 = {} at {} degrees of freedom (p = {}): the model or the "
+                      "sigmas are wrong, and the sds too small.",
+                      number(result.chi2, 4), result.dof, number(result.p_value, 2)));
     return;
   }
   const bool repeated = result.scatter_from_replicates;
-  result.covariance_meaning = std::string("sd from the data's own sigma and a scatter estimated from ") +
-                              (repeated ? "repeated runs" : "the residuals") +
-                              ", added in quadrature; 95 % intervals with Student's t." +
-                              robust_meaning(result.loss);
-  const std::string size = scatter.along == scatter.across
-                               ? number(1e3 * scatter.runs()) + " mm per axis"
-                               : number(1e3 * scatter.along) + " mm along (v) and " +
-                                     number(1e3 * scatter.across) + " mm across their displacement (alpha)";
+  result.covariance_meaning = fmt::format(
+      "sd from the data's own sigma and a scatter estimated from {}, added in quadrature; 95 % "
+      "intervals with Student's t.{}",
+      repeated ? "repeated runs" : "the residuals", robust_meaning(result.loss));
   if (repeated)
-    result.warnings.push_back("Repeated runs scatter by " + size +
-                              " more than their own sigma; with that the "
-                              "fit agrees with all runs (p = " +
-                              number(result.p_value, 2) + ").");
-  else if (scatter.runs() > 0 && result.p_value < kSurprise)
     result.warnings.push_back(
-        "The runs scatter by " + size + " more than their own sigma (chi2 " +
-        number(result.chi2_before_scatter, 4) + ", p = " + number(result.p_value, 2) + ")" +
-        (result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or ") +
-        "something in A, w, tilt or the model is wrong.");
-  for (std::size_t i = 0; i < scatter.trajectories.size(); ++i)
-    if (const auto& run = scatter.trajectories[i]; run.between_points > 0)
-      result.warnings.push_back("Run '" + problem.trajectory_runs[i].name + "': its points scatter by " +
-                                number(1e3 * run.between_points) +
-                                " mm per axis more than their own sigma and are correlated over " +
-                                number(run.correlation_time, 2) + " points; the sd counts both.");
+        fmt::format("Repeated runs scatter by {} more than their own sigma; with that the "
+                    "fit agrees with all runs (p = {}).",
+                    scatter_text(excess), number(result.p_value, 2)));
+  else if (excess.runs() > 0 && result.p_value < kSurprise)
+    result.warnings.push_back(fmt::format(
+        "The runs scatter by {} more than their own sigma (chi2 {}, p = {}){}something in A, w, tilt "
+        "or the model is wrong.",
+        scatter_text(excess), number(result.chi2_before_scatter, 4), number(result.p_value, 2),
+        result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or "));
+  for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
+    if (const auto& run = excess.trajectories[i]; run.between_points > 0)
+      result.warnings.push_back(
+          fmt::format("Run '{}': its points scatter by {} mm per axis more than their own sigma and are "
+                      "correlated over {} points; the sd counts both.",
+                      problem.trajectory_runs[i].name, number(1e3 * run.between_points),
+                      number(run.correlation_time, 2)));
 }
 
-void tell_slow_errors(const Residuals& residuals, FitResult& result) {
-  const SlowVariances& variances = residuals.scatter().slow;
-  SlowErrors& slow = result.slow_errors;
-  slow.time = residuals.slow_reference_time();
-  const double own_drift = std::sqrt(variances[static_cast<std::size_t>(SlowPart::drift)]),
-               common_drift = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_drift)]);
-  slow.drift = std::hypot(own_drift, common_drift);
-  slow.walk = std::sqrt(variances[static_cast<std::size_t>(SlowPart::walk)]);
-  slow.circle = std::sqrt(variances[static_cast<std::size_t>(SlowPart::circle)]);
-  slow.overtones = std::sqrt(variances[static_cast<std::size_t>(SlowPart::overtones)]);
-  slow.common_circle = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_circle)]);
-  slow.common_overtones = std::sqrt(variances[static_cast<std::size_t>(SlowPart::common_overtones)]);
-  if (!slow.any()) return;
+void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
+  const CorrelatedVariances& variances = residuals.excess_variance().correlated;
+  CorrelatedErrors& errors = result.correlated_errors;
+  errors.time = residuals.reference_time();
+  const double own_drift = sd_of(variances, ErrorPart::drift),
+               common_drift = sd_of(variances, ErrorPart::common_drift);
+  errors.drift = std::hypot(own_drift, common_drift);
+  errors.walk = sd_of(variances, ErrorPart::walk);
+  errors.circle = sd_of(variances, ErrorPart::circle);
+  errors.overtones = sd_of(variances, ErrorPart::overtones);
+  errors.common_circle = sd_of(variances, ErrorPart::common_circle);
+  errors.common_overtones = sd_of(variances, ErrorPart::common_overtones);
+  if (!errors.any()) return;
   std::string parts;
   const auto add = [&](double size, const std::string& what) {
-    if (size > 0) parts += (parts.empty() ? "" : ", ") + number(1e6 * size, 2) + " um " + what;
+    if (size > 0) parts += fmt::format("{}{} um {}", parts.empty() ? "" : ", ", number(1e6 * size, 2), what);
   };
-  add(own_drift, "of straight drift over " + number(slow.time, 2) + " s");
-  add(slow.walk, "of Brownian walk over " + number(slow.time, 2) + " s");
-  add(slow.circle, "at the platform's frequency");
-  add(slow.overtones, "at its second and third multiple");
-  add(slow.common_circle, "at the platform's frequency in all runs alike");
-  add(slow.common_overtones, "at its second and third multiple in all runs alike");
-  add(common_drift,
-      "of straight drift over " + number(slow.time, 2) + " s along and across the way, in all runs alike");
-  // Root mean squares about the mean of a run; a sine's two coefficients add up to one variance.
-  const double rms = std::sqrt(slow.drift * slow.drift / 12 + slow.walk * slow.walk / 6 +
-                               std::pow(std::hypot(slow.circle, slow.common_circle), 2) +
-                               2 * std::pow(std::hypot(slow.overtones, slow.common_overtones), 2));
+  const std::string over = " over " + number(errors.time, 2) + " s";
+  add(own_drift, "of straight drift" + over);
+  add(errors.walk, "of Brownian walk" + over);
+  add(errors.circle, "at the platform's frequency");
+  add(errors.overtones, "at its second and third multiple");
+  add(errors.common_circle, "at the platform's frequency, the same in all runs");
+  add(errors.common_overtones, "at its second and third multiple, the same in all runs");
+  add(common_drift, "of straight drift" + over + " along and across the displacement, the same in all runs");
   if (result.p_value < kSurprise) {
+    const double rms = rms_of(errors);
     result.scatter = std::max(result.scatter, rms);
-    result.warnings.push_back(
-        "The tracks err slowly, by " + number(1e3 * rms) +
-        " mm rms per axis beyond their own sigma (p = " + number(result.p_value, 2) +
-        "): slow errors of tracking, or something in A, w, tilt or the model is wrong.");
+    result.warnings.push_back(fmt::format(
+        "The tracks have correlated errors of {} mm rms per axis beyond their own sigma (p = {}): "
+        "low-frequency tracking errors, or something in A, w, tilt or the model is wrong.",
+        number(1e3 * rms), number(result.p_value, 2)));
   }
-  result.covariance_meaning +=
-      " Slow errors that the points of a track share are in it, in every run others unless told to be alike, "
-      "of one size estimated from all tracks by restricted maximum likelihood (sd per axis: " +
-      parts + "); the intervals count its freedom (Student's t by Satterthwaite).";
+  result.covariance_meaning += fmt::format(
+      " It counts correlated errors of the points of a track, independent between runs unless "
+      "stated, of one size estimated from all tracks by restricted maximum likelihood (sd per axis: "
+      "{}); the intervals count its uncertainty (Student's t by Satterthwaite).",
+      parts);
 }
 
 }  // namespace tribotrack::fit::internal

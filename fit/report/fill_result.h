@@ -1,21 +1,25 @@
-// From a minimum to what is told about it.
+// From a minimum to the fields of a FitResult.
 #pragma once
 
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
+#include "fit/minimum/multi_start.h"
 #include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {
 
-/// From sd and the two-sided quantile t: on the logarithm's axis or linear, as ParameterEstimate::ci95 says.
-Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
 /// Estimates with sd and ci95 (`t`: the two-sided 95 % quantile of each), covariance, correlation.
-void tell_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
                      const std::vector<double>& t, FitResult& result);
-/// Residuals of every run; outlying points named in the warnings.
-void tell_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
-/// d parameters / d ln A and d ln w, in words.
-void tell_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
+/// Residuals of every run; a warning names outlying points.
+void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
+/// Shifts of the parameters by 1 % in A and in w.
+void fill_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                       FitResult& result);
+/// All minima near the best, the lag folded; the best with its final values first. `excess`: of chi^2 at the
+/// search, Residuals::excess().
+void fill_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result);
+/// Counts trial values without a motion; a warning where some lie near the minimum.
+void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result);
 
 }  // namespace tribotrack::fit::internal

@@ -10,52 +10,52 @@ namespace {
 
 using std::numbers::pi;
 
-std::size_t index(SlowPart part) {
+std::size_t index(ErrorPart part) {
   return static_cast<std::size_t>(part);
 }
 
 }  // namespace
 
-Eigen::Matrix2d SlowShapes::axes(std::size_t j) const {
-  if (part[j] != index(SlowPart::common_drift)) return Eigen::Matrix2d::Identity();
+Eigen::Matrix2d ErrorShapes::axes(std::size_t j) const {
+  if (part[j] != index(ErrorPart::common_drift)) return Eigen::Matrix2d::Identity();
   return (Eigen::Matrix2d() << way.x(), -way.y(), way.y(), way.x()).finished();
 }
 
-SlowShapes slow_shapes(const std::vector<double>& times, double w, double start_phase, double reference_time,
-                       const SlowWanted& wanted) {
-  SlowShapes shapes;
+ErrorShapes error_shapes(const std::vector<double>& times, double w, double start_phase,
+                         double reference_time, const ErrorParts& wanted) {
+  ErrorShapes shapes;
   const auto n = static_cast<Eigen::Index>(times.size());
   const Eigen::ArrayXd t = Eigen::Map<const Eigen::ArrayXd>(times.data(), n);
   const double duration = times.back();
   std::vector<Eigen::ArrayXd> columns;
-  const auto add = [&](SlowPart part, const Eigen::ArrayXd& column) {
+  const auto add = [&](ErrorPart part, const Eigen::ArrayXd& column) {
     if (!wanted[index(part)]) return;
     columns.push_back(column);
     shapes.part.push_back(index(part));
   };
-  add(SlowPart::drift, (t - 0.5 * duration) / reference_time);
+  add(ErrorPart::drift, (t - 0.5 * duration) / reference_time);
   for (std::size_t k = 1; k <= kWalkModes; ++k) {
     const double rate = (static_cast<double>(k) - 0.5) * pi;
-    add(SlowPart::walk, std::sqrt(2 * duration / reference_time) / rate * (rate / duration * t).sin());
+    add(ErrorPart::walk, std::sqrt(2 * duration / reference_time) / rate * (rate / duration * t).sin());
   }
-  const auto add_sines = [&](SlowPart first, SlowPart others) {
+  const auto add_sines = [&](ErrorPart first, ErrorPart others) {
     for (int order = 1; order <= 3 && w > 0; ++order) {
-      const SlowPart part = order == 1 ? first : others;
+      const ErrorPart part = order == 1 ? first : others;
       if (!wanted[index(part)]) continue;
       add(part, (order * (start_phase + w * t)).cos());
       add(part, (order * (start_phase + w * t)).sin());
     }
   };
-  add_sines(SlowPart::circle, SlowPart::overtones);
-  add_sines(SlowPart::common_circle, SlowPart::common_overtones);
-  add(SlowPart::common_drift, (t - 0.5 * duration) / reference_time);
+  add_sines(ErrorPart::circle, ErrorPart::overtones);
+  add_sines(ErrorPart::common_circle, ErrorPart::common_overtones);
+  add(ErrorPart::common_drift, (t - 0.5 * duration) / reference_time);
   shapes.values.resize(n, static_cast<Eigen::Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j)
     shapes.values.col(static_cast<Eigen::Index>(j)) = columns[j];
   return shapes;
 }
 
-Eigen::MatrixXd whitened_shapes(const SlowShapes& shapes, const Eigen::MatrixX2d& white) {
+Eigen::MatrixXd whitened_shapes(const ErrorShapes& shapes, const Eigen::MatrixX2d& white) {
   const Eigen::Index rows = white.rows();
   Eigen::MatrixXd whitened(rows, 2 * shapes.values.cols());
   for (Eigen::Index j = 0; j < shapes.values.cols(); ++j) {
@@ -70,14 +70,14 @@ Eigen::MatrixXd whitened_shapes(const SlowShapes& shapes, const Eigen::MatrixX2d
   return whitened;
 }
 
-Eigen::VectorXd column_variances(const SlowShapes& shapes, const SlowVariances& variances) {
+Eigen::VectorXd column_variances(const ErrorShapes& shapes, const CorrelatedVariances& variances) {
   Eigen::VectorXd result(2 * static_cast<Eigen::Index>(shapes.count()));
   for (std::size_t j = 0; j < shapes.count(); ++j)
     result.segment<2>(2 * static_cast<Eigen::Index>(j)).setConstant(variances[shapes.part[j]]);
   return result;
 }
 
-SlowWhitening::SlowWhitening(Eigen::MatrixXd shapes, const Eigen::VectorXd& variances)
+CorrelatedWhitening::CorrelatedWhitening(Eigen::MatrixXd shapes, const Eigen::VectorXd& variances)
     : shapes_(std::move(shapes)) {
   const Eigen::VectorXd roots = variances.cwiseSqrt();
   shapes_ = (shapes_ * roots.asDiagonal()).eval();
@@ -92,20 +92,20 @@ SlowWhitening::SlowWhitening(Eigen::MatrixXd shapes, const Eigen::VectorXd& vari
   rows_taken_ = (l / (1 + l)).sum();
 }
 
-void SlowWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
+void CorrelatedWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
   if (empty() || column.isZero(0)) return;
   const Eigen::VectorXd along = root_.cwiseProduct(shapes_.transpose() * column);
   column.noalias() -= shapes_ * along;
 }
 
-Eigen::VectorXd SlowWhitening::expected(const Eigen::VectorXd& column) const {
+Eigen::VectorXd CorrelatedWhitening::expected(const Eigen::VectorXd& column) const {
   if (empty()) return Eigen::VectorXd::Zero(column.size());
   return shapes_ * expected_.cwiseProduct(shapes_.transpose() * column);
 }
 
 // With S = U G^(1/2) R, S'S = diag(l), and x = V^(-1/2) y: S' V^-1 y = S' V^(-1/2) x = diag((1 + l)^(-1/2))
 // S' x.
-Eigen::VectorXd SlowWhitening::coefficients(const Eigen::VectorXd& whitened) const {
+Eigen::VectorXd CorrelatedWhitening::coefficients(const Eigen::VectorXd& whitened) const {
   return turned_ * expected_.cwiseSqrt().cwiseProduct(shapes_.transpose() * whitened);
 }
 

@@ -6,11 +6,14 @@
 
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/parallel.h"
+#include "fit/tools/statistics.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 
-Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threads)
-    : problem_(&problem), unknowns_(&unknowns), threads_(threads) {
+Residuals::Residuals(const Unknowns& unknowns, int threads)
+    : problem_(&unknowns.problem()), unknowns_(&unknowns), threads_(threads) {
+  const Problem& problem = *problem_;
   rows_ = 2 * static_cast<Eigen::Index>(problem.summary_runs.size());
   for (const auto& run : problem.trajectory_runs) {
     first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
@@ -31,11 +34,11 @@ Residuals::Residuals(const Problem& problem, const Unknowns& unknowns, int threa
   prepared_.resize(problem.trajectory_runs.size());
   for (const auto& run : problem.trajectory_runs)
     if (!run.free_slide)
-      slow_reference_time_ = std::max(slow_reference_time_, run.track.time.back() - run.track.time.front());
+      reference_time_ = std::max(reference_time_, run.track.time.back() - run.track.time.front());
   prepare();
 }
 
-void Residuals::set_scatter(const Scatter& scatter) {
+void Residuals::set_excess_variance(const ExcessVariance& scatter) {
   scatter_ = scatter;
   prepare();
 }
@@ -69,7 +72,6 @@ double Residuals::excess(double chi2) const {
 }
 
 double Residuals::tolerance_for(double share, double coarsest) const {
-  // A path that differs by less than its sigma tells nothing apart.
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
     const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.runs();
@@ -82,9 +84,7 @@ double Residuals::tolerance_for(double share, double coarsest) const {
     const double path = (track.position.back() - track.position.front()).norm();
     relative.push_back(sigma / std::max(path, sigma) / std::sqrt(static_cast<double>(track.time.size())));
   }
-  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
-  std::nth_element(relative.begin(), middle, relative.end());
-  return std::clamp(share * *middle, 1e-9, coarsest);
+  return std::clamp(share * upper_median(relative), 1e-9, coarsest);
 }
 
 bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,
@@ -104,9 +104,11 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
                    jacobian, row);
       }
     });
-  } catch (const model::InvalidParameter&) {
+  } catch (const model::InvalidParameter& no_motion) {
+    failures_->add(values, no_motion.what());
     return false;
-  } catch (const std::runtime_error&) {
+  } catch (const model::StepLimitExceeded& no_end) {
+    failures_->add(values, no_end.what());
     return false;
   }
   if (common_) {
@@ -120,7 +122,9 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
     ++row;
   }
-  return residuals.allFinite() && (!jacobian || jacobian->allFinite());
+  if (residuals.allFinite() && (!jacobian || jacobian->allFinite())) return true;
+  failures_->add(values, "the modelled motion is not finite");
+  return false;
 }
 
 double Residuals::chi2(const Eigen::VectorXd& values) const {

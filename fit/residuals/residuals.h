@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "fit/residuals/correlated_errors.h"
+#include "fit/residuals/failed_evaluations.h"
 #include "fit/residuals/point_model.h"
 #include "fit/residuals/unknowns.h"
 
 namespace tribotrack::fit::internal {
 
-/// What the data scatter beyond their own sigma.
-struct Scatter {
+/// Errors beyond the data's own sigma.
+struct ExcessVariance {
   double along = 0, across = 0;  ///< m, between summary runs: along the displacement (v) and across (alpha)
   double runs() const { return std::max(along, across); }
   struct Trajectory {
@@ -21,11 +22,10 @@ struct Scatter {
     double correlation_time = 1;  ///< points per independent point: weights are divided by it
   };
   std::vector<Trajectory> trajectories;
-  SlowVariances slow{};  ///< of driven trajectory runs, common to all
+  CorrelatedVariances correlated{};  ///< of driven trajectory runs, common to all
 };
 
-/// What a robust loss makes of each run and point: its rows are multiplied by the root. Empty: all count
-/// fully.
+/// Weights of a robust loss: the rows of a run or point are multiplied by the root. Empty: all are 1.
 struct Weights {
   std::vector<double> runs;                 ///< summary runs
   std::vector<std::vector<double>> points;  ///< trajectory runs
@@ -35,18 +35,20 @@ struct Weights {
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
   std::vector<Eigen::Vector2d> residual;
-  std::vector<Eigen::Vector2d> slow;  ///< of the residual, what its own slow error is expected to be
-  double rows_taken = 0;              ///< by that expectation
+  std::vector<Eigen::Vector2d> correlated;  ///< expectation of the part that neighbouring points share
+  double rows_taken = 0;                    ///< degrees of freedom of that expectation
   Eigen::Vector2d start_point = Eigen::Vector2d::Zero();
 };
 
 /// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-/// point, the run's unknown start point projected out and its slow errors whitened, then those that all runs
-/// share; one a prior, (value - mean)/sd. Rows of data are multiplied by the root of their robust weight.
+/// point, the run's unknown start point projected out and its correlated errors whitened, then those that all
+/// runs share; one a prior, (value - mean)/sd. Rows of data are multiplied by the root of their robust
+/// weight.
 class Residuals {
  public:
-  /// Both must outlive the residuals.
-  Residuals(const Problem& problem, const Unknowns& unknowns, int threads = 1);
+  /// Refers to the unknowns and their problem, which must outlive the residuals and all their copies.
+  explicit Residuals(const Unknowns& unknowns, int threads = 1);
+  explicit Residuals(const Unknowns&& unknowns, int threads = 1) = delete;
 
   const Unknowns& unknowns() const { return *unknowns_; }
   Eigen::Index size() const { return rows_; }
@@ -54,46 +56,50 @@ class Residuals {
   double degrees_of_freedom() const;
   /// max(1, chi^2/dof): by how much the residuals exceed their sigma.
   double excess(double chi2) const;
-  const Scatter& scatter() const { return scatter_; }
-  void set_scatter(const Scatter& scatter);
+  const ExcessVariance& excess_variance() const { return scatter_; }
+  void set_excess_variance(const ExcessVariance& scatter);
   const Weights& weights() const { return weights_; }
   void set_weights(const Weights& weights);
   double run_weight(std::size_t run) const { return weights_.runs.empty() ? 1 : weights_.runs[run]; }
   double point_weight(std::size_t run, std::size_t point) const {
     return weights_.points.empty() ? 1 : weights_.points[run][point];
   }
-  /// Of the integrator, relative to the path.
+  /// Error of the integrator, relative to the path.
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
-  /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: what the
-  /// integrator may err by where only chi-square of that sharpness is asked for.
+  /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: the error
+  /// of the integrator that chi^2 tolerates where it is needed to that accuracy only.
   double tolerance_for(double share, double coarsest) const;
 
-  /// False where the model cannot be evaluated. The Jacobian is by physical values.
+  /// False, and recorded in failures(), where the model has no motion at these values (InvalidParameter,
+  /// StepLimitExceeded) or the residuals are not finite; any other exception passes. The Jacobian is by
+  /// physical values.
   bool evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
-  double chi2(const Eigen::VectorXd& values) const;  ///< infinity where the model cannot be evaluated
+  double chi2(const Eigen::VectorXd& values) const;  ///< infinity where evaluate() is false
+  /// Of these residuals and all their copies.
+  const FailedEvaluations& failures() const { return *failures_; }
 
   /// Measured less modelled displacement of a summary run, out of the whitened residuals.
   Eigen::Vector2d difference(const Eigen::VectorXd& whitened, std::size_t run) const;
   /// The run's covariance with the scatter between runs added.
   Eigen::Matrix2d covariance(std::size_t summary_run) const;
-  /// `common` is common_error() of the same values; without it PointResiduals::slow holds the run's own.
+  /// `common` is common_error() of the same values; without it PointResiduals::correlated holds the run's
+  /// own.
   PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run,
                         const Eigen::VectorXd& common = {}) const;
-  /// What all runs are expected to err by together: coefficients of their common shapes, m. Empty without
-  /// such errors.
+  /// Expected errors that all runs share: coefficients of their common shapes, m. Empty without such errors.
   Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
   std::size_t point_count(std::size_t trajectory_run) const;
   Eigen::Index trajectory_row(std::size_t run) const;  ///< the run's first
-  /// The rows of a trajectory run whose modelled points are `positions` (m, in the picture), but for what all
-  /// runs share; whiten_common() does that to all rows of all trajectory runs.
+  /// The rows of a trajectory run whose modelled points are `positions` (m, in the picture), whitened but for
+  /// the errors that all runs share; whiten_common() whitens those in all rows of all trajectory runs.
   void whiten(std::size_t trajectory_run, const Eigen::Matrix2Xd& positions,
               Eigen::Ref<Eigen::VectorXd> rows) const;
   void whiten_common(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// Shapes of slow errors over the run's points; none for a free slide.
-  SlowShapes shapes(std::size_t trajectory_run, const SlowWanted& wanted) const;
+  /// Shapes of correlated errors over the run's points; none for a free slide.
+  ErrorShapes shapes(std::size_t trajectory_run, const ErrorParts& wanted) const;
   /// L^-1 of every point, one above the other, times the roots of their weights.
   const Eigen::MatrixX2d& white(std::size_t trajectory_run) const { return prepared_[trajectory_run]->white; }
-  double slow_reference_time() const { return slow_reference_time_; }  ///< s, of the longest driven run
+  double reference_time() const { return reference_time_; }  ///< s, of the longest driven run
 
  private:
   void summary(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
@@ -101,13 +107,13 @@ class Residuals {
   void trajectory(const Eigen::VectorXd& values, std::size_t run, Eigen::Ref<Eigen::VectorXd> residuals,
                   Eigen::MatrixXd* jacobian, Eigen::Index row) const;
   PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  /// What a trajectory run's rows need and no value of the unknowns changes.
+  /// What the rows of a trajectory run need, whatever the unknowns are.
   struct Prepared {
-    std::vector<double> times;  ///< s, of its points, from the first
-    Eigen::MatrixX2d white;     ///< also the columns of the start point
-    Eigen::MatrixX2d start;     ///< orthonormal, spans `white`
-    SlowWhitening slow;         ///< of its own errors
-    SlowShapes common;          ///< shapes of the errors that it shares with all runs
+    std::vector<double> times;       ///< s, of its points, from the first
+    Eigen::MatrixX2d white;          ///< also the columns of the start point
+    Eigen::MatrixX2d start;          ///< orthonormal, spans `white`
+    CorrelatedWhitening correlated;  ///< of its own errors
+    ErrorShapes common;              ///< shapes of the errors that it shares with all runs
   };
   void prepare();
   void prepare_common();
@@ -121,10 +127,11 @@ class Residuals {
   std::vector<std::size_t> first_point_;
   Weights weights_;
   Eigen::Index rows_ = 0;
-  Scatter scatter_;
+  ExcessVariance scatter_;
   std::vector<std::shared_ptr<const Prepared>> prepared_;  ///< one for each trajectory run
-  std::shared_ptr<const SlowWhitening> common_;            ///< of all trajectory rows; null without
-  double slow_reference_time_ = 0;
+  std::shared_ptr<const CorrelatedWhitening> common_;      ///< of all trajectory rows; null without
+  double reference_time_ = 0;
+  std::shared_ptr<FailedEvaluations> failures_ = std::make_shared<FailedEvaluations>();
 };
 
 }  // namespace tribotrack::fit::internal

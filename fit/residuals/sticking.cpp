@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit::internal {
 namespace {
-
-constexpr double kSeen = 13.8;  ///< chi^2 of two degrees of freedom at 99.9 %
 
 /// The largest acceleration of the platform within a turn: the long half-axis of its ellipse times w^2.
 double hardest(const model::Drive& drive) {
@@ -19,8 +18,11 @@ double hardest(const model::Drive& drive) {
          drive.angular_frequency;
 }
 
+/// chi^2 of two degrees of freedom that chance exceeds with probability kSurprise.
+const double kMoved = -2 * std::log(kSurprise);
+
 bool moved(const Eigen::Vector2d& displacement, const Eigen::Matrix2d& covariance) {
-  return displacement.dot(covariance.llt().solve(displacement)) > kSeen;
+  return displacement.dot(covariance.llt().solve(displacement)) > kMoved;
 }
 
 }  // namespace
@@ -41,9 +43,8 @@ std::optional<std::string> stuck_throughout(const Problem& problem) {
     take(run.scenario);
   }
   if (!(held > 0)) return std::nullopt;
-  return "No run moved beyond its error: the part sticks throughout. All this tells is that friction, "
-         "reduced "
-         "or not, held it: mu1 and mu2 above A w^2/g = " +
+  return "No run moved beyond its error: the part sticks throughout. The data only show that friction, "
+         "reduced or not, held it: mu1 and mu2 above A w^2/g = " +
          number(held) + ". Drive harder (A w^2 above mu1 g), or check that the actuator works.";
 }
 

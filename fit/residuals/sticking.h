@@ -1,4 +1,4 @@
-// What runs can tell in which nothing moves.
+// Runs in which nothing moves.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace tribotrack::fit::internal {
 
 /// Where no driven run moved beyond its error (chi^2 of the displacement with 99.9 %): the bound on mu that
-/// follows, and what to do about it, in words. nullopt where something moved, or where nothing was driven.
+/// follows and the remedy, as a sentence. nullopt where something moved, or where nothing was driven.
 std::optional<std::string> stuck_throughout(const Problem& problem);
 
 }  // namespace tribotrack::fit::internal

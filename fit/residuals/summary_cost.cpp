@@ -51,7 +51,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
     by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
   if (const auto scale = unknowns_->find(FitParameter::scale))
     by_unknowns.col(*scale) += position / applied.scale;
-  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.told_as_velocity)
+  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.given_as_velocity)
     by_unknowns.col(*w) -= position / values(*w);
   jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
 }

@@ -25,12 +25,12 @@ PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t
                       tolerance_, derivatives);
 }
 
-SlowShapes Residuals::shapes(std::size_t index, const SlowWanted& wanted) const {
+ErrorShapes Residuals::shapes(std::size_t index, const ErrorParts& wanted) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   if (run.free_slide) return {};
   const double w = run.scenario.drive.amplitude > 0 ? run.scenario.drive.angular_frequency : 0;
-  SlowShapes shapes =
-      slow_shapes(prepared_[index]->times, w, run.scenario.start_phase, slow_reference_time_, wanted);
+  ErrorShapes shapes =
+      error_shapes(prepared_[index]->times, w, run.scenario.start_phase, reference_time_, wanted);
   const Eigen::Vector2d way = run.track.position.back() - run.track.position.front();
   if (way.norm() > 0) shapes.way = way.normalized();
   return shapes;
@@ -59,10 +59,10 @@ void Residuals::prepare_common() {
     if (prepared.common.count() == 0) continue;
     auto rows = stacked.middleRows(trajectory_row(i) - first, prepared.white.rows());
     rows = whitened_shapes(prepared.common, prepared.white);
-    for (Eigen::Index j = 0; j < columns; ++j) prepared.slow.apply(rows.col(j));
+    for (Eigen::Index j = 0; j < columns; ++j) prepared.correlated.apply(rows.col(j));
   }
-  common_ =
-      std::make_shared<SlowWhitening>(std::move(stacked), column_variances(like->common, scatter_.slow));
+  common_ = std::make_shared<CorrelatedWhitening>(std::move(stacked),
+                                                  column_variances(like->common, scatter_.correlated));
 }
 
 Eigen::VectorXd Residuals::common_error(const Eigen::VectorXd& values) const {
@@ -91,14 +91,14 @@ void Residuals::prepare(std::size_t index) {
   const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(prepared->white);
   prepared->start = qr.householderQ() * Eigen::MatrixX2d::Identity(prepared->white.rows(), 2);
   prepared_[index] = prepared;  // for shapes()
-  if (scatter_.slow == SlowVariances{}) return;
-  SlowWanted own{}, shared{};
-  for (std::size_t part = 0; part < kSlowParts; ++part)
-    (is_common(part) ? shared : own)[part] = scatter_.slow[part] > 0;
+  if (scatter_.correlated == CorrelatedVariances{}) return;
+  ErrorParts own{}, shared{};
+  for (std::size_t part = 0; part < kErrorParts; ++part)
+    (is_common(part) ? shared : own)[part] = scatter_.correlated[part] > 0;
   prepared->common = shapes(index, shared);
-  if (const SlowShapes slow = shapes(index, own); slow.count() > 0)
-    prepared->slow =
-        SlowWhitening(whitened_shapes(slow, prepared->white), column_variances(slow, scatter_.slow));
+  if (const ErrorShapes correlated = shapes(index, own); correlated.count() > 0)
+    prepared->correlated = CorrelatedWhitening(whitened_shapes(correlated, prepared->white),
+                                               column_variances(correlated, scatter_.correlated));
 }
 
 void Residuals::whiten(std::size_t index, const Eigen::Matrix2Xd& positions,
@@ -110,7 +110,7 @@ void Residuals::whiten(std::size_t index, const Eigen::Matrix2Xd& positions,
     rows.segment<2>(2 * i) = prepared.white.middleRows<2>(2 * i) *
                              (run.track.position[first + static_cast<std::size_t>(i)] - positions.col(i));
   rows -= prepared.start * (prepared.start.transpose() * rows).eval();
-  prepared.slow.apply(rows);
+  prepared.correlated.apply(rows);
 }
 
 void Residuals::whiten_common(Eigen::Ref<Eigen::VectorXd> column) const {
@@ -133,7 +133,7 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
     for (Eigen::Index k = 0; k < column.size(); k += 2)
       column.segment<2>(k) = -(prepared.white.middleRows<2>(k) * column.segment<2>(k)).eval();
     column -= q * (q.transpose() * column).eval();
-    prepared.slow.apply(column);
+    prepared.correlated.apply(column);
     jacobian->col(j).segment(row, column.size()) = column;
   }
 }
@@ -144,7 +144,7 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
   const std::size_t first = first_point_[index], n = point_count(index);
   const Eigen::Matrix2Xd positions = modelled_points(values, index, false).positions;
   const Eigen::MatrixX2d& start = white(index);
-  const SlowWhitening& slow_errors = prepared_[index]->slow;
+  const CorrelatedWhitening& correlated_errors = prepared_[index]->correlated;
   PointResiduals result;
   Eigen::VectorXd whitened(start.rows());
   for (std::size_t i = 0; i < n; ++i) {
@@ -157,12 +157,13 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
   Eigen::VectorXd shared = Eigen::VectorXd::Zero(whitened.size());
   if (common.size() > 0 && prepared_[index]->common.count() > 0)
     shared = whitened_shapes(prepared_[index]->common, start) * common;
-  const Eigen::VectorXd slow = shared + slow_errors.expected(whitened - start * result.start_point - shared);
-  result.rows_taken = slow_errors.rows_taken();
+  const Eigen::VectorXd correlated =
+      shared + correlated_errors.expected(whitened - start * result.start_point - shared);
+  result.rows_taken = correlated_errors.rows_taken();
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
     result.residual[i] -= result.start_point;
-    result.slow.push_back(Eigen::Matrix2d(start.middleRows<2>(k)).inverse() * slow.segment<2>(k));
+    result.correlated.push_back(Eigen::Matrix2d(start.middleRows<2>(k)).inverse() * correlated.segment<2>(k));
   }
   return result;
 }

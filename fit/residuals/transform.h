@@ -6,11 +6,13 @@
 
 namespace tribotrack::fit::internal {
 
+// clang-format off
 /// z <-> value on the whole real line.
-///   linear     value = unit z                              (angles, tilts, velocities; the lag is not
-///   wrapped) logarithm  value = exp(z)                              (mu1, A, w, scale) hyperbola  value =
-///   unit (z + sqrt(z^2 + 1))            (mu2: linear far from 0, never negative; unlike a
-///              logarithm it leaves a slope near 0, so that a long step towards 0 is no trap)
+///   linear     value = unit z                     angles, tilts, velocities; the lag is not wrapped
+///   logarithm  value = exp(z)                     mu1, A, w, scale
+///   hyperbola  value = unit (z + sqrt(z^2 + 1))   mu2: linear far from 0, never negative; unlike a logarithm it
+///                                                 keeps a slope near 0, so that a long step towards 0 is no trap
+// clang-format on
 class Transform {
  public:
   enum class Kind { linear, logarithm, hyperbola };

@@ -199,7 +199,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   auto& friction = result.scenario.friction;
   result.scale = value_of(FitParameter::scale, values);
 
-  // Amplitude and frequency are told as the first driven run's; the others keep their ratio to it.
+  // Amplitude and frequency are those of the first driven run; the others keep their ratio to it.
   const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
   const double picture = amplitude_from_track ? result.scale : 1;
   drive.amplitude *= amplitude_factor * picture;
@@ -241,7 +241,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
 AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
                                         bool derivatives) const {
   const bool follows =
-      run.measured.told_as_velocity &&
+      run.measured.given_as_velocity &&
       (find(FitParameter::angular_frequency) || problem_->fixed.count(FitParameter::angular_frequency));
   model::Scenario base = run.scenario;
   if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;

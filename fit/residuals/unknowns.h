@@ -14,7 +14,7 @@ namespace tribotrack::fit::internal {
 struct AppliedScenario {
   model::Scenario scenario;
   double scale = 1;
-  double stretch = 1;  ///< of the modelled displacement: w over the one with which v was made a displacement
+  double stretch = 1;  ///< factor on the modelled displacement: w over the w by which v became a displacement
   std::vector<model::Parameter> wanted;  ///< to differentiate by
   Eigen::MatrixXd chain;                 ///< d wanted / d unknowns
 };
@@ -24,7 +24,9 @@ struct AppliedScenario {
 /// sd. "Values" are physical (SI), "z" the optimiser's.
 class Unknowns {
  public:
+  /// Refers to the problem, which must outlive the unknowns.
   explicit Unknowns(const Problem& problem);
+  explicit Unknowns(const Problem&& problem) = delete;
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(transforms_.size()); }
   /// Those reported: Problem::free.
@@ -56,7 +58,7 @@ class Unknowns {
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
                         bool derivatives) const;
-  /// The run lasted as long as it was measured, whatever w is tried; told as alpha and v, it lasted its
+  /// The run lasts as long as it was measured, whatever w is tried; given as alpha and v, it lasts its
   /// cycles.
   AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run, bool derivatives) const;
   AppliedScenario apply_trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
@@ -75,7 +77,7 @@ class Unknowns {
   std::vector<Eigen::Index> velocity_, phase_;
   std::vector<Eigen::Vector2d> slide_velocity_;  ///< first guesses
   std::optional<double> slide_mu_;
-  double amplitude_ = 0;  ///< A of the first driven run: fitted amplitudes are told as this run's
+  double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run
   double frequency_ = 0;
 };
 

@@ -1,18 +1,17 @@
 #include "fit/tools/parameter_text.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace tribotrack::fit::internal {
 
 std::string number(double value, int significant) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*g", significant, value);
-  return text;
+  return fmt::format("{:.{}g}", value, significant);
 }
 
-std::string change_in_words(FitParameter parameter, double change, double value) {
+std::string change_text(FitParameter parameter, double change, double value) {
   const std::string direction = change < 0 ? " down " : " up ";
   const double size = std::abs(change);
   if (is_relative(parameter) && value != 0)

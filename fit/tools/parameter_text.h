@@ -1,4 +1,4 @@
-// How parameters are told to people.
+// Parameters in messages: units, digits, changes.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace tribotrack::fit::internal {
 inline double display_factor(FitParameter parameter) {
   return parameter == FitParameter::amplitude ? 1e3 : 1;
 }
-/// Told in per cent of its own value.
+/// Whose changes are given in per cent of its own value.
 inline bool is_relative(FitParameter parameter) {
   return parameter == FitParameter::mu1 || parameter == FitParameter::mu2 ||
          parameter == FitParameter::amplitude || parameter == FitParameter::angular_frequency ||
@@ -19,7 +19,7 @@ inline bool is_relative(FitParameter parameter) {
 }
 /// `significant` digits, trailing zeros dropped.
 std::string number(double value, int significant = 3);
-/// "mu1 up 1.2 %", "phase_lag_rad down 0.021"
-std::string change_in_words(FitParameter parameter, double change, double value);
+/// "mu1 up 1.2 %", "phase_lag_rad down 0.021 (1.2 deg)"
+std::string change_text(FitParameter parameter, double change, double value);
 
 }  // namespace tribotrack::fit::internal

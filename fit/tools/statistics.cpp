@@ -1,67 +1,34 @@
 #include "fit/tools/statistics.h"
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <limits>
 
 namespace tribotrack::fit::internal {
-namespace {
-
-/// Regularised upper incomplete gamma function Q(a, x).
-double gamma_q(double a, double x) {
-  if (x <= 0) return 1;
-  const double front = std::exp(-x + a * std::log(x) - std::lgamma(a));
-  if (x < a + 1) {
-    double term = 1 / a, sum = term;
-    for (double n = a + 1; std::abs(term) > 1e-17 * std::abs(sum); ++n) sum += term *= x / n;
-    return 1 - front * sum;
-  }
-  const double tiny = 1e-300;  // Lentz's algorithm
-  double b = x + 1 - a, c = 1 / tiny, d = 1 / b, h = d;
-  for (int i = 1; i < 10000; ++i) {
-    const double an = -i * (i - a);
-    b += 2;
-    d = an * d + b;
-    if (std::abs(d) < tiny) d = tiny;
-    c = b + an / c;
-    if (std::abs(c) < tiny) c = tiny;
-    d = 1 / d;
-    h *= d * c;
-    if (std::abs(d * c - 1) < 1e-15) break;
-  }
-  return front * h;
-}
-
-/// P(|T| < t) by Simpson's rule on theta = atan(t / sqrt(dof)): the density becomes cos^(dof - 1).
-double central_probability(double t, double dof) {
-  const double end = std::atan(t / std::sqrt(dof));
-  const int intervals = 400;
-  const double h = end / intervals;
-  double sum = 0;
-  for (int i = 0; i <= intervals; ++i) {
-    const double weight = i == 0 || i == intervals ? 1 : (i % 2 ? 4 : 2);
-    sum += weight * std::pow(std::cos(i * h), dof - 1);
-  }
-  const double norm =
-      std::exp(std::lgamma((dof + 1) / 2) - std::lgamma(dof / 2)) / std::sqrt(std::acos(-1.0));
-  return 2 * norm * sum * h / 3;
-}
-
-}  // namespace
 
 double chi2_survival(double x, double dof) {
-  return dof > 0 ? gamma_q(dof / 2, x / 2) : 1;
+  if (!(dof > 0) || x <= 0) return 1;
+  if (!std::isfinite(x)) return std::isnan(x) ? x : 0;
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), x));
+}
+
+double chi2_quantile(double probability, double dof) {
+  return boost::math::quantile(boost::math::chi_squared(dof), probability);
 }
 
 double two_sided_quantile(double probability, double dof) {
-  const bool normal = !std::isfinite(dof) || dof > 1e4;
-  double low = 0, high = 1;
-  const auto below = [&](double t) {
-    return (normal ? std::erf(t / std::sqrt(2.0)) : central_probability(t, dof)) < probability;
-  };
-  while (below(high)) high *= 2;
-  for (int i = 0; i < 60; ++i) (below(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-  return 0.5 * (low + high);
+  const double upper_tail = 0.5 * (1 - probability);
+  if (!std::isfinite(dof) || dof > 1e4)
+    return boost::math::quantile(boost::math::complement(boost::math::normal(), upper_tail));
+  return boost::math::quantile(boost::math::complement(boost::math::students_t(dof), upper_tail));
+}
+
+double upper_median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 double autocorrelation_time(const std::vector<double>& series) {

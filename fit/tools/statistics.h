@@ -1,24 +1,34 @@
-// The few distributions a fit's verdict needs.
+// The distributions, medians and correlation times that a fit needs.
 #pragma once
 
 #include <vector>
 
 namespace tribotrack::fit::internal {
 
-/// P(chi^2 with `dof` degrees of freedom > x); 1 for dof = 0. Incomplete gamma function, series and
-/// continued fraction (Abramowitz & Stegun 6.5.29, 6.5.31).
+/// P(chi^2 with `dof` degrees of freedom > x); 1 for dof <= 0.
 double chi2_survival(double x, double dof);
 
-/// t with P(|T| < t) = `probability` for Student's T with `dof` degrees of freedom; the normal quantile for
-/// dof = infinity.
+/// x with P(chi^2 with `dof` degrees of freedom < x) = `probability`.
+double chi2_quantile(double probability, double dof);
+
+/// t with P(|T| < t) = `probability` for Student's T with `dof` degrees of freedom; the normal quantile above
+/// 10^4 degrees of freedom.
 double two_sided_quantile(double probability, double dof);
+
+/// The value in the middle; of an even number the upper of the two.
+double upper_median(std::vector<double> values);
+
+/// From the median absolute deviation of normal values to their standard deviation.
+inline constexpr double kSdPerMad = 1.4826;
+/// The median length of a vector whose two components are standard normal (Rayleigh): sqrt(2 ln 2).
+inline constexpr double kRayleighMedian = 1.1774;
 
 /// Integrated autocorrelation time 1 + 2 sum rho_k of an even series, >= 1: the factor by which the number of
 /// independent points is smaller than the number of points. Summed over five times itself (Sokal's window).
 double autocorrelation_time(const std::vector<double>& series);
 
-/// The same for the residuals of a fit with `parameters` smooth columns, which has taken slow parts of the
-/// noise away: at least that of a first-order process with the lag-1 correlation corrected for the loss,
+/// The same for the residuals of a fit with `parameters` smooth columns, which has removed slow parts of the
+/// noise: at least that of a first-order process with the lag-1 correlation corrected for the loss,
 /// E(r1) = rho - ((1 + rho) p + 2 rho)/n (Kendall's bias for p columns).
 double residual_correlation_time(const std::vector<double>& series, double parameters);
 

@@ -53,7 +53,7 @@ class Draw {
     if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
     const PointResiduals points = residuals_.points(values, i);
-    const auto& scatter = residuals_.scatter().trajectories[i];
+    const auto& scatter = residuals_.excess_variance().trajectories[i];
     // A first-order process with the residuals' correlation time.
     const double time = scatter.correlation_time, rho = (time - 1) / (time + 1);
     Eigen::Vector2d wander = pair();
@@ -65,17 +65,18 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
     }
-    const SlowShapes slow = residuals_.shapes(i, kAllSlowParts);
+    const ErrorShapes correlated = residuals_.shapes(i, kAllParts);
     std::size_t shared = 0;
-    for (std::size_t j = 0; j < slow.count(); ++j) {
-      Eigen::Vector2d size = std::sqrt(residuals_.scatter().slow[slow.part[j]]) * pair();
-      if (is_common(slow.part[j])) {  // as the first run drew it
+    for (std::size_t j = 0; j < correlated.count(); ++j) {
+      Eigen::Vector2d size = std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]]) * pair();
+      if (is_common(correlated.part[j])) {  // as the first run drew it
         if (shared == common_.size()) common_.push_back(size);
         size = common_[shared++];
       }
       for (std::size_t k = 0; k < points.row.size(); ++k)
         track.position[points.row[k]] +=
-            slow.axes(j) * size * slow.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+            correlated.axes(j) * size *
+            correlated.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
     }
   }
 
@@ -84,7 +85,7 @@ class Draw {
   double noise_;
   Random& random_;
   Problem problem_;
-  std::vector<Eigen::Vector2d> common_;  ///< sizes of the slow errors that all runs share
+  std::vector<Eigen::Vector2d> common_;  ///< sizes of the correlated errors that all runs share
   std::normal_distribution<double> normal_;
 };
 
@@ -101,8 +102,8 @@ class Refits {
     const auto n = static_cast<std::size_t>(residuals.unknowns().size());
     const bool fits = static_cast<std::size_t>(residuals.size()) * n * n < kMostNumbers;
     // Whitening is to be the same for all draws.
-    const bool alike =
-        options.loss == Loss::squares && residuals.scatter().along == residuals.scatter().across;
+    const bool alike = options.loss == Loss::squares &&
+                       residuals.excess_variance().along == residuals.excess_variance().across;
     if (!alike || !fits || n >= static_cast<std::size_t>(options.bootstrap)) return;
     Residuals fine = residuals;
     fine.set_tolerance(fine_);
@@ -158,21 +159,21 @@ class Refits {
 
   void descend(const Problem& problem, const Eigen::VectorXd& start, Eigen::VectorXd& estimate) const {
     const Unknowns own(problem);
-    Residuals refit(problem, own);
-    refit.set_scatter(residuals_.scatter());
+    Residuals refit(own);
+    refit.set_excess_variance(residuals_.excess_variance());
     refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
     if (refit.size() != residuals_.size()) return;  // a free slide whose strike moved by a frame
     Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
     if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
-      settle(refit, minimum, {.loss = options_.loss});
+      reweighted_fit(refit, minimum, {.loss = options_.loss});
     if (minimum.converged) estimate = own.values(minimum.z);
   }
 
   /// Tracks: two evaluations without derivatives; false where a descent is to do it.
   bool from_second_order(const Problem& problem, Eigen::VectorXd& estimate) const {
     const Unknowns own(problem);
-    Residuals refit(problem, own);
-    refit.set_scatter(residuals_.scatter());
+    Residuals refit(own);
+    refit.set_excess_variance(residuals_.excess_variance());
     refit.set_tolerance(fine_);
     if (refit.size() != residuals_.size()) return false;
     const Eigen::VectorXd by = same_motion(problem, own) - best_.z;

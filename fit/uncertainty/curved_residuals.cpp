@@ -13,7 +13,7 @@ namespace {
 constexpr double kFlat = 1e-10;  ///< least eigenvalue of the scaled normal matrix
 constexpr int kMostSteps = 12;
 constexpr double kArrived = 1e-4;  ///< standard deviations
-constexpr double kFarthest = 8;    ///< beyond, second order says nothing
+constexpr double kFarthest = 8;    ///< beyond, second order is useless
 /// Misfit of the second order at its minimum, in sigma for each standard deviation gone: its derivatives are
 /// off by about three times as much.
 constexpr double kMisfit = 0.006;
@@ -56,7 +56,7 @@ std::optional<CurvedResiduals> CurvedResiduals::about(const Residuals& residuals
   });
   if (!known) return std::nullopt;
   for (std::size_t j = 0; j < n; ++j) curved.second_.push_back(0.5 * (aside[2 * j] - aside[2 * j + 1]));
-  // Both orders of differentiation alike.
+  // Mixed derivatives are symmetric.
   for (std::size_t j = 0; j < n; ++j)
     for (std::size_t k = 0; k < j; ++k) {
       const auto column = static_cast<Eigen::Index>(j), other = static_cast<Eigen::Index>(k);

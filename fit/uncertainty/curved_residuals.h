@@ -23,7 +23,7 @@ class CurvedResiduals {
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& t) const;
   /// Where the squares of r(t) are least; nullopt where Gauss and Newton's method does not get there.
   std::optional<Eigen::VectorXd> minimum(const Eigen::VectorXd& r0) const;
-  /// The minimum `t` after the step that the exact residuals there ask for; nullopt where they differ from
+  /// The minimum `t` after the step given by the exact residuals there; nullopt where they differ from
   /// the second order by so much, or the step is so long, that its derivatives are not to be trusted. What is
   /// confirmed lies some hundredths of a standard deviation from the true minimum at most.
   std::optional<Eigen::VectorXd> confirmed(const Eigen::VectorXd& r0, const Eigen::VectorXd& t,

@@ -1,35 +1,40 @@
+#include "fit/uncertainty/identifiability.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "fit/residuals/sticking.h"
 #include "fit/tools/parameter_text.h"
-#include "fit/uncertainty/identifiability.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kBent = 2;  ///< how much farther a profile may reach than the covariance
+constexpr double kFlat = 1e-9;       ///< sensitivity relative to the strongest parameter's: none
+constexpr double kTradeOff = 0.95;   ///< correlation
+constexpr double kLoose = 0.3;       ///< sd relative to the parameter's range
+constexpr double kUpperLimit = 0.5;  ///< sd of mu2 relative to itself
+constexpr double kPulsesSeen = 3;    ///< sd between mu1 and mu2
+constexpr double kByPrior = 0.9;     ///< sd relative to the prior's
+constexpr double kBent = 2;          ///< how much farther a profile may reach than the covariance
 constexpr const char* kRotationLaw =
     "All runs share one dtau and one drive: a sweep of phi alone only turns the picture (rotation law) and "
     "averages noise; add runs at other dtau.";
 
-constexpr double kTradeOff = 0.95;
-constexpr double kWeak = 0.3;
-constexpr double kPulsesSeen = 3;
-
 /// The flat or weak direction as "mu1 up 1 % is hidden by phase_lag_rad down 0.021 and ...".
-std::string direction_in_words(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                               const Uncertainty& uncertainty, Eigen::Index k) {
+std::string direction_text(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                           const Uncertainty& uncertainty, Eigen::Index k) {
   Eigen::VectorXd change = uncertainty.units.cwiseProduct(uncertainty.directions.col(k));
   Eigen::Index lead = 0;
   uncertainty.directions.col(k).cwiseAbs().maxCoeff(&lead);
   change *= 0.01 * uncertainty.units(lead) / change(lead);
-  std::string text = change_in_words(unknowns.parameter(lead), change(lead), values(lead)) + " is hidden by ";
+  std::string text = change_text(unknowns.parameter(lead), change(lead), values(lead)) + " is hidden by ";
   bool first = true;
   for (Eigen::Index i = 0; i < change.size(); ++i) {
     const double share = std::abs(uncertainty.directions(i, k) / uncertainty.directions(lead, k));
     if (i == lead || share < 0.02) continue;
-    text += (first ? "" : " and ") + change_in_words(unknowns.parameter(i), change(i), values(i));
+    text += (first ? "" : " and ") + change_text(unknowns.parameter(i), change(i), values(i));
     first = false;
   }
   return first ? std::string(to_string(unknowns.parameter(lead))) + " can take any value" : text;
@@ -46,9 +51,10 @@ std::string why_dead(const Problem& problem, FitParameter parameter) {
     driven = driven || !run.free_slide;
   }
   if (!driven && parameter != FitParameter::mu1 && parameter != FitParameter::scale)
-    return "a free slide knows mu1 only; leave it out, or add runs on the moving platform";
+    return "a free slide depends on mu1 only; leave it out, or add runs on the moving platform";
   if (!pulses) return "no run has a pulse (dtau = 0); leave it out, or add runs with pulses";
-  return "nothing seen depends on it at these values (does the part stick throughout?); fix it, or add runs "
+  return "no measurement depends on it at these values (does the part stick throughout?); fix it, or add "
+         "runs "
          "where it matters";
 }
 
@@ -67,9 +73,131 @@ bool only_phi_varies(const Problem& problem) {
   return true;
 }
 
-void worsen(Identifiability& result, Verdict verdict) {
-  if (static_cast<int>(verdict) > static_cast<int>(result.verdict)) result.verdict = verdict;
+void worsen(Verdict& verdict, Verdict to) {
+  verdict = std::max(verdict, to);
 }
+
+/// The checks one after the other, each adding its findings.
+class Judge {
+ public:
+  Judge(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty)
+      : unknowns_(unknowns),
+        problem_(unknowns.problem()),
+        values_(values),
+        uncertainty_(uncertainty),
+        flat_(moved_by_flat_direction(uncertainty)),
+        sd_(uncertainty.covariance.diagonal().cwiseMax(0).cwiseSqrt()) {
+    result.singular_values.assign(uncertainty.singular_values.begin(), uncertainty.singular_values.end());
+  }
+
+  /// True where nothing moved: then nothing else is worth checking.
+  bool stuck() {
+    const auto bound = stuck_throughout(problem_);
+    if (bound) add(Verdict::not_identifiable, *bound);
+    return bound.has_value();
+  }
+
+  void count_data() {
+    if (const auto [numbers, wanted] = problem_.data_and_unknowns(); numbers < wanted)
+      add(Verdict::not_identifiable,
+          fmt::format("{} numbers for {} unknowns: add runs, fix a parameter, or give it a prior.", numbers,
+                      wanted));
+  }
+
+  void find_dead_parameters() {
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      if (dead(i))
+        add(Verdict::not_identifiable,
+            fmt::format("{} moves no observable: {}.", name(i), why_dead(problem_, unknowns_.parameter(i))));
+  }
+
+  void find_flat_directions() {
+    for (Eigen::Index k = uncertainty_.rank; k < unknowns_.reported(); ++k) {
+      Eigen::Index lead = 0;
+      uncertainty_.directions.col(k).cwiseAbs().maxCoeff(&lead);
+      if (!dead(lead))
+        add(Verdict::not_identifiable, direction_text(unknowns_, values_, uncertainty_, k) +
+                                           ", exactly: fix one of them, or give it a prior.");
+    }
+  }
+
+  void find_loose_parameters() {
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      if (!flat_[static_cast<std::size_t>(i)]) check_precision(i);
+  }
+
+  /// Where mu1 = mu2 is not excluded the pulses may have no effect, and no lag is better than another.
+  void check_pulses() {
+    const auto mu1 = unknowns_.find(FitParameter::mu1), mu2 = unknowns_.find(FitParameter::mu2);
+    const bool pulses_placed = unknowns_.find(FitParameter::lag) || unknowns_.find(FitParameter::delay);
+    if (!mu1 || !mu2 || !pulses_placed) return;
+    const auto& covariance = uncertainty_.covariance;
+    const double difference = std::abs(values_(*mu1) - values_(*mu2));
+    const double variance = covariance(*mu1, *mu1) + covariance(*mu2, *mu2) - 2 * covariance(*mu1, *mu2);
+    if (difference < kPulsesSeen * std::sqrt(std::max(0.0, variance)))
+      add(Verdict::not_identifiable,
+          fmt::format("mu1 and mu2 agree within {} sd: the pulses may have no effect, and then the lag means "
+                      "nothing; check that the actuator works, or fit mu1 alone with mu2 fixed.",
+                      number(kPulsesSeen)));
+  }
+
+  void find_trade_offs() {
+    bool traded = false;
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i)
+      for (Eigen::Index j = i + 1; j < unknowns_.reported(); ++j) {
+        if (flat_[static_cast<std::size_t>(i)] || flat_[static_cast<std::size_t>(j)]) continue;
+        const double covariance = uncertainty_.covariance(i, j), correlation = covariance / (sd_(i) * sd_(j));
+        if (!(std::abs(correlation) > kTradeOff)) continue;
+        const double change = 0.01 * uncertainty_.units(i);
+        const double other = covariance / (sd_(i) * sd_(i)) * change;
+        add(Verdict::weak,
+            fmt::format("{} is hidden by {} (correlation {}).",
+                        change_text(unknowns_.parameter(i), change, values_(i)),
+                        change_text(unknowns_.parameter(j), other, values_(j)), number(correlation, 3)));
+        traded = true;
+      }
+    if ((traded || result.verdict != Verdict::identifiable) && only_phi_varies(problem_))
+      result.weak_directions.push_back(kRotationLaw);
+  }
+
+  Identifiability result;
+
+ private:
+  void add(Verdict verdict, const std::string& sentence) {
+    result.weak_directions.push_back(sentence);
+    worsen(result.verdict, verdict);
+  }
+  std::string name(Eigen::Index i) const { return to_string(unknowns_.parameter(i)); }
+  bool dead(Eigen::Index i) const {
+    const double norm = uncertainty_.column_norms(i);
+    return norm <= kFlat * uncertainty_.column_norms.maxCoeff() || !(norm > 0);
+  }
+
+  void check_precision(Eigen::Index i) {
+    const FitParameter parameter = unknowns_.parameter(i);
+    const double widest = range(unknowns_, parameter, values_), factor = display_factor(parameter);
+    const std::string shown =
+        fmt::format("{} = {} +- {}", name(i), number(values_(i) * factor, 4), number(sd_(i) * factor, 2));
+    if (sd_(i) > widest)
+      add(Verdict::not_identifiable,
+          fmt::format("{} is not determined: its sd exceeds the range it can have ({}).", shown,
+                      number(widest * factor, 2)));
+    else if (parameter == FitParameter::mu2 && sd_(i) > kUpperLimit * values_(i))
+      add(Verdict::weak, shown + ": the data give an upper limit only.");
+    else if (sd_(i) > kLoose * widest && parameter != FitParameter::mu2)
+      add(Verdict::weak, shown + " is only loosely determined.");
+    if (const auto prior = problem_.prior.find(parameter);
+        prior != problem_.prior.end() && sd_(i) > kByPrior * prior->second.sd)
+      result.weak_directions.push_back(name(i) + " is determined by its prior, not by the data.");
+  }
+
+  const Unknowns& unknowns_;
+  const Problem& problem_;
+  const Eigen::VectorXd& values_;
+  const Uncertainty& uncertainty_;
+  std::vector<bool> flat_;
+  Eigen::VectorXd sd_;
+};
 
 }  // namespace
 
@@ -100,100 +228,15 @@ std::vector<bool> moved_by_flat_direction(const Uncertainty& uncertainty) {
 
 Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd& values,
                                 const Uncertainty& uncertainty) {
-  Identifiability result;
-  const Problem& problem = unknowns.problem();
-  const Eigen::Index n = unknowns.reported();
-  result.singular_values.assign(uncertainty.singular_values.begin(), uncertainty.singular_values.end());
-  const double strongest = uncertainty.column_norms.maxCoeff();
-  if (const auto stuck = stuck_throughout(problem)) {
-    result.weak_directions.push_back(*stuck);
-    worsen(result, Verdict::not_identifiable);
-    return result;
-  }
-  if (const auto [numbers, wanted] = problem.data_and_unknowns(); numbers < wanted) {
-    result.weak_directions.push_back(std::to_string(numbers) + " numbers for " + std::to_string(wanted) +
-                                     " unknowns: add runs, fix a parameter, or give it a prior.");
-    worsen(result, Verdict::not_identifiable);
-  }
-
-  std::set<Eigen::Index> dead;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (uncertainty.column_norms(i) <= 1e-9 * strongest || !(uncertainty.column_norms(i) > 0)) {
-      dead.insert(i);
-      result.weak_directions.push_back(std::string(to_string(unknowns.parameter(i))) +
-                                       " moves no observable: " + why_dead(problem, unknowns.parameter(i)) +
-                                       ".");
-      worsen(result, Verdict::not_identifiable);
-    }
-  for (Eigen::Index k = uncertainty.rank; k < n; ++k) {
-    Eigen::Index lead = 0;
-    uncertainty.directions.col(k).cwiseAbs().maxCoeff(&lead);
-    if (dead.count(lead)) continue;
-    result.weak_directions.push_back(direction_in_words(unknowns, values, uncertainty, k) +
-                                     ", exactly: fix one of them, or give it a prior.");
-    worsen(result, Verdict::not_identifiable);
-  }
-
-  const auto flat = moved_by_flat_direction(uncertainty);
-  const Eigen::VectorXd sd = uncertainty.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (flat[static_cast<std::size_t>(i)]) continue;
-    const FitParameter parameter = unknowns.parameter(i);
-    const double widest = range(unknowns, parameter, values);
-    const std::string shown = to_string(parameter) + std::string(" = ") +
-                              number(values(i) * display_factor(parameter), 4) + " +- " +
-                              number(sd(i) * display_factor(parameter), 2);
-    if (sd(i) > widest) {
-      result.weak_directions.push_back(shown + " is not pinned: its sd exceeds the range it can have (" +
-                                       number(widest * display_factor(parameter), 2) + ").");
-      worsen(result, Verdict::not_identifiable);
-    } else if (parameter == FitParameter::mu2 && sd(i) > 0.5 * values(i)) {
-      result.weak_directions.push_back(shown + ": the data give an upper limit only.");
-      worsen(result, Verdict::weak);
-    } else if (sd(i) > kWeak * widest && parameter != FitParameter::mu2) {
-      result.weak_directions.push_back(shown + " is only loosely pinned.");
-      worsen(result, Verdict::weak);
-    }
-    if (const auto prior = problem.prior.find(parameter);
-        prior != problem.prior.end() && sd(i) > 0.9 * prior->second.sd)
-      result.weak_directions.push_back(std::string(to_string(parameter)) +
-                                       " is told by its prior, not by the data.");
-  }
-
-  // Where mu1 = mu2 is not excluded, the pulses may do nothing, and no lag is better than another.
-  const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2);
-  const bool pulses_placed = unknowns.find(FitParameter::lag) || unknowns.find(FitParameter::delay);
-  if (mu1 && mu2 && pulses_placed) {
-    const double difference = std::abs(values(*mu1) - values(*mu2));
-    const double variance = uncertainty.covariance(*mu1, *mu1) + uncertainty.covariance(*mu2, *mu2) -
-                            2 * uncertainty.covariance(*mu1, *mu2);
-    if (difference < kPulsesSeen * std::sqrt(std::max(0.0, variance))) {
-      result.weak_directions.push_back("mu1 and mu2 agree within " + number(kPulsesSeen) +
-                                       " sd: the pulses may have no effect, and then the lag means nothing; "
-                                       "check that the actuator works, or "
-                                       "fit mu1 alone with mu2 fixed.");
-      worsen(result, Verdict::not_identifiable);
-    }
-  }
-
-  bool traded = false;
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = i + 1; j < n; ++j) {
-      if (flat[static_cast<std::size_t>(i)] || flat[static_cast<std::size_t>(j)]) continue;
-      const double correlation = uncertainty.covariance(i, j) / (sd(i) * sd(j));
-      if (!(std::abs(correlation) > kTradeOff)) continue;
-      const double change = 0.01 * uncertainty.units(i);
-      const double other = uncertainty.covariance(i, j) / (sd(i) * sd(i)) * change;
-      result.weak_directions.push_back(change_in_words(unknowns.parameter(i), change, values(i)) +
-                                       " is hidden by " +
-                                       change_in_words(unknowns.parameter(j), other, values(j)) +
-                                       " (correlation " + number(correlation, 3) + ").");
-      worsen(result, Verdict::weak);
-      traded = true;
-    }
-  if ((traded || result.verdict != Verdict::identifiable) && only_phi_varies(problem))
-    result.weak_directions.push_back(kRotationLaw);
-  return result;
+  Judge judge(unknowns, values, uncertainty);
+  if (judge.stuck()) return judge.result;
+  judge.count_data();
+  judge.find_dead_parameters();
+  judge.find_flat_directions();
+  judge.find_loose_parameters();
+  judge.check_pulses();
+  judge.find_trade_offs();
+  return judge.result;
 }
 
 void compare_with_profiles(const Unknowns& unknowns, const std::vector<ParameterEstimate>& parameters,
@@ -205,13 +248,12 @@ void compare_with_profiles(const Unknowns& unknowns, const std::vector<Parameter
   for (const ParameterEstimate& p : parameters) {
     const double by_profile = reach(p.profile_ci95, p.estimate), by_covariance = reach(p.ci95, p.estimate);
     if (!(by_profile > kBent * by_covariance)) continue;  // NaN: no profile
-    result.weak_directions.push_back(std::string(to_string(p.parameter)) +
-                                     ": the likelihood is far from a parabola, its profile reaches " +
-                                     (std::isfinite(by_profile)
-                                          ? number(by_profile / by_covariance, 2) + " times as far as"
-                                          : "beyond what") +
-                                     " the covariance says: quote the profile.");
-    worsen(result, Verdict::weak);
+    result.weak_directions.push_back(fmt::format(
+        "{}: the likelihood is far from a parabola, its profile reaches {}: quote the profile.",
+        to_string(p.parameter),
+        std::isfinite(by_profile) ? number(by_profile / by_covariance, 2) + " times as far as the covariance"
+                                  : std::string("to infinity")));
+    worsen(result.verdict, Verdict::weak);
   }
   if (was_identifiable && result.verdict != Verdict::identifiable && only_phi_varies(unknowns.problem()))
     result.weak_directions.push_back(kRotationLaw);

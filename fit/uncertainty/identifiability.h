@@ -1,4 +1,4 @@
-// What the data can and cannot tell, in words.
+// What the data can and cannot determine.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd&
                                 const Uncertainty& uncertainty);
 
 /// Where a profile reaches more than twice as far as the covariance the likelihood is far from a parabola
-/// (the minimum sits in a bend of a flat valley): weak, and said.
+/// (the minimum sits in a bend of a flat valley): weak, with a sentence.
 void compare_with_profiles(const Unknowns& unknowns, const std::vector<ParameterEstimate>& parameters,
                            Identifiability& result);
 

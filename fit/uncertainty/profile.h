@@ -11,7 +11,7 @@ namespace tribotrack::fit::internal {
 
 struct Profile {
   Interval interval;
-  std::optional<Minimum> better;  ///< a point below the minimum told: the fit must start again from there
+  std::optional<Minimum> better;  ///< a point below the minimum: the fit must start again from there
 };
 
 /// Where min over all other unknowns of chi^2 has risen by `rise` (3.84 for 95 %) on both sides of the

@@ -32,7 +32,7 @@ std::pair<Eigen::MatrixXd, double> inverse_of(const Eigen::MatrixXd& information
 /// P = V_0^-1 - V_0^-1 X S X' V_0^-1, and S holds the unknowns' covariance.
 class LikelihoodAt {
  public:
-  LikelihoodAt(const SlowSums& sums, const SlowNumbers& variances)
+  LikelihoodAt(const CorrelatedSums& sums, const PartNumbers& variances)
       : sums_(sums), variances_(variances), unknowns_(sums.data.cols() - 1) {
     for (std::size_t k = 0; sums.common && k < sums.common_part.size(); ++k) {
       const auto part = static_cast<Eigen::Index>(sums.common_part[k]);
@@ -45,18 +45,18 @@ class LikelihoodAt {
     solve();
     for (std::size_t i = 0; i < sums.runs.size(); ++i) add_run(i);
     add_common();
-    for (std::size_t g = 0; g < kSlowParts; ++g)
-      for (std::size_t h = 0; h < kSlowParts; ++h)
+    for (std::size_t g = 0; g < kErrorParts; ++g)
+      for (std::size_t h = 0; h < kErrorParts; ++h)
         result.information(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(h)) +=
             0.5 * (squares_[g] * s_).cwiseProduct((squares_[h] * s_).transpose()).sum();
-    for (std::size_t g = 0; g < kSlowParts; ++g) {
+    for (std::size_t g = 0; g < kErrorParts; ++g) {
       const Eigen::MatrixXd moved = s_ * (is_common(g) ? common_squares_[g] : squares_[g]) * s_;
       result.by_variance[g] = moved.bottomRightCorner(unknowns_, unknowns_);
     }
     result.covariance = s_.bottomRightCorner(unknowns_, unknowns_);
   }
 
-  SlowLikelihood result;
+  CorrelatedLikelihood result;
 
  private:
   Eigen::Index shared() const { return common_root_.size(); }
@@ -66,7 +66,7 @@ class LikelihoodAt {
   void eliminate_runs() {
     data_ = Eigen::MatrixXd::Zero(width() + 1, width() + 1);
     data_.bottomRightCorner(unknowns_ + 1, unknowns_ + 1) = sums_.data;
-    for (const SlowRunSums& run : sums_.runs) {
+    for (const CorrelatedRunSums& run : sums_.runs) {
       const auto m = static_cast<Eigen::Index>(run.part.size());
       Eigen::VectorXd root(m), unit(m);
       for (Eigen::Index j = 0; j < m; ++j) {
@@ -154,19 +154,19 @@ class LikelihoodAt {
     }
   }
 
-  const SlowSums& sums_;
-  const SlowNumbers& variances_;
+  const CorrelatedSums& sums_;
+  const PartNumbers& variances_;
   Eigen::Index unknowns_;
   Eigen::VectorXd common_unit_, common_root_;
   Eigen::MatrixXd data_, s_, by_common_;  ///< by_common_: C' V_0^-1 X
   Eigen::VectorXd scale_, shift_;
   std::vector<Eigen::MatrixXd> inside_, across_;
-  std::array<Eigen::MatrixXd, kSlowParts> squares_, common_squares_;  ///< sums of X' V_0^-1 u u' V_0^-1 X
+  std::array<Eigen::MatrixXd, kErrorParts> squares_, common_squares_;  ///< sums of X' V_0^-1 u u' V_0^-1 X
 };
 
 }  // namespace
 
-SlowLikelihood slow_likelihood_at(const SlowSums& sums, const SlowNumbers& variances) {
+CorrelatedLikelihood correlated_likelihood_at(const CorrelatedSums& sums, const PartNumbers& variances) {
   return LikelihoodAt(sums, variances).result;
 }
 

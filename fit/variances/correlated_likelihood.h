@@ -1,4 +1,4 @@
-// The restricted likelihood of slow errors' variances.
+// The restricted likelihood of the variances of correlated errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,15 +10,15 @@ namespace tribotrack::fit::internal {
 
 /// The restricted likelihood at variances (in their units), its slope, Fisher's information, and what the
 /// unknowns' covariance does.
-struct SlowLikelihood {
+struct CorrelatedLikelihood {
   double log = 0;
-  SlowNumbers slope = SlowNumbers::Zero();
-  SlowSquare information = SlowSquare::Zero();
+  PartNumbers slope = PartNumbers::Zero();
+  PartSquare information = PartSquare::Zero();
   Eigen::MatrixXd covariance;
-  std::array<Eigen::MatrixXd, kSlowParts> by_variance;  ///< of the covariance
+  std::array<Eigen::MatrixXd, kErrorParts> by_variance;  ///< of the covariance
 };
 
-/// See slow_variances.h for the formula.
-SlowLikelihood slow_likelihood_at(const SlowSums& sums, const SlowNumbers& variances);
+/// See correlated_variances.h for the formula.
+CorrelatedLikelihood correlated_likelihood_at(const CorrelatedSums& sums, const PartNumbers& variances);
 
 }  // namespace tribotrack::fit::internal

@@ -7,30 +7,30 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kFewestSharing = 3;  ///< runs: what two share is hardly told from their own
+constexpr int kFewestSharing = 3;  ///< runs: what two share is hardly separable from their own
 
 /// The part common to all runs that has the shape of a run's own; nothing for the walk.
 std::optional<std::size_t> common_of(std::size_t part) {
-  switch (static_cast<SlowPart>(part)) {
-    case SlowPart::drift:
-      return static_cast<std::size_t>(SlowPart::common_drift);
-    case SlowPart::circle:
-      return static_cast<std::size_t>(SlowPart::common_circle);
-    case SlowPart::overtones:
-      return static_cast<std::size_t>(SlowPart::common_overtones);
+  switch (static_cast<ErrorPart>(part)) {
+    case ErrorPart::drift:
+      return static_cast<std::size_t>(ErrorPart::common_drift);
+    case ErrorPart::circle:
+      return static_cast<std::size_t>(ErrorPart::common_circle);
+    case ErrorPart::overtones:
+      return static_cast<std::size_t>(ErrorPart::common_overtones);
     default:
       return std::nullopt;
   }
 }
 
 /// A run's columns of own shapes turned into its columns of common ones, and the common parts of these.
-Eigen::MatrixXd common_columns(const SlowShapes& shapes, std::vector<std::size_t>& parts) {
+Eigen::MatrixXd common_columns(const ErrorShapes& shapes, std::vector<std::size_t>& parts) {
   parts.clear();
   Eigen::MatrixXd result(2 * static_cast<Eigen::Index>(shapes.count()), 0);
   for (std::size_t j = 0; j < shapes.count(); ++j) {
     const auto common = common_of(shapes.part[j]);
     if (!common) continue;
-    SlowShapes as_common;
+    ErrorShapes as_common;
     as_common.part = {*common};
     as_common.way = shapes.way;
     const Eigen::Index column = result.cols();
@@ -44,31 +44,31 @@ Eigen::MatrixXd common_columns(const SlowShapes& shapes, std::vector<std::size_t
 
 }  // namespace
 
-SlowSums slow_sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
+CorrelatedSums correlated_sums_of(const Residuals& residuals, const Eigen::VectorXd& values) {
   Residuals white = residuals;
-  Scatter scatter = residuals.scatter();
-  scatter.slow = {};
-  white.set_scatter(scatter);
+  ExcessVariance scatter = residuals.excess_variance();
+  scatter.correlated = {};
+  white.set_excess_variance(scatter);
   Eigen::VectorXd r;
   Eigen::MatrixXd rows;
-  SlowSums sums;
+  CorrelatedSums sums;
   if (!white.evaluate(values, r, &rows)) return sums;
   const Eigen::VectorXd units = residuals.unknowns().natural_units(values);
   rows *= units.asDiagonal();
   rows.conservativeResize(Eigen::NoChange, rows.cols() + 1);
   rows.rightCols<1>() = r;
   sums.data = rows.transpose() * rows;
-  SlowNumbers count = SlowNumbers::Zero(), square = SlowNumbers::Zero();
+  PartNumbers count = PartNumbers::Zero(), square = PartNumbers::Zero();
   int sharing = 0;
-  for (std::size_t i = 0; i < residuals.scatter().trajectories.size(); ++i) {
-    const SlowShapes shapes = white.shapes(i, kOwnSlowParts);
+  for (std::size_t i = 0; i < residuals.excess_variance().trajectories.size(); ++i) {
+    const ErrorShapes shapes = white.shapes(i, kOwnParts);
     if (shapes.count() == 0) continue;
     const Eigen::MatrixXd u = whitened_shapes(shapes, white.white(i));
     std::vector<std::size_t> common_part;
-    SlowRunSums run{u.transpose() * u,
-                    u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()),
-                    {},
-                    common_columns(shapes, common_part)};
+    CorrelatedRunSums run{u.transpose() * u,
+                          u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()),
+                          {},
+                          common_columns(shapes, common_part)};
     if (common_part.size() > sums.common_part.size()) sums.common_part = common_part;
     ++sharing;
     for (Eigen::Index j = 0; j < u.cols(); ++j) {
@@ -79,11 +79,11 @@ SlowSums slow_sums_of(const Residuals& residuals, const Eigen::VectorXd& values)
     sums.runs.push_back(std::move(run));
   }
   sums.common = sharing >= kFewestSharing;
-  for (SlowRunSums& run : sums.runs)  // one whose platform rests shares nothing
+  for (CorrelatedRunSums& run : sums.runs)  // one whose platform rests shares nothing
     if (const auto all = static_cast<Eigen::Index>(sums.common_part.size()); run.to_common.cols() != all)
       run.to_common.setZero(run.shapes.rows(), all);
   sums.unit = count.array().max(1) / square.array().max(1e-300);
-  for (std::size_t part = 0; part < kSlowParts; ++part)
+  for (std::size_t part = 0; part < kErrorParts; ++part)
     if (const auto common = common_of(part))
       sums.unit(static_cast<Eigen::Index>(*common)) =
           sums.unit(static_cast<Eigen::Index>(part)) / std::max(1, sharing);

@@ -1,4 +1,4 @@
-// What the likelihood of slow errors needs of the residuals, summed once.
+// What the likelihood of correlated errors needs of the residuals, summed once.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,26 +9,26 @@
 namespace tribotrack::fit::internal {
 
 /// A number for each part.
-using SlowNumbers = Eigen::Matrix<double, static_cast<int>(kSlowParts), 1>;
-using SlowSquare = Eigen::Matrix<double, static_cast<int>(kSlowParts), static_cast<int>(kSlowParts)>;
+using PartNumbers = Eigen::Matrix<double, static_cast<int>(kErrorParts), 1>;
+using PartSquare = Eigen::Matrix<double, static_cast<int>(kErrorParts), static_cast<int>(kErrorParts)>;
 
 /// All that the likelihood needs of one run: U'U and U'[J r].
-struct SlowRunSums {
+struct CorrelatedRunSums {
   Eigen::MatrixXd shapes, data;
   std::vector<std::size_t> part;  ///< of each column of U
   Eigen::MatrixXd to_common;      ///< U times it, one run below the other, are the shapes common to all
 };
 
-struct SlowSums {
-  std::vector<SlowRunSums> runs;
+struct CorrelatedSums {
+  std::vector<CorrelatedRunSums> runs;
   Eigen::MatrixXd data;  ///< [J r]'[J r] of all rows
-  SlowNumbers unit;      ///< m^2: the variance of each part at which it is as large as the white noise
+  PartNumbers unit;      ///< m^2: the variance of each part at which it is as large as the white noise
   std::vector<std::size_t> common_part;  ///< of each common column
-  bool common = false;                   ///< whether runs are enough to tell what they share
+  bool common = false;                   ///< whether runs are enough to separate what they share
 };
 
-/// Of the residuals at `values` and their Jacobian, whitened but for slow errors; no runs where the model
-/// fails.
-SlowSums slow_sums_of(const Residuals& residuals, const Eigen::VectorXd& values);
+/// Of the residuals at `values` and their Jacobian, whitened but for correlated errors; no runs where the
+/// model fails.
+CorrelatedSums correlated_sums_of(const Residuals& residuals, const Eigen::VectorXd& values);
 
 }  // namespace tribotrack::fit::internal

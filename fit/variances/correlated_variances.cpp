@@ -12,22 +12,22 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of twice the log-likelihood. What is common to all runs is told by few coefficients and, where it is there
+/// Of twice the log-likelihood. What is common to all runs rests on few coefficients and, where it is there
 /// by chance, costs most: chances are 2 % and 0.7 % (half of chi^2 with one degree of freedom).
-constexpr double kAsks = 4, kCommonAsks = 6;
+constexpr double kLeastGain = 4, kLeastCommonGain = 6;
 constexpr int kRounds = 60;
 constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
 struct Place {
-  SlowNumbers variances;
-  SlowLikelihood likelihood;
+  PartNumbers variances;
+  CorrelatedLikelihood likelihood;
 };
 
 /// Fisher's scoring over the parts `allowed`, none below 0.
-Place most_likely(const SlowSums& sums, const SlowWanted& allowed, SlowNumbers variances) {
-  for (std::size_t g = 0; g < kSlowParts; ++g)
+Place most_likely(const CorrelatedSums& sums, const ErrorParts& allowed, PartNumbers variances) {
+  for (std::size_t g = 0; g < kErrorParts; ++g)
     if (!allowed[g]) variances(static_cast<Eigen::Index>(g)) = 0;
-  Place here{variances, slow_likelihood_at(sums, variances)};
+  Place here{variances, correlated_likelihood_at(sums, variances)};
   for (int round = 0; round < kRounds; ++round) {
     std::vector<Eigen::Index> moving;
     for (Eigen::Index g = 0; g < variances.size(); ++g)
@@ -44,7 +44,7 @@ Place most_likely(const SlowSums& sums, const SlowWanted& allowed, SlowNumbers v
         double& variance = there.variances(moving[k]);
         variance = std::max(0.0, variance + share * step(static_cast<Eigen::Index>(k)));
       }
-      there.likelihood = slow_likelihood_at(sums, there.variances);
+      there.likelihood = correlated_likelihood_at(sums, there.variances);
       if (!(there.likelihood.log > here.likelihood.log)) continue;
       moved = there.likelihood.log - here.likelihood.log > kArrived;
       here = std::move(there);
@@ -54,19 +54,19 @@ Place most_likely(const SlowSums& sums, const SlowWanted& allowed, SlowNumbers v
   return here;
 }
 
-double asks_of(std::size_t part) {
-  return is_common(part) ? kCommonAsks : kAsks;
+double least_gain(std::size_t part) {
+  return is_common(part) ? kLeastCommonGain : kLeastGain;
 }
 
-/// The part that the likelihood asks for least, by Wald's measure over what it has to ask.
+/// The part that the likelihood needs least: Wald's statistic over the gain required of it.
 std::size_t least_of(const Place& place) {
   std::size_t least = 0;
   double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t g = 0; g < kSlowParts; ++g) {
+  for (std::size_t g = 0; g < kErrorParts; ++g) {
     const auto k = static_cast<Eigen::Index>(g);
     const double size = place.variances(k);
     if (!(size > 0)) continue;
-    const double asks = size * size * place.likelihood.information(k, k) / asks_of(g);
+    const double asks = size * size * place.likelihood.information(k, k) / least_gain(g);
     if (asks < lowest) lowest = asks, least = g;
   }
   return least;
@@ -74,30 +74,30 @@ std::size_t least_of(const Place& place) {
 
 }  // namespace
 
-SlowEstimate estimate_slow_errors(const Residuals& residuals, const Eigen::VectorXd& values) {
-  SlowEstimate result;
+CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const Eigen::VectorXd& values) {
+  CorrelatedEstimate result;
   result.degrees_of_freedom =
       Eigen::VectorXd::Constant(values.size(), std::numeric_limits<double>::infinity());
-  const SlowSums sums = slow_sums_of(residuals, values);
+  const CorrelatedSums sums = correlated_sums_of(residuals, values);
   if (sums.runs.empty()) return result;
 
-  SlowWanted allowed = kOwnSlowParts;
-  for (std::size_t part = 0; part < kSlowParts; ++part)
+  ErrorParts allowed = kOwnParts;
+  for (std::size_t part = 0; part < kErrorParts; ++part)
     if (is_common(part)) allowed[part] = sums.common;
-  SlowNumbers guess = Eigen::Map<const SlowNumbers>(residuals.scatter().slow.data());
+  PartNumbers guess = Eigen::Map<const PartNumbers>(residuals.excess_variance().correlated.data());
   Place place = most_likely(sums, allowed, guess.cwiseQuotient(sums.unit));
   while (place.variances.maxCoeff() > 0) {
-    for (std::size_t g = 0; g < kSlowParts; ++g)
+    for (std::size_t g = 0; g < kErrorParts; ++g)
       allowed[g] = place.variances(static_cast<Eigen::Index>(g)) > 0;
     const std::size_t least = least_of(place);
     allowed[least] = false;
     Place without = most_likely(sums, allowed, place.variances);
-    if (!(2 * (place.likelihood.log - without.likelihood.log) < asks_of(least))) break;
+    if (!(2 * (place.likelihood.log - without.likelihood.log) < least_gain(least))) break;
     place = std::move(without);
   }
 
-  const SlowNumbers& best = place.variances;
-  const SlowLikelihood& at = place.likelihood;
+  const PartNumbers& best = place.variances;
+  const CorrelatedLikelihood& at = place.likelihood;
   std::vector<Eigen::Index> present;
   for (Eigen::Index g = 0; g < best.size(); ++g)
     if (best(g) > 0) present.push_back(g);

@@ -5,14 +5,13 @@
 #include <cmath>
 
 #include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kAsks = 1e-3;     ///< of points and of repeated runs
-constexpr double kRunsAsk = 0.05;  ///< of runs: see estimate_scatter
 constexpr int kFewestRepetitions =
-    6;  ///< degrees of freedom: fewer tell their own scatter to a third at best
+    6;  ///< degrees of freedom: fewer determine their own scatter to a third at best
 
 double chi2_with(const std::vector<Eigen::Vector2d>& residuals,
                  const std::vector<Eigen::Matrix2d>& covariances, double added) {
@@ -27,10 +26,10 @@ double chi2_with(const std::vector<Eigen::Vector2d>& residuals,
 /// s with chi^2(s) = expected; 0 where chi^2(0) is no surprise.
 double scatter_for(const std::vector<Eigen::Vector2d>& residuals,
                    const std::vector<Eigen::Matrix2d>& covariances, double expected, bool already,
-                   double asks = kAsks) {
+                   double level = kSurprise) {
   if (!(expected > 0)) return 0;
   const double now = chi2_with(residuals, covariances, 0);
-  if (already ? now <= expected : chi2_survival(now, expected) >= asks) return 0;
+  if (already ? now <= expected : chi2_survival(now, expected) >= level) return 0;
   double high = 0;
   for (const auto& r : residuals) high = std::max(high, r.norm());
   double low = 0;
@@ -53,8 +52,8 @@ Eigen::Matrix2d turn_of(const SummaryRun& run) {
 }
 
 void between_runs(const Problem& problem, const std::vector<Eigen::Vector2d>& differences,
-                  const std::vector<Eigen::Matrix2d>& covariances, double expected, Scatter& result) {
-  const double both = scatter_for(differences, covariances, expected, result.runs() > 0, kRunsAsk);
+                  const std::vector<Eigen::Matrix2d>& covariances, double expected, ExcessVariance& result) {
+  const double both = scatter_for(differences, covariances, expected, result.runs() > 0, kDoubt);
   result.along = result.across = both;
   if (!(both > 0)) return;
   std::vector<Eigen::Vector2d> parts[2];
@@ -124,15 +123,15 @@ Replicates replicates(const Problem& problem) {
   // Stretched deviations number more than their freedom: chi^2 of them is theirs times that ratio.
   const double stretched = 2 * static_cast<double>(deviations.size()), dof = result.dof;
   const double chi2 = chi2_with(deviations, covariances, 0) * dof / stretched;
-  if (chi2_survival(chi2, dof) < kAsks)
+  if (chi2_survival(chi2, dof) < kSurprise)
     result.scatter = scatter_for(deviations, covariances, stretched, true);
   return result;
 }
 
-Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
-                         const Eigen::VectorXd& whitened) {
+ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
+                                        const Eigen::VectorXd& whitened) {
   const auto& problem = residuals.unknowns().problem();
-  Scatter result = residuals.scatter();
+  ExcessVariance result = residuals.excess_variance();
   const double data = 2.0 * static_cast<double>(problem.summary_runs.size());
   double points = 0;
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
@@ -144,7 +143,7 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
     differences.push_back(residuals.difference(whitened, i));
     covariances.push_back(problem.summary_runs[i].measured.covariance);
   }
-  // The unknowns take their share of the freedom from runs and points alike.
+  // The unknowns take their share of the freedom from runs and points in proportion.
   const double unknowns = static_cast<double>(residuals.unknowns().size());
   const double share = std::max(0.0, 1 - unknowns / (data + points));
   between_runs(problem, differences, covariances, data * share, result);
@@ -155,10 +154,10 @@ Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& valu
     auto& scatter = result.trajectories[i];
     covariances.clear();
     std::vector<double> x, y;
-    std::vector<Eigen::Vector2d> quick;  // slow errors are told apart
+    std::vector<Eigen::Vector2d> quick;  // correlated errors are separate
     for (std::size_t k = 0; k < run.row.size(); ++k) {
       covariances.push_back(problem.trajectory_runs[i].track.covariance[run.row[k]]);
-      quick.push_back(run.residual[k] - run.slow[k]);
+      quick.push_back(run.residual[k] - run.correlated[k]);
       x.push_back(quick.back().x());
       y.push_back(quick.back().y());
     }

@@ -1,4 +1,4 @@
-// Scatter beyond the data's own sigma.
+// Excess variance: scatter beyond the data's own sigma.
 #pragma once
 
 #include "fit/minimum/minimise.h"
@@ -9,15 +9,16 @@ namespace tribotrack::fit::internal {
 /// the present minimum: one between summary runs, the same along and across their displacements unless the
 /// two differ at the level of 1 % (then one for v and one for alpha); one between the points of each
 /// trajectory run, with the correlation time of its residuals (neighbouring points share their error: their
-/// number overstates what they tell). Zero where chi^2 does not ask: p >= 0.001 of points; p >= 0.05 of runs,
-/// whose slow errors of tracking may be as large as their own sigma and are not seen sooner by so few.
-Scatter estimate_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
-                         const Eigen::VectorXd& whitened);
+/// number overstates their information). Zero where chi^2 does not require it: p >= 0.001 of points; p >=
+/// 0.05 of runs, whose correlated tracking errors may be as large as their own sigma, which so few cannot
+/// show.
+ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
+                                        const Eigen::VectorXd& whitened);
 
 /// What runs with the same phi, dtau, drive, start and length scatter about their means, whatever the model
-/// says: chi^2 keeps its meaning beside it.
+/// predicts: chi^2 keeps its meaning beside it.
 struct Replicates {
-  double scatter = 0;  ///< m per axis beyond their own sigma; 0 where they do not ask for it (p >= 0.001)
+  double scatter = 0;  ///< m per axis beyond their own sigma; 0 where they do not require it (p >= 0.001)
   int dof = 0;         ///< two for each repetition
 };
 Replicates replicates(const Problem& problem);

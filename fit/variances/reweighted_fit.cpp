@@ -36,51 +36,53 @@ double largest_change(const Weights& a, const Weights& b) {
   return change;
 }
 
-bool unchanged(const Scatter& was, const Scatter& is) {
+bool unchanged(const ExcessVariance& was, const ExcessVariance& is) {
   bool same = std::abs(is.along - was.along) <= 1e-3 * was.along &&
               std::abs(is.across - was.across) <= 1e-3 * was.across;
   for (std::size_t i = 0; i < is.trajectories.size(); ++i)
     same = same && std::abs(is.trajectories[i].between_points - was.trajectories[i].between_points) <=
                        1e-2 * was.trajectories[i].between_points;
-  for (std::size_t part = 0; part < kSlowParts; ++part)
-    same = same && std::abs(is.slow[part] - was.slow[part]) <= 3e-2 * was.slow[part];  // known to 20 %
+  for (std::size_t part = 0; part < kErrorParts; ++part)
+    same = same && std::abs(is.correlated[part] - was.correlated[part]) <=
+                       3e-2 * was.correlated[part];  // known to 20 %
   return same;
 }
 
 }  // namespace
 
-bool any(const Scatter& scatter) {
+bool any(const ExcessVariance& scatter) {
   return scatter.runs() > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
                                            [](const auto& run) { return run.between_points > 0; });
 }
 
-SlowEstimate settle(Residuals& residuals, Minimum& best, const Settling& settling) {
+CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Reweighting& reweighting) {
   const Unknowns& unknowns = residuals.unknowns();
-  const bool squares = settling.loss == Loss::squares;
-  SlowEstimate slow;
+  const bool squares = reweighting.loss == Loss::squares;
+  CorrelatedEstimate correlated;
   for (int round = 0; round < kRounds; ++round) {
     const Residuals before = residuals;
     if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
     const Eigen::VectorXd values = unknowns.values(best.z);
-    if (settling.slow_errors) {
-      slow = estimate_slow_errors(residuals, values);
-      Scatter scatter = residuals.scatter();
-      scatter.slow = slow.variances;
-      residuals.set_scatter(scatter);
+    if (reweighting.correlated_errors) {
+      correlated = estimate_correlated_errors(residuals, values);
+      ExcessVariance scatter = residuals.excess_variance();
+      scatter.correlated = correlated.variances;
+      residuals.set_excess_variance(scatter);
     }
-    if (settling.scatter)
-      residuals.set_scatter(squares ? estimate_scatter(residuals, values, best.residuals)
-                                    : robust_scatter(residuals, values, best.residuals));
-    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, settling.loss));
-    const Scatter &was = before.scatter(), &is = residuals.scatter();
-    if (squares && !any(is) && is.slow == SlowVariances{} && was.slow == is.slow) return slow;
+    if (reweighting.scatter)
+      residuals.set_excess_variance(squares ? estimate_excess_variance(residuals, values, best.residuals)
+                                            : robust_excess_variance(residuals, values, best.residuals));
+    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, reweighting.loss));
+    const ExcessVariance &was = before.excess_variance(), &is = residuals.excess_variance();
+    if (squares && !any(is) && is.correlated == CorrelatedVariances{} && was.correlated == is.correlated)
+      return correlated;
     const double change = largest_change(residuals.weights(), before.weights());
     MinimiseOptions options;
     if (reweigh(best, before, residuals)) options.evaluated = &best;
     best = minimise(residuals, best.z, options);
-    if (round > (settling.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return slow;
+    if (round > (reweighting.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return correlated;
   }
-  return slow;
+  return correlated;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -8,17 +8,17 @@
 namespace tribotrack::fit::internal {
 
 /// What is estimated beside the parameters.
-struct Settling {
-  bool slow_errors = false;  ///< of driven trajectory runs
-  bool scatter = false;      ///< of runs and points
+struct Reweighting {
+  bool correlated_errors = false;  ///< of driven trajectory runs
+  bool scatter = false;            ///< of runs and points
   Loss loss = Loss::squares;
 };
 
-/// Descends from `best`, estimates slow errors, scatter and weights there, and again, until none moves: a few
-/// rounds. On return the residuals carry all of them.
-SlowEstimate settle(Residuals& residuals, Minimum& best, const Settling& settling);
+/// Descends from `best`, estimates correlated errors, scatter and weights there, and again, until none moves:
+/// a few rounds. On return the residuals carry all of them.
+CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Reweighting& reweighting);
 
-/// Of runs or points; slow errors are another matter.
-bool any(const Scatter& scatter);
+/// Of runs or points; correlated errors are not counted.
+bool any(const ExcessVariance& scatter);
 
 }  // namespace tribotrack::fit::internal

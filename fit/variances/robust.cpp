@@ -39,20 +39,14 @@ std::vector<double> point_squares(const Residuals& residuals, const PointResidua
   return squares;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// s at which `squares_at(s)` have the median of good data; 0 where they do without.
 template <class Squares>
 double scatter_by_median(const Squares& squares_at, double longest, double expected) {
-  if (median(squares_at(0)) <= 2 * expected) return 0;
+  if (upper_median(squares_at(0)) <= 2 * expected) return 0;
   double low = 0, high = longest;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    (median(squares_at(middle)) > expected ? low : high) = middle;
+    (upper_median(squares_at(middle)) > expected ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -82,7 +76,7 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
   const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
     const auto squares = point_squares(residuals, residuals.points(values, i, common), i,
-                                       residuals.scatter().trajectories[i].between_points);
+                                       residuals.excess_variance().trajectories[i].between_points);
     std::vector<double> points;
     for (const double square : squares) points.push_back(robust_weight(std::sqrt(square), loss));
     weights.points.push_back(points);
@@ -90,10 +84,10 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
   return weights;
 }
 
-Scatter robust_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
-                       const Eigen::VectorXd& whitened) {
+ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
+                                      const Eigen::VectorXd& whitened) {
   const Problem& problem = residuals.unknowns().problem();
-  Scatter result = residuals.scatter();
+  ExcessVariance result = residuals.excess_variance();
   const double runs = static_cast<double>(problem.summary_runs.size());
   if (runs >= 3) {
     const double share = std::max(0.2, 1 - static_cast<double>(residuals.unknowns().size()) / (2 * runs));

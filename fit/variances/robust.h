@@ -16,14 +16,14 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
                        const Eigen::VectorXd& whitened, Loss loss);
 
 /// As estimate_scatter, but by the median distance, which a minority of outliers cannot move.
-Scatter robust_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
-                       const Eigen::VectorXd& whitened);
+ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
+                                      const Eigen::VectorXd& whitened);
 
 /// The factor on (J'J)^-1, J unweighted, that makes it the covariance of an M-estimate (Huber 1981, eq.
 /// 7.6.5): K^2 [sum psi^2/(n - p)]/[mean psi']^2, K = 1 + p/n var psi'/(mean psi')^2.
 double robust_covariance_factor(const Residuals& residuals, const Eigen::VectorXd& whitened, Loss loss);
 
-/// What that means, in words.
+/// A sentence on what that means.
 const char* robust_meaning(Loss loss);
 
 }  // namespace tribotrack::fit::internal

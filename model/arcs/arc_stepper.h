@@ -1,4 +1,4 @@
-// Sliding in long arcs where nobody asks what happens inside them.
+// Sliding in long arcs: each solved as a whole by collocation, as long as its tolerance allows.
 #pragma once
 
 #include <algorithm>

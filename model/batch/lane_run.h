@@ -1,4 +1,4 @@
-// One run that travels in a lane: between its steps it says what it needs next.
+// One run solved in a lane: after every step it states which kind of step it needs next.
 #pragma once
 
 #include <cmath>

@@ -52,14 +52,14 @@ class Cut {
           return a.span / a.parts < b.span / b.parts;
         })->parts;
   }
-  /// told(part, from, span, reduced)
-  template <class Told>
-  void each_part(const Told& told) const {
+  /// visit(part, from, span, reduced)
+  template <class Visit>
+  void each_part(const Visit& visit) const {
     int part = 0;
     for (int i = 0; i < count_; ++i) {
       const Stretch& s = stretches_[static_cast<std::size_t>(i)];
       for (int k = 0; k < s.parts; ++k, ++part)
-        told(part, s.from + s.span * k / s.parts, s.span / s.parts, s.reduced);
+        visit(part, s.from + s.span * k / s.parts, s.span / s.parts, s.reduced);
     }
   }
 

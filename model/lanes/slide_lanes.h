@@ -20,7 +20,7 @@ struct SlideLanes {
 };
 
 /// Carries every lane on by one step of its own length, at most to where its friction changes (left = 0). The
-/// lanes know nothing of each other: who travels with whom leaves no trace in the results.
+/// lanes are independent: results do not depend on which runs share a vector.
 using SlideStep = void (*)(SlideLanes& lanes);
 
 /// Of the motion alone, and with two neighbours.

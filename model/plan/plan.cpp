@@ -146,9 +146,9 @@ PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbi
 PlanStage dense_output(const Scene& scene, const PlanPurpose& purpose) {
   if (purpose.path)
     return {"dense output", true,
-            "the motion between start and end is wanted: shorter arcs, all of them kept", 0, 0};
+            "the motion between start and end is needed: shorter arcs, all of them stored", 0, 0};
   return {"dense output", false,
-          "the end alone is wanted: arcs as long as their ends allow, none of them kept",
+          "only the end point is needed: arcs as long as their ends allow, none of them stored",
           cost::saving(1, scene.may_stick ? cost::kDenseSticking : cost::kDense), 0};
 }
 
@@ -158,7 +158,7 @@ PlanStage derivatives(const PlanPurpose& purpose) {
             with_figures("%.0f parameters: %.2g times the time of a plain run", purpose.derivatives,
                          cost::derivatives(purpose.derivatives)),
             0, 0};
-  return {"derivatives", false, "nobody asks for them: only a fit does",
+  return {"derivatives", false, "not needed: derivatives are used by fits only",
           cost::saving(1, cost::derivatives(3)), 0};
 }
 

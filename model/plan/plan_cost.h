@@ -1,7 +1,7 @@
 // What the machinery of the friction model costs, in microseconds of the machine it was measured on (only
 // ratios count): from these the plan predicts what it saves. Medians of CPU times over the conditions of the
-// source paper (20 cycles, mu1 = 0.05 .. 0.12); how to measure them again: `tribotrack bench model` prints
-// predicted beside measured savings.
+// source paper (20 cycles, mu1 = 0.05 .. 0.12). `tribotrack bench model` prints predicted beside measured
+// savings.
 #pragma once
 
 #include <algorithm>

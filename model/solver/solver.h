@@ -1,4 +1,5 @@
-// One run through its cycles: edges passed, repeating cycles taken as copies.
+// Eq. (5) integrated over a run, cycle by cycle: from pulse edge to pulse edge by the Stepper (stepper.h);
+// cycles that repeat are taken as copies of the last one.
 #pragma once
 
 #include <cmath>
@@ -82,8 +83,8 @@ void Solver<T>::run() {
   run_until(in_.rest);
 }
 
-/// To the same phase of the next cycle. Where nobody asks for the time between, that is the last edge's: the
-/// stretch from there to the next cycle's first edge is one.
+/// To the same phase of the next cycle. Without dense output that is the last edge's phase, so that the
+/// stretch from there to the next cycle's first edge is a single one.
 template <class T>
 void Solver<T>::run_cycle() {
   pass_edges(kTwoPi);
@@ -163,7 +164,7 @@ void Solver<T>::skip_repeating_cycles() {
   }
 }
 
-/// One more cycle with its dependence on where it begins, which tells of all later ones.
+/// One more cycle with its dependence on its start, from which all later ones follow.
 template <class T>
 void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
   Solver<Jet<2>> solver(lifted<Jet<2>>(in_));

@@ -1,4 +1,4 @@
-// What one run is told: the scaled problem, its edges, where it starts and ends.
+// The input of one run: the scaled problem, its pulse edges, start and end.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace tribotrack::model::internal {
 
-/// Everything the solver is told.
+/// Everything the solver needs.
 template <class T>
 struct SolverInput {
   ScaledProblem<T> problem;

@@ -1,4 +1,6 @@
-// The part between two edges: stretches of one friction law, step by step, through stops and releases.
+// Eq. (5) integrated between two pulse edges, where mu is constant: advance() holds a sticking part to its
+// release and carries a slipping one by long arcs, Taylor series, or, near zero speed, in polar coordinates
+// to a stop.
 #pragma once
 
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "model/series/rest_series.h"
 #include "model/solver/piece.h"
 #include "model/solver/solver_input.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::model::internal {
 
@@ -57,7 +60,7 @@ class Stepper {
   void advance(double target);
   /// From here on the other law holds.
   void apply(const Edge<T>& edge);
-  /// The same instant, told from the next cycle's begin.
+  /// The same instant, counted from the next cycle's begin.
   void enter_next_cycle() {
     s_ = s_ == kTwoPi ? 0 : (s_ - kTwoPi) - kTwoPiRest;
     cycle_ += 1;
@@ -110,8 +113,8 @@ class Stepper {
   double strength_bound() const { return drive_bound_ + value(kappa()); }
   void count_step() {
     if (++counts.steps > max_steps_)
-      throw std::runtime_error("integrate: more than max_steps = " + std::to_string(max_steps_) +
-                               " steps; raise IntegrationOptions::max_steps or shorten the run");
+      throw StepLimitExceeded("integrate: more than max_steps = " + std::to_string(max_steps_) +
+                              " steps; raise IntegrationOptions::max_steps or shorten the run");
     contact_ = {reduced_, false};
   }
   Piece<T> begin_piece() {

@@ -199,7 +199,8 @@ TEST(Estimate, AnUnknownTiltShowsAndCanBeFitted) {
   EXPECT_NEAR(seeing.value(FitParameter::mu1), 0.1, 1e-6);
 }
 
-// Displacements cannot see a wrong w (mu2 takes it up): it must be told as a systematic, and truly.
+// Displacements cannot see a wrong w (mu2 takes it up): it must be reported as a systematic, with the right
+// size.
 TEST(Estimate, AWrongFrequencyMovesTheParametersAsTold) {
   FitOptions options;
   options.profiles = false;
@@ -309,7 +310,23 @@ TEST(Estimate, RefusesWhatCannotBeFitted) {
   EXPECT_THROW(estimate(bad), model::InvalidParameter);
 }
 
-TEST(Estimate, TheReportSaysWhatAReaderNeeds) {
+TEST(Estimate, RefusesOptionsThatMeanNothing) {
+  const Problem problem = exact_problem({test::scenario({}, 1, 1)});
+  const auto refuses = [&](const FitOptions& options, const char* name) {
+    try {
+      estimate(problem, options);
+      ADD_FAILURE() << "accepted: " << name;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  };
+  refuses({.threads = 0}, "threads = 0");
+  refuses({.multi_starts = 0}, "multi_starts = 0");
+  refuses({.bootstrap = -1}, "bootstrap = -1");
+  EXPECT_NO_THROW(FitOptions{}.validate());
+}
+
+TEST(Estimate, TheReportHoldsWhatAReaderNeeds) {
   FitOptions options;
   options.multi_starts = 2;
   const FitResult result = estimate(exact_problem(test::fourteen({})), options);

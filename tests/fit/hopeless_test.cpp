@@ -77,11 +77,11 @@ TEST(Hopeless, OneRunOnly) {
   for (const auto& p : alone.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
   ASSERT_TRUE(alone.next_experiment);
   EXPECT_GT(std::abs(alone.next_experiment->dtau - pi / 3), 0.1);
-  // With a loose prior there is a number for everything, and it is said where it comes from.
+  // With a loose prior there is a number for everything, and the report states where it comes from.
   problem.prior[FitParameter::lag] = {0, 0.5};
   const FitResult result = estimate(problem, quick());
   EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
-  EXPECT_THAT(said(result), HasSubstr("phase_lag_rad is told by its prior, not by the data"));
+  EXPECT_THAT(said(result), HasSubstr("phase_lag_rad is determined by its prior, not by the data"));
 }
 
 // With mu1 = mu2 the noise alone would place the pulse: a lag with an interval that excludes the truth.
@@ -124,7 +124,7 @@ TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
   for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
 }
 
-// Nobody asked for rivals: the residuals do, in the order tilt, laws; or they are called scatter.
+// Alternative models without an option: where the residuals require it, tilt, then laws; or scatter.
 TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
   using Kind = model::RivalLaw::Kind;
   for (const model::RivalLaw law : {model::RivalLaw{Kind::stribeck, 0.15}, {Kind::viscous, 2.0}}) {
@@ -148,7 +148,7 @@ TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
       const FitResult result = estimate(problem, quick());
       EXPECT_LT(result.p_value, 1e-3);
       ASSERT_FALSE(result.models.empty());
-      // Named, or told as scatter that the intervals count.
+      // Named, or reported as scatter that the intervals count.
       const bool named = result.models.size() > 2;
       if (named) {
         EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with"))) << said(result);
@@ -222,7 +222,7 @@ TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
   EXPECT_GE(inside, 9);
 }
 
-// The fit cannot see it: d ln mu1 = 2 d ln w. What it says must cover it.
+// The fit cannot see it: d ln mu1 = 2 d ln w. The systematics must cover it.
 TEST(Hopeless, AFrequencyWrongByFivePercentIsToldAsASystematic) {
   std::mt19937 random(3);
   Problem problem = campaign(test::fourteen({}), random);
@@ -262,7 +262,7 @@ TEST(Hopeless, EveryParameterAtOnceWithPriors) {
   EXPECT_NEAR(result.value(mu1), 0.1, 4 * result.parameters[0].sd);
   // d ln mu1 = d ln A + 2 d ln w
   EXPECT_GT(result.parameters[0].sd / 0.1, 0.9 * std::hypot(0.01, 0.01));
-  EXPECT_THAT(said(result), HasSubstr("told by its prior"));
+  EXPECT_THAT(said(result), HasSubstr("determined by its prior"));
 }
 
 }  // namespace

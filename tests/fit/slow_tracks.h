@@ -1,4 +1,4 @@
-// Tracks with slow errors of known size.
+// Tracks with correlated errors of known size.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline fit::TrajectoryRun slow_track(const model::Scenario& truth, double rate, 
   run.name =
       "phi " + std::to_string(truth.friction.phase) + " dtau " + std::to_string(truth.friction.pulse_width);
   run.scenario = truth;
-  run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // nothing of the truth is told
+  run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // no hint of the truth
   run.scenario.friction.lag = run.scenario.drive.tilt_x = run.scenario.drive.tilt_y = 0;
   const auto motion = model::integrate(truth, {});
   std::normal_distribution<double> normal;

@@ -217,7 +217,7 @@ TEST(FreeSlide, OnlyMu1IsKnownToIt) {
   EXPECT_FALSE(result.usable());
   ASSERT_FALSE(result.identifiability.weak_directions.empty());
   EXPECT_THAT(result.identifiability.weak_directions[0],
-              HasSubstr("mu2 moves no observable: a free slide knows mu1"));
+              HasSubstr("mu2 moves no observable: a free slide depends on mu1"));
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs[0].track.time.resize(5);
   problem.trajectory_runs[0].track.position.resize(5);

@@ -52,32 +52,25 @@ struct SlidingScene {
   }
 };
 
-class SceneSource : public FrameSource {
+/// A sliding scene's recording, which counts how often it is read.
+class SceneSource : public MemorySource {
  public:
-  explicit SceneSource(const SlidingScene& scene) {
-    const SceneRenderer renderer(scene.scene);
-    for (int k = 0; k < scene.frames; ++k)
-      pictures_.push_back(renderer.render(k, 0, 0, [&](double) { return scene.pose(k); }));
-    info_.path = "rendered";
-    info_.width = scene.scene.width;
-    info_.height = scene.scene.height;
-    info_.bits = scene.scene.bits;
-    info_.frame_count = scene.frames;
-    info_.time_base.rate_hz = 250;
-    info_.time_base.source = "test";
-  }
+  explicit SceneSource(const SlidingScene& scene) : MemorySource(rendered(scene), 250, scene.scene.bits) {}
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     ++reads_;
-    const Picture& frame = pictures_.at(static_cast<std::size_t>(index));
-    picture = Picture(window.width, window.height);
-    for (int y = 0; y < window.height; ++y)
-      std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+    MemorySource::read(index, window, picture);
   }
   using FrameSource::read;
   std::int64_t reads() const { return reads_; }
 
  private:
-  std::vector<Picture> pictures_;
+  static std::vector<Picture> rendered(const SlidingScene& scene) {
+    const SceneRenderer renderer(scene.scene);
+    std::vector<Picture> pictures;
+    for (int k = 0; k < scene.frames; ++k)
+      pictures.push_back(renderer.render(k, 0, 0, [&](double) { return scene.pose(k); }));
+    return pictures;
+  }
   std::int64_t reads_ = 0;
 };
 

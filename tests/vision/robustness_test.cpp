@@ -335,7 +335,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      GlareSpot{"Middling", 25, 40}, GlareSpot{"BrightWide", 60, 80})),
     spot_name);
 
-TEST(StandingLight, IsNotLookedForTwiceWhereThereIsNone) {
+TEST(StaticIllumination, IsNotLookedForTwiceWhereThereIsNone) {
   Recording r;
   r.scene.platform.texture_rms = 8;
   const Outcome o = followed("even light", r);
@@ -394,15 +394,15 @@ TEST_P(Robustness, DiscsOf8And400Pixels) {
 INSTANTIATE_TEST_SUITE_P(PlatformTexture, Robustness, testing::Values(0.0, 8.0),
                          [](const auto& texture) { return texture.param > 0 ? "Brushed" : "Plain"; });
 
-TEST(Strangers, SpreadFromWhatLiesTogetherOnly) {
+TEST(OutlierPixels, SpreadFromWhatLiesTogetherOnly) {
   const std::vector<TilePlace> places{{0, 0}, {8, 0}};
-  std::vector<unsigned char> strange(2 * kTilePixels);
+  std::vector<unsigned char> outliers(2 * kTilePixels);
   const auto at = [&](int x, int y) -> unsigned char& {
-    return strange[static_cast<std::size_t>(x / 8) * kTilePixels + static_cast<std::size_t>(8 * y + x % 8)];
+    return outliers[static_cast<std::size_t>(x / 8) * kTilePixels + static_cast<std::size_t>(8 * y + x % 8)];
   };
   at(7, 3) = at(7, 4) = at(8, 3) = 1;  // across the tiles' border
   at(1, 1) = 1;                        // a speck
-  const std::size_t count = spread_strangers(places, 2, strange);
+  const std::size_t count = spread_outliers(places, 2, outliers);
   std::size_t expected = 0;
   for (int y = 0; y < 8; ++y)
     for (int x = 0; x < 16; ++x) {
@@ -439,9 +439,9 @@ TEST(BadPixels, AreFoundAndNothingElseIs) {
     for (const Pixel& q : bad) p.at(q.x, q.y) = q.x == 10 ? 0.0F : 255.0F;
   };
   RenderedSource source = r.source();
-  std::vector<Picture> frames;
-  for (int k = 0; k < 4; ++k) frames.push_back(source.read(k));
-  const auto found = find_bad_pixels(frames, 4);
+  BadPixelSearch search(source.read(0), 4);
+  for (int k = 1; k < 4; ++k) search.look(source.read(k));
+  const auto found = search.found();
   ASSERT_EQ(found.size(), bad.size());
   for (const Pixel& q : bad)
     EXPECT_TRUE(

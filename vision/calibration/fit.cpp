@@ -15,7 +15,8 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr std::size_t kFewestPictures = 3;  ///< besides the plane's
-constexpr double kLeastTurn = 0.09;  ///< rad between the boards' directions: less tells no focal length
+constexpr double kLeastTurn =
+    0.09;  ///< rad between the boards' directions: less does not fix the focal length
 constexpr double kWorstFocal = 0.1;  ///< relative sd of the focal length that still means something
 
 /// Lens terms in the order of OpenCV's distortion vector: k1, k2, p1, p2, k3.
@@ -86,10 +87,10 @@ void require_several_directions(const Solution& s) {
     for (const cv::Mat& b : s.rotations)
       widest = std::max(widest, std::acos(std::clamp(normal_of(a).dot(normal_of(b)), -1.0, 1.0)));
   if (widest < kLeastTurn)
-    throw InputError(
-        fmt::format("the pictures all show the board from nearly the same direction ({:.1f} degrees apart at "
-                    "most), which tells no focal length; take some with the board tilted by 15 to 45 degrees",
-                    widest * 180 / CV_PI));
+    throw InputError(fmt::format(
+        "the pictures all show the board from nearly the same direction ({:.1f} degrees apart at "
+        "most), which does not fix the focal length; take some with the board tilted by 15 to 45 degrees",
+        widest * 180 / CV_PI));
 }
 
 /// Normal matrix of all unknowns by OpenCV's own derivatives, then its inverse's block of lens and plane.
@@ -206,11 +207,10 @@ Views find_views(const CalibrationBoard& board, const CalibrationPicture& plane,
   views.size = {plane.picture.width(), plane.picture.height()};
   BoardView on_platform = find_board(board, plane.picture);
   if (on_platform.seen.empty())
-    throw InputError(
-        in_quotes(plane.name) + " shows no board of " + std::to_string(board.columns) + " x " +
-        std::to_string(board.rows) +
-        " squares, and it is the picture that tells the platform's plane; check --squares, and that "
-        "the board is sharp, evenly lit and wholly in the picture");
+    throw InputError(in_quotes(plane.name) + " shows no board of " + std::to_string(board.columns) + " x " +
+                     std::to_string(board.rows) +
+                     " squares, and this picture fixes the platform's plane; check --squares, and that "
+                     "the board is sharp, evenly lit and wholly in the picture");
   add(views, plane, std::move(on_platform));
   for (const CalibrationPicture& picture : pictures) {
     if (picture.picture.width() != views.size.width || picture.picture.height() != views.size.height)

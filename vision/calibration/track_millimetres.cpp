@@ -41,7 +41,7 @@ double excursion(const std::vector<Point>& path) {
   return far;
 }
 
-/// Largest distance, px, by which `map` differs along the path from the plain scale it is told with.
+/// Largest distance, px, by which `map` differs along the path from the plain scale.
 template <class Map>
 double departure(const std::vector<Point>& path, double mm_per_px, Map map) {
   if (path.empty()) return 0;

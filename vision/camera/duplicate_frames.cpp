@@ -6,9 +6,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kStill = 4;    ///< equal pictures in a row that are no mere repeats
-constexpr std::size_t kMostTold = 5;  ///< image numbers written out
-constexpr int kRows = 32;             ///< compared first; mostly they decide
+constexpr std::int64_t kStill = 4;      ///< equal pictures in a row that are no mere repeats
+constexpr std::size_t kMostListed = 5;  ///< image numbers written out
+constexpr int kRows = 32;               ///< compared first; mostly they decide
 
 bool equal(const Picture& a, const Picture& b) {
   return std::ranges::equal(a.levels(), b.levels());
@@ -37,7 +37,7 @@ RepeatedFrames find_repeated_frames(FrameSource& source, std::int64_t max_frames
     source.read(k, band, now);
     bool same = k > 0 && equal(before, now);
     if (same) {
-      // The band does not tell them apart: the whole pictures must.
+      // The bands are equal: compare the whole pictures.
       Picture whole;
       if (whole_index != k - 1) source.read(k - 1, all, whole_before);
       source.read(k, all, whole);
@@ -62,14 +62,14 @@ std::vector<std::string> findings(const RepeatedFrames& repeats, const FrameSour
     std::string text = std::to_string(repeats.repeated.size()) +
                        (repeats.repeated.size() == 1 ? " picture repeats" : " pictures repeat") +
                        " the one before, level for level: image";
-    for (std::size_t k = 0; k < std::min(kMostTold, repeats.repeated.size()); ++k)
+    for (std::size_t k = 0; k < std::min(kMostListed, repeats.repeated.size()); ++k)
       text += (k == 0 ? " " : ", ") + std::to_string(source.number(repeats.repeated[k]));
-    if (repeats.repeated.size() > kMostTold) text += " and others";
+    if (repeats.repeated.size() > kMostListed) text += " and others";
     if (3 * repeats.repeated.size() > static_cast<std::size_t>(repeats.looked_at))
       text += "; the camera recorded at a lower rate than the pictures are stored at";
     out.push_back(text + "; a repeated picture shows the scene at an earlier time than its own");
   }
-  for (std::size_t k = 0; k < std::min(kMostTold, repeats.still.size()); ++k)
+  for (std::size_t k = 0; k < std::min(kMostListed, repeats.still.size()); ++k)
     out.push_back(
         "images " + std::to_string(source.number(repeats.still[k].first)) + " to " +
         std::to_string(source.number(repeats.still[k].second)) +

@@ -18,7 +18,7 @@ constexpr int kMostEnlargement = 16;
 constexpr int kMargin = 16;
 constexpr int kLine = 20;  ///< height of a line of text
 constexpr int kHeader = 3 * kLine + 12;
-constexpr int kFooter = 64;
+constexpr int kFooter = 76;
 const cv::Scalar kPaper(40, 40, 40);  // BGR
 const cv::Scalar kInk(235, 235, 235);
 const cv::Scalar kFaint(120, 120, 120);
@@ -38,7 +38,7 @@ struct Range {
   double low = 0, high = 1;
 };
 
-/// All but the half per cent of the levels at either end, which clip.
+/// All but the half per cent of the levels at either end, which clip; of differences at least one level.
 Range range_of(const StagePicture& picture) {
   if (picture.low != picture.high) return {picture.low, picture.high};
   std::vector<float> levels;
@@ -52,7 +52,7 @@ Range range_of(const StagePicture& picture) {
   };
   Range range{at(0.005), at(0.995)};
   if (picture.zero_centred) {
-    range.high = std::max(std::abs(range.low), std::abs(range.high));
+    range.high = std::max({std::abs(range.low), std::abs(range.high), 1.0});
     range.low = -range.high;
   }
   if (!(range.high > range.low)) range = {range.low - 0.5, range.low + 0.5};
@@ -100,7 +100,7 @@ void draw_footer(cv::Mat& image, const StagePicture& picture, const Range& range
 }
 
 std::string frame_text(const StagePicture& picture) {
-  if (!picture.frame) return "learnt from the recording";
+  if (!picture.frame) return picture.why_frame.empty() ? "learnt from the recording" : picture.why_frame;
   return fmt::format("frame {} ({})", *picture.frame, picture.why_frame);
 }
 
@@ -111,7 +111,7 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
   text(image, picture.title, kMargin, kLine);
   text(image, frame_text(picture), kMargin, 2 * kLine);
   text(image,
-       fmt::format("{} x {} px, enlarged {} times; first pixel at ({:g}, {:g}), {}", levels.width(),
+       fmt::format("{} x {} px, enlarged {} times; first pixel at ({:g}, {:g}) {}", levels.width(),
                    levels.height(), enlargement, picture.first.x, picture.first.y, picture.place),
        kMargin, 3 * kLine, kFaint);
   bool unknown = false;
@@ -123,7 +123,7 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
           colour_of(level, range, picture.zero_centred, x / 4, y / 4);
     }
   draw_footer(image, picture, range, enlargement);
-  if (unknown) text(image, "chequered: not known", kMargin, image.rows - 6, kFaint);
+  if (unknown) text(image, "chequered: not known", kMargin, image.rows - 10, kFaint);
   return image;
 }
 

@@ -5,7 +5,7 @@
 
 namespace tribotrack::vision {
 
-std::vector<Point> LookAlikes::unexplained(const std::vector<Point>& candidates) {
+std::vector<Point> Distractors::unexplained(const std::vector<Point>& candidates) {
   struct Pair {
     double distance;
     std::size_t place, candidate;

@@ -8,7 +8,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kEdgeMargin = 1.0;       ///< px around the part that must be in the picture
-constexpr double kNccDrop = 0.8;          ///< of the usual score: below it the match is not believed
+constexpr double kNccDrop = 0.8;          ///< of the usual score: a match below it is rejected
 constexpr double kRefoundNccDrop = 0.88;  ///< the same for a part found far from where it was expected
 constexpr int kAngles = 24;
 constexpr double kDirectSearchWork = 3e7;  ///< multiplications; beyond, search on a reduced picture first
@@ -43,7 +43,7 @@ PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const
       matcher_(search_template(first, pattern)),
       matcher_offset_x_(pattern.centre.x - pattern.window.x),
       matcher_offset_y_(pattern.centre.y - pattern.window.y),
-      look_alikes_(std::max(6.0, pattern.reach())) {
+      distractors_(std::max(6.0, pattern.reach())) {
   search_reference_ = matcher_.score(first, pattern.window.x, pattern.window.y);
   motion_.add(index, pattern.centre);
 }
@@ -71,7 +71,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index) {
       motion_ = *before_tentative_;
       state_ = before_state_;
     } else {
-      look_alikes_known_ = false;
+      distractors_known_ = false;
       const bool at_edge =
           outside_ || !pattern_.inside(bounds, predicted, kEdgeMargin + std::min(reach, 3.0));
       state_ = at_edge ? State::left : State::lost;
@@ -219,22 +219,22 @@ std::vector<Point> PatternFollower::candidates(FrameSource& source, std::int64_t
 }
 
 /// What else looked like the part when the part was last seen.
-void PatternFollower::remember_look_alikes(FrameSource& source) {
-  look_alikes_.clear();
+void PatternFollower::remember_distractors(FrameSource& source) {
+  distractors_.clear();
   for (const Point& c : candidates(source, motion_.last_frame()))
-    if (distance(c, motion_.last()) > 0.6 * pattern_.reach()) look_alikes_.add(c);
-  look_alikes_known_ = true;
+    if (distance(c, motion_.last()) > 0.6 * pattern_.reach()) distractors_.add(c);
+  distractors_known_ = true;
 }
 
 std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_t index) {
-  if (!look_alikes_known_) remember_look_alikes(source);
+  if (!distractors_known_) remember_distractors(source);
   const Rect bounds = source.bounds();
   std::optional<Sighting> best;
   const auto gap = static_cast<double>(index - motion_.last_frame());
   const double reachable = std::max(64.0, 2 * pattern_.reach()) + 2 * motion_.top_speed() * gap;
   // What has left the picture comes back through its border.
   const double band = kEdgeMargin + std::max(pattern_.reach(), 2 * motion_.top_speed());
-  for (const Point& c : look_alikes_.unexplained(candidates(source, index))) {
+  for (const Point& c : distractors_.unexplained(candidates(source, index))) {
     const bool possible =
         distance(c, motion_.at(index)) <= reachable || distance(c, motion_.last()) <= reachable;
     const bool entered = state_ != State::left || !pattern_.inside(bounds, c, band);
@@ -243,7 +243,7 @@ std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_
     if (s && s->ncc < kRefoundNccDrop * reference_ncc_) s.reset();
     if (s && !pattern_.inside(bounds, s->position, kEdgeMargin)) s.reset();
     if (!s) {
-      if (!(possible && entered)) look_alikes_.add(c);
+      if (!(possible && entered)) distractors_.add(c);
       continue;
     }
     if (!best || s->ncc > best->ncc) best = s;

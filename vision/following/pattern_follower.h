@@ -1,9 +1,9 @@
 // Following one template (the part, or the marker) from frame to frame.
 //
-// Each frame: predict, refine from the prediction; if that does not prove the match, correlate over a window
-// about the prediction; if that fails too the part is lost and the whole frame is searched. A part found
-// again far from where it was expected counts only once a second frame confirms it, and never where a known
-// look-alike is.
+// Each frame: predict, refine from the prediction; if the score does not confirm the match, correlate over a
+// window about the prediction; if that fails too the part is lost and the whole frame is searched. A part
+// found again far from where it was expected counts only once a second frame confirms it, and never where a
+// known distractor is.
 #pragma once
 
 #include <cstdint>
@@ -63,7 +63,6 @@ class PatternFollower {
   FollowStep step(FrameSource& source, std::int64_t index);
 
   const FollowEffort& effort() const { return effort_; }
-  const TemplateRegistration& registration() const { return registration_; }
 
  private:
   enum class State { following, tentative, lost, left };
@@ -72,7 +71,7 @@ class PatternFollower {
   std::optional<Sighting> refine_any_angle(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> search(FrameSource& source, std::int64_t index);
   std::vector<Point> candidates(FrameSource& source, std::int64_t index);
-  void remember_look_alikes(FrameSource& source);
+  void remember_distractors(FrameSource& source);
   void accept(std::int64_t index, const Sighting& sighting);
   Pose pose_at(const Point& position, std::int64_t index) const;
   TrackStatus missing_status(const Rect& bounds, std::int64_t index) const;
@@ -90,8 +89,8 @@ class PatternFollower {
   std::vector<std::pair<std::int64_t, double>> angles_;  ///< last two
   double reference_ncc_ = 1;
   std::optional<Sighting> outside_;  ///< seen, but reaching out of the picture
-  LookAlikes look_alikes_;
-  bool look_alikes_known_ = false;
+  Distractors distractors_;
+  bool distractors_known_ = false;
   FollowEffort effort_;
   Picture picture_;  ///< work space
 };

@@ -1,4 +1,4 @@
-// Is what looks like a texture in the first frame the part's own?
+// Check of the part's texture: does what looks like one in the first frame belong to the part?
 //
 // A coder leaves marks of its own where it drops the noise, and drops them anew in later frames: they stand
 // out of the noise between frames as scratches would, but do not come again with the part.

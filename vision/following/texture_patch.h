@@ -1,4 +1,4 @@
-// The platform's own texture as its marker: which window of it tells its motion best?
+// The platform's own texture as its marker: which window of it yields its motion best?
 #pragma once
 
 #include <optional>

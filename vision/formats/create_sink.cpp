@@ -21,7 +21,7 @@ Codec codec_by_name(const std::filesystem::path& path) {
   if (extension == ".png") return Codec::png;
   if (extension == ".tif" || extension == ".tiff") return Codec::tiff;
   throw InputError(in_quotes(path) +
-                   " has no ending that names a kind of recording: use .cine, .mkv, .avi, .mp4, "
+                   " has no extension of a recording format: use .cine, .mkv, .avi, .mp4, "
                    "%05d.png or %05d.tif");
 }
 

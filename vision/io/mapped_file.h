@@ -12,7 +12,7 @@ namespace tribotrack::vision {
 void require_readable_file(const std::filesystem::path& path);
 
 /// Read-only memory map. Only the pages touched are read from disk. A file that another program cuts short
-/// while it is being read would end the process by a signal on the next touch, so every access asks the
+/// while it is being read would end the process by a signal on the next touch, so every access checks the
 /// file's present size first; only a cut within the microseconds between question and touch escapes that.
 class MappedFile {
  public:
@@ -28,7 +28,7 @@ class MappedFile {
   /// since it was opened.
   std::span<const std::uint8_t> bytes(std::uint64_t offset, std::uint64_t length,
                                       std::string_view what) const;
-  /// The same for those who have asked by require_unshrunk() just before.
+  /// The same after require_unshrunk() has just been called.
   std::span<const std::uint8_t> bytes_unasked(std::uint64_t offset, std::uint64_t length,
                                               std::string_view what) const;
   /// Throws InputError when the file has shrunk: to be called after copying, which would have read zeros.

@@ -1,4 +1,4 @@
-// Which pixels of a template tell where it is: those whose gradient stands out of the noise.
+// The pixels of a template that fix its position: those whose gradient stands out of the noise.
 //
 // The information of a pixel is w |grad T|^2. A flat pixel adds none, but its noise looks like a gradient: it
 // costs time and, where there are thousands of them, accuracy.
@@ -17,7 +17,7 @@ struct InformativeOptions {
   double noise_square = 0;
 };
 
-/// 1 where a pixel counts and tells something, else 0; `weights` where no pixel stands out. The gradient's
+/// 1 where a pixel counts and is informative, else 0; `weights` where no pixel stands out. The gradient's
 /// square is averaged over 5 x 5 px, so that what is kept moves with the template by two pixels either way.
 Picture informative_pixels(const Picture& slope_x, const Picture& slope_y, const Picture& weights,
                            const InformativeOptions& options);

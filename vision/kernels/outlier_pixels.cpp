@@ -6,12 +6,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr unsigned char kStrange = 1, kNearby = 2;
+constexpr unsigned char kOutlier = 1, kNearby = 2;
 
 }  // namespace
 
-std::size_t spread_strangers(std::span<const TilePlace> places, double reach,
-                             std::vector<unsigned char>& strange) {
+std::size_t spread_outliers(std::span<const TilePlace> places, double reach,
+                            std::vector<unsigned char>& outliers) {
   if (places.empty()) return 0;
   const int margin = std::max(1, static_cast<int>(reach));
   const auto [left, right] = std::ranges::minmax(places, {}, &TilePlace::x);
@@ -25,19 +25,19 @@ std::size_t spread_strangers(std::span<const TilePlace> places, double reach,
   std::vector<std::ptrdiff_t> seen;
   for (std::size_t t = 0; t < places.size(); ++t)
     for (int j = 0; j < kTile; ++j) {
-      const unsigned char* row = strange.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
+      const unsigned char* row = outliers.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
       if (!any_in_row(row)) continue;
       for (int i = 0; i < kTile; ++i)
         if (row[i] != 0) {
           seen.push_back(row_of(places[t], j) + i);
-          map[static_cast<std::size_t>(seen.back())] = kStrange;
+          map[static_cast<std::size_t>(seen.back())] = kOutlier;
         }
     }
   for (const std::ptrdiff_t p : seen) {
     int together = -1;
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx)
-        together += map[static_cast<std::size_t>(p + dy * width + dx)] & kStrange;
+        together += map[static_cast<std::size_t>(p + dy * width + dx)] & kOutlier;
     if (together < 2) continue;
     for (int dy = -margin; dy <= margin; ++dy)
       for (int dx = -margin; dx <= margin; ++dx)
@@ -46,7 +46,7 @@ std::size_t spread_strangers(std::span<const TilePlace> places, double reach,
   std::size_t count = 0;
   for (std::size_t t = 0; t < places.size(); ++t)
     for (int j = 0; j < kTile; ++j) {
-      unsigned char* row = strange.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
+      unsigned char* row = outliers.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
       const unsigned char* from = map.data() + row_of(places[t], j);
       if (!any_in_row(from)) continue;
       for (int i = 0; i < kTile; ++i) {

@@ -1,4 +1,5 @@
-// What covers the part covers its neighbours, too: half, where the optics blur its edge.
+// Outlier pixels: an object that covers the part also covers half of what lies beside the pixels it fills,
+// where the optics blur its edge.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +20,10 @@ inline bool any_in_row(const unsigned char* row) {
   return all != 0;
 }
 
-/// `strange` holds one value per pixel of the tiles, not 0 where what is seen is something else. Where such
-/// pixels lie together (a stranger with two more among its eight neighbours) all within `reach` px of them
-/// become strange as well; one alone is a speck, or noise. Returns how many are strange now.
-std::size_t spread_strangers(std::span<const TilePlace> places, double reach,
-                             std::vector<unsigned char>& strange);
+/// `outliers` holds one value per pixel of the tiles, not 0 where the picture shows something else. Where
+/// such pixels lie together (an outlier with two more among its eight neighbours) all within `reach` px of
+/// them become outliers as well; one alone is a speck, or noise. Returns how many there are then.
+std::size_t spread_outliers(std::span<const TilePlace> places, double reach,
+                            std::vector<unsigned char>& outliers);
 
 }  // namespace tribotrack::vision

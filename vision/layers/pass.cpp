@@ -153,13 +153,13 @@ bool LayeredPass::learn_layers() {
 /// Layers and static illumination in turn.
 bool LayeredPass::learn_light() {
   const auto running = clock_.enter(Stage::layers_illumination);
-  if (!options_.standing_light) return true;
-  out_.bent_share = bent_share(kept_, disc_, learning_->noise());
-  if (!(out_.bent_share > kBentShare)) return true;
+  if (!options_.static_illumination) return true;
+  out_.curved_light_share = curved_light_share(kept_, disc_, learning_->noise());
+  if (!(out_.curved_light_share > kBentShare)) return true;
   const std::vector<Point> unlit = centres(kept_);
   for (int round = 0; round < kLightRounds; ++round) {
     if (!lighting_.learn(kept_, disc_, ground_, learning_->noise())) break;
-    registration_.set_standing_light(&lighting_.light());
+    registration_.set_illumination(&lighting_.light());
     if (!learn_layers())
       return fails("with static illumination the layers do not explain most of the kept frames");
     ++out_.light_rounds;

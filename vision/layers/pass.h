@@ -28,12 +28,12 @@ struct LayeredResult {
   SlowError slow_error;                        ///< correlated errors of the fixes; in the covariances
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0;
-  double ground_texture = 0;   ///< of the platform's picture, grey levels rms
-  double crossed_share = 0;    ///< of the ground at rest: showed something else than usual
-  double bent_share = 0;       ///< of the windows, see illumination_test.h
-  int light_rounds = 0;        ///< in which static illumination was learnt; 0: there is none
-  double light_moved = 0;      ///< shift of the windows by taking it out, px rms without the mean
-  double light_unsettled = 0;  ///< likewise by the last round; in the covariances
+  double ground_texture = 0;      ///< of the platform's picture, grey levels rms
+  double crossed_share = 0;       ///< of the ground at rest: showed something else than usual
+  double curved_light_share = 0;  ///< of the windows, see illumination_test.h
+  int light_rounds = 0;           ///< in which static illumination was learnt; 0: there is none
+  double light_moved = 0;         ///< shift of the windows by taking it out, px rms without the mean
+  double light_unsettled = 0;     ///< likewise by the last round; in the covariances
   double rim_excess = 0;  ///< variance of the rim's residuals over the noise's, minus 1; in the covariances
 };
 

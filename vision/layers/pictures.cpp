@@ -44,18 +44,18 @@ StageCurve rim_curve(const RimProfile& rim) {
   return curve;
 }
 
-void show_illumination(const StandingLight& light, DebugSink& sink) {
+void show_illumination(const StaticIllumination& light, DebugSink& sink) {
   StagePicture gain{.name = "layers_illumination_gain",
                     .title = "static illumination: gain L of I = L scene + H",
                     .levels = light.gain(),
                     .unit = "gain",
                     .first = first_of(light.region()),
-                    .place = "camera"};
+                    .place = "of the camera"};
   StagePicture offset{.name = "layers_illumination_offset",
                       .title = "static illumination: offset H of I = L scene + H",
                       .levels = light.offset(),
                       .first = first_of(light.region()),
-                      .place = "camera"};
+                      .place = "of the camera"};
   for (std::size_t k = 0; k < gain.levels.levels().size(); ++k)
     if (light.hidden().levels()[k] > 0) gain.levels.levels()[k] = offset.levels.levels()[k] = kNotKnown;
   sink.show(gain);
@@ -96,25 +96,25 @@ void show_layers(const LearntLayers& layers, DebugSink& sink) {
                          .title = "the disc learnt, on a plain ground of the background's mean",
                          .levels = layers.disc.on_plain(layers.ground.mean()),
                          .first = {-half, -half},
-                         .place = "disc's centre"});
+                         .place = "from the disc's centre"});
   sink.show(StagePicture{.name = "layers_weights",
                          .title = "pixels about the disc that are used one by one",
                          .levels = layers.weights,
                          .unit = "weight",
                          .first = {-half, -half},
-                         .place = "disc's centre",
+                         .place = "from the disc's centre",
                          .low = 0,
                          .high = 1});
   sink.show(StagePicture{.name = "layers_ground",
                          .title = "the background learnt (the platform)",
                          .levels = background(layers.ground),
                          .first = first_of(region),
-                         .place = "platform"});
+                         .place = "of the platform"});
   sink.show(StagePicture{.name = "layers_ground_sd",
                          .title = "standard deviation of the background",
                          .levels = square_roots(layers.ground.variance()),
                          .first = first_of(region),
-                         .place = "platform"});
+                         .place = "of the platform"});
   sink.show(rim_curve(layers.disc.rim()));
   if (layers.illumination) show_illumination(*layers.illumination, sink);
 }
@@ -130,7 +130,7 @@ void show_layered_frame(const LearntLayers& layers, const LayeredState& state, c
                      .why_frame = shown.why,
                      .levels = predicted(layers, state, window),
                      .first = first_of(window),
-                     .place = "camera"};
+                     .place = "of the camera"};
   StagePicture residual = model;
   residual.name = "layers_residual";
   residual.title = "layers: camera minus prediction";

@@ -12,8 +12,8 @@ namespace tribotrack::vision {
 struct LearntLayers {
   const LayeredDisc& disc;
   const GroundPicture& ground;
-  const Picture& weights;             ///< 1 where a pixel of the disc's grid is used one by one
-  const StandingLight* illumination;  ///< null where none was learnt
+  const Picture& weights;                  ///< 1 where a pixel of the disc's grid is used one by one
+  const StaticIllumination* illumination;  ///< null where none was learnt
 };
 
 /// Disc, background and its standard deviation, rim profile, weights, static illumination.

@@ -74,7 +74,7 @@ LayeredOptions options_of(const FrameSource& source, const FirstPassResult& firs
   out.noise_variance = first.noise_variance;
   out.excess = first.excess;
   out.top_level = source.info().clipping_level();
-  out.standing_light = !source.info().decoded;
+  out.static_illumination = !source.info().decoded;
   out.motion_known = has_marker;
   out.first_index = first.first_index;
   out.total = first.total;
@@ -169,7 +169,7 @@ PlanStage illumination_stage(const LayeredResult& result, bool coded) {
   }
   stage.reason =
       fmt::format("the light over the disc is curved significantly beyond the noise in {:.0f} % of {} frames",
-                  100 * result.bent_share, result.windows);
+                  100 * result.curved_light_share, result.windows);
   if (!stage.on) return stage;
   stage.reason += fmt::format(
       "; learnt with the layers in {} rounds and taken out: it had moved the disc by {:.4f} px rms",

@@ -1,4 +1,4 @@
-// What the template's own noise does to the normal equations of a registration.
+// TemplateRegistration, noise: what the template's own noise does to the normal equations.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

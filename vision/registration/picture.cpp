@@ -1,4 +1,4 @@
-// The picture under the template of a registration.
+// TemplateRegistration, picture: grey levels and weights under the template at a pose.
 #include <algorithm>
 #include <cmath>
 

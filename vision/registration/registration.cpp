@@ -1,3 +1,4 @@
+// TemplateRegistration, iteration: Gauss-Newton from a start to the pose, its score and its covariance.
 #include "vision/registration/registration.h"
 
 #include <Eigen/Cholesky>

@@ -7,7 +7,7 @@
 // derivatives and their normal matrix are those of the template, formed once per picture and kept for all
 // iterations. T is a quintic B-spline whose coefficients are computed once.
 //
-// Only pixels that tell something take part (informative_pixels.h): of a plain disc a ring about its rim.
+// Only informative pixels take part (informative_pixels.h): of a plain disc a ring about its rim.
 //
 // The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
 // pixels by an amount proportional to its variance; that known force is taken out of the normal equations.
@@ -57,6 +57,9 @@ struct RegistrationOptions {
   double tolerance_px = 1e-4;
 };
 
+/// Defined in five files: registration.cpp (the iteration), template.cpp (set-up; levels and slopes of the
+/// template at a pose), picture.cpp (the picture under it), noise.cpp (the template's own noise in the normal
+/// equations), outliers.cpp (trimming and the sandwich covariance).
 class TemplateRegistration {
  public:
   /// Copies what it needs of the first frame.
@@ -78,7 +81,7 @@ class TemplateRegistration {
 
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
-  /// Same for the rotation alone, see visible_rotation.h.
+  /// Same for the rotation alone, see rotation_visibility.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   const RegistrationOptions& options() const { return options_; }
@@ -128,7 +131,7 @@ class TemplateRegistration {
   std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
   std::vector<float> residual_;
-  std::vector<unsigned char> strange_;
+  std::vector<unsigned char> outliers_;
   std::vector<std::array<double, 5>> scores_;
 };
 

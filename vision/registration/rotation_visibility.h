@@ -10,8 +10,8 @@ namespace tribotrack::vision {
 ///
 /// Noise has slopes of its own, which grow with every pixel while a few scratches do not: slopes are taken
 /// of the picture smoothed to a scratch's width. What is much wider than that, a lamp's reflection or
-/// shading, says nothing about rotation and is taken out. The bound is that of what is left, so the true one
-/// is less.
+/// shading, holds no information on rotation and is taken out. The bound is that of what is left, so the true
+/// one is less.
 double rotation_limit(const Picture& levels, const Pattern& pattern, double noise_variance);
 
 }  // namespace tribotrack::vision

@@ -1,4 +1,5 @@
-// The template of a registration: which of its pixels count, and its levels and slopes at any pose.
+// TemplateRegistration, template: set-up, which of its pixels take part, and its levels and slopes at any
+// pose.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -59,7 +60,7 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
   if (rotation) arrays_.slope_theta.resize(mask_.size());
 }
 
-/// Looks at every pixel of the template once, then keeps those that tell something.
+/// Samples every pixel of the template once, then keeps the informative ones.
 void TemplateRegistration::choose_pixels() {
   const Rect& w = pattern_.window;
   Picture value(w.width, w.height), slope_x(w.width, w.height), slope_y(w.width, w.height);
@@ -88,7 +89,7 @@ void TemplateRegistration::choose_pixels() {
   corners_.resize(places_.size());
 }
 
-/// T and, if asked, its derivatives with respect to the pose, at every pixel of the tiles.
+/// T and, on request, its derivatives with respect to the pose, at every pixel of the tiles.
 void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
   if (options_.rotation) return sample_turned(fraction, slopes);
   const double x = pattern_.window.x - spline_x_ - fraction.dx;

@@ -61,8 +61,4 @@ Eigen::Matrix2d position_bound(const SceneRenderer& renderer, double time_s, dou
   return information.inverse();
 }
 
-double plain_disc_bound(double radius_px, double contrast, double edge_sd_px, double noise_sd) {
-  return noise_sd / contrast * std::sqrt(2 * edge_sd_px / (std::sqrt(std::numbers::pi) * radius_px));
-}
-
 }  // namespace tribotrack::vision

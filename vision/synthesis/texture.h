@@ -55,7 +55,7 @@ class TextureGrid {
   Coefficients coefficients(std::span<const WeightedPoint> displacements) const;
   /// The whole grid, added to the picture of the same size.
   void add_to(Picture& picture, const Coefficients& coefficients) const;
-  /// One row of it: prepare once, then ask for its places.
+  /// One row of it: prepare once, then evaluate its places.
   void prepare_row(const Coefficients& coefficients, int iy, Eigen::VectorXf& row) const;
   float at(const Eigen::VectorXf& row, int ix) const { return row.dot(columns_.col(ix)); }
   bool empty() const { return waves_.empty(); }

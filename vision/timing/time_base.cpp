@@ -22,11 +22,11 @@ std::string TimeBase::why_unknown() const {
   if (candidates.empty())
     text += ", nothing in the recording states it";
   else
-    text += ", nothing in the recording proves it";
+    text += ", nothing in the recording establishes it";
   const char* separator = ": ";
   for (const TimeBaseCandidate& candidate : candidates) {
     text += separator + candidate.source;
-    if (candidate.rate_hz > 0) text += " say " + in_hz(candidate.rate_hz);
+    if (candidate.rate_hz > 0) text += " state " + in_hz(candidate.rate_hz);
     text += " (" + candidate.reason + ")";
     separator = "; ";
   }
@@ -48,7 +48,7 @@ TimeBaseCandidate user_rate(double rate_hz) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz))
     throw InputError("the frame rate given (--fps, frame_rate_hz) is " + std::to_string(rate_hz) +
                      " but must be a positive number of frames per second");
-  return {"--fps", rate_hz, true, "the user's word"};
+  return {"--fps", rate_hz, true, "given by the user"};
 }
 
 TimeBase choose_time_base(std::vector<TimeBaseCandidate> candidates) {

@@ -1,4 +1,4 @@
-// How bright a lamp in the picture is: the gate's own witness in the recording.
+// How bright a lamp in the picture is: direct evidence of the gate signal in the recording.
 #pragma once
 
 #include <cstdint>

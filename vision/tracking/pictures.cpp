@@ -53,19 +53,21 @@ void show_template(const PartSetup& part, const Picture& first, DebugSink& sink)
   sink.show(StagePicture{
       .name = "first_pass_template",
       .title = "template of the first pass, average of " + std::to_string(part.average.frames) + " frame(s)",
+      .why_frame = "where the part is in the first frame",
       .levels = registration.at({}, window),
       .first = at,
-      .place = "camera"});
+      .place = "of the camera"});
   Picture weights = part.pattern.weights;
   const Picture chosen = registration.chosen();
   for (std::size_t k = 0; k < weights.levels().size(); ++k)
     weights.levels()[k] = 0.5F * (weights.levels()[k] + chosen.levels()[k]);
   sink.show(StagePicture{.name = "first_pass_weights",
                          .title = "pixels of the template: 1 used, 0.5 in the mask but not informative",
+                         .why_frame = "where the part is in the first frame",
                          .levels = std::move(weights),
                          .unit = "weight",
                          .first = at,
-                         .place = "camera",
+                         .place = "of the camera",
                          .low = 0,
                          .high = 1});
 }
@@ -85,7 +87,7 @@ void show_first_pass(const PartSetup& part, const Picture& first, const FirstPas
                       .why_frame = shown.why,
                       .levels = {},
                       .first = {static_cast<double>(window.x), static_cast<double>(window.y)},
-                      .place = "camera"};
+                      .place = "of the camera"};
     source.read(shown.index, window, seen.levels);
     const Registration fix = registration.refine(seen.levels, window.x, window.y, pose);
     StagePicture model = seen, residual = seen;

@@ -6,7 +6,9 @@
 
 #include "apps/bench/claims/sweeps.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
 
 Scenario paper_conditions(double mu1, double dtau, double phi) {
   Scenario s;
@@ -16,11 +18,9 @@ Scenario paper_conditions(double mu1, double dtau, double phi) {
 
 std::vector<PaperClaim> paper_claims(const ClaimOptions& options) {
   constexpr std::array claims = {
-      internal::circular_end_state,     internal::full_circle,      internal::linear_in_phase,
-      internal::v_independent_of_phase, internal::v_over_width,     internal::v_over_ratio,
-      internal::v_over_amplitude,       internal::v_over_frequency, internal::v_over_friction,
-      internal::alpha_over_width,       internal::alpha_over_ratio, internal::alpha_over_amplitude,
-      internal::effect_of_tilt};
+      circular_end_state, full_circle,          linear_in_phase,  v_independent_of_phase, v_over_width,
+      v_over_ratio,       v_over_amplitude,     v_over_frequency, v_over_friction,        alpha_over_width,
+      alpha_over_ratio,   alpha_over_amplitude, effect_of_tilt};
   std::vector<PaperClaim> found;
   for (const auto claim : claims) {
     found.push_back(claim(options.quick));
@@ -33,7 +33,7 @@ std::vector<PaperClaim> paper_claims(const ClaimOptions& options) {
 double width_of_greatest_v(Scenario s, bool steady) {
   const auto v = [&](double dtau) {
     s.friction.pulse_width = dtau;
-    return (steady ? internal::steady_drift(s) : internal::drift_from_rest(s)).v;
+    return (steady ? steady_drift(s) : drift_from_rest(s)).v;
   };
   constexpr double kTurn = 2 * std::numbers::pi;
   constexpr int kCoarse = 64;
@@ -79,4 +79,4 @@ const char* to_string(Verdict verdict) {
   return "";
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

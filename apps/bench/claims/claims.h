@@ -1,4 +1,4 @@
-// What Kilikevicius et al. 2021 say about the motion (sections 2.2 and 4), computed again: where it is
+// What Kilikevicius et al. 2021 state about the motion (sections 2.2 and 4), computed again: where it is
 // exactly true, where nearly, where not. Each verdict follows from the figures beside it.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 #include "model/scenario.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 enum class Verdict {
   exact,          ///< a law of the model: holds to rounding
@@ -35,19 +35,19 @@ struct PaperClaim {
 };
 
 struct ClaimOptions {
-  bool quick = false;  ///< coarser sweeps: for tests
+  bool quick = false;  ///< coarser sweeps: a check that it works
   std::function<void(int done, int total)> progress;
 };
 
 /// mu2 = mu1/8, g = 9.81 m/s^2, A = 0.28 mm, w = 62.8 rad/s, epsilon = pi/2, 20 cycles from rest.
-Scenario paper_conditions(double mu1, double dtau, double phi = 0);
+model::Scenario paper_conditions(double mu1, double dtau, double phi = 0);
 
 std::vector<PaperClaim> paper_claims(const ClaimOptions& options = {});
 
 /// Where v is greatest over dtau (rad), found to 1e-6; mu1, mu2, A, w as in the scenario. v of the steady
 /// motion, or over the scenario's cycles from rest.
-double width_of_greatest_v(Scenario scenario, bool steady = true);
+double width_of_greatest_v(model::Scenario scenario, bool steady = true);
 
 const char* to_string(Verdict verdict);
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

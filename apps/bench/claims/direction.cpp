@@ -1,4 +1,4 @@
-// What the paper says about the end state and the direction alpha.
+// What the paper states about the end state and the direction alpha.
 #include <algorithm>
 #include <cstdio>
 
@@ -6,7 +6,10 @@
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -214,4 +217,4 @@ PaperClaim alpha_over_amplitude(bool quick) {
   return claim;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -6,7 +6,9 @@
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
 
 using std::numbers::pi;
 
@@ -78,4 +80,4 @@ Monotony monotony(const std::vector<double>& swept, const std::vector<double>& v
   return m;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -1,4 +1,4 @@
-// Sweeps of alpha and v for the table of model/claims.h.
+// Sweeps of alpha and v for the table of claims.h.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "apps/bench/claims/claims.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
 
 /// Direction and mean velocity of the displacement; NaN where there is no unique steady motion.
 struct Drift {
@@ -16,11 +16,11 @@ struct Drift {
   double v = NAN;      ///< m/s
 };
 
-Drift steady_drift(const Scenario& scenario);
+Drift steady_drift(const model::Scenario& scenario);
 /// Over the scenario's cycles, from rest: as the paper counts them.
-Drift drift_from_rest(const Scenario& scenario);
+Drift drift_from_rest(const model::Scenario& scenario);
 
-using DriftOf = std::function<Drift(const Scenario&)>;
+using DriftOf = std::function<Drift(const model::Scenario&)>;
 
 std::vector<double> grid(double from, double to, int count);
 /// The difference of two angles in (-pi, pi].
@@ -33,7 +33,7 @@ double max_of(const std::vector<double>& values);
 struct PhaseSweep {
   double off_line = 0, v_spread = 0;
 };
-PhaseSweep sweep_phase(Scenario scenario, const DriftOf& drift, int count);
+PhaseSweep sweep_phase(model::Scenario scenario, const DriftOf& drift, int count);
 
 /// Values along a sweep: does v only grow (sign = 1) or only fall (-1)? Where does it first not?
 struct Monotony {
@@ -57,4 +57,4 @@ PaperClaim v_over_frequency(bool quick);
 PaperClaim v_over_friction(bool quick);
 PaperClaim effect_of_tilt(bool quick);
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -1,10 +1,13 @@
-// What the paper says about the mean velocity v, and what a tilt of the platform does to both.
+// What the paper states about the mean velocity v, and what a tilt of the platform does to both.
 #include <algorithm>
 #include <cstdio>
 
 #include "apps/bench/claims/sweeps.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -204,4 +207,4 @@ PaperClaim effect_of_tilt(bool quick) {
   return claim;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -10,8 +10,10 @@
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
-namespace internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using Eigen::Vector2d;
@@ -118,18 +120,16 @@ ExtremeList::ExtremeList(bool only_quick) : quick(only_quick) {
   stick.base.friction = {0.122, 0.122 / 8, 0.5, pi / 6, 0};
 }
 
-}  // namespace internal
-
 std::vector<ExtremeCase> extreme_cases(bool quick) {
-  internal::ExtremeList list(quick);
-  list.add("ordinary", list.slip.base, internal::scaling_law());
-  list.add("ordinary, sticks", list.stick.base, internal::scaling_law());
-  internal::add_friction_extremes(list);
-  internal::add_threshold_extremes(list);
-  internal::add_pulse_extremes(list);
-  internal::add_drive_extremes(list);
-  internal::add_start_extremes(list);
+  ExtremeList list(quick);
+  list.add("ordinary", list.slip.base, scaling_law());
+  list.add("ordinary, sticks", list.stick.base, scaling_law());
+  add_friction_extremes(list);
+  add_threshold_extremes(list);
+  add_pulse_extremes(list);
+  add_drive_extremes(list);
+  add_start_extremes(list);
   return std::move(list.cases);
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -9,18 +9,18 @@
 
 #include "model/scenario.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 /// A statement about the end point of one scenario, and how far it is from holding.
 struct ExtremeLaw {
   std::string text;
   double allowed = 0;  ///< of the violation, relative to the path unless the text says otherwise
-  std::function<double(const Scenario&, const Eigen::Vector2d& end)> violation;
+  std::function<double(const model::Scenario&, const Eigen::Vector2d& end)> violation;
 };
 
 struct ExtremeCase {
   std::string name;
-  Scenario scenario;
+  model::Scenario scenario;
   ExtremeLaw law;
 };
 
@@ -29,4 +29,4 @@ struct ExtremeCase {
 /// in every cycle (mu1 = 0.122, dtau = pi/6), both are there.
 std::vector<ExtremeCase> extreme_cases(bool quick);
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

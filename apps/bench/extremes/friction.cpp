@@ -4,7 +4,10 @@
 
 #include "apps/bench/extremes/laws.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 Scenario with_mu(Scenario s, double mu1, double mu2) {
@@ -68,4 +71,4 @@ void add_threshold_extremes(ExtremeList& list) {
     }
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -4,7 +4,10 @@
 
 #include "apps/bench/extremes/laws.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using Eigen::Vector2d;
@@ -175,4 +178,4 @@ void add_start_extremes(ExtremeList& list) {
         [](const Scenario&, const Scenario&) { return last_half_adds_drifts(); });
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -4,7 +4,10 @@
 
 #include "apps/bench/extremes/laws.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -83,4 +86,4 @@ void add_pulse_extremes(ExtremeList& list) {
   at_phase("phi = 1e6", 1e6, "as at phi mod 2 pi", 1e6 - 159154 * (2 * pi), 1e-8);
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

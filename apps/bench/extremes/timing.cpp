@@ -8,7 +8,10 @@
 #include "apps/bench/timing/paired_timing.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -64,10 +67,10 @@ std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& optio
     });
     if (options.progress) options.progress(static_cast<int>(rows.size()), static_cast<int>(cases.size()));
   }
-  internal::PairedTiming timing;
+  PairedTiming timing;
   timing.rounds = options.quick ? 3 : 21;
   timing.budget_s = options.quick ? 0.01 : 0.1;
-  const auto times = internal::paired_medians(competitors, timing);
+  const auto times = paired_medians(competitors, timing);
   const double ordinary = times.front().seconds / cycles_of(cases.front().scenario);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].time = times[k].seconds;
@@ -76,4 +79,4 @@ std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& optio
   return rows;
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

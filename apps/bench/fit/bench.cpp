@@ -11,10 +11,12 @@
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
+
+using namespace fit;
+
 namespace {
 
-using namespace internal;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
@@ -219,4 +221,4 @@ std::vector<FitBenchRow> bench_fit(const FitBenchOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

@@ -9,10 +9,10 @@
 
 #include "fit/problem.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
 
 struct FitBenchOptions {
-  bool quick = false;  ///< few campaigns of short runs: for tests
+  bool quick = false;  ///< few campaigns of short runs: a check that it works
   std::function<void(int done, int total)> progress;
 };
 
@@ -23,11 +23,12 @@ struct FitTruth {
 
 /// The 14 runs of model/'s identification table: 8 values of phi at dtau = pi/3, 6 values of dtau at phi = 0,
 /// from rest; 1 degree on alpha and 2 % on v, drawn from `seed`.
-Problem simulated_campaign(const FitTruth& truth, unsigned seed, double cycles = 20);
+fit::Problem simulated_campaign(const FitTruth& truth, unsigned seed, double cycles = 20);
 
 /// The same runs point by point: `points` of each, evenly spaced over the cycles, with 1e-6 m of noise per
 /// axis.
-Problem simulated_tracks(const FitTruth& truth, unsigned seed, std::size_t points = 2000, double cycles = 20);
+fit::Problem simulated_tracks(const FitTruth& truth, unsigned seed, std::size_t points = 2000,
+                              double cycles = 20);
 
 /// One method over all campaigns of one kind. Vectors hold mu1 and mu2 relative to the truth, and the lag in
 /// rad.
@@ -55,4 +56,4 @@ struct FitBenchRow {
 /// three of tracks with 2000 points a run.
 std::vector<FitBenchRow> bench_fit(const FitBenchOptions& options = {});
 
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

@@ -12,7 +12,10 @@
 #include "fit/estimate.h"
 #include "fit/tools/parallel.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
+
+using namespace fit;
+
 namespace {
 
 using std::numbers::pi;
@@ -79,12 +82,11 @@ CoverageCampaign coverage_campaign(std::uint64_t seed, int index) {
     model::Scenario scenario = truth;
     scenario.friction.phase = phi;
     scenario.friction.pulse_width = dtau;
-    const Eigen::Vector2d exact =
-        model::dormand_prince(scenario, model::segmented_dormand_prince(scenario, 1e-9)).position;
+    const Eigen::Vector2d exact = dormand_prince(scenario, segmented_dormand_prince(scenario, 1e-9)).position;
     SummaryRun run;
     run.name = "run" + std::to_string(problem.summary_runs.size() + 1);
     run.scenario = scenario;
-    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // nothing of the truth is told
+    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // the fit does not see the truth
     run.scenario.friction.lag = run.scenario.drive.tilt_x = run.scenario.drive.tilt_y = 0;
     const double sigma = 0.01 * exact.norm() + 1e-6;
     run.measured.vector = exact + sigma * Eigen::Vector2d(normal(random), normal(random));
@@ -104,7 +106,7 @@ std::vector<CoverageRow> coverage(const CoverageOptions& options) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(options.campaigns));
   std::atomic<int> done{0};
   std::mutex mutex;
-  internal::parallel_for(outcomes.size(), options.threads, [&](std::size_t k) {
+  fit::internal::parallel_for(outcomes.size(), options.threads, [&](std::size_t k) {
     outcomes[k] = judge(coverage_campaign(options.seed, static_cast<int>(k)), options.profiles);
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, options.campaigns);
@@ -133,4 +135,4 @@ std::vector<CoverageRow> coverage(const CoverageOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

@@ -8,7 +8,7 @@
 
 #include "fit/problem.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
 
 struct CoverageOptions {
   int campaigns = 1000;
@@ -20,7 +20,7 @@ struct CoverageOptions {
 
 /// One campaign: its data and its truth.
 struct CoverageCampaign {
-  Problem problem;
+  fit::Problem problem;
   std::vector<double> truth;  ///< in the order of problem.free, SI
   bool slipping = true;       ///< mu1 g < A w^2: never sticks; else it may stop between the pulses
   bool tilted = false;        ///< an unknown tilt, fitted
@@ -29,8 +29,8 @@ struct CoverageCampaign {
 /// 14 runs from rest, 20 cycles: 8 values of phi at one dtau, 6 values of dtau at one phi. mu1 drawn from
 /// [0.07, 0.108] (slipping, three of five) or [0.116, 0.128] (sticking), mu2/mu1 from [0.05, 0.3], the lag
 /// from [-0.5, 0.5]; in every other campaign a tilt with components of 0.1 deg sd. Displacements by a
-/// segmented Dormand-Prince integrator (model/peers.h), which shares nothing with the one that fits; each
-/// with independent errors of 1 % of its length along and across, told as its covariance.
+/// segmented Dormand-Prince integrator (peers/baselines.h), which shares nothing with the one that fits; each
+/// with independent errors of 1 % of its length along and across, given as its covariance.
 CoverageCampaign coverage_campaign(std::uint64_t seed, int index);
 
 /// Counts of one kind of campaign and one parameter.
@@ -48,4 +48,4 @@ struct CoverageRow {
 
 std::vector<CoverageRow> coverage(const CoverageOptions& options = {});
 
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

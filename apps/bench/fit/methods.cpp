@@ -9,7 +9,11 @@
 #include "fit/residuals/end_point.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::fit::internal {
+namespace tribotrack::bench {
+
+using namespace fit;
+using namespace fit::internal;
+
 namespace {
 
 using Eigen::Matrix2Xd;
@@ -33,13 +37,13 @@ std::vector<double> times_of(const TrajectoryRun& run) {
 
 /// Positions at increasing times, the first 0, by an integrator that knows end points only.
 Matrix2Xd from_point_to_point(const model::Scenario& scenario, const std::vector<double>& times,
-                              const model::DormandPrinceOptions& options) {
+                              const DormandPrinceOptions& options) {
   Matrix2Xd positions = Matrix2Xd::Zero(2, static_cast<Eigen::Index>(times.size()));
   model::Scenario piece = scenario;
   for (std::size_t i = 1; i < times.size(); ++i) {
     piece.start_phase = scenario.start_phase + scenario.drive.angular_frequency * times[i - 1];
     piece.duration = times[i] - times[i - 1];
-    const model::PeerResult end = model::dormand_prince(piece, options);
+    const PeerResult end = dormand_prince(piece, options);
     piece.initial_velocity = end.velocity;
     const auto k = static_cast<Eigen::Index>(i);
     positions.col(k) = positions.col(k - 1) + end.position;
@@ -47,14 +51,13 @@ Matrix2Xd from_point_to_point(const model::Scenario& scenario, const std::vector
   return positions;
 }
 
-model::DormandPrinceOptions options_of(BenchSolver solver, const model::Scenario& scenario) {
-  return solver == BenchSolver::paper_recipe ? model::paper_recipe()
-                                             : model::segmented_dormand_prince(scenario, 1e-8);
+DormandPrinceOptions options_of(BenchSolver solver, const model::Scenario& scenario) {
+  return solver == BenchSolver::paper_recipe ? paper_recipe() : segmented_dormand_prince(scenario, 1e-8);
 }
 
 Vector2d end_by(BenchSolver solver, const model::Scenario& scenario) {
   if (solver == BenchSolver::ours) return end_point(scenario, {}, 1e-16).position;
-  return model::dormand_prince(scenario, options_of(solver, scenario)).position;
+  return dormand_prince(scenario, options_of(solver, scenario)).position;
 }
 
 Matrix2Xd track_by(BenchSolver solver, model::Scenario scenario, const std::vector<double>& times) {
@@ -223,4 +226,4 @@ BenchMethod descent_by_differences(BenchSolver solver, int max_iterations, doubl
   };
 }
 
-}  // namespace tribotrack::fit::internal
+}  // namespace tribotrack::bench

@@ -7,9 +7,9 @@
 
 #include "apps/bench/fit/bench.h"
 
-namespace tribotrack::fit::internal {
+namespace tribotrack::bench {
 
-/// What a method says of one campaign, on the axes mu1, mu2, lag.
+/// What a method estimates from one campaign, on the axes mu1, mu2, lag.
 struct BenchAnswer {
   Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), sd = estimate, low = estimate, high = estimate;
   bool converged = false;
@@ -17,7 +17,7 @@ struct BenchAnswer {
   long solves = 0;
 };
 
-using BenchMethod = std::function<BenchAnswer(const Problem&)>;
+using BenchMethod = std::function<BenchAnswer(const fit::Problem&)>;
 
 /// Where all descents start.
 FitTruth bench_first_guess();
@@ -34,4 +34,4 @@ enum class BenchSolver { ours, segmented_dormand_prince, paper_recipe };
 /// point to point, which costs none of the integrators a step more than its longest one asks for.
 BenchMethod descent_by_differences(BenchSolver solver, int max_iterations, double step = 1e-6);
 
-}  // namespace tribotrack::fit::internal
+}  // namespace tribotrack::bench

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace tribotrack::fit::internal {
+namespace tribotrack::bench {
 
 struct PlainDescent {
   Eigen::Vector3d z = Eigen::Vector3d::Zero();
@@ -51,4 +51,4 @@ inline PlainDescent descend(const PlainResiduals& residuals, const Eigen::Vector
   return state;
 }
 
-}  // namespace tribotrack::fit::internal
+}  // namespace tribotrack::bench

@@ -10,7 +10,10 @@
 #include "model/batch.h"
 #include "model/processor/instruction_set.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -61,11 +64,12 @@ double largest_difference(const BatchOutcome& a, const BatchOutcome& b, double a
 }
 
 /// The lanes' work in an instruction set.
-BatchOutcome in_set(internal::InstructionSet set, const std::vector<Scenario>& scenarios, bool steady) {
-  const auto best = internal::instruction_set();
-  internal::use_instruction_set(set);
+BatchOutcome in_set(model::internal::InstructionSet set, const std::vector<Scenario>& scenarios,
+                    bool steady) {
+  const auto best = model::internal::instruction_set();
+  model::internal::use_instruction_set(set);
   BatchOutcome outcome = solve_batch(scenarios, wanting(steady, true));
-  internal::use_instruction_set(best);
+  model::internal::use_instruction_set(best);
   return outcome;
 }
 
@@ -76,12 +80,12 @@ std::vector<BatchBenchRow> compare(const Sweep& sweep, bool steady, bool quick) 
   const BatchOutcome scalar = one_at_a_time();
   std::vector<BatchBenchRow> rows;
   std::vector<std::function<void()>> competitors{[&] { one_at_a_time(); }};
-  for (const auto set : internal::available_instruction_sets()) {
+  for (const auto set : model::internal::available_instruction_sets()) {
     const BatchOutcome lanes = in_set(set, scenarios, steady);
     BatchBenchRow row;
     row.sweep = sweep.name;
     row.wanted = steady ? "steady" : "ends";
-    row.instruction_set = internal::to_string(set);
+    row.instruction_set = model::internal::to_string(set);
     row.scenarios = scenarios.size();
     row.in_lanes = static_cast<double>(lanes.summary.in_lanes) / count;
     row.full = static_cast<double>(lanes.summary.lane_steps) / static_cast<double>(lanes.summary.lane_slots);
@@ -89,10 +93,10 @@ std::vector<BatchBenchRow> compare(const Sweep& sweep, bool steady, bool quick) 
     rows.push_back(row);
     competitors.push_back([&scenarios, set, steady] { in_set(set, scenarios, steady); });
   }
-  internal::PairedTiming timing;
+  PairedTiming timing;
   timing.rounds = quick ? 1 : 7;
   timing.budget_s = quick ? 0.05 : 2;
-  const auto times = internal::paired_medians(competitors, timing);
+  const auto times = paired_medians(competitors, timing);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].time_scalar = times[0].seconds / count;
     rows[k].time_lanes = times[k + 1].seconds / count;
@@ -125,7 +129,7 @@ BatchBenchRow whole_sweep(bool quick) {
   row.sweep = std::to_string(side) + " x " + std::to_string(side) +
               " measured, two threads: mu1 = 0.02 .. 0.25, dtau = 0.05 .. 6.2, mu2 = mu1/8";
   row.wanted = "steady";
-  row.instruction_set = internal::to_string(internal::instruction_set());
+  row.instruction_set = model::internal::to_string(model::internal::instruction_set());
   row.scenarios = side * side;
   row.in_lanes = static_cast<double>(outcome.summary.in_lanes) / static_cast<double>(row.scenarios);
   row.full =
@@ -155,4 +159,4 @@ std::vector<BatchBenchRow> bench_batch(const ModelBenchOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -7,7 +7,7 @@
 
 #include "apps/bench/model/bench.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 /// One kind of sweep, solved side by side in one instruction set and by the scalar integrator in the best.
 /// CPU times of one thread, per scenario: medians, the competitors taken in turn.
@@ -22,7 +22,7 @@ struct BatchBenchRow {
   double time_lanes = 0;   ///< s
   double speedup = 0;      ///< time_scalar / time_lanes
   /// A sweep of 1000 x 1000 on two cores, s: extrapolated, and in the last row of all measured on the wall's
-  /// clock (of as many as `scenarios` says), what other programs took included.
+  /// clock (of `scenarios` scenarios), the load of other programs included.
   double million = 0;
   double difference = 0;  ///< largest distance between the two solutions, in amplitudes of the drive; NaN too
   int repetitions = 0;
@@ -30,4 +30,4 @@ struct BatchBenchRow {
 
 std::vector<BatchBenchRow> bench_batch(const ModelBenchOptions& options = {});
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

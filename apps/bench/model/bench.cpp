@@ -9,7 +9,10 @@
 #include "apps/bench/timing/paired_timing.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -199,10 +202,10 @@ std::vector<ModelBenchRow> bench_scene(const BenchScene& scene, const ModelBench
     rows.push_back(row);
     competitors.push_back([&method, &scene] { method.run(scene.scenario); });
   }
-  internal::PairedTiming timing;
+  PairedTiming timing;
   timing.rounds = quick ? 3 : 41;
   timing.budget_s = quick ? 0.02 : 0.25;
-  const auto times = internal::paired_medians(competitors, timing);
+  const auto times = paired_medians(competitors, timing);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].time = times[k].seconds;
     rows[k].repetitions = times[k].repetitions;
@@ -249,4 +252,4 @@ std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

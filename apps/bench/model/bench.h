@@ -9,10 +9,10 @@
 
 #include "apps/bench/peers/peer.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 struct ModelBenchOptions {
-  bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: for tests
+  bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: a check that it works
   /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean: what this build has of
   /// others (peers/library_peers.h).
   std::vector<BenchPeer> peers;
@@ -22,7 +22,7 @@ struct ModelBenchOptions {
 /// A scene of the comparison: 20 cycles from rest (2 when quick).
 struct BenchScene {
   std::string name;
-  Scenario scenario;
+  model::Scenario scenario;
   /// False: explicit methods hang there, so the library's own result at its tightest tolerance is the
   /// reference instead of the independent one in extended precision.
   bool independent_reference = true;
@@ -56,7 +56,7 @@ struct ModelBenchRow {
 
 std::vector<ModelBenchRow> bench_model(const ModelBenchOptions& options = {});
 
-/// One stiff or extreme scenario of model/extremes.h.
+/// One stiff or extreme scenario of extremes/extremes.h.
 struct ModelExtremeRow {
   std::string name;
   bool finite = false;
@@ -76,4 +76,4 @@ struct ModelExtremeRow {
 
 std::vector<ModelExtremeRow> bench_model_extremes(const ModelBenchOptions& options = {});
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -10,7 +10,10 @@
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using Eigen::Vector2d;
@@ -130,7 +133,7 @@ void add_repetition(Pairs& pairs, double cycles) {
     const auto orbit = steady_orbit(steady);
     Scenario settling = steady;
     settling.start = Start::rest;
-    settling.cycles = internal::plan_cost::cycles_until_repeating(orbit->contraction);
+    settling.cycles = model::internal::plan_cost::cycles_until_repeating(orbit->contraction);
     std::snprintf(text, sizeof text, "mu1 = %g: a steady cycle, after %g from rest or directly", mu1,
                   settling.cycles);
     pairs.add(
@@ -147,7 +150,7 @@ void add_repetition(Pairs& pairs, double cycles) {
         "transient", text, steady, end_cycle_by_cycle(base(mu1, pi / 6, cycles)),
         [steady]() -> Vector2d { return steady_orbit(steady)->drift; }, false);
     pairs.all().back().row.predicted =
-        internal::plan_cost::saving(internal::plan_cost::kOrbitInCycles, cycles);
+        model::internal::plan_cost::saving(model::internal::plan_cost::kOrbitInCycles, cycles);
   }
 }
 
@@ -166,7 +169,7 @@ void add_derivatives(Pairs& pairs, double cycles) {
     pairs.add("derivatives", "mu1 = 0.1, dtau = pi/2: " + std::to_string(count) + " parameters or none", s,
               run(s, count), run(s));
     pairs.all().back().row.predicted =
-        internal::plan_cost::saving(1, internal::plan_cost::derivatives(count));
+        model::internal::plan_cost::saving(1, model::internal::plan_cost::derivatives(count));
   }
 }
 
@@ -179,14 +182,14 @@ std::vector<PlanBenchRow> bench_plan(const ModelBenchOptions& options) {
   add_repetition(pairs, cycles);
   add_dense_output(pairs, cycles);
   add_derivatives(pairs, cycles);
-  internal::PairedTiming timing;
+  PairedTiming timing;
   timing.rounds = options.quick ? 3 : 201;
   timing.budget_s = options.quick ? 0.01 : 0.2;
   std::vector<PlanBenchRow> rows;
   for (const Pair& pair : pairs.all()) {
     PlanBenchRow row = pair.row;
     row.error = pair.same_motion ? (pair.with() - pair.without()).norm() : kNotComparable;
-    const auto times = internal::paired_medians({[&] { pair.with(); }, [&] { pair.without(); }}, timing);
+    const auto times = paired_medians({[&] { pair.with(); }, [&] { pair.without(); }}, timing);
     row.time_with = times[0].seconds;
     row.time_without = times[1].seconds;
     row.repetitions = std::min(times[0].repetitions, times[1].repetitions);
@@ -198,4 +201,4 @@ std::vector<PlanBenchRow> bench_plan(const ModelBenchOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

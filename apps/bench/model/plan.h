@@ -6,7 +6,7 @@
 
 #include "apps/bench/model/bench.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 /// One omission on a scene where it applies: the same motion with and without the machinery. Medians of CPU
 /// times, the two taken in turn.
@@ -24,4 +24,4 @@ struct PlanBenchRow {
 
 std::vector<PlanBenchRow> bench_plan(const ModelBenchOptions& options = {});
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -6,7 +6,10 @@
 
 #include "apps/bench/peers/dormand_prince.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 void check(const Scenario& scenario) {
@@ -38,19 +41,19 @@ DormandPrinceOptions segmented_dormand_prince(const Scenario& scenario, double t
 
 PeerResult dormand_prince(const Scenario& scenario, const DormandPrinceOptions& options) {
   check(scenario);
-  return internal::DormandPrince<double>(scenario, options).run();
+  return DormandPrince<double>(scenario, options).run();
 }
 
 PeerResult extended_precision_reference(const Scenario& scenario, double tolerance) {
   check(scenario);
   DormandPrinceOptions options = segmented_dormand_prince(scenario, tolerance);
   options.max_steps = 50'000'000;
-  return internal::DormandPrince<long double>(scenario, options).run();
+  return DormandPrince<long double>(scenario, options).run();
 }
 
 PeerResult moreau_jean(const Scenario& scenario, double step) {
   check(scenario);
-  const internal::PlainEquation<double> f(scenario);
+  const PlainEquation<double> f(scenario);
   const auto count = static_cast<long>(std::ceil(f.end() / step));
   const double h = f.end() / static_cast<double>(count);
   PeerResult result;
@@ -72,4 +75,4 @@ PeerResult moreau_jean(const Scenario& scenario, double step) {
   return result;
 }
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

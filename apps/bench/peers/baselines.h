@@ -6,7 +6,7 @@
 
 #include "model/scenario.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
 
 struct PeerResult {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m, at the end of the run
@@ -21,7 +21,7 @@ struct DormandPrinceOptions {
   double velocity_tolerance = 1e-6;  ///< absolute, m/s
   double max_step = 0;               ///< s; 0: none
   /// Stops at every friction switch and starts anew, sees stops (friction exceeds the drive and the velocity
-  /// has turned round or is below stop_speed) and releases. Without it mu is whatever the clock says and
+  /// has turned round or is below stop_speed) and releases. Without it mu is taken at each step's time and
   /// the part never sticks: it chatters.
   bool segmented = false;
   double stop_speed = 1e-6;  ///< m/s; what is left of the path, stop_speed^2 / (2 deceleration), is dropped
@@ -33,19 +33,19 @@ struct DormandPrinceOptions {
 DormandPrinceOptions paper_recipe();
 
 /// Dormand-Prince with every tolerance `tolerance` relative to the scene's own scales A and A w.
-DormandPrinceOptions segmented_dormand_prince(const Scenario& scenario, double tolerance);
+DormandPrinceOptions segmented_dormand_prince(const model::Scenario& scenario, double tolerance);
 
 /// Dormand-Prince 5(4) from the scenario's initial velocity. Throws std::invalid_argument unless
 /// start = rest.
-PeerResult dormand_prince(const Scenario& scenario, const DormandPrinceOptions& options);
+PeerResult dormand_prince(const model::Scenario& scenario, const DormandPrinceOptions& options);
 
 /// The same method in extended precision (64-bit mantissa), segmented, at 1e-17 of the scene's scales unless
-/// told otherwise: an end point independent of the library's integrator, good to about 1e-16 of the path.
+/// given otherwise: an end point independent of the library's integrator, good to about 1e-16 of the path.
 /// Slow (about a second).
-PeerResult extended_precision_reference(const Scenario& scenario, double tolerance = 1e-17);
+PeerResult extended_precision_reference(const model::Scenario& scenario, double tolerance = 1e-17);
 
 /// Time stepping of non-smooth mechanics (Moreau-Jean with theta = 1: implicit Euler with the friction disc
 /// as a projection): sticks properly, never fails, first order.
-PeerResult moreau_jean(const Scenario& scenario, double step);
+PeerResult moreau_jean(const model::Scenario& scenario, double step);
 
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

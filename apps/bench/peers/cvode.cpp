@@ -10,7 +10,10 @@
 
 #include "apps/bench/peers/segments.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
+
+using namespace model;
+
 namespace {
 
 struct Slope {
@@ -134,4 +137,4 @@ std::vector<BenchPeer> cvode_peers() {
   return list;
 }
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

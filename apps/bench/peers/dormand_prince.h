@@ -15,7 +15,7 @@
 
 #include "apps/bench/peers/baselines.h"
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
 
 /// Eq. (5) in a floating-point type: state (x, y, u_x, u_y).
 template <class T>
@@ -23,7 +23,7 @@ class PlainEquation {
  public:
   using State = std::array<T, 4>;
 
-  explicit PlainEquation(const Scenario& s)
+  explicit PlainEquation(const model::Scenario& s)
       : w_(s.drive.angular_frequency),
         start_phase_(s.start_phase),
         ax_(T(s.drive.amplitude) * w_ * w_),
@@ -111,7 +111,7 @@ class DormandPrince {
  public:
   using State = typename PlainEquation<T>::State;
 
-  DormandPrince(const Scenario& scenario, const DormandPrinceOptions& options)
+  DormandPrince(const model::Scenario& scenario, const DormandPrinceOptions& options)
       : f_(scenario), options_(options) {
     q_ = {0, 0, T(scenario.initial_velocity.x()), T(scenario.initial_velocity.y())};
   }
@@ -233,4 +233,4 @@ class DormandPrince {
   long steps_ = 0;
 };
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -1,6 +1,8 @@
 #include "apps/bench/peers/library_peers.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
+
+using namespace model;
 
 std::vector<BenchPeer> all_peers() {
   std::vector<BenchPeer> peers;
@@ -27,4 +29,4 @@ std::vector<std::string> missing_libraries() {
   return missing;
 }
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

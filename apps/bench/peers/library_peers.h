@@ -1,4 +1,4 @@
-// Solvers researchers would reach for instead, run on eq. (5) of the paper, for `tribotrack bench model`
+// Solvers an engineer would use instead, run on eq. (5) of the paper, for `tribotrack bench model`
 // only. They need libraries the product does not (Boost.odeint, SUNDIALS): a build without one of them lacks
 // its solvers and names it in missing_libraries().
 #pragma once
@@ -8,11 +8,11 @@
 
 #include "apps/bench/peers/peer.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
 
 /// How the switching friction is put before a smooth solver.
 enum class Switching {
-  by_clock,   ///< mu is whatever the clock says inside a step, as the paper's recipe has it; never sticks
+  by_clock,   ///< mu is evaluated at the time inside a step, as in the paper's recipe; never sticks
   segmented,  ///< a step ends on every switch and the next segment begins anew; stops and releases are seen
 };
 
@@ -23,10 +23,10 @@ std::vector<BenchPeer> odeint_peers();
 /// CVODE's Adams and BDF, re-initialised at every switch and by clock.
 std::vector<BenchPeer> cvode_peers();
 
-/// All that this build has.
+/// All solvers of this build.
 std::vector<BenchPeer> all_peers();
 
 /// The libraries this build was made without, such as "SUNDIALS"; empty where it has both.
 std::vector<std::string> missing_libraries();
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

@@ -3,7 +3,10 @@
 
 #include "apps/bench/peers/segments.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
+
+using namespace model;
+
 namespace {
 
 namespace odeint = boost::numeric::odeint;
@@ -118,4 +121,4 @@ std::vector<BenchPeer> odeint_peers() {
   return list;
 }
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

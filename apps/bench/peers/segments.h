@@ -7,15 +7,15 @@
 #include "apps/bench/peers/dormand_prince.h"
 #include "apps/bench/peers/library_peers.h"
 
-namespace tribotrack::model::peers {
+namespace tribotrack::bench::peers {
 
-using Equation = internal::PlainEquation<double>;
+using Equation = PlainEquation<double>;
 using State = Equation::State;  // x, y, u_x, u_y
 
 /// What a tolerance means in a scene: relative to A (positions) and A w (velocities).
 struct Scales {
   double length = 0, speed = 0;
-  explicit Scales(const Scenario& s)
+  explicit Scales(const model::Scenario& s)
       : length(std::max(s.drive.amplitude, s.drive.amplitude_y)), speed(length * s.drive.angular_frequency) {}
 };
 
@@ -57,7 +57,7 @@ PeerResult run_in_segments(const Equation& f, Progress p, Slide&& slide) {
   return result_of(p, f.end());
 }
 
-inline Progress start_of(const Scenario& s, long max_steps) {
+inline Progress start_of(const model::Scenario& s, long max_steps) {
   Progress p;
   p.q = {0, 0, s.initial_velocity.x(), s.initial_velocity.y()};
   p.max_steps = max_steps;
@@ -69,4 +69,4 @@ inline double stop_speed(const Scales& scales, double tolerance) {
   return std::max(30 * tolerance, 1e-10) * scales.speed;
 }
 
-}  // namespace tribotrack::model::peers
+}  // namespace tribotrack::bench::peers

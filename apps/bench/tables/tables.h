@@ -1,4 +1,4 @@
-// The benchmarks' rows as CSV, as tables for people, and as plots.
+// The benchmarks' rows as CSV, as tables for people, and as plots. One list of columns per table (columns.h).
 #pragma once
 
 #include <string>
@@ -13,22 +13,25 @@
 #include "apps/bench/vision/bench.h"
 #include "apps/bench/vision/decoding.h"
 #include "apps/bench/vision/limit.h"
+#include "apps/text/svg_plot.h"
 
-namespace tribotrack::apps {
+namespace tribotrack::bench {
 
 struct BenchTable {
-  std::string csv, text, svg;  ///< svg empty where there is nothing to draw
+  std::string csv, text;
+  apps::LogLogPlot plot;  ///< no panels: nothing to draw
 };
 
-BenchTable table_of(const std::vector<model::ModelBenchRow>& rows);
-BenchTable table_of(const std::vector<model::ModelExtremeRow>& rows);
-BenchTable table_of(const std::vector<model::PlanBenchRow>& rows);
-BenchTable table_of(const std::vector<model::BatchBenchRow>& rows);
-BenchTable table_of(const std::vector<model::PaperClaim>& claims);
-BenchTable table_of(const std::vector<vision::VisionBenchRow>& rows);
-BenchTable table_of(const std::vector<vision::VisionLimitRow>& rows);
-BenchTable table_of(const std::vector<vision::VisionDecodingRow>& rows);
-BenchTable table_of(const std::vector<fit::FitBenchRow>& rows);
-BenchTable table_of(const std::vector<fit::CoverageRow>& rows);
+/// `missing`: libraries this build was made without, named below the text (peers/library_peers.h).
+BenchTable table_of(const std::vector<ModelBenchRow>& rows, const std::vector<std::string>& missing = {});
+BenchTable table_of(const std::vector<ModelExtremeRow>& rows);
+BenchTable table_of(const std::vector<PlanBenchRow>& rows);
+BenchTable table_of(const std::vector<BatchBenchRow>& rows);
+BenchTable table_of(const std::vector<PaperClaim>& claims);
+BenchTable table_of(const std::vector<VisionBenchRow>& rows);
+BenchTable table_of(const std::vector<VisionLimitRow>& rows);
+BenchTable table_of(const std::vector<VisionDecodingRow>& rows);
+BenchTable table_of(const std::vector<FitBenchRow>& rows);
+BenchTable table_of(const std::vector<CoverageRow>& rows);
 
-}  // namespace tribotrack::apps
+}  // namespace tribotrack::bench

@@ -1,6 +1,6 @@
-// Run times that can be compared: the competitors take turns, so that a change of the machine's load or clock
-// hits them alike, and the median of each is told. CPU time of this
-// thread: what other programs take from the machine does not count.
+// Comparable run times: the competitors take turns, so that a change of the machine's load or clock hits them
+// alike, and the median of each is reported. CPU time of this thread: the load of other programs does not
+// count.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace tribotrack::model::internal {
+namespace tribotrack::bench {
 
 struct PairedTiming {
   int rounds = 7;
@@ -59,4 +59,4 @@ inline std::vector<MedianTime> paired_medians(const std::vector<std::function<vo
   return result;
 }
 
-}  // namespace tribotrack::model::internal
+}  // namespace tribotrack::bench

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "apps/bench/timing/paired_timing.h"
 #include "apps/bench/vision/matching.h"
 #include "apps/bench/vision/recording.h"
 #include "vision/cramer_rao_bound.h"
@@ -14,7 +15,10 @@
 #include "vision/scene.h"
 #include "vision/tracker.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 using std::numbers::pi;
@@ -87,14 +91,8 @@ struct Finding {
   double time = 0;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Finding whole_pipeline(const std::vector<Picture>& frames, const Circle& disc, bool quick) {
-  FramesInMemory source(frames);
+  MemorySource source(frames, kFrameRate);
   TrackOptions options;
   options.target.kind = Target::Kind::disc;
   options.target.disc = disc;
@@ -245,4 +243,4 @@ std::vector<VisionBenchRow> bench_vision(const VisionBenchOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
 
 struct VisionBenchOptions {
-  bool quick = false;  ///< one small disc, few frames: for tests
+  bool quick = false;  ///< one small disc, few frames: a check that it works
   std::function<void(int done, int total)> progress;
 };
 
@@ -37,4 +37,4 @@ struct VisionBenchRow {
 /// cv::phaseCorrelate, the grey centroid about Otsu's threshold. Decoding is left out for all.
 std::vector<VisionBenchRow> bench_vision(const VisionBenchOptions& options = {});
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -8,13 +8,17 @@
 #include <memory>
 #include <numbers>
 
+#include "apps/bench/timing/paired_timing.h"
 #include "apps/bench/vision/recording.h"
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,9 +93,9 @@ void write(const Path& path, const VisionDecodingOptions& options, const fs::pat
   for (auto& one : sinks) one->close();
 }
 
-/// The rate is the user's word: containers of a playback rate prove none.
+/// The rate is given: a container states a playback rate only.
 std::unique_ptr<FrameSource> open(const fs::path& file) {
-  return open_source(file, SourceOptions{1000.0});
+  return open_source(file, SourceOptions{kFrameRate});
 }
 
 void decode_all(const fs::path& file) {
@@ -131,11 +135,6 @@ void judge(const Track& track, const Path& path, VisionDecodingRow& row) {
   if (count < 4) return;
   const double offset = (mean.x * mean.x + mean.y * mean.y) / count;
   row.rms = std::sqrt(std::max(0.0, square - offset) / (2 * (count - 1)));
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
 }
 
 }  // namespace
@@ -185,4 +184,4 @@ std::vector<VisionDecodingRow> bench_decoding(const VisionDecodingOptions& optio
   return rows;
 }
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
 
 struct VisionDecodingOptions {
   int width = 1280, height = 800;  ///< px
@@ -37,4 +37,4 @@ struct VisionDecodingRow {
 /// Throws InputError where the files cannot be written.
 std::vector<VisionDecodingRow> bench_decoding(const VisionDecodingOptions& options = {});
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

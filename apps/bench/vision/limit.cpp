@@ -4,12 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/bench/timing/paired_timing.h"
 #include "apps/bench/vision/recording.h"
 #include "vision/cramer_rao_bound.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 using std::numbers::pi;
@@ -92,7 +96,7 @@ VisionLimitRow measure(const Path& path, const std::vector<Picture>& exact, doub
   for (int k = 0; k < frames; ++k)
     recording.push_back(
         recorded(exact[static_cast<std::size_t>(k % kPoses)], noise, static_cast<std::uint64_t>(k)));
-  FramesInMemory source(recording);
+  MemorySource source(std::move(recording), kFrameRate);
   TrackOptions options;
   options.target.kind = Target::Kind::disc;
   const ScenePose first = path.pose(0);
@@ -142,4 +146,4 @@ std::vector<VisionLimitRow> bench_limit(const VisionLimitOptions& options) {
   return rows;
 }
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
 
 struct VisionLimitOptions {
   std::vector<double> radii{10, 30, 60, 150, 200};  ///< px
@@ -35,4 +35,4 @@ struct VisionLimitRow {
 
 std::vector<VisionLimitRow> bench_limit(const VisionLimitOptions& options);
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

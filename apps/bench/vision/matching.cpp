@@ -4,7 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 cv::Mat matrix_of(const Picture& picture, int type) {
@@ -128,4 +131,4 @@ int set_opencv_threads(int count) {
   return before;
 }
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -7,7 +7,7 @@
 
 #include "vision/picture.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
 
 /// Finds the disc in pictures of one size. Prepared once with the first picture and the disc in it.
 class PositionMethod {
@@ -15,15 +15,16 @@ class PositionMethod {
   virtual ~PositionMethod() = default;
   virtual std::string name() const = 0;
   /// Converts a picture into the form the method takes; not part of the method's time.
-  virtual void take(const Picture& picture) = 0;
+  virtual void take(const vision::Picture& picture) = 0;
   /// The disc's centre in the picture taken last, px.
-  virtual Point locate() = 0;
+  virtual vision::Point locate() = 0;
 };
 
-/// Those built on OpenCV (one thread each as OpenCV is told, see bench_vision).
-std::vector<std::unique_ptr<PositionMethod>> peer_position_methods(const Picture& first, const Circle& disc);
+/// Those built on OpenCV (bench_vision limits OpenCV to one thread).
+std::vector<std::unique_ptr<PositionMethod>> peer_position_methods(const vision::Picture& first,
+                                                                   const vision::Circle& disc);
 
-/// Tells OpenCV to use this many threads; returns how many it used before.
+/// Sets the number of OpenCV's threads; returns the number before.
 int set_opencv_threads(int count);
 
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

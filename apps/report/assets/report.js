@@ -1,14 +1,17 @@
-// Draws the report's figures from the numbers in #figures with plotly.js. Nothing is computed here but looks.
+// Draws the report's figures from the numbers in #figures with plotly.js: layout only, no results are computed here.
 "use strict";
 (function () {
   const root = document.documentElement;
   const data = JSON.parse(document.getElementById("figures").textContent);
 
-  // Okabe and Ito's colours, which colour-blind eyes tell apart; symbols and dashes say the same without colour.
+  // Okabe and Ito's colours, distinct to colour-blind eyes; symbols and dashes carry the same without colour.
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
   const DARKER = ["#00436a", "#7d3700", "#005d44", "#8a3c66", "#8a5f00", "#1f6f9c", "#777777"];  // of the same hues
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross", "star"];
   const DASHES = ["solid", "dash", "dot", "dashdot"];
+  const RAMP = [[0, "#00224e"], [0.25, "#35456c"], [0.5, "#7c7b78"], [0.75, "#bcaf6f"], [1, "#fee838"]];  // cividis
+  const MOST_IN_LEGEND = 8;
+  const NARROW = 600;  // px, of a figure: below it a legend beside it leaves no room
   const FONT = { family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: 13, color: "#1a1a1a" };
   const CONFIG = {
     responsive: true, displaylogo: false, plotlyServerURL: "", showTips: false,
@@ -30,6 +33,18 @@
       hovermode: "closest", hoverlabel: { font: { size: 12 } },
       legend: { orientation: "h", x: 0, y: 0, yref: "container", yanchor: "bottom", font: { size: 12 } }
     }, more);
+  }
+
+  function narrow(id) { return document.getElementById("plot-" + id).clientWidth < NARROW; }
+
+  function on_ramp(share) {
+    let k = 1;
+    while (k < RAMP.length - 1 && RAMP[k][0] < share) ++k;
+    const [a, from] = RAMP[k - 1], [b, to] = RAMP[k], t = (share - a) / (b - a);
+    const part = function (colour, at) { return parseInt(colour.substr(at, 2), 16); };
+    return "rgb(" + [1, 3, 5].map(function (at) {
+      return Math.round(part(from, at) + t * (part(to, at) - part(from, at)));
+    }).join(",") + ")";
   }
 
   let drawn = 0;
@@ -73,18 +88,23 @@
   // Figures 9a, 9b, 10 -------------------------------------------------------------------------------------
   function dependence(figure) {
     const traces = [], xs = [], ys = [], measured_x = [];
+    const many = figure.groups.length > MOST_IN_LEGEND;  // then colour runs with the value that a group shares
+    const shared = figure.groups.map(function (group) { return group.shared_rad; }), [first, last] = span(shared);
     figure.groups.forEach(function (group, i) {
-      const colour = COLOURS[i % COLOURS.length];
+      const colour = many ? on_ramp((group.shared_rad - first) / (last - first)) : COLOURS[i % COLOURS.length];
       const p = group.points, c = group.curve;
       const unit = figure.y_is_angle ? " rad" : " mm/s";
       traces.push({
         x: c.x, y: c.y, mode: "lines", name: group.label, legendgroup: "g" + i, showlegend: false, connectgaps: false,
-        line: { color: colour, width: 2, dash: DASHES[Math.floor(i / COLOURS.length) % DASHES.length] },
+        line: many ? { color: colour, width: 1 }
+                   : { color: colour, width: 2, dash: DASHES[Math.floor(i / COLOURS.length) % DASHES.length] },
         hovertemplate: "model, " + group.label + "<br>%{y:.4g}" + unit + "<extra></extra>"
       });
       traces.push({
         x: p.x, y: p.y, mode: "markers", name: group.label, legendgroup: "g" + i, text: p.names, customdata: p.sd,
-        marker: { color: colour, size: 7.5, symbol: SYMBOLS[i % SYMBOLS.length], line: { color: "#fff", width: 1 } },
+        showlegend: !many,
+        marker: many ? { color: colour, size: 5 }
+                     : { color: colour, size: 7.5, symbol: SYMBOLS[i % SYMBOLS.length], line: { color: "#fff", width: 1 } },
         error_y: { type: "data", array: p.sd.map(function (s) { return s === null ? 0 : s; }), color: colour,
                    thickness: 1.5, width: 5 },
         hovertemplate: "%{text}<br>%{y:.4g} ± %{customdata:.2g}" + unit + "<extra></extra>"
@@ -94,6 +114,15 @@
       ys.push(...numbers(c.y));
       p.y.forEach(function (y, k) { if (y !== null) ys.push(y - (p.sd[k] || 0), y + (p.sd[k] || 0)); });
     });
+    if (many) {
+      const ticks = pi_axis("", first, last, []);
+      traces.push({
+        x: [null], y: [null], mode: "markers", showlegend: false, hoverinfo: "skip",
+        marker: { color: [first], cmin: first, cmax: last, colorscale: RAMP, showscale: true,
+                  colorbar: { title: { text: figure.shared_title }, thickness: 12, tickvals: ticks.tickvals,
+                              ticktext: ticks.ticktext } }
+      });
+    }
     const [x_low, x_high] = span(xs), x_pad = 0.03 * (x_high - x_low);
     const [low, high] = span(ys);
     let y_axis;
@@ -112,7 +141,9 @@
 
   // Figure 11 ----------------------------------------------------------------------------------------------
   function trajectories(paths) {
-    const traces = [], ends = [];
+    const traces = [], ends = [], slim = narrow("trajectories");
+    const spans = paths.map(function (p) { return span(numbers(p.x).concat(numbers(p.y))); });
+    const size = Math.max(...spans.map(function (s) { return s[1]; })) - Math.min(...spans.map(function (s) { return s[0]; }));
     paths.forEach(function (path, i) {
       const colours = Math.floor(i / COLOURS.length) % 2 === 0 ? COLOURS : DARKER;
       const colour = colours[i % COLOURS.length];
@@ -123,6 +154,12 @@
       });
       for (let k = path.x.length - 1; k >= 0; --k) {
         if (path.x[k] === null || path.y[k] === null) continue;
+        // Paths that end at the same place share a label.
+        const same = ends.find(function (e) { return Math.hypot(e.x - path.x[k], e.y - path.y[k]) < 0.02 * size; });
+        if (same) {
+          same.text = same.text.replace("</b>", ", " + path.number + "</b>");
+          break;
+        }
         const length = Math.hypot(path.x[k], path.y[k]) || 1;
         ends.push({ x: path.x[k], y: path.y[k], xref: "x", yref: "y", text: "<b>" + path.number + "</b>", showarrow: false,
                     xshift: 22 * path.x[k] / length, yshift: 22 * path.y[k] / length, bgcolor: "rgba(255,255,255,0.8)",
@@ -132,7 +169,7 @@
     });
     draw("trajectories", traces, layout({
       xaxis: axis("x, mm", {}), yaxis: axis("y, mm", { scaleanchor: "x", scaleratio: 1 }), annotations: ends,
-      legend: { x: 1.01, y: 0.97, xanchor: "left", font: { size: 12 } }
+      showlegend: !slim, legend: { x: 1.01, y: 0.97, xanchor: "left", font: { size: 12 } }
     }));
   }
 
@@ -159,12 +196,15 @@
       });
       ++i;
     });
+    const by_number = runs.length > 24 || narrow("residuals");
+    const step = Math.ceil(runs.length / 24);  // labels that fit side by side
+    const labelled = runs.map(function (r, k) { return k; }).filter(function (k) { return k % step === 0; });
     const largest = Math.max(3, ...list.map(function (r) { return Math.abs(r.standardised || 0) * 1.1; }));
     draw("residuals", traces, layout({
       showlegend: true,
-      xaxis: axis("", { range: [-0.6, runs.length - 0.4], tickmode: "array", tickvals: runs.map(function (r, k) { return k; }),
-                        ticktext: runs.length <= 24 ? runs : runs.map(function (r) { return r.split(" ")[0]; }),
-                        tickangle: runs.length <= 24 ? -40 : 0, showgrid: false }),
+      xaxis: axis("", { range: [-0.6, runs.length - 0.4], tickmode: "array", tickvals: labelled,
+                        ticktext: labelled.map(function (k) { return by_number ? runs[k].split(" ")[0] : runs[k]; }),
+                        tickangle: by_number ? 0 : -40, showgrid: false }),
       yaxis: axis("residual / standard deviation", { range: [-largest, largest], zeroline: true, zerolinecolor: "#666" }),
       shapes: [
         { type: "rect", layer: "below", xref: "paper", x0: 0, x1: 1, y0: -2, y1: 2, fillcolor: "#e9e9e9", line: { width: 0 } }

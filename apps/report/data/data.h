@@ -1,9 +1,9 @@
-// Everything the report page shows, as plain numbers and words: apps/ fills it, render_report (report_page.h)
-// turns it into a page. Units stand in the names, as in the result files; NaN = no value.
+// Everything the report page shows, as plain numbers and text: from_results.h and from_files.h fill it,
+// page/page.h turns it into HTML. Units stand in the names, as in the result files; NaN = no value.
 #pragma once
 
+#include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +24,7 @@ struct ReportParameter {
   double sd = no_value;
   ReportInterval ci95;                 ///< from the covariance
   ReportInterval profile_ci95;         ///< from the profile likelihood
-  std::optional<double> truth;         ///< known only for rendered recordings
-  ReportInterval bootstrap_ci95 = {};  ///< from refits to simulated data; only where asked for
+  ReportInterval bootstrap_ci95 = {};  ///< from refits to simulated data; only on request
 };
 
 /// A value that was given, not fitted.
@@ -48,11 +47,23 @@ struct ReportResidual {
 struct ReportStage {
   std::string stage;
   bool on = true;
-  std::string reason;       ///< with its figure
-  std::string error_bound;  ///< of leaving it out, with its unit; "not known" where nobody computed it
+  std::string reason;                ///< with its figure
+  double error_bound_px = no_value;  ///< what leaving it out can add to a position; NaN: nobody computed it
+  bool operator==(const ReportStage& other) const {
+    return stage == other.stage && on == other.on && reason == other.reason &&
+           (error_bound_px == other.error_bound_px ||
+            (std::isnan(error_bound_px) && std::isnan(other.error_bound_px)));
+  }
 };
 
-/// The platform and the gate in one recording, for the drawings.
+/// A multiple of the drive's frequency in the platform's motion.
+struct ReportHarmonic {
+  int order = 2;
+  double amplitude_mm = no_value, amplitude_sd_mm = no_value;
+  double amplitude_y_mm = no_value, amplitude_y_sd_mm = no_value;
+};
+
+/// Platform and gate of one recording: what was measured, and its drawings (platform_drawing.h).
 struct ReportPlatform {
   std::vector<double> orbit_x_mm, orbit_y_mm, time_s, phase_left_mrad;  ///< one per tracked frame
   std::vector<double> model_x_mm, model_y_mm;                           ///< one fitted turn
@@ -62,11 +73,13 @@ struct ReportPlatform {
   double amplitude_y_mm = no_value, amplitude_y_sd_mm = no_value;
   double w_rad_s = no_value, w_sd_rad_s = no_value;
   double epsilon_rad = no_value, epsilon_sd_rad = no_value;
+  double phase_at_zero_rad = no_value;
   double drift_rad_s2 = no_value, drift_sd_rad_s2 = no_value;
   double phi_rad = no_value, phi_sd_rad = no_value;
   double dtau_rad = no_value, dtau_sd_rad = no_value;
-  std::string gate_source;             ///< "lamp", "scope", ...; empty: as commanded
-  std::vector<std::string> harmonics;  ///< those seen, in words
+  std::string gate_source;  ///< "lamp", "scope", "lamp and scope"; empty: as commanded
+  double lamp_off_level = no_value, lamp_on_level = no_value;  ///< grey levels; where the lamp gave phi
+  std::vector<ReportHarmonic> harmonics;                       ///< those above their noise
 };
 
 /// One run of the campaign. Free slides stand in the table of runs too; their figure is a ReportSlide.
@@ -83,12 +96,9 @@ struct ReportRun {
   int cycles = 0;  ///< N
   std::size_t frames_ok = 0, frames_lost = 0, frames_edge = 0;
   double frame_rate_hz = no_value;
-  std::string time_base;       ///< where the frame rate comes from
-  double sigma_px = no_value;  ///< median sd of a tracked position, per axis
-  double mm_per_px = no_value;
-  std::string scale_source;
-  std::vector<std::string>
-      notes;  ///< short remarks shown under the table: "measured in the camera's frame", ...
+  std::string time_base;           ///< where the frame rate comes from
+  double sigma_px = no_value;      ///< median sd of a tracked position, per axis
+  std::vector<std::string> notes;  ///< short remarks under the table: "measured in the camera's frame", ...
 
   /// Path over the first frame, in the recording's pixels; NaN where the part was not measured.
   std::vector<double> x_px, y_px;
@@ -107,7 +117,7 @@ struct ReportRun {
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
-/// Made by group_over_phi / group_over_dtau (report_groups.h); the caller fills the curve.
+/// Made by group_over_phi / group_over_dtau (groups.h), the curve by add_curves (curves.h).
 struct ReportGroup {
   double shared_rad = no_value;     ///< dtau of a group over phi, phi of a group over dtau
   std::vector<std::size_t> runs;    ///< indices into ReportData::runs
@@ -123,14 +133,13 @@ struct ReportSlide {
   std::vector<double> position_mm;
   std::vector<double> sigma_mm;   ///< per point; may be empty
   std::vector<double> fitted_mm;  ///< the model at the fitted parameters, same times
-  std::string
-      sentence;  ///< what it gave, in words: "Initial speed 812 mm/s; mu1 = 0.15 alone from this run."
+  std::string sentence;           ///< its result: "Initial speed 812 mm/s; ..."
 };
 
 /// A run that contradicts the others.
 struct ReportOutlier {
   std::string run;
-  double deviation = no_value;           ///< standard deviations from what the others say
+  double deviation = no_value;           ///< standard deviations from the fit to the others
   double chance = no_value;              ///< that the largest of so many runs lies as far
   double looks_like_phi_rad = no_value;  ///< where a wrong phi alone explains it
 };
@@ -140,7 +149,7 @@ struct ReportModel {
   std::string name;
   int unknowns = 0;
   double chi2 = no_value, aic = no_value, bic = no_value;
-  std::string finding;  ///< its own parameters, in words
+  std::string finding;  ///< its own parameters, as a sentence
 };
 
 /// A run worth filming, and the intervals to expect with it.
@@ -154,14 +163,14 @@ struct ReportNextRun {
 
 enum class ReportVerdict { identifiable, weak, not_identifiable };
 
-struct ReportInput {
+/// An input file by its bytes.
+struct ReportSource {
   std::string name;
   std::string hash;  ///< with its kind: "sha256:...", "xxh3-128:..."
 };
 
 struct ReportData {
   std::string title = "tribotrack report";
-  std::string verdict;  ///< empty: written from the numbers below (report_verdict.h)
   std::vector<std::string> warnings;
 
   bool converged = false;
@@ -169,35 +178,34 @@ struct ReportData {
   std::vector<ReportParameter> parameters;
   std::vector<ReportGiven> given;
   std::vector<std::vector<double>> correlation;  ///< in the order of parameters
-  std::string phase_reference;                   ///< what phi counts from, in words
+  std::string phase_reference;                   ///< what phi counts from: a sentence
   double chi2 = no_value;
   int dof = 0;
-  double scatter_mm = 0;           ///< added per axis because the residuals asked for it; 0: none
-  std::string covariance_meaning;  ///< in words
+  double scatter_mm = 0;           ///< added per axis because the residuals exceed the errors; 0: none
+  std::string covariance_meaning;  ///< a sentence
   ReportVerdict identifiability = ReportVerdict::identifiable;
   std::vector<std::string> weak_directions;
-  std::vector<std::string> other_minima;  ///< that fit nearly as well, each in words
-  std::string next_experiment;            ///< in words
+  std::vector<std::string> other_minima;  ///< that fit nearly as well, a sentence each
+  std::string next_experiment;            ///< a sentence
   std::vector<ReportNextRun> next_runs;   ///< the best for all parameters first
 
-  int bootstrap_refits = 0;  ///< 0: none asked for
+  int bootstrap_refits = 0;  ///< 0: none requested
   unsigned bootstrap_seed = 0;
-  std::string shared_scale;              ///< what the recordings' scales say together, in words
+  std::string shared_scale;              ///< the scale the recordings share: a sentence
   double p_value = no_value;             ///< of chi-square before scatter seen in the residuals was added
-  double runs_test_p_value = no_value;   ///< small: neighbouring runs err alike
+  double runs_test_p_value = no_value;   ///< small: neighbouring residuals share their sign
   std::vector<ReportOutlier> outliers;   ///< farthest first
   std::vector<ReportModel> models;       ///< the one fitted first; empty where none was compared
-  std::vector<std::string> left_out;     ///< what the data did not ask for, and why
-  std::vector<std::string> systematics;  ///< what an error in a given value would do, in words
+  std::vector<std::string> left_out;     ///< analyses that were not needed, and why
+  std::vector<std::string> systematics;  ///< effect of an error in a given value, a sentence each
 
   std::vector<ReportRun> runs;
   std::vector<ReportGroup> over_phi;   ///< figures 9a and v against phi
   std::vector<ReportGroup> over_dtau;  ///< figures 9b and 10
   std::vector<ReportSlide> slides;
-  std::vector<ReportStage> plan;  ///< of the campaign as a whole
 
   std::string program_version;
-  std::vector<ReportInput> inputs;
+  std::vector<ReportSource> inputs;
   std::string configuration;  ///< effective, as text
 };
 

@@ -11,7 +11,7 @@
 namespace tribotrack::apps {
 namespace {
 
-constexpr double few_runs_alike = 0.01;  // below: neighbouring runs err alike by more than chance
+constexpr double runs_test_rejects = 0.01;  // p below which neighbouring residuals are called correlated
 
 /// "in 6.9 of 100 campaigns".
 std::string how_often(double probability) {
@@ -19,7 +19,7 @@ std::string how_often(double probability) {
                             : fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
 }
 
-/// Of a table. What underflows is said to be small, not to be nothing.
+/// For a table. A probability that underflows is small, not zero.
 std::string chance(double probability) {
   return probability == 0 ? "&lt; 1e-300" : number(probability, 1);
 }
@@ -30,11 +30,11 @@ std::string goodness(const ReportData& data) {
                                  data.dof == 1 ? "" : "s");
   if (data.dof > 0) {
     html += fmt::format(
-        ": {} per degree of freedom, where {} is expected 99 times out of 100 if the model and the "
-        "stated errors are right",
-        number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
+        ": {} per degree of freedom, where {} is expected (probability 0.99) if the model and the stated "
+        "errors are right",
+        number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
   }
-  html += data.dof > 0 ? "." : ": there are no more data than unknowns, and nothing checks the model.";
+  html += data.dof > 0 ? "." : ": as many data as unknowns, so that nothing checks the model.";
   if (data.scatter_mm > 0)
     html += fmt::format(" Scatter of up to {} mm per axis beyond the measurement errors is included.",
                         number(data.scatter_mm, 2));
@@ -42,7 +42,7 @@ std::string goodness(const ReportData& data) {
   if (std::isfinite(data.p_value) && data.dof > 0)
     html += fmt::format("<p><b>p {}</b>: {}chance alone would make χ² so large {}.</p>\n",
                         data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
-                        data.scatter_mm > 0 ? "without scatter read off the residuals, " : "",
+                        data.scatter_mm > 0 ? "without the scatter estimated from the residuals, " : "",
                         how_often(data.p_value));
   return html;
 }
@@ -50,13 +50,13 @@ std::string goodness(const ReportData& data) {
 std::string runs_test(const ReportData& data) {
   const double p = data.runs_test_p_value;
   if (!std::isfinite(p)) return "";
-  const char* words =
-      p < few_runs_alike
-          ? "neighbouring runs err to the same side, more often than chance lets them. That is "
-            "the mark of a wrong model, not of scatter."
-      : p < 1 ? "no sign that neighbouring runs err to the same side, as they would under a wrong model."
-              : "nothing to object, as also where there are too few runs (under eight) to ask.";
-  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), words);
+  const char* result =
+      p < runs_test_rejects
+          ? "residuals of neighbouring runs have the same sign more often than by chance, which points to "
+            "a wrong model rather than to scatter."
+      : p < 1 ? "no sign that residuals of neighbouring runs go together, as they would under a wrong model."
+              : "no objection; with fewer than eight runs the test decides nothing.";
+  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), result);
 }
 
 std::string phi_or_dash(double phi) {
@@ -69,10 +69,10 @@ std::string outlier_table(const ReportData& data) {
     return std::isfinite(outlier.looks_like_phi_rad);
   });
   std::string html =
-      "<h3>Runs that contradict the others</h3>\n<p>Each is compared with what all other runs say; check "
-      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table class=\"compact "
-      "outliers\"><thead><tr><th>Run</th><th class=\"n\">lies off by</th><th class=\"n\">by chance</th>";
-  if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">moved as if φ were</th>";
+      "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
+      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
+      "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
+  if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
   html += "</tr></thead><tbody>";
   for (const ReportOutlier& outlier : data.outliers) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
@@ -105,14 +105,14 @@ std::string model_table(const ReportData& data) {
   const ReportModel& fitted = data.models.front();
   std::string html =
       "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
-      "unknowns: lower is better, and a lead of less than 6 in AIC is not taken as proof.</p>\n<div "
-      "class=\"wide\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
-      "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">against the "
-      "first</th><th class=\"n\">BIC</th><th class=\"n\">against the first</th><th>What it "
-      "found</th></tr></thead><tbody>\n";
+      "unknowns: lower is better; Δ is the difference from the first model, and less than 6 in AIC is not "
+      "taken as evidence.</p>\n<div "
+      "class=\"wide\" tabindex=\"0\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
+      "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">ΔAIC</th><th "
+      "class=\"n\">BIC</th><th class=\"n\">ΔBIC</th><th>Result</th></tr></thead><tbody>\n";
   const auto signed_difference = [](double value, double first) {
     const double difference = value - first;
-    return std::isfinite(difference) ? (difference > 0 ? "+" : "") + rounded_to_sd(difference, 1) : "–";
+    return std::isfinite(difference) ? (difference > 0 ? "+" : "") + rounded(difference, 1) : "–";
   };
   for (const ReportModel& model : data.models) {
     const bool first = &model == &fitted;
@@ -122,14 +122,14 @@ std::string model_table(const ReportData& data) {
         number_cell(std::to_string(model.unknowns)) + number_cell(number(model.chi2)) +
         number_cell(number(model.aic)) + number_cell(first ? "" : signed_difference(model.aic, fitted.aic)) +
         number_cell(number(model.bic)) + number_cell(first ? "" : signed_difference(model.bic, fitted.bic)) +
-        cell(escape_html(model.finding)) + "</tr>\n";
+        cell(sentence_html(model.finding)) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
 }
 
 std::string not_needed(const ReportData& data) {
   if (data.left_out.empty()) return "";
-  return "<h3>What was not tried or not needed</h3>\n" + html_list(data.left_out);
+  return "<h3>Analyses that were not needed</h3>\n" + html_list(data.left_out);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace tribotrack::apps {
 
-/// Chi-square and runs test in words, runs and points that contradict the others, the friction models
-/// compared, and what was not tried. Each only where there is something to tell.
+/// Chi-squared and runs test, runs and points that contradict the others, the friction models compared, and
+/// the analyses that were not needed. Each only where there is something to show.
 std::string check_section(const ReportData& data);
 
 }  // namespace tribotrack::apps

@@ -21,20 +21,20 @@ constexpr double full_turn = 2 * std::numbers::pi;
 constexpr std::size_t most_points_drawn = 3000;  // per path; enough for 20 cycles at 150 frames per cycle
 
 /// Seven significant digits: more than any screen shows, less than half the bytes.
-json rounded(double value) {
+json drawn(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
 }
 
-json rounded(const std::vector<double>& values) {
+json drawn(const std::vector<double>& values) {
   json list = json::array();
-  for (const double value : values) list.push_back(rounded(value));
+  for (const double value : values) list.push_back(drawn(value));
   return list;
 }
 
-json rounded(const std::vector<std::optional<double>>& values) {
+json drawn(const std::vector<std::optional<double>>& values) {
   json list = json::array();
-  for (const auto& value : values) list.push_back(value ? rounded(*value) : json(nullptr));
+  for (const auto& value : values) list.push_back(value ? drawn(*value) : json(nullptr));
   return list;
 }
 
@@ -55,18 +55,18 @@ constexpr Dependence alpha_over_dtau{"alpha-dtau", false, true};
 constexpr Dependence v_over_dtau{"v-dtau", false, false};
 
 json curve(const ReportGroup& group, bool of_alpha) {
-  if (!of_alpha) return {{"x", rounded(group.curve_x_rad)}, {"y", rounded(group.curve_v_mm_s)}};
+  if (!of_alpha) return {{"x", drawn(group.curve_x_rad)}, {"y", drawn(group.curve_v_mm_s)}};
   const BrokenCurve broken = break_at_wraps(group.curve_x_rad, group.curve_alpha_rad);
-  return {{"x", rounded(broken.x)}, {"y", rounded(broken.y)}};
+  return {{"x", drawn(broken.x)}, {"y", drawn(broken.y)}};
 }
 
 json points(const ReportData& data, const ReportGroup& group, const Dependence& figure) {
   json x = json::array(), y = json::array(), sd = json::array(), names = json::array();
   for (const std::size_t i : group.runs) {
     const ReportRun& run = data.runs[i];
-    x.push_back(rounded(figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad));
-    y.push_back(rounded(figure.of_alpha ? run.alpha_rad : run.v_mm_s));
-    sd.push_back(rounded(figure.of_alpha ? run.alpha_sd_rad : run.v_sd_mm_s));
+    x.push_back(drawn(figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad));
+    y.push_back(drawn(figure.of_alpha ? run.alpha_rad : run.v_mm_s));
+    sd.push_back(drawn(figure.of_alpha ? run.alpha_sd_rad : run.v_sd_mm_s));
     names.push_back(run_label(data, i));
   }
   return {{"x", x}, {"y", y}, {"sd", sd}, {"names", names}};
@@ -76,9 +76,11 @@ json dependence(const ReportData& data, const Dependence& figure) {
   json groups = json::array();
   for (const ReportGroup& group : figure.over_phi ? data.over_phi : data.over_dtau)
     groups.push_back({{"label", (figure.over_phi ? "Δτ = " : "φ = ") + angle(group.shared_rad)},
+                      {"shared_rad", drawn(group.shared_rad)},
                       {"points", points(data, group, figure)},
                       {"curve", curve(group, figure.of_alpha)}});
   return {{"id", figure.id},
+          {"shared_title", figure.over_phi ? "Δτ, rad" : "φ, rad"},
           {"x_title", figure.over_phi ? "phase shift φ, rad" : "pulse width Δτ, rad"},
           {"y_title", figure.of_alpha ? "displacement angle α, rad" : "mean velocity v, mm/s"},
           {"y_is_angle", figure.of_alpha},
@@ -96,7 +98,7 @@ json trajectories(const ReportData& data) {
     if (!has_path(run)) continue;
     const DrawnPath path = thinned(run.x_mm, run.y_mm, most_points_drawn);
     paths.push_back(
-        {{"number", i + 1}, {"label", run_label(data, i)}, {"x", rounded(path.x)}, {"y", rounded(path.y)}});
+        {{"number", i + 1}, {"label", run_label(data, i)}, {"x", drawn(path.x)}, {"y", drawn(path.y)}});
   }
   return paths;
 }
@@ -106,11 +108,11 @@ json residuals(const ReportData& data) {
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     for (const ReportResidual& r : data.runs[i].residuals)
       list.push_back({{"run", run_label(data, i)},
-                      {"observable", observable_words(r.observable)},
-                      {"standardised", rounded(r.standardised)},
-                      {"measured", rounded(r.measured)},
-                      {"modelled", rounded(r.modelled)},
-                      {"sd", rounded(r.sd)}});
+                      {"observable", observable_text(r.observable)},
+                      {"standardised", drawn(r.standardised)},
+                      {"measured", drawn(r.measured)},
+                      {"modelled", drawn(r.modelled)},
+                      {"sd", drawn(r.sd)}});
   return list;
 }
 
@@ -119,12 +121,12 @@ json slides(const ReportData& data) {
   for (const ReportSlide& slide : data.slides) {
     json residual = json::array();
     for (std::size_t i = 0; i < std::min(slide.position_mm.size(), slide.fitted_mm.size()); ++i)
-      residual.push_back(rounded(1000 * (slide.position_mm[i] - slide.fitted_mm[i])));
+      residual.push_back(drawn(1000 * (slide.position_mm[i] - slide.fitted_mm[i])));
     list.push_back({{"name", slide.name},
-                    {"time_s", rounded(slide.time_s)},
-                    {"position_mm", rounded(slide.position_mm)},
-                    {"sigma_mm", rounded(slide.sigma_mm)},
-                    {"fitted_mm", rounded(slide.fitted_mm)},
+                    {"time_s", drawn(slide.time_s)},
+                    {"position_mm", drawn(slide.position_mm)},
+                    {"sigma_mm", drawn(slide.sigma_mm)},
+                    {"fitted_mm", drawn(slide.fitted_mm)},
                     {"residual_um", residual}});
   }
   return list;
@@ -199,7 +201,7 @@ std::string dependence_section(const ReportData& data) {
   const char* how =
       "Points: measured, with one standard deviation (often smaller than the point); lines: the model at "
       "the fitted parameters.";
-  std::string html = "<section id=\"dependences\"><h2>Where the part goes, and how fast</h2>\n";
+  std::string html = "<section id=\"dependences\"><h2>Direction and velocity of the displacement</h2>\n";
   if (!data.over_phi.empty() || !data.over_dtau.empty()) html += "<div class=\"pair\">\n";
   if (!data.over_phi.empty())
     html += plot_box(
@@ -255,11 +257,11 @@ std::string residual_section(const ReportData& data) {
     return data.fitted ? "<section id=\"residuals\"><h2>Residuals</h2>\n<p class=\"left-out\">The fit gave "
                          "no residuals by run: figure left out.</p></section>\n"
                        : "";
-  return "<section id=\"residuals\"><h2>Residuals: how far each measurement is from the model</h2>\n" +
+  return "<section id=\"residuals\"><h2>Residuals</h2>\n" +
          plot_box("residuals",
                   "<b>Measured minus modelled, in standard deviations.</b> If the model and the errors "
-                  "are right, 19 of 20 lie inside the grey band (±2) and they show no trend. Where the "
-                  "observables of a run are correlated they have been made independent first.",
+                  "are right, 19 of 20 lie inside the grey band (±2) and show no trend. Correlated "
+                  "observables of a run are decorrelated first.",
                   "full") +
          "</section>\n";
 }
@@ -272,7 +274,7 @@ std::string slide_section(const ReportData& data) {
         fmt::format(
             "<b>{}.</b> Distance along the slide against time, with the parabola of constant friction "
             "(deceleration μ<sub>1</sub> g); below, measured minus fitted. {}",
-            escape_html(data.slides[i].name), escape_html(data.slides[i].sentence)),
+            escape_html(data.slides[i].name), sentence_html(data.slides[i].sentence)),
         "full");
   if (html.empty()) return "";
   return "<section id=\"slides\"><h2>Free slides: friction on the resting platform</h2>\n" + html +

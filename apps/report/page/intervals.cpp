@@ -37,18 +37,17 @@ bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval Repor
 /// What each interval shown is, and which covariance stands behind the first.
 std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
   std::string html =
-      "<p class=\"note\">The covariance interval comes from the fit’s covariance, as if the χ² valley were a "
-      "parabola";
+      "<p class=\"note\">The covariance interval comes from the fit’s covariance, assuming that "
+      "χ² is a parabola about its minimum";
   const bool profile = has_column(columns, &ReportParameter::profile_ci95);
   if (profile)
-    html +=
-        "; the profile interval walks along the real valley, re-fitting all other parameters at every step";
+    html += "; the profile interval follows χ² itself, with all other parameters fitted again at every step";
   if (has_column(columns, &ReportParameter::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
                         data.bootstrap_refits, data.bootstrap_seed);
   html += profile ? ". Where they differ, trust the profile.</p>\n" : ".</p>\n";
   if (!data.covariance_meaning.empty())
-    html += "<p class=\"note\"><b>Which covariance this is:</b> " + escape_html(data.covariance_meaning) +
+    html += "<p class=\"note\"><b>Which covariance this is:</b> " + sentence_html(data.covariance_meaning) +
             "</p>\n";
   return html;
 }
@@ -56,24 +55,21 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 }  // namespace
 
 std::string interval_table(const ReportData& data) {
-  const bool truth = std::any_of(data.parameters.begin(), data.parameters.end(),
-                                 [](const ReportParameter& p) { return p.truth.has_value(); });
   const std::vector<IntervalColumn> columns = interval_columns(data);
   std::string html = fmt::format(
-      "<div class=\"wide\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
+      "<div class=\"wide\" tabindex=\"0\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
       "class=\"n\">Value</th><th class=\"n\">Standard deviation</th>",
       columns.size() > 2 ? " many" : "");
   for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
-  html += truth ? "<th class=\"n\">True value</th>" : "";
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
   for (const ReportParameter& p : data.parameters) {
-    const ParameterWords words = parameter_words(p.name);
-    html += "<tr><th>" + words.symbol + "</th>" + number_cell(rounded_to_sd(p.estimate, p.sd)) +
-            number_cell(number(p.sd, 2));
+    const ParameterText shown = parameter_text(p.name);
+    html += "<tr><th>" + shown.symbol + "</th>" + number_cell(rounded(p.estimate, p.sd)) +
+            number_cell(rounded(p.sd, p.sd));
     for (const IntervalColumn& column : columns)
-      html += fmt::format("<td class=\"n ends\">{}</td>", interval_words(p.*column.interval, p.sd));
-    if (truth) html += number_cell(p.truth ? rounded_to_sd(*p.truth, p.sd) : "–");
-    html += cell(words.unit.empty() ? "1" : words.unit) + cell(words.meaning) + "</tr>\n";
+      html += fmt::format("<td class=\"n ends\">{}</td>",
+                          interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd));
+    html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n" + interval_note(data, columns);
 }

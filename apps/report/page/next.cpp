@@ -25,7 +25,7 @@ bool same(const ReportNextRun& a, const ReportNextRun& b) {
 std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
   std::vector<Row> rows;
   for (const ReportNextRun& run : runs) {
-    const std::string aim = run.aim.empty() ? "all together" : parameter_words(run.aim).symbol + " alone";
+    const std::string aim = run.aim.empty() ? "all together" : parameter_text(run.aim).symbol + " alone";
     const auto known = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return same(r.run, run); });
     if (known == rows.end())
       rows.push_back({run, aim});
@@ -35,19 +35,20 @@ std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
   return rows;
 }
 
-/// Rounded where its own width says.
+/// Rounded to its own width: a quarter of it is about one sd.
 std::string interval(const ReportInterval& range) {
-  return interval_words(range, (range.high - range.low) / 4);
+  return interval_text(range.low, range.high, (range.high - range.low) / 4);
 }
 
 std::string next_table(const ReportData& data) {
   std::string html =
-      "<div class=\"wide\"><table class=\"next\"><thead><tr><th>Best for</th><th class=\"n\">φ</th><th "
+      "<div class=\"wide\" tabindex=\"0\"><table class=\"next\"><thead><tr><th>Best for</th><th "
+      "class=\"n\">φ</th><th "
       "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
   for (const ReportParameter& parameter : data.parameters) {
-    const ParameterWords words = parameter_words(parameter.name);
-    html += fmt::format("<th class=\"n\">{}{}</th>", words.symbol,
-                        words.unit.empty() ? "" : fmt::format(", {}", words.unit));
+    const ParameterText shown = parameter_text(parameter.name);
+    html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
+                        shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
   }
   html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
   for (const ReportParameter& parameter : data.parameters) html += number_cell(interval(parameter.ci95));
@@ -66,8 +67,8 @@ std::string next_table(const ReportData& data) {
       "so.";
   if (data.identifiability == ReportVerdict::not_identifiable)
     html +=
-        " The prediction is made at the values above, which these runs do not tell: read how wide the "
-        "intervals are, not where they lie.";
+        " The prediction assumes the values above, which these runs do not determine: the widths of the "
+        "intervals are meaningful, their places are not.";
   return html + "</p>\n";
 }
 
@@ -79,7 +80,7 @@ std::string next_section(const ReportData& data) {
   const std::string sentence =
       data.next_experiment.empty() ? data.next_runs.front().sentence : data.next_experiment;
   std::string html =
-      "<section id=\"next\"><h2>What to film next</h2>\n<p>" + escape_html(sentence) + "</p>\n";
+      "<section id=\"next\"><h2>What to film next</h2>\n<p>" + sentence_html(sentence) + "</p>\n";
   if (!data.next_runs.empty()) html += next_table(data);
   return html + "</section>\n";
 }

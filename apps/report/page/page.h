@@ -1,4 +1,4 @@
-// The report: one self-contained HTML page.
+// The whole page, from the report's data.
 #pragma once
 
 #include <string>
@@ -7,18 +7,8 @@
 
 namespace tribotrack::apps {
 
-/// Turns the data into a page that holds everything it needs: style, plotting library, pictures, numbers. It
-/// fetches nothing, and its content security policy forbids the browser to. The same data give the same
-/// bytes.
-///
-/// A caller's order of work:
-///   data.runs = ...;                                    // measurements of every run
-///   data.over_phi = group_over_phi(data.runs);          // report_groups.h
-///   for (ReportGroup& group : data.over_phi) {
-///     group.curve_x_rad = curve_phis(group, data.runs);
-///     ...                                               // the model's alpha and v at each of them
-///   }
-///   write(render_report(data));
-std::string render_report(const ReportData& data);
+/// A page that holds everything it needs: style, plotting library, pictures, numbers. It fetches nothing, and
+/// its content security policy forbids the browser to. The same data give the same bytes.
+std::string page_of(const ReportData& data);
 
 }  // namespace tribotrack::apps

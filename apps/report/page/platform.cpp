@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "apps/report/text/text.h"
-#include "fit/measurement.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -57,10 +56,10 @@ class Drawing {
     svg_ += "\"/>";
   }
   std::string done(const std::string& x_name, const std::string& y_name, int digits) const {
-    const auto text = [](double x, double y, const char* anchor, const std::string& words) {
+    const auto text = [](double x, double y, const char* anchor, const std::string& label) {
       return fmt::format(
           "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"{}\" font-size=\"11\" fill=\"#444\">{}</text>", x, y,
-          anchor, words);
+          anchor, label);
     };
     const auto end = [&](double v) { return number(v, digits); };
     const double base = kHigh - kBottom;
@@ -107,10 +106,10 @@ std::string phase_drawing(const ReportPlatform& p) {
   Axis y = around(p.phase_left_mrad);
   y = {std::min(y.low, 0.0), std::max(y.high, 0.0)};
   const Axis x = around(p.time_s);
-  Drawing drawing(x, y, "phase left by constant w over time");
+  Drawing drawing(x, y, "phase residual over time");
   drawing.dots(p.time_s, p.phase_left_mrad);
   drawing.line({x.low, x.high}, {0, 0});
-  return drawing.done("time, s", "phase left, mrad", 3);
+  return drawing.done("time, s", "phase residual, mrad", 3);
 }
 
 std::string gate_drawing(const ReportPlatform& p) {
@@ -135,7 +134,10 @@ std::string numbers(const ReportRun& run) {
   add(with_sd("ω", p.w_rad_s, p.w_sd_rad_s, "rad/s"));
   add(with_sd("ε", p.epsilon_rad, p.epsilon_sd_rad, "rad"));
   add(with_sd("dω/dt", p.drift_rad_s2, p.drift_sd_rad_s2, "rad/s²"));
-  for (const auto& h : p.harmonics) add(h);
+  for (const ReportHarmonic& h : p.harmonics)
+    add(fmt::format("{}ω: {} mm along x, {} mm along y", h.order,
+                    value_and_sd(h.amplitude_mm, h.amplitude_sd_mm),
+                    value_and_sd(h.amplitude_y_mm, h.amplitude_y_sd_mm)));
   add(with_sd("φ", p.phi_rad, p.phi_sd_rad, "rad"));
   add(with_sd("Δτ", p.dtau_rad, p.dtau_sd_rad, "rad"));
   if (!p.gate_source.empty()) add("gate from the " + escape_html(p.gate_source));
@@ -143,35 +145,6 @@ std::string numbers(const ReportRun& run) {
 }
 
 }  // namespace
-
-ReportPlatform platform_of(const TrackFile& track) {
-  ReportPlatform report;
-  const auto seen = fit::measure_platform_motion(track.table);
-  if (!seen) return report;
-  const fit::PlatformPicture picture = fit::picture_of(track.table, *seen);
-  for (std::size_t k = 0; k < picture.orbit.size(); ++k) {
-    report.orbit_x_mm.push_back(picture.orbit[k].x() * 1e3);
-    report.orbit_y_mm.push_back(picture.orbit[k].y() * 1e3);
-    report.time_s.push_back(track.table.time[k]);
-    report.phase_left_mrad.push_back(picture.phase_left[k] * 1e3);
-  }
-  for (const Eigen::Vector2d& m : picture.model) {
-    report.model_x_mm.push_back(m.x() * 1e3);
-    report.model_y_mm.push_back(m.y() * 1e3);
-  }
-  if (track.lamp.time.empty()) return report;
-  const fit::PhaseClock clock{seen->angular_frequency.value, seen->phase_at_zero.value,
-                              seen->phase_at_middle.sd};
-  const fit::GateMeasurement gate = fit::measure_gate(track.lamp, clock);
-  if (!gate.timing) return report;
-  const fit::FoldedLamp folded = fit::fold_lamp(track.lamp, clock, *gate.timing);
-  report.gate_phase_rad = folded.phase;
-  report.gate_share = folded.share;
-  const fit::FoldedLamp model = fit::modelled_lamp(track.lamp, clock, *gate.timing);
-  report.gate_model_phase_rad = model.phase;
-  report.gate_model_share = model.share;
-  return report;
-}
 
 std::string platform_section(const ReportData& data) {
   std::string html;
@@ -185,15 +158,14 @@ std::string platform_section(const ReportData& data) {
     html += "</div></details>\n";
   }
   if (html.empty()) return "";
-  std::string words =
-      "<p class=\"note\">Dots: each frame; lines: what was fitted to all of them. Left: the platform’s "
-      "orbit. "
-      "Middle: the phase that a constant frequency leaves; a bend is a drift of the drive. Right, with a "
-      "lamp in "
-      "the picture: its brightness over the platform’s phase; slopes are exposures that hold an edge.</p>\n";
-  if (!data.phase_reference.empty()) words += "<p>" + escape_html(data.phase_reference) + "</p>\n";
-  return "<section id=\"platform\"><h2>Platform and gate, as they were seen</h2>\n" + words + html +
-         "</section>\n";
+  std::string text =
+      "<p class=\"note\">Dots: frames; lines: the motion fitted to all of them, with the values above each "
+      "drawing. Left: the platform’s orbit. Middle: phase residual of a constant frequency; a bend is a "
+      "drift "
+      "of the drive. Right, with a lamp in the picture: its brightness over the platform’s phase; the slopes "
+      "are exposures during which the lamp switched.</p>\n";
+  if (!data.phase_reference.empty()) text += "<p>" + sentence_html(data.phase_reference) + "</p>\n";
+  return "<section id=\"platform\"><h2>Platform and gate, as measured</h2>\n" + text + html + "</section>\n";
 }
 
 }  // namespace tribotrack::apps

@@ -94,31 +94,67 @@ std::string run_row(const ReportRun& run, std::size_t index) {
   html += number_cell(run.kind == "free_slide" ? "free slide" : angle(run.phi_rad));
   html += number_cell(run.kind == "free_slide" ? "–" : angle(run.dtau_rad));
   html += number_cell(value_and_sd(run.alpha_rad, run.alpha_sd_rad));
-  html += number_cell(rounded_to_sd(run.modelled_alpha_rad, run.alpha_sd_rad));
+  html += number_cell(rounded(run.modelled_alpha_rad, run.alpha_sd_rad));
   html += number_cell(value_and_sd(run.v_mm_s, run.v_sd_mm_s));
-  html += number_cell(rounded_to_sd(run.modelled_v_mm_s, run.v_sd_mm_s));
+  html += number_cell(rounded(run.modelled_v_mm_s, run.v_sd_mm_s));
   html += number_cell(run.cycles > 0 ? std::to_string(run.cycles) : "–");
   const bool tracked = run.frames_ok + run.frames_lost + run.frames_edge > 0;
   html += number_cell(tracked ? fmt::format("{} / {} / {}", run.frames_ok, run.frames_lost, run.frames_edge)
                               : "no video");
-  html += number_cell(number(run.sigma_px, 2));
+  html += number_cell(rounded(run.sigma_px, run.sigma_px));
   std::string time_base = std::isnan(run.frame_rate_hz) ? "" : number(run.frame_rate_hz, 6) + " Hz";
   if (!run.time_base.empty()) time_base += (time_base.empty() ? "" : ", ") + escape_html(run.time_base);
   html += cell(time_base.empty() ? "–" : time_base);
   return html + "</tr>\n";
 }
 
+std::string error_bound(const ReportStage& stage) {
+  if (stage.on) return "";
+  if (std::isnan(stage.error_bound_px)) return "not known";
+  return stage.error_bound_px == 0 ? "none" : number(stage.error_bound_px, 2) + " px";
+}
+
 std::string stage_table(const std::vector<ReportStage>& stages) {
   std::string html =
-      "<table class=\"compact plan\"><thead><tr><th>Stage</th><th></th><th>Why</th><th>Error "
-      "this can add</th></tr></thead><tbody>";
+      "<table class=\"compact plan\"><thead><tr><th>Stage</th><th>State</th><th>Reason</th><th>Error this "
+      "can "
+      "add</th></tr></thead><tbody>";
   for (const ReportStage& stage : stages)
     html += "<tr>" + cell(escape_html(stage.stage)) + cell(stage.on ? "done" : "<b>left out</b>") +
-            cell(escape_html(stage.reason)) + cell(stage.on ? "" : escape_html(stage.error_bound)) + "</tr>";
+            cell(sentence_html(stage.reason)) + cell(error_bound(stage)) + "</tr>";
   return html + "</tbody></table>\n";
 }
 
-std::string left_out_words(const std::vector<ReportStage>& stages) {
+/// Runs whose plans are the same to the last figure.
+struct PlanGroup {
+  std::vector<std::size_t> runs;
+  const std::vector<ReportStage>* plan = nullptr;
+};
+
+std::vector<PlanGroup> plan_groups(const std::vector<ReportRun>& runs) {
+  std::vector<PlanGroup> groups;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].plan.empty()) continue;
+    const auto same = std::find_if(groups.begin(), groups.end(),
+                                   [&](const PlanGroup& g) { return *g.plan == runs[i].plan; });
+    if (same == groups.end())
+      groups.push_back({{i}, &runs[i].plan});
+    else
+      same->runs.push_back(i);
+  }
+  return groups;
+}
+
+/// "1 name", or "runs 1, 3, 4" for several.
+std::string group_name(const PlanGroup& group, const std::vector<ReportRun>& runs) {
+  if (group.runs.size() == 1)
+    return fmt::format("{} {}", group.runs.front() + 1, escape_html(runs[group.runs.front()].name));
+  std::string text;
+  for (const std::size_t i : group.runs) text += fmt::format("{}{}", text.empty() ? "runs " : ", ", i + 1);
+  return text;
+}
+
+std::string left_out_text(const std::vector<ReportStage>& stages) {
   const auto left_out =
       std::count_if(stages.begin(), stages.end(), [](const ReportStage& s) { return !s.on; });
   return fmt::format("{} of {} stages left out", left_out, stages.size());
@@ -143,7 +179,8 @@ std::string picture_section(const ReportData& data) {
 std::string run_section(const ReportData& data) {
   if (data.runs.empty()) return "";
   std::string html =
-      "<section id=\"runs\"><h2>Runs</h2>\n<div class=\"wide\"><table class=\"runs\"><thead><tr><th "
+      "<section id=\"runs\"><h2>Runs</h2>\n<div class=\"wide\" tabindex=\"0\"><table "
+      "class=\"runs\"><thead><tr><th "
       "class=\"n\">#</th><th>Run</th><th class=\"n\">φ</th><th class=\"n\">Δτ</th><th class=\"n\">α, "
       "rad</th><th class=\"n\">model</th><th class=\"n\">v, mm/s</th><th class=\"n\">model</th><th "
       "class=\"n\">cycles</th><th class=\"n\">frames<br>found / lost / edge</th><th class=\"n\">σ, "
@@ -152,30 +189,25 @@ std::string run_section(const ReportData& data) {
   html +=
       "</tbody></table></div>\n<p class=\"note\">± is one standard deviation. α: direction of the "
       "displacement, counter-clockwise from the platform’s x axis; v: mean velocity over the whole cycles "
-      "counted. Frames: part found, lost from sight, or reaching out of the picture. σ: median standard "
-      "deviation of a tracked position, per axis.</p>\n";
+      "counted. Frames: part found, lost, or at the edge of the picture. σ: median standard deviation of a "
+      "tracked position, per axis.</p>\n";
   std::string notes;
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     for (const std::string& note : data.runs[i].notes)
-      notes +=
-          fmt::format("<li><b>{}</b> {}: {}</li>", i + 1, escape_html(data.runs[i].name), escape_html(note));
+      notes += fmt::format("<li><b>{}</b> {}: {}</li>", i + 1, escape_html(data.runs[i].name),
+                           sentence_html(note));
   if (!notes.empty()) html += "<h3>Remarks</h3>\n<ul>" + notes + "</ul>\n";
   return html + "</section>\n";
 }
 
 std::string plan_section(const ReportData& data) {
   std::string html;
-  if (!data.plan.empty())
-    html += "<details open><summary>The campaign as a whole: " + left_out_words(data.plan) + "</summary>\n" +
-            stage_table(data.plan) + "</details>\n";
-  for (std::size_t i = 0; i < data.runs.size(); ++i)
-    if (!data.runs[i].plan.empty())
-      html += fmt::format("<details><summary>{} {}: {}</summary>\n{}</details>\n", i + 1,
-                          escape_html(data.runs[i].name), left_out_words(data.runs[i].plan),
-                          stage_table(data.runs[i].plan));
+  for (const PlanGroup& group : plan_groups(data.runs))
+    html += fmt::format("<details><summary>{}: {}</summary>\n{}</details>\n", group_name(group, data.runs),
+                        left_out_text(*group.plan), stage_table(*group.plan));
   if (html.empty()) return "";
-  return "<section id=\"plan\"><h2>What was left out, and why</h2>\n<p class=\"note\">Before it works, the "
-         "program decides from each scene which stages are not needed.</p>\n" +
+  return "<section id=\"plan\"><h2>Stages left out, and why</h2>\n<p class=\"note\">Before it tracks a "
+         "recording, the program decides which stages its scene does not need.</p>\n" +
          html + "</section>\n";
 }
 

@@ -12,6 +12,6 @@ namespace tribotrack::apps {
 std::string picture_section(const ReportData& data);
 
 std::string run_section(const ReportData& data);   ///< table of runs, failures, remarks
-std::string plan_section(const ReportData& data);  ///< which stages were left out, and why
+std::string plan_section(const ReportData& data);  ///< stages left out, and why
 
 }  // namespace tribotrack::apps

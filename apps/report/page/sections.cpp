@@ -28,18 +28,19 @@ const char* css_class(Trust trust) {
 
 std::string given_table(const ReportData& data) {
   if (data.given.empty()) return "";
-  std::string html = "<h3>Taken as known</h3>\n<div class=\"wide\"><table class=\"compact\"><tbody>";
+  std::string html =
+      "<h3>Taken as known</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact\"><tbody>";
   for (const ReportGiven& given : data.given) {
-    const ParameterWords words = parameter_words(given.name);
-    const bool in_radians = words.unit == "rad";
-    html += fmt::format("<tr><th>{}</th>", words.symbol);
+    const ParameterText shown = parameter_text(given.name);
+    const bool in_radians = shown.unit == "rad";
+    html += fmt::format("<tr><th>{}</th>", shown.symbol);
     html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
-    html += cell(in_radians ? "" : words.unit) + cell(escape_html(given.source)) + "</tr>";
+    html += cell(in_radians ? "" : shown.unit) + cell(escape_html(given.source)) + "</tr>";
   }
   return html + "</tbody></table></div>\n";
 }
 
-/// Blue below, orange above: told apart by colour-blind eyes, and the number stands in the cell.
+/// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
 std::string correlation_colour(double r) {
   const double strength = std::min(std::abs(r), 1.0);
   const char* rgb = r < 0 ? "0,114,178" : "213,94,0";
@@ -50,38 +51,38 @@ std::string correlation_table(const ReportData& data) {
   const std::size_t n = data.parameters.size();
   if (n < 2 || data.correlation.size() != n) return "";
   std::string html =
-      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table class=\"compact "
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
       "correlation\"><thead><tr><th></th>";
   for (const ReportParameter& p : data.parameters)
-    html += "<th class=\"n\">" + parameter_words(p.name).symbol + "</th>";
+    html += "<th class=\"n\">" + parameter_text(p.name).symbol + "</th>";
   html += "</tr></thead><tbody>";
   for (std::size_t i = 0; i < n; ++i) {
-    html += "<tr><th>" + parameter_words(data.parameters[i].name).symbol + "</th>";
+    html += "<tr><th>" + parameter_text(data.parameters[i].name).symbol + "</th>";
     for (std::size_t k = 0; k < n && k < data.correlation[i].size(); ++k) {
       const double r = data.correlation[i][k];
       html += i == k ? "<td class=\"n\">1</td>"
                      : fmt::format("<td class=\"n\" style=\"{}\">{}</td>", correlation_colour(r),
-                                   std::isnan(r) ? "–" : rounded_to_sd(r, 0.1));
+                                   std::isnan(r) ? "–" : rounded(r, 0.1));
     }
     html += "</tr>";
   }
   return html +
-         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is made up for "
+         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is compensated "
          "by "
          "the other: only their combination is known well.</p>\n";
 }
 
-std::string identifiability_words(const ReportData& data) {
-  std::string html = "<h3>Can the data tell the parameters apart?</h3>\n<p>";
+std::string identifiability_text(const ReportData& data) {
+  std::string html = "<h3>Do the data determine each parameter?</h3>\n<p>";
   switch (data.identifiability) {
     case ReportVerdict::identifiable:
       html += "Yes: every parameter is determined by these runs.";
       break;
     case ReportVerdict::weak:
-      html += "Only weakly: some combination of the parameters is hardly felt by these runs.";
+      html += "Only weakly: these runs depend little on some combination of the parameters.";
       break;
     case ReportVerdict::not_identifiable:
-      html += "<b>No</b>: these runs leave some combination of the parameters open.";
+      html += "<b>No</b>: these runs leave some combination of the parameters undetermined.";
       break;
   }
   html += "</p>\n";
@@ -90,31 +91,31 @@ std::string identifiability_words(const ReportData& data) {
                              : !data.next_runs.empty()     ? data.next_runs.front().sentence
                                                            : std::string();
   if (data.identifiability != ReportVerdict::identifiable && !remedy.empty())
-    html += "<p><b>Remedy:</b> " + escape_html(remedy) + "</p>\n";
+    html += "<p><b>Remedy:</b> " + sentence_html(remedy) + "</p>\n";
   if (!data.other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals speak of the best "
-        "alone.</p>\n" +
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals hold for the best "
+        "minimum only.</p>\n" +
         html_list(data.other_minima);
   return html;
 }
 
 std::string systematics(const ReportData& data) {
   if (data.systematics.empty()) return "";
-  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters move by this much, which "
-         "χ² may not show and no interval above holds.</p>\n" +
+  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
+         "χ² may not show and which the intervals above do not include.</p>\n" +
          html_list(data.systematics);
 }
 
 std::string shared_scale(const ReportData& data) {
   if (data.shared_scale.empty()) return "";
-  return "<h3>Scale of the recordings</h3>\n<p>" + escape_html(data.shared_scale) + ".</p>\n";
+  return "<h3>Scale of the recordings</h3>\n<p>" + sentence_html(data.shared_scale) + ".</p>\n";
 }
 
 }  // namespace
 
 std::string verdict_section(const ReportData& data) {
-  const Verdict verdict = verdict_in_words(data);
+  const Verdict verdict = verdict_of(data);
   std::string html =
       fmt::format("<section id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></section>\n",
                   css_class(verdict.trust), verdict.heading, verdict.paragraph);
@@ -129,14 +130,14 @@ std::string verdict_section(const ReportData& data) {
 std::string parameter_section(const ReportData& data) {
   if (!data.fitted || data.parameters.empty()) return "";
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
-  html += "<div class=\"columns\">\n<div>" + identifiability_words(data) + systematics(data) +
+  html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
           shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
           "</div>\n</div>\n";
   return html + "</section>\n";
 }
 
 std::string provenance_section(const ReportData& data) {
-  std::string html = "<section id=\"provenance\"><h2>Where this comes from</h2>\n";
+  std::string html = "<section id=\"provenance\"><h2>Provenance</h2>\n";
   html += "<p>Made by tribotrack " +
           escape_html(data.program_version.empty() ? "(version not stated)" : data.program_version) +
           " after S. Kilikevičius, K. Liutkauskienė and A. Fedaravičius, <i>Nonprehensile Manipulation of "
@@ -145,7 +146,7 @@ std::string provenance_section(const ReportData& data) {
           "the page fetches nothing.</p>\n";
   if (!data.inputs.empty()) {
     html += "<details><summary>Inputs and their hashes</summary>\n<table class=\"compact\"><tbody>";
-    for (const ReportInput& input : data.inputs)
+    for (const ReportSource& input : data.inputs)
       html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
               "</tr>";
     html += "</tbody></table></details>\n";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "apps/report/text/text.h"
@@ -10,15 +11,15 @@
 namespace tribotrack::apps {
 namespace {
 
-/// "mu1 = 0.1001 ± 0.0003 (95 % sure to lie between ... and ...)".
+/// "mu1 = 0.1001 ± 0.0003 (95 % interval ... to ...)".
 std::string finding(const ReportParameter& parameter) {
-  const ParameterWords words = parameter_words(parameter.name);
-  const std::string unit = words.unit.empty() ? "" : " " + words.unit;
+  const ParameterText shown = parameter_text(parameter.name);
+  const std::string unit = shown.unit.empty() ? "" : " " + shown.unit;
   std::string text =
-      fmt::format("<b>{} = {}{}</b>", words.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
+      fmt::format("<b>{} = {}{}</b>", shown.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
   if (std::isfinite(parameter.ci95.low) && std::isfinite(parameter.ci95.high))
-    text += fmt::format(" (95 % interval {} to {})", rounded_to_sd(parameter.ci95.low, parameter.sd),
-                        rounded_to_sd(parameter.ci95.high, parameter.sd));
+    text += fmt::format(" (95 % interval {})",
+                        interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd));
   return text;
 }
 
@@ -45,7 +46,8 @@ std::string runs_used(const ReportData& data) {
   return text;
 }
 
-constexpr double surprise = 1e-3;  // p below which the fit, too, says that chance does not explain chi-square
+/// Below this p the fit, too, rejects the model with the stated errors.
+constexpr double rejecting_p = 1e-3;
 
 enum class Agreement { good, poor, too_good, unknown };
 
@@ -53,57 +55,56 @@ Agreement agreement(const ReportData& data) {
   const ReportInterval expected = expected_reduced_chi2(data.dof);
   if (!std::isfinite(data.chi2) || data.dof < 1) return Agreement::unknown;
   const double reduced = data.chi2 / data.dof;
-  // The fit's own judgement where it is told, so that page and fit never differ; scatter answers it.
-  const bool too_far = std::isfinite(data.p_value) ? data.p_value < surprise : reduced > expected.high;
+  // By the fit's own p where there is one, so that page and fit never differ; added scatter accounts for it.
+  const bool too_far = std::isfinite(data.p_value) ? data.p_value < rejecting_p : reduced > expected.high;
   if (too_far && !(data.scatter_mm > 0)) return Agreement::poor;
   if (reduced < expected.low) return Agreement::too_good;
   return Agreement::good;
 }
 
-/// Scatter was read off the residuals because chance does not explain them without it: then chi-square is
-/// about 1 per degree of freedom by construction.
+/// Scatter was estimated from the residuals because they exceed the errors: then chi-squared per degree of
+/// freedom is about 1 by construction.
 bool scatter_is_from_residuals(const ReportData& data) {
-  return data.scatter_mm > 0 && data.p_value < surprise;
+  return data.scatter_mm > 0 && data.p_value < rejecting_p;
 }
 
-std::string agreement_words(const ReportData& data) {
+std::string agreement_text(const ReportData& data) {
   if (scatter_is_from_residuals(data))
     return fmt::format(
-        "The measurements miss the model by more than their own errors. Scatter, up to {} mm per axis, was "
-        "added so that χ² agrees: the intervals include it, but χ² no longer tells whether the model is "
-        "right.",
+        "The measurements deviate from the model by more than their own errors. Scatter of up to {} mm per "
+        "axis was added so that χ² agrees: the intervals include it, but χ² no longer tests the model.",
         number(data.scatter_mm, 2));
   switch (agreement(data)) {
     case Agreement::unknown:
       return "There are no more data than parameters, so the model could not be checked against them.";
     case Agreement::good:
       return fmt::format(
-          "The model describes the measurements within their errors: χ² per degree of freedom is {}, and "
-          "{} is what chance allows.",
-          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
+          "The model describes the measurements within their errors: χ² per degree of freedom is {}; "
+          "{} is expected.",
+          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
     case Agreement::poor:
       return fmt::format(
-          "The model misses the measurements by more than their errors: χ² per degree of freedom is {}, "
-          "where chance allows {}. Look at the residuals for the run or the trend that does not fit.",
-          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
+          "The measurements deviate from the model by more than their errors: χ² per degree of freedom is "
+          "{}, "
+          "{} is expected. The residuals show which run or trend does not fit.",
+          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
     case Agreement::too_good:
       return fmt::format(
-          "The measurements scatter less about the model than their errors say (χ² per degree of freedom "
-          "{}, where chance allows {}): the stated errors, and so the intervals, are probably too "
-          "wide.",
-          number(data.chi2 / data.dof, 3), expected_chi2_words(data.dof));
+          "The measurements scatter less about the model than their stated errors (χ² per degree of freedom "
+          "{}, {} is expected): the stated errors, and with them the intervals, are probably too wide.",
+          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
   }
   return "";
 }
 
-/// "two runs failed, the model misses the data"; empty when there is nothing to say.
+/// "the data contradict the model, 2 runs failed"; empty where there are none.
 std::string reasons_for_care(const ReportData& data) {
   std::vector<std::string> reasons;
   if (data.identifiability == ReportVerdict::weak)
-    reasons.push_back("some parameters are told apart only weakly");
-  if (agreement(data) == Agreement::poor) reasons.push_back("the model misses the data");
+    reasons.push_back("some parameters are determined only weakly");
+  if (agreement(data) == Agreement::poor) reasons.push_back("the data contradict the model");
   if (agreement(data) == Agreement::too_good) reasons.push_back("the stated errors look too large");
-  if (agreement(data) == Agreement::unknown) reasons.push_back("nothing checks the model");
+  if (agreement(data) == Agreement::unknown) reasons.push_back("there are no data left to check the model");
   if (!data.outliers.empty())
     reasons.push_back(data.outliers.size() == 1
                           ? "one run contradicts the others"
@@ -111,28 +112,26 @@ std::string reasons_for_care(const ReportData& data) {
   if (!data.other_minima.empty()) reasons.push_back("other values fit nearly as well");
   const std::size_t failed = failed_runs(data);
   if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
-  std::string words;
-  for (const std::string& reason : reasons) words += fmt::format("{}{}", words.empty() ? "" : ", ", reason);
-  return words;
+  std::string text;
+  for (const std::string& reason : reasons) text += fmt::format("{}{}", text.empty() ? "" : ", ", reason);
+  return text;
 }
 
 }  // namespace
 
 ReportInterval expected_reduced_chi2(int dof) {
   if (dof < 1) return {};
-  const double spread = 2.0 / (9.0 * dof);
-  const auto quantile = [&](double z) {
-    return std::pow(std::max(1 - spread + z * std::sqrt(spread), 0.0), 3);
-  };
-  return {.low = quantile(-2.576), .high = quantile(2.576)};
+  const boost::math::chi_squared distribution(dof);
+  return {.low = boost::math::quantile(distribution, 0.005) / dof,
+          .high = boost::math::quantile(distribution, 0.995) / dof};
 }
 
-std::string expected_chi2_words(int dof) {
+std::string expected_chi2_text(int dof) {
   const ReportInterval expected = expected_reduced_chi2(dof);
-  return interval_words(expected, 0.3 * (expected.high - expected.low));
+  return interval_text(expected.low, expected.high, 0.3 * (expected.high - expected.low));
 }
 
-Verdict verdict_in_words(const ReportData& data) {
+Verdict verdict_of(const ReportData& data) {
   Verdict verdict;
   if (!data.fitted || data.parameters.empty()) {
     verdict = {.trust = Trust::no_fit,
@@ -146,13 +145,12 @@ Verdict verdict_in_words(const ReportData& data) {
                             "The fit did not converge: the numbers are where it stopped, not a result. "
                             "Check the first guesses and the runs marked below."};
   } else if (data.identifiability == ReportVerdict::not_identifiable) {
-    verdict = {
-        .trust = Trust::do_not_use,
-        .heading = "Do not use these values",
-        .paragraph =
-            findings(data) +
-            "These runs cannot tell all the parameters apart: quite different values describe the data "
-            "equally well."};
+    verdict = {.trust = Trust::do_not_use,
+               .heading = "Do not use these values",
+               .paragraph =
+                   findings(data) +
+                   "These runs do not determine all the parameters: quite different values describe the data "
+                   "equally well."};
   } else {
     const bool weak = data.identifiability == ReportVerdict::weak;
     const std::string doubts = reasons_for_care(data);
@@ -160,16 +158,14 @@ Verdict verdict_in_words(const ReportData& data) {
     verdict.heading = doubts.empty() ? "Can be used" : "Use with care: " + doubts;
     verdict.paragraph =
         fmt::format("{}The fit to {} converged{} {}", findings(data), runs_used(data),
-                    weak ? ", but the data hold some combination of the parameters only weakly."
+                    weak ? ", but the data determine some combination of the parameters only weakly."
                          : ", and the data determine every parameter.",
-                    agreement_words(data));
+                    agreement_text(data));
     if (data.scatter_mm > 0 && !scatter_is_from_residuals(data))
       verdict.paragraph += fmt::format(
-          " Runs scatter more than their own errors explain; {} mm per axis was added to each, and the "
-          "intervals include it.",
+          " Scatter of {} mm per axis beyond the measurement errors was added; the intervals include it.",
           number(data.scatter_mm, 2));
   }
-  if (!data.verdict.empty()) verdict.paragraph = escape_html(data.verdict);
   if (!data.warnings.empty())
     verdict.paragraph +=
         fmt::format(" Read the {} below first.",

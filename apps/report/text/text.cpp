@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
+
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -57,6 +62,34 @@ bool usable(double sd) {
   return std::isfinite(sd) && sd > 0;
 }
 
+bool in_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+}
+
+/// Words and signs of sentences and their symbols; the longer of two that begin alike stands first.
+constexpr std::pair<std::string_view, std::string_view> symbols[] = {{"phase_lag_rad", "lag"},
+                                                                     {"mu1", "μ₁"},
+                                                                     {"mu2", "μ₂"},
+                                                                     {"chi2", "χ²"},
+                                                                     {"dtau", "Δτ"},
+                                                                     {"phi", "φ"},
+                                                                     {"alpha", "α"},
+                                                                     {"rad/s^2", "rad/s²"},
+                                                                     {"+-", "±"},
+                                                                     {"->", "→"},
+                                                                     {"pi", "π"}};
+
+/// Does `word` stand alone at `at`, not inside a longer name, a file's name or a path?
+bool stands_alone(std::string_view text, std::size_t at, std::string_view word) {
+  if (!in_word(word.front())) return true;
+  const std::size_t end = at + word.size();
+  const bool name_before = at > 0 && (in_word(text[at - 1]) || text[at - 1] == '/' || text[at - 1] == '.');
+  const bool name_after =
+      end < text.size() && (in_word(text[end]) || text[end] == '/' ||
+                            (text[end] == '.' && end + 1 < text.size() && in_word(text[end + 1])));
+  return !name_before && !name_after;
+}
+
 }  // namespace
 
 std::string number(double value, int digits) {
@@ -65,27 +98,43 @@ std::string number(double value, int digits) {
   return with_minus_sign(fmt::format("{:.{}g}", value, digits));
 }
 
-std::string rounded_to_sd(double value, double sd) {
+std::string rounded(double value, double sd) {
   if (!std::isfinite(value) || !usable(sd)) return number(value);
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(sd)));
-  if (decimals > 9) return number(value, 9);
-  return with_minus_sign(fmt::format("{:.{}f}", value, std::max(decimals, 0)));
-}
-
-std::string interval_words(const ReportInterval& range, double sd) {
-  if (std::isnan(range.low) || std::isnan(range.high)) return "–";
-  return rounded_to_sd(range.low, sd) + " to " + rounded_to_sd(range.high, sd);
-}
-
-std::string html_list(const std::vector<std::string>& sentences) {
-  std::string html = "<ul>";
-  for (const std::string& sentence : sentences) html += "<li>" + escape_html(sentence) + "</li>";
-  return html + "</ul>\n";
+  return with_minus_sign(rounded_to_sd(value, sd));
 }
 
 std::string value_and_sd(double value, double sd) {
   if (!std::isfinite(value) || !usable(sd)) return number(value);
-  return rounded_to_sd(value, sd) + " ± " + rounded_to_sd(sd, sd);
+  return rounded(value, sd) + " ± " + rounded(sd, sd);
+}
+
+std::string interval_text(double low, double high, double sd) {
+  if (std::isnan(low) || std::isnan(high)) return "–";
+  const double half_width = 0.5 * (high - low);
+  const double step = !usable(half_width) ? sd : usable(sd) ? std::min(sd, half_width) : half_width;
+  return rounded(low, step) + " to " + rounded(high, step);
+}
+
+std::string sentence_html(std::string_view sentence) {
+  std::string text;
+  for (std::size_t at = 0; at < sentence.size();) {
+    const auto* symbol = std::find_if(std::begin(symbols), std::end(symbols), [&](const auto& candidate) {
+      return sentence.substr(at).starts_with(candidate.first) && stands_alone(sentence, at, candidate.first);
+    });
+    if (symbol == std::end(symbols)) {
+      text += sentence[at++];
+    } else {
+      text += symbol->second;
+      at += symbol->first.size();
+    }
+  }
+  return escape_html(text);
+}
+
+std::string html_list(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>";
+  for (const std::string& sentence : sentences) html += "<li>" + sentence_html(sentence) + "</li>";
+  return html + "</ul>\n";
 }
 
 std::string angle(double rad) {
@@ -102,8 +151,8 @@ std::string angle(double rad) {
                      bottom == 1 ? "" : fmt::format("/{}", bottom));
 }
 
-ParameterWords parameter_words(const std::string& key) {
-  static const std::map<std::string, ParameterWords> known = {
+ParameterText parameter_text(const std::string& key) {
+  static const std::map<std::string, ParameterText> known = {
       {"mu1", {"μ<sub>1</sub>", "", "friction coefficient while the actuator is off"}},
       {"mu2", {"μ<sub>2</sub>", "", "effective friction coefficient while the actuator is on"}},
       {"phase_lag_rad",
@@ -124,10 +173,10 @@ ParameterWords parameter_words(const std::string& key) {
       {"tilt_y_rad", {"tilt<sub>y</sub>", "rad", "slope of the platform towards +y"}},
   };
   const auto found = known.find(key);
-  return found != known.end() ? found->second : ParameterWords{escape_html(key), "", ""};
+  return found != known.end() ? found->second : ParameterText{escape_html(key), "", ""};
 }
 
-std::string observable_words(const std::string& observable) {
+std::string observable_text(const std::string& observable) {
   static const std::map<std::string, std::string> known = {
       {"alpha_rad", "α (rad)"}, {"v_mm_s", "v (mm/s)"}, {"dx_mm", "dx (mm)"},   {"dy_mm", "dy (mm)"},
       {"x_mm", "x (mm)"},       {"y_mm", "y (mm)"},     {"rms_mm", "rms (mm)"}, {"rms_px", "rms (px)"},

@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/report/data/data.h"
-
 namespace tribotrack::apps {
 
 /// Text made safe for HTML, in elements and in quoted attributes.
@@ -20,34 +18,38 @@ std::string number_cell(const std::string& html);
 /// where open.
 std::string number(double value, int digits = 4);
 
-/// A value rounded where its sd says: decimals such that sd keeps two significant digits: (0.100123, 0.00031)
-/// gives "0.10012". Without a usable sd: number(value).
-std::string rounded_to_sd(double value, double sd);
-
-/// "0.09952 to 0.10073", rounded where sd says; an en dash where there is no interval.
-std::string interval_words(const ReportInterval& range, double sd);
-
-/// Sentences as a list.
-std::string html_list(const std::vector<std::string>& sentences);
+/// A value rounded to its sd (number_text.h), with a true minus sign; number(value) without a usable sd.
+std::string rounded(double value, double sd);
 
 /// "0.10012 ± 0.00031"; the value alone without a usable sd.
 std::string value_and_sd(double value, double sd);
 
+/// "0.09952 to 0.10073", rounded to the sd or finer, such that its half width keeps two digits; an en dash
+/// where there is no interval.
+std::string interval_text(double low, double high, double sd);
+
+/// A sentence of the program as HTML, with the page's symbols: "mu1 = 0.1 +- 0.01" becomes "μ₁ = 0.1 ± 0.01".
+/// Names of files and runs keep their letters.
+std::string sentence_html(std::string_view sentence);
+
+/// Sentences as a list.
+std::string html_list(const std::vector<std::string>& sentences);
+
 /// "5π/6" for multiples of pi/12 (within 1e-4 rad), else "1.234 rad".
 std::string angle(double rad);
 
-/// A parameter as people write and explain it.
-struct ParameterWords {
+/// A parameter as papers write it.
+struct ParameterText {
   std::string symbol;   ///< HTML: "μ<sub>1</sub>"
   std::string unit;     ///< "" for a pure number
   std::string meaning;  ///< one line
 };
 
 /// By its campaign key ("mu1", "phase_lag_rad", ...); an unknown key stands for itself.
-ParameterWords parameter_words(const std::string& key);
+ParameterText parameter_text(const std::string& key);
 
-/// An observable as people write it: "v_mm_s" -> "v (mm/s)".
-std::string observable_words(const std::string& observable);
+/// An observable with its unit: "v_mm_s" -> "v (mm/s)".
+std::string observable_text(const std::string& observable);
 
 /// Base 64 (RFC 4648), for pictures inside the page.
 std::string base64(const std::vector<unsigned char>& bytes);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "apps/bench/tables/plot.h"
+#include "apps/bench/peers/library_peers.h"
 #include "apps/bench/tables/tables.h"
 
 namespace tribotrack::apps {
@@ -90,10 +91,13 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["results"]["model"]["laws_broken"], 0);
+  EXPECT_EQ(json["peers_missing"], bench::peers::missing_libraries());
   // Results on stdout, tables for people on stderr.
   EXPECT_NE(text_in(folder_ / "stdout").find("bench_fit.csv\n"), std::string::npos);
   EXPECT_EQ(text_in(folder_ / "stdout").find("always slipping"), std::string::npos);
   EXPECT_NE(text_in(folder_ / "stderr").find("always slipping"), std::string::npos);
+  for (const std::string& library : bench::peers::missing_libraries())
+    EXPECT_NE(text_in(folder_ / "stderr").find("made without " + library), std::string::npos);
 }
 
 TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
@@ -112,35 +116,41 @@ TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(BenchTables, SayWhereAPeerWins) {
-  model::ModelBenchRow ours, peer;
+  bench::ModelBenchRow ours, peer;
   ours.scene = peer.scene = "s";
   ours.method = "tribotrack";
   ours.ours = true;
   peer.method = "quick, \"rough\"";
   peer.time_over_ours = 0.5;
-  const BenchTable table = table_of(std::vector{ours, peer});
+  const bench::BenchTable table = table_of(std::vector{ours, peer});
   EXPECT_NE(table.text.find("PEER WINS x2.00"), std::string::npos);
   EXPECT_NE(table.csv.find("\"quick, \"\"rough\"\"\""), std::string::npos);
   peer.time_over_ours = 3;
   EXPECT_EQ(table_of(std::vector{ours, peer}).text.find("PEER WINS"), std::string::npos);
 }
 
-TEST(BenchPlot, PutsDecadesWhereTheyBelong) {
-  // x 1e-4 .. 1e-2 over 375 px from 70, y 1e-8 .. 1e-6 over 250 px from 34: the middle decades in the middle.
-  const std::string svg =
-      log_log_svg({{"<t>", {{"a", {{1e-4, 1e-8}, {1e-3, 1e-7}, {1e-2, 1e-6}}, true}}}}, "x", "y");
-  EXPECT_NE(svg.find("cx=\"70.0\" cy=\"284.0\""), std::string::npos);
-  EXPECT_NE(svg.find("cx=\"257.5\" cy=\"159.0\""), std::string::npos);
-  EXPECT_NE(svg.find("cx=\"445.0\" cy=\"34.0\""), std::string::npos);
-  EXPECT_NE(svg.find("&lt;t>"), std::string::npos);
+TEST(BenchTables, NameTheSolversTheBuildLacks) {
+  const std::vector<bench::ModelBenchRow> rows(1);
+  EXPECT_EQ(table_of(rows).text.find("made without"), std::string::npos);
+  const bench::BenchTable table = table_of(rows, {"Boost.odeint", "SUNDIALS"});
+  EXPECT_NE(table.text.find("Boost.odeint, which this build was made without"), std::string::npos);
+  EXPECT_NE(table.text.find("SUNDIALS, which this build was made without"), std::string::npos);
+  EXPECT_EQ(table.csv, table_of(rows).csv);
 }
 
-TEST(BenchPlot, SurvivesErrorsOfZeroAndNoPointsAtAll) {
-  const std::string svg =
-      log_log_svg({{"t", {{"a", {{1e-3, 0}, {0, 1}}, false}, {"b", {}, false}}}}, "x", "y");
-  EXPECT_EQ(svg.find("nan"), std::string::npos);
-  EXPECT_EQ(svg.find("inf"), std::string::npos);
-  EXPECT_TRUE(log_log_svg({}, "x", "y").ends_with("</svg>\n"));
+TEST(BenchTables, EmptyCellsForWhatDoesNotExist) {
+  std::vector<bench::BatchBenchRow> rows(1);
+  rows[0].sweep = "all";
+  rows[0].wanted = "ends";
+  rows[0].instruction_set = "avx2";
+  rows[0].in_lanes = 0.5;
+  rows[0].time_scalar = rows[0].time_lanes = rows[0].speedup = rows[0].difference = NAN;
+  const bench::BenchTable table = table_of(rows);
+  EXPECT_EQ(table.csv.substr(table.csv.find('\n') + 1), "\"all\",ends,avx2,0,0.5,0,,,,0,,0\n");
+  EXPECT_NE(
+      table.text.find("\nends         avx2         50.0 %    0 %          -          -        -      0.0 s"
+                      "          -  all\n"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ TEST_F(ScopeFiles, RefusesWithFileAndLine) {
   std::string bad = good;
   for (int n = 0; n < 200; ++n) bad += "0.1,0.2\n";
   EXPECT_THAT(complaint(bad), HasSubstr("greater than 0"));
-  EXPECT_THAT(complaint(good + "0,1\n0.1,oops\n"), HasSubstr("s.csv:3: `oops` is not a number"));
+  EXPECT_THAT(complaint(good + "0,1\n0.1,oops\n"), HasSubstr("s.csv:3:5: `oops` is not a number"));
   EXPECT_THAT(complaint(good + "0,1\n0.1\n"), HasSubstr("s.csv:3: has 1 columns where 2 belong"));
   EXPECT_THAT(complaint("a,b,c\n1,2,3\n"), HasSubstr("s.csv:1: is not a known oscilloscope layout"));
   EXPECT_THAT(complaint("Frequency,CH1\n1,2\n"), HasSubstr("s.csv:1: is not a known"));

@@ -117,9 +117,9 @@ TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(complaint("frame;time_s;x\n1;2;3\n"), HasSubstr("commas and decimal points"));
   EXPECT_THAT(complaint(kHeader + row + "1,0.1,1\n"), HasSubstr("t.csv:3: has 3 columns where 13 belong"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,ok,abc,2,0.1,0.1\n"),
-              HasSubstr("t.csv:2:27: `abc` is not a number in column x_mm"));
+              HasSubstr("t.csv:2:24: `abc` is not a number in column x_mm"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,okay,1,2,0.1,0.1\n"),
-              HasSubstr("t.csv:2:24: `okay` is no status"));
+              HasSubstr("t.csv:2:21: `okay` is no status"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,,,0,1,ok,1,2,,0.1\n"), HasSubstr("sigma_x_mm"));
   EXPECT_EQ(complaint(kHeader + row), "no complaint");
 }

@@ -22,7 +22,7 @@ TEST_F(OutputFile, AppearsWholeAndReplacesWhatWasThere) {
 
 TEST_F(OutputFile, ATemporaryFileThatIsNotCommittedVanishesWithAllDerivedFromItsName) {
   {
-    TemporaryFile file(in_folder("a.mp4"));
+    TemporaryFile file(in_folder("a.mp4"), Content::pictures);
     put(file.name(), "half");
     put(file.name().string() + ".extra", "half");
     EXPECT_EQ(file.name().extension(), ".mp4");

@@ -10,7 +10,10 @@
 #include "apps/bench/claims/sweeps.h"
 #include "model/steady_orbit.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using std::numbers::pi;
@@ -62,8 +65,7 @@ TEST(Claims, SteadyAlphaHasSlopeMinusOneInPhiExactly) {
   EXPECT_LT(largest(c, "alpha off slope -1, steady"), 1e-9);
   // The facts known before, from rest: 3.4 deg at mu1 = .1, dtau = pi/6; 1.0 at .12, pi/3.
   const auto off = [](double mu1, double dtau) {
-    return internal::degrees(
-        internal::sweep_phase(paper_conditions(mu1, dtau), internal::drift_from_rest, 72).off_line);
+    return degrees(sweep_phase(paper_conditions(mu1, dtau), drift_from_rest, 72).off_line);
   };
   EXPECT_NEAR(off(0.1, pi / 6), 3.4, 0.1);
   EXPECT_NEAR(off(0.12, pi / 3), 1.0, 0.1);
@@ -87,7 +89,7 @@ TEST(Claims, GreatestVIsAMaximum) {
     const double widest = width_of_greatest_v(s);
     const auto v = [&](double dtau) {
       s.friction.pulse_width = dtau;
-      return internal::steady_drift(s).v;
+      return steady_drift(s).v;
     };
     const double h = 1e-3, slope = (v(widest + h) - v(widest - h)) / (2 * h),
                  curvature = (v(widest + h) - 2 * v(widest) + v(widest - h)) / (h * h);
@@ -102,9 +104,9 @@ TEST(Claims, WeakPulsesTurnAlphaByHalfTheirWidth) {
   const auto alpha = [](double weak, double dtau) {
     Scenario s = paper_conditions(0.1, dtau);
     s.friction.reduced = s.friction.nominal * (1 - weak);
-    return internal::steady_drift(s).alpha;
+    return steady_drift(s).alpha;
   };
-  const auto off = [&](double weak) { return internal::turn_between(alpha(weak, 1), alpha(weak, 2)) + 0.5; };
+  const auto off = [&](double weak) { return turn_between(alpha(weak, 1), alpha(weak, 2)) + 0.5; };
   EXPECT_NEAR(off(1e-4), 0, 1e-4);
   EXPECT_NEAR(off(1e-4) / off(2e-4), 0.5, 1e-2);  // and the rest is linear in mu1 - mu2
 }
@@ -123,13 +125,13 @@ TEST(Claims, TiltMattersMostAtNarrowPulses) {
 
 TEST(Claims, MonotonyFindsTheFirstStretchAgainstTheSign) {
   const std::vector<double> x{0, 1, 2, 3, 4, 5}, v{1, 2, 1.5, 1, 3, 2};
-  const auto m = internal::monotony(x, v, 1);
+  const auto m = monotony(x, v, 1);
   EXPECT_FALSE(m.holds);
   EXPECT_EQ(m.fails_from, 1);
   EXPECT_EQ(m.fails_to, 3);
-  EXPECT_TRUE(internal::monotony(x, x, 1).holds);
-  EXPECT_FALSE(internal::monotony(x, x, -1).holds);
+  EXPECT_TRUE(monotony(x, x, 1).holds);
+  EXPECT_FALSE(monotony(x, x, -1).holds);
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -7,7 +7,10 @@
 #include "model/reference_error.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 constexpr bool kQuick = true;
@@ -101,4 +104,4 @@ TEST(Extremes, SameCasesQuickOrNot) {
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -7,7 +7,10 @@
 #include "apps/bench/fit/plain_descent.h"
 #include "fit/estimate.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
+
+using namespace fit;
+
 namespace {
 
 TEST(PlainDescent, SolvesALinearProblemExactly) {
@@ -18,7 +21,7 @@ TEST(PlainDescent, SolvesALinearProblemExactly) {
     if (jacobian) *jacobian = a;
     return a * (z - truth);
   };
-  const auto end = internal::descend(residuals, Eigen::Vector3d::Zero(), 50);
+  const auto end = descend(residuals, Eigen::Vector3d::Zero(), 50);
   EXPECT_TRUE(end.converged);
   EXPECT_LT((end.z - truth).norm(), 1e-9);
   EXPECT_LT((end.covariance - (a.transpose() * a).inverse()).norm(), 1e-12);
@@ -32,8 +35,8 @@ TEST(PlainDescent, SaysWhenItDidNotArrive) {
     }
     return Eigen::Vector3d(10 * (z(1) - z(0) * z(0)), 1 - z(0), z(2));
   };
-  EXPECT_FALSE(internal::descend(valley, {-1.2, 1, 0}, 2).converged);
-  const auto end = internal::descend(valley, {-1.2, 1, 0}, 200);
+  EXPECT_FALSE(descend(valley, {-1.2, 1, 0}, 2).converged);
+  const auto end = descend(valley, {-1.2, 1, 0}, 200);
   EXPECT_TRUE(end.converged);
   EXPECT_LT((end.z - Eigen::Vector3d(1, 1, 0)).norm(), 1e-6);
 }
@@ -83,4 +86,4 @@ TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
 }
 
 }  // namespace
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

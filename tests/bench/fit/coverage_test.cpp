@@ -9,7 +9,10 @@
 
 #include "fit/slow_friction.h"
 
-namespace tribotrack::fit {
+namespace tribotrack::bench {
+
+using namespace fit;
+
 namespace {
 
 /// P(X <= k) for X binomial with n tries.
@@ -79,4 +82,4 @@ TEST(CoverageCampaign, DISABLED_OfAThousandCampaignsIsBetween93And97Percent) {
 }
 
 }  // namespace
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::bench

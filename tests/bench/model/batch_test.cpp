@@ -7,7 +7,10 @@
 
 #include "model/processor/instruction_set.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 TEST(BatchBench, QuickRunComparesEverySweepInEveryInstructionSet) {
@@ -19,11 +22,11 @@ TEST(BatchBench, QuickRunComparesEverySweepInEveryInstructionSet) {
     last = done;
     of = total;
   };
-  const auto set = internal::instruction_set();
+  const auto set = model::internal::instruction_set();
   const auto rows = bench_batch(options);
-  EXPECT_EQ(internal::instruction_set(), set);
+  EXPECT_EQ(model::internal::instruction_set(), set);
   EXPECT_EQ(last, of);
-  ASSERT_EQ(rows.size(), 6 * internal::available_instruction_sets().size() + 1);
+  ASSERT_EQ(rows.size(), 6 * model::internal::available_instruction_sets().size() + 1);
   std::set<std::string> kinds;
   for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
     const BatchBenchRow& row = rows[k];
@@ -43,4 +46,4 @@ TEST(BatchBench, QuickRunComparesEverySweepInEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -7,7 +7,10 @@
 #include <map>
 #include <set>
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 TEST(ModelBench, QuickRunComparesEveryMethodOnEveryScene) {
@@ -77,4 +80,4 @@ TEST(ModelBench, EveryExtremeCaseIsFiniteAndKeepsItsLaw) {
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

@@ -6,7 +6,10 @@
 
 #include "apps/bench/peers/library_peers.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 Scenario sliding() {
@@ -26,7 +29,13 @@ bool contains(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
+/// The libraries this build has none of, as a reason to skip.
+std::string none_built() {
+  return peers::all_peers().empty() ? "this build was made without Boost.odeint and SUNDIALS" : "";
+}
+
 TEST(PeersLibrary, SegmentedOnesConvergeToTheReference) {
+  if (!none_built().empty()) GTEST_SKIP() << none_built();
   int seen = 0;
   for (const Scenario& scenario : {sliding(), sticking()}) {
     const PeerResult reference = extended_precision_reference(scenario);
@@ -41,10 +50,13 @@ TEST(PeersLibrary, SegmentedOnesConvergeToTheReference) {
       ++seen;
     }
   }
-  EXPECT_GE(seen, 8);
+  if (peers::missing_libraries().empty()) {
+    EXPECT_GE(seen, 8);
+  }
 }
 
 TEST(PeersLibrary, ByTheClockTheyAreWithinMicrometresWhereNothingSticks) {
+  if (!none_built().empty()) GTEST_SKIP() << none_built();
   const PeerResult reference = extended_precision_reference(sliding());
   int seen = 0;
   for (const BenchPeer& peer : peers::all_peers()) {
@@ -55,13 +67,16 @@ TEST(PeersLibrary, ByTheClockTheyAreWithinMicrometresWhereNothingSticks) {
     EXPECT_GT((result.position - reference.position).norm(), 0) << peer.name;
     ++seen;
   }
-  EXPECT_GE(seen, 5);
+  if (peers::missing_libraries().empty()) {
+    EXPECT_GE(seen, 5);
+  }
 }
 
 TEST(PeersLibrary, GivesUpAfterMaxSteps) {
+  if (!none_built().empty()) GTEST_SKIP() << none_built();
   for (const BenchPeer& peer : peers::all_peers())
     EXPECT_FALSE(peer.run(sliding(), 1e-8, 10).finished) << peer.name;
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

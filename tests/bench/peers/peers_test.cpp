@@ -8,7 +8,10 @@
 #include "apps/bench/model/bench.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::model {
+namespace tribotrack::bench {
+
+using namespace model;
+
 namespace {
 
 using Eigen::Vector2d;
@@ -107,4 +110,4 @@ TEST(Peers, RefuseWhatTheyCannotStart) {
 }
 
 }  // namespace
-}  // namespace tribotrack::model
+}  // namespace tribotrack::bench

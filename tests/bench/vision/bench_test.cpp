@@ -5,9 +5,12 @@
 #include <map>
 #include <set>
 
-#include "vision/cramer_rao_bound.h"
+#include "vision/plain_disc_bound.h"
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
+using namespace vision;
+
 namespace {
 
 TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
@@ -48,11 +51,12 @@ TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
   }
   // (sigma / A) sqrt(2 s / (sqrt(pi) R)) on a plain platform.
   const VisionBenchRow& plain = found.at("plain").at("grey centroid");
-  EXPECT_NEAR(plain.bound / plain_disc_bound(12, 90, std::sqrt(0.49 + 1.0 / 12), std::sqrt(4 + 1.0 / 12)), 1,
-              0.02);
+  EXPECT_NEAR(
+      plain.bound / test::plain_disc_bound(12, 90, std::sqrt(0.49 + 1.0 / 12), std::sqrt(4 + 1.0 / 12)), 1,
+      0.02);
   // What a moving brushed ground does to a centroid is seen.
   EXPECT_GT(found.at("brushed, moving").at("grey centroid").rms, 3 * plain.rms);
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
 namespace {
 
 TEST(BenchDecoding, EveryCodingIsWrittenDecodedAndTracked) {
@@ -20,4 +21,4 @@ TEST(BenchDecoding, EveryCodingIsWrittenDecodedAndTracked) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

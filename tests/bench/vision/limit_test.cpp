@@ -4,7 +4,8 @@
 
 #include <cstdio>
 
-namespace tribotrack::vision {
+namespace tribotrack::bench {
+
 namespace {
 
 /// More than 2000 error components on scenes of the analytic renderer.
@@ -57,4 +58,4 @@ TEST(VisionLimit, QuickRunHasBothPlans) {
 }
 
 }  // namespace
-}  // namespace tribotrack::vision
+}  // namespace tribotrack::bench

@@ -98,7 +98,7 @@ TEST(ModelCheck, ScatterIsNotTakenForALaw) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
     Problem problem = under({}, random, 6e-5);
-    for (auto& run : problem.summary_runs) run.measured.covariance /= 25;  // told five times too small
+    for (auto& run : problem.summary_runs) run.measured.covariance /= 25;  // stated five times too small
     const FitResult result = estimate(problem, quick());
     EXPECT_GT(result.scatter, 0);
     tried += result.models.size() > 2;
@@ -130,7 +130,7 @@ Problem tracks_under(const RivalLaw& law, std::mt19937& random, double sigma, do
   return problem;
 }
 
-// Tracks tell the law as displacements do, and slow errors are not taken for one.
+// Tracks show the law as displacements do, and correlated errors are not taken for one.
 TEST(ModelCheck, ALawIsFoundInTracks) {
   const unsigned seed = 7;
   SCOPED_TRACE(seed);

@@ -81,7 +81,7 @@ TEST(Profile, ABetterOptimumRestartsThem) {
     if (s.friction.phase < 0.5)
       problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
   const Unknowns unknowns(problem);
-  Residuals residuals(problem, unknowns);
+  Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
   KnownMinimum best = with_curvature(residuals, minimise(residuals, unknowns.z(truth)));
   const double lowest = best.minimum.chi2;

@@ -30,11 +30,11 @@ FitOptions quick(bool next) {
   return options;
 }
 
-/// Filmed without noise, told with kSigma.
+/// Filmed without noise, with a stated sigma of kSigma.
 SummaryRun film(const model::Scenario& scenario) {
   SummaryRun run = test::summary_run(scenario, 0.01, 0.05e-3, nullptr, 1000);
   run.measured.covariance = kSigma * kSigma * Eigen::Matrix2d::Identity();
-  run.measured.told_as_velocity = false;
+  run.measured.given_as_velocity = false;
   return run;
 }
 
@@ -73,7 +73,7 @@ TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
       problem.start[FitParameter::delay] = 0.002;  // edges at the very start make a kink
     }
     const internal::Unknowns unknowns(problem);
-    internal::Residuals residuals(problem, unknowns);
+    internal::Residuals residuals(unknowns);
     const Eigen::VectorXd values = unknowns.first_guess();
     const internal::Forecaster forecaster(residuals, values);
     std::vector<internal::Candidate> candidates;
@@ -97,7 +97,7 @@ TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
   }
 }
 
-/// Each stage counts up to all there is to do, and one thread at a time tells it.
+/// Each stage counts up to all there is to do, and one thread at a time reports it.
 TEST(Fit, TellsHowFarItIs) {
   FitOptions options = quick(true);
   options.multi_starts = 4;

@@ -1,4 +1,4 @@
-// Is the covariance told with a displacement that of its errors? White noise, ends anywhere between frames.
+// Is the covariance of a displacement that of its errors? White noise, ends anywhere between frames.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

@@ -1,4 +1,4 @@
-// Slow errors: whitening and restricted likelihood against dense matrices of all points.
+// Correlated errors: whitening and restricted likelihood against dense matrices of all points.
 #include "fit/residuals/correlated_errors.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr SlowWanted every = kAllSlowParts;
+constexpr ErrorParts every = kAllParts;
 
 std::vector<double> times_of(int n, double rate) {
   std::vector<double> times;
@@ -41,9 +41,9 @@ Eigen::MatrixX2d white_of(int n, std::mt19937& random) {
 }
 
 // Without a limit on modes: sum of products of Karhunen-Loeve modes = min(s, t).
-TEST(SlowErrors, TheWalksModesAreThoseOfBrownianMotion) {
+TEST(CorrelatedErrors, TheWalksModesAreThoseOfBrownianMotion) {
   const auto times = times_of(200, 100);
-  const SlowShapes shapes = slow_shapes(times, 0, 0, times.back(), {false, true});
+  const ErrorShapes shapes = error_shapes(times, 0, 0, times.back(), {false, true});
   ASSERT_EQ(shapes.count(), kWalkModes);
   const Eigen::MatrixXd covariance = shapes.values * shapes.values.transpose();
   const double tail = 1 / (pi * pi * static_cast<double>(kWalkModes));  // of the variance at the end
@@ -52,17 +52,17 @@ TEST(SlowErrors, TheWalksModesAreThoseOfBrownianMotion) {
       EXPECT_NEAR(covariance(i, j), std::min(i, j) / 199.0, 2.5 * tail) << i << " " << j;
 }
 
-TEST(SlowErrors, WhiteningIsThatOfTheDenseCovariance) {
+TEST(CorrelatedErrors, WhiteningIsThatOfTheDenseCovariance) {
   const unsigned seed = 5;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const int n = 90;
   const auto times = times_of(n, 100);
-  const SlowShapes shapes = slow_shapes(times, 30, 0.4, 1.7, kOwnSlowParts);
+  const ErrorShapes shapes = error_shapes(times, 30, 0.4, 1.7, kOwnParts);
   const Eigen::MatrixX2d white = white_of(n, random);
-  const SlowVariances variances{3, 0.5, 0.1, 20};
-  const SlowWhitening whitening(whitened_shapes(shapes, white), column_variances(shapes, variances));
+  const CorrelatedVariances variances{3, 0.5, 0.1, 20};
+  const CorrelatedWhitening whitening(whitened_shapes(shapes, white), column_variances(shapes, variances));
 
   // V of the points as they are; the start point projected out by its normal equations under V.
   const auto rows = static_cast<Eigen::Index>(2 * n);
@@ -99,7 +99,7 @@ TEST(SlowErrors, WhiteningIsThatOfTheDenseCovariance) {
 
 // ln |V| + ln |X' V^-1 X| + r' P r by dense matrices, start points among the unknowns: no neighbour of the
 // variances found is more likely, and the sds are those of its curvature.
-TEST(SlowErrors, VariancesAreTheMostLikely) {
+TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   const unsigned seed = 12;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -112,13 +112,13 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
     problem.trajectory_runs.push_back(
         test::slow_track(test::scenario({}, 2.0 * k, 0.8 + 0.3 * k, 3), 200, 0.5e-6, slow, random));
   const Unknowns unknowns(problem);
-  Residuals residuals(problem, unknowns);
+  Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
-  const SlowEstimate found = estimate_slow_errors(residuals, truth);
+  const CorrelatedEstimate found = estimate_correlated_errors(residuals, truth);
   int present = 0;
   for (const double variance : found.variances) present += variance > 0;
   ASSERT_GE(present, 3);
-  constexpr auto circle = static_cast<std::size_t>(SlowPart::common_circle);
+  constexpr auto circle = static_cast<std::size_t>(ErrorPart::common_circle);
   EXPECT_GT(found.variances[circle], std::pow(1e-6, 2));
   EXPECT_LT(found.variances[circle], std::pow(8e-6, 2));
 
@@ -128,7 +128,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   struct Dense {
     Eigen::MatrixXd v, x;
   };
-  const auto dense = [&](const SlowVariances& variances) {
+  const auto dense = [&](const CorrelatedVariances& variances) {
     Eigen::MatrixXd v = Eigen::MatrixXd::Identity(r.size(), r.size());
     Eigen::MatrixXd x(r.size(), 3 + 6);
     Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 14);
@@ -136,7 +136,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
     x.rightCols(6).setZero();
     for (std::size_t i = 0; i < 3; ++i) {
       const Eigen::MatrixX2d white = residuals.white(i);
-      const SlowShapes shapes = residuals.shapes(i, every);
+      const ErrorShapes shapes = residuals.shapes(i, every);
       const Eigen::Index row = residuals.trajectory_row(i);
       x.block(row, 3 + 2 * static_cast<Eigen::Index>(i), white.rows(), 2) = white / white.norm();
       Eigen::Index shared = 0;
@@ -155,7 +155,7 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
     v += common * common.transpose();
     return Dense{v, x};
   };
-  const auto likelihood = [&](const SlowVariances& variances) {
+  const auto likelihood = [&](const CorrelatedVariances& variances) {
     const auto [v, x] = dense(variances);
     const Eigen::LLT<Eigen::MatrixXd> factor(v);
     const Eigen::MatrixXd solved = factor.solve(x), information = x.transpose() * solved;
@@ -165,11 +165,11 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
                   across.dot(information.ldlt().solve(across)));
   };
   const double best = likelihood(found.variances);
-  for (std::size_t part = 0; part < kSlowParts; ++part) {
+  for (std::size_t part = 0; part < kErrorParts; ++part) {
     if (!(found.variances[part] > 0)) continue;
     const double sd = found.sd[part];
     for (const double step : {-0.2, 0.2}) {
-      SlowVariances moved = found.variances;
+      CorrelatedVariances moved = found.variances;
       moved[part] = std::max(0.0, moved[part] + step * sd);
       EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
     }
@@ -178,9 +178,9 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   // Whitened by them, in the runs and across the runs, the residuals have the sum of squares and the normal
   // matrix of the dense covariance, and the common error expected is its own, too.
   const auto [v, x] = dense(found.variances);
-  Scatter scatter = residuals.scatter();
-  scatter.slow = found.variances;
-  residuals.set_scatter(scatter);
+  ExcessVariance scatter = residuals.excess_variance();
+  scatter.correlated = found.variances;
+  residuals.set_excess_variance(scatter);
   const Eigen::VectorXd plain = r;
   ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
   jacobian *= unknowns.natural_units(truth).asDiagonal();
@@ -201,8 +201,8 @@ TEST(SlowErrors, VariancesAreTheMostLikely) {
   for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(common(k), told[k], 1.5e-6) << k;
 }
 
-// A track like one that is there is forecast to tell what that one tells.
-TEST(SlowErrors, AForecastCountsThem) {
+// The forecast of a track like an existing one has the information of that one.
+TEST(CorrelatedErrors, AForecastCountsThem) {
   const unsigned seed = 6;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -211,13 +211,13 @@ TEST(SlowErrors, AForecastCountsThem) {
   const model::Scenario scenario = test::scenario({}, 1, 1.2, 20);
   problem.trajectory_runs = {test::slow_track(scenario, 250, 0.5e-6, {}, random)};
   const Unknowns unknowns(problem);
-  Residuals residuals(problem, unknowns);
+  Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
-  Scatter scatter = residuals.scatter();
+  ExcessVariance scatter = residuals.excess_variance();
   double without = 0;
   for (const bool slow : {false, true}) {
-    if (slow) scatter.slow = {1e-12, 0.3e-12, 0.1e-12, 0.05e-12};
-    residuals.set_scatter(scatter);
+    if (slow) scatter.correlated = {1e-12, 0.3e-12, 0.1e-12, 0.05e-12};
+    residuals.set_excess_variance(scatter);
     Eigen::VectorXd r;
     Eigen::MatrixXd jacobian;
     ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
@@ -237,7 +237,7 @@ TEST(SlowErrors, AForecastCountsThem) {
 }
 
 // White noise alone: the estimate is nothing or next to nothing, and the intervals those of white noise.
-TEST(SlowErrors, WhiteNoiseStaysWhite) {
+TEST(CorrelatedErrors, WhiteNoiseStaysWhite) {
   const unsigned seed = 3;
   SCOPED_TRACE(seed);
   double widest = 0, mean = 0;

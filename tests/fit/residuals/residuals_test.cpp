@@ -1,6 +1,7 @@
 // The Jacobian of all residuals against differences, every unknown at once.
 #include "fit/residuals/residuals.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,16 +40,17 @@ TEST(Residuals, JacobianIsThatOfDifferences) {
   problem.free = {mu1, mu2, lag, delay, amplitude, angular_frequency, scale, tilt_x, tilt_y};
   problem.prior[tilt_x] = {0, 0.01};
   for (const double phi : {0.4, 2.0}) {
-    problem.summary_runs.push_back(test::summary_run(test::scenario({}, phi, 1.1), 0.02, 0.1e-3));  // told
-    problem.summary_runs.push_back(problem.summary_runs.back());  // seen in a recording
-    problem.summary_runs.back().measured.told_as_velocity = false;
+    problem.summary_runs.push_back(
+        test::summary_run(test::scenario({}, phi, 1.1), 0.02, 0.1e-3));  // given as alpha, v
+    problem.summary_runs.push_back(problem.summary_runs.back());         // seen in a recording
+    problem.summary_runs.back().measured.given_as_velocity = false;
     problem.summary_runs.back().amplitude_from_track = true;
   }
   problem.summary_runs[2].scenario.drive.angular_frequency *= 1.1;
   problem.trajectory_runs = {track(test::scenario({}, 1, pi / 3), true, random),
                              track(test::scenario({}, 2, pi / 2), false, random)};
   const Unknowns unknowns(problem);
-  Residuals residuals(problem, unknowns);
+  Residuals residuals(unknowns);
   residuals.set_tolerance(1e-14);
   Eigen::VectorXd values(unknowns.size());
   values << 0.098, 0.013, 0.2, 1e-3, 0.27e-3, 62.1, 1.01, 1e-3, -2e-3, 0.03, -0.02;
@@ -66,6 +68,42 @@ TEST(Residuals, JacobianIsThatOfDifferences) {
     const Eigen::VectorXd slope = (up - down) / (2 * h);
     EXPECT_LT((slope - jacobian.col(i)).norm(), 1e-5 * jacobian.col(i).norm()) << "unknown " << i;
   }
+}
+
+Problem three_displacements() {
+  Problem problem;
+  using enum FitParameter;
+  problem.free = {mu1, mu2, lag};
+  for (const double phi : {0.4, 2.0, 4.0})
+    problem.summary_runs.push_back(test::summary_run(test::scenario({}, phi, 1.1), 0.02, 0.1e-3));
+  return problem;
+}
+
+/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
+TEST(Residuals, WithoutAMotionAreCounted) {
+  const Problem problem = three_displacements();
+  const Unknowns unknowns(problem);
+  const Residuals residuals(unknowns);
+  const Residuals copy = residuals;
+  Eigen::VectorXd r;
+  EXPECT_TRUE(residuals.evaluate(Eigen::Vector3d(0.1, 0.0125, 0.1), r, nullptr));
+  EXPECT_EQ(residuals.failures().count(), 0);
+  EXPECT_FALSE(residuals.evaluate(Eigen::Vector3d(0.1, -0.01, 0.1), r, nullptr));
+  EXPECT_EQ(copy.chi2(Eigen::Vector3d(-0.1, 0.01, 0.1)), HUGE_VAL);
+  ASSERT_EQ(residuals.failures().count(), 2);
+  EXPECT_EQ(residuals.failures().kept().front().values, Eigen::Vector3d(0.1, -0.01, 0.1));
+  EXPECT_THAT(residuals.failures().kept().front().reason, testing::HasSubstr("mu2"));
+}
+
+/// An error of the program must not look like a region to avoid.
+TEST(Residuals, PassOnWhatIsNoPropertyOfTheParameters) {
+  const Problem problem = three_displacements();
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns, 2);
+  residuals.set_tolerance(0.5);  // the integrator refuses it
+  Eigen::VectorXd r;
+  EXPECT_THROW(residuals.evaluate(Eigen::Vector3d(0.1, 0.0125, 0.1), r, nullptr), std::invalid_argument);
+  EXPECT_EQ(residuals.failures().count(), 0);
 }
 
 }  // namespace

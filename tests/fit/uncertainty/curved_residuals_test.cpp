@@ -15,8 +15,7 @@ namespace {
 using namespace internal;
 
 struct Fitted {
-  explicit Fitted(Problem given)
-      : problem(std::move(given)), unknowns(problem), residuals(problem, unknowns) {
+  explicit Fitted(Problem given) : problem(std::move(given)), unknowns(problem), residuals(unknowns) {
     residuals.set_tolerance(1e-10);
     best = minimise(residuals, unknowns.z(unknowns.first_guess()));
   }
@@ -27,7 +26,7 @@ struct Fitted {
 };
 
 Problem campaign() {
-  Problem problem = simulated_campaign({0.1, 0.0125, 0.15}, 17);
+  Problem problem = bench::simulated_campaign({0.1, 0.0125, 0.15}, 17);
   problem.prior[FitParameter::mu2] = {0.012, 0.002};
   return problem;
 }
@@ -54,7 +53,7 @@ TEST(CurvedResiduals, AgreeToSecondOrder) {
   EXPECT_LT(at_best->norm(), 1e-3);
 }
 
-/// Every refit that is told to be found is where a descent on the same data ends, and nearly all are.
+/// Every refit reported as found is where a descent on the same data ends, and nearly all are.
 TEST(CurvedResiduals, RefitsAreThoseOfDescents) {
   const Fitted fitted(campaign());
   const auto curved = CurvedResiduals::about(fitted.residuals, fitted.best, 1);
@@ -79,7 +78,7 @@ TEST(CurvedResiduals, RefitsAreThoseOfDescents) {
     if (!refits[k].found) continue;
     ++found;
     const Unknowns own(drawn[k]);
-    Residuals exact(drawn[k], own);
+    Residuals exact(own);
     exact.set_tolerance(1e-10);
     const Minimum minimum = minimise(exact, fitted.best.z);
     ASSERT_TRUE(minimum.converged);
@@ -91,7 +90,7 @@ TEST(CurvedResiduals, RefitsAreThoseOfDescents) {
 
 /// A direction the data do not see has no second order worth the name.
 TEST(CurvedResiduals, NoneWithAFlatDirection) {
-  const Fitted fitted(simulated_campaign({0.1, 0.0125, 0.15}, 17));
+  const Fitted fitted(bench::simulated_campaign({0.1, 0.0125, 0.15}, 17));
   Minimum flat = fitted.best;
   flat.jacobian.col(1).setZero();
   EXPECT_FALSE(CurvedResiduals::about(fitted.residuals, flat, 1));

@@ -124,7 +124,7 @@ TEST(Outliers, GoodDataHaveNone) {
   EXPECT_LE(named, 2);  // one in a hundred fits names one; P(> 2 of 20) = 0.001
 }
 
-// Deletion: the deviation told is that of the fit without the run.
+// Deletion: the deviation reported is that of the fit without the run.
 TEST(Outliers, TheDropInChiSquareIsThatOfLeavingTheRunOut) {
   std::mt19937 random(5);
   Problem problem = noisy({}, random);

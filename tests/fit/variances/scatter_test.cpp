@@ -1,4 +1,5 @@
-// Scatter between runs: from repetitions where there are any, per observable where the residuals say so.
+// Scatter between runs: from repetitions where there are any, per observable where the residuals differ
+// so.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +22,7 @@ FitOptions quick() {
   return options;
 }
 
-/// The fourteen, `times` each, told with 1e-5 m and scattering by what stands there.
+/// The fourteen, `times` each, with a sigma of 1e-5 m and scattering by what stands there.
 Problem scattered(int times, double along, double across, std::mt19937& random, double tilt = 0) {
   std::normal_distribution<double> normal;
   Problem problem;
@@ -43,7 +44,7 @@ Problem scattered(int times, double along, double across, std::mt19937& random, 
   return problem;
 }
 
-TEST(Scatter, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
+TEST(ExcessVariance, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
   const unsigned seed = 14;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -52,12 +53,12 @@ TEST(Scatter, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
   EXPECT_EQ(result.replicate_dof, 56);
   EXPECT_NEAR(result.scatter, 6e-5, 4 * 6e-5 / std::sqrt(2 * 56.0));
   EXPECT_GT(result.p_value, 1e-3);
-  EXPECT_TRUE(result.models.empty());  // nothing asks for another model
+  EXPECT_TRUE(result.models.empty());  // no other model needed
   EXPECT_THAT(result.covariance_meaning, HasSubstr("a scatter estimated from repeated runs"));
   EXPECT_THAT(result.warnings, Contains(HasSubstr("with that the fit agrees with all runs")));
 }
 
-TEST(Scatter, AWrongModelIsSeenBesideTheScatterOfRepetitions) {
+TEST(ExcessVariance, AWrongModelIsSeenBesideTheScatterOfRepetitions) {
   std::mt19937 random(15);
   Problem problem = scattered(2, 3e-5, 3e-5, random, 0.002);
   auto& runs = problem.summary_runs;
@@ -72,9 +73,9 @@ TEST(Scatter, AWrongModelIsSeenBesideTheScatterOfRepetitions) {
   EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with tilt")));
 }
 
-// As large as the sigma told, it raises chi2 to twice its freedom, p to about 0.01: no surprise, but the
+// As large as the sigma given, it raises chi2 to twice its freedom, p to about 0.01: no surprise, but the
 // intervals must have it (without: 83 % of them would hold).
-TEST(Scatter, AsLargeAsTheSigmaIsCountedInTheIntervals) {
+TEST(ExcessVariance, AsLargeAsTheSigmaIsCountedInTheIntervals) {
   const unsigned first_seed = 40;
   const int campaigns = 40;
   const test::Truth truth;
@@ -93,7 +94,7 @@ TEST(Scatter, AsLargeAsTheSigmaIsCountedInTheIntervals) {
   EXPECT_GT(covered, 0.86 * 3 * campaigns);
 }
 
-TEST(Scatter, IsOneUnlessTheObservablesDiffer) {
+TEST(ExcessVariance, IsOneUnlessTheObservablesDiffer) {
   int told_apart = 0;
   for (unsigned seed = 0; seed < 12; ++seed) {
     std::mt19937 random(seed);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "model/laws.h"
 #include "model/random_scenario.h"
 
@@ -90,6 +92,24 @@ TEST(SteadyOrbit, AlphaAndMeanVelocity) {
   orbit.drift = {3e-4, -4e-4};
   EXPECT_DOUBLE_EQ(orbit.mean_velocity(2 * kPi), 5e-4);
   EXPECT_DOUBLE_EQ(orbit.alpha(), 2 * kPi - std::atan2(4, 3));
+}
+
+/// In the frame that turns with the velocity, friction damps what is across it at c = kappa/u per phase:
+/// v'' + c v' + v = 0, so that a cycle leaves exp(-pi c) of a disturbance while c < 2.
+TEST(SteadyOrbit, CirclingContractsAsTheLinearisedEquationSays) {
+  for (const double mu1 : {0.02, 0.05, 0.1}) {
+    Scenario s;
+    s.friction.nominal = mu1;
+    const double a = s.drive.amplitude * std::pow(s.drive.angular_frequency, 2),
+                 kappa = mu1 * s.drive.gravity;
+    const double c = kappa / std::sqrt((a - kappa) * (a + kappa));
+    // From its closed form, and from a guess as if there were pulses.
+    for (const bool with_pulses : {false, true}) {
+      const auto orbit = steady_orbit(s, with_pulses);
+      ASSERT_TRUE(orbit);
+      EXPECT_NEAR(orbit->contraction, std::exp(-kPi * c), 1e-9 * orbit->contraction) << mu1;
+    }
+  }
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(PlaneGeometry, WhatDoesNotShowIsLeftOutAndThePlanSaysSo) {
   EXPECT_TRUE(geometry.as_needed(track, 0.6, plan).plain());
   ASSERT_EQ(plan.size(), 1u);
   EXPECT_FALSE(plan[0].on);
-  EXPECT_NEAR(plan[0].error_bound_px, 0.048, 0.001);
+  EXPECT_NEAR(plan[0].error_bound_px.value(), 0.048, 0.001);
 }
 
 /// Looks down from 100 mm, tilted by 0.1 rad, with strong distortion.

@@ -5,23 +5,23 @@
 namespace tribotrack::vision {
 namespace {
 
-TEST(LookAlikes, KnownOnesExplainTheirCandidatesAndMoveWithThem) {
-  LookAlikes others(10);
+TEST(Distractors, KnownOnesExplainTheirCandidatesAndMoveWithThem) {
+  Distractors others(10);
   others.add({0, 0});
   for (int k = 1; k <= 20; ++k) EXPECT_TRUE(others.unexplained({{6.0 * k, 0}}).empty()) << k;
   EXPECT_DOUBLE_EQ(others.places()[0].x, 120);
 }
 
-TEST(LookAlikes, NearestPairFirstAndOneEach) {
-  LookAlikes others(10);
+TEST(Distractors, NearestPairFirstAndOneEach) {
+  Distractors others(10);
   others.add({0, 0});
   const auto left = others.unexplained({{8, 0}, {1, 0}});
   ASSERT_EQ(left.size(), 1U);
   EXPECT_DOUBLE_EQ(left[0].x, 8);  // the part, close by, is not swallowed
 }
 
-TEST(LookAlikes, CoveredOneKeepsItsPlace) {
-  LookAlikes others(10);
+TEST(Distractors, CoveredOneKeepsItsPlace) {
+  Distractors others(10);
   others.add({50, 50});
   EXPECT_EQ(others.unexplained({{100, 100}}).size(), 1U);
   EXPECT_TRUE(others.unexplained({{51, 50}}).empty());

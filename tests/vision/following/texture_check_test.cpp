@@ -37,35 +37,35 @@ std::vector<Picture> drifting(int scratches, double highlight, double spin) {
 
 bool returns(const std::vector<Picture>& exact, double noise, double noise_said) {
   std::vector<Picture> frames;
-  for (std::size_t k = 0; k < exact.size(); ++k) frames.push_back(recorded(exact[k], noise, k));
-  FramesInMemory source(frames);
+  for (std::size_t k = 0; k < exact.size(); ++k) frames.push_back(bench::recorded(exact[k], noise, k));
+  MemorySource source(frames, bench::kFrameRate);
   FollowOptions follow;
   follow.noise_variance = noise_said * noise_said + 1.0 / 12;
   const Pattern disc = disc_pattern(frames.front(), {50, 50, kRadius});
   return texture_returns(source, frames.front(), 0, kFrames - 1, disc, follow);
 }
 
-TEST(TextureProof, MarksThatAreAnewInEveryFrameAreNoTexture) {
+TEST(TextureCheck, MarksThatAreAnewInEveryFrameAreNoTexture) {
   // As a coder leaves them: what differs between frames elsewhere says that there is hardly any noise.
   EXPECT_FALSE(returns(drifting(0, 0, 0), 2, 0.2));
 }
 
-TEST(TextureProof, ScratchesComeAgainWhetherTheDiscTurnsOrNot) {
+TEST(TextureCheck, ScratchesComeAgainWhetherTheDiscTurnsOrNot) {
   for (const double spin : {0.0, 0.004, 0.05})
     for (const double noise : {0.5, 2.0})
       EXPECT_TRUE(returns(drifting(8, 0, spin), noise, noise)) << spin << ' ' << noise;
 }
 
-TEST(TextureProof, AReflectionThatStandsStillIsLeftToTheLayersToTell) {
+TEST(TextureCheck, AReflectionThatStandsStillIsLeftToTheLayersToTell) {
   EXPECT_TRUE(returns(drifting(0, 60, 0.05), 1, 1));
 }
 
-TEST(TextureProof, TooFewFramesSayNothing) {
+TEST(TextureCheck, TooFewFramesSayNothing) {
   std::vector<Picture> frames = drifting(0, 0, 0);
   frames.resize(5);
   std::vector<Picture> noisy;
-  for (std::size_t k = 0; k < frames.size(); ++k) noisy.push_back(recorded(frames[k], 2, k));
-  FramesInMemory source(noisy);
+  for (std::size_t k = 0; k < frames.size(); ++k) noisy.push_back(bench::recorded(frames[k], 2, k));
+  MemorySource source(noisy, bench::kFrameRate);
   FollowOptions follow;
   follow.noise_variance = 0.1;
   EXPECT_TRUE(

@@ -27,7 +27,7 @@ double limit_of(int scratches, double highlight, double noise, std::uint64_t see
   return rotation_limit(window, disc, noise * noise + 1.0 / 12);
 }
 
-TEST(VisibleRotation, ScratchesShowItInTheirNoiseReflectionsDoNot) {
+TEST(RotationVisibility, ScratchesShowItInTheirNoiseReflectionsDoNot) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     for (const double noise : {1.2, 2.0, 4.0}) {
@@ -40,7 +40,7 @@ TEST(VisibleRotation, ScratchesShowItInTheirNoiseReflectionsDoNot) {
   }
 }
 
-TEST(VisibleRotation, LimitIsInProportionToTheNoise) {
+TEST(RotationVisibility, LimitIsInProportionToTheNoise) {
   // The bound is sigma over the root of the texture's information.
   EXPECT_NEAR(limit_of(12, 0, 3, 1) / limit_of(12, 0, 1, 1), 3, 0.4);
 }

@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "vision/plain_disc_bound.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -27,8 +29,8 @@ std::function<ScenePose(double)> at_rest(Point disc, Point platform = {}) {
 
 TEST(PlainDiscBound, IsTheStatedNumber) {
   // 0.003 px for R = 60, A = 90, s = 1 and a noise of 1.5 to 2 grey levels.
-  EXPECT_NEAR(plain_disc_bound(60, 90, 1, 1.75), 0.00267, 1e-5);
-  EXPECT_NEAR(plain_disc_bound(1, 1, 1, 1), std::sqrt(1.1283791670955126), 1e-14);
+  EXPECT_NEAR(test::plain_disc_bound(60, 90, 1, 1.75), 0.00267, 1e-5);
+  EXPECT_NEAR(test::plain_disc_bound(1, 1, 1, 1), std::sqrt(1.1283791670955126), 1e-14);
 }
 
 TEST(PositionBound, TendsToTheClosedFormOnAPlainPlatform) {
@@ -39,8 +41,8 @@ TEST(PositionBound, TendsToTheClosedFormOnAPlainPlatform) {
       const double middle = scene.width / 2.0 - 0.4;
       const Eigen::Matrix2d bound =
           position_bound(SceneRenderer(scene), 0, 0, at_rest({middle, middle + 0.3}));
-      const double closed =
-          plain_disc_bound(radius, 90, std::sqrt(blur * blur + 1.0 / 12), std::sqrt(1.5 * 1.5 + 1.0 / 12));
+      const double closed = test::plain_disc_bound(radius, 90, std::sqrt(blur * blur + 1.0 / 12),
+                                                   std::sqrt(1.5 * 1.5 + 1.0 / 12));
       EXPECT_NEAR(std::sqrt(bound(0, 0)) / closed, 1, 0.01) << radius << " " << blur;
       EXPECT_NEAR(std::sqrt(bound(1, 1)) / closed, 1, 0.01) << radius << " " << blur;
       EXPECT_NEAR(bound(0, 1) / bound(0, 0), 0, 0.01);

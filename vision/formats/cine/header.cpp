@@ -90,10 +90,10 @@ void refuse_colour_mosaic(const MappedFile& file, std::uint16_t compression, std
     refuse(file, "is compressed in a form (Compression " + std::to_string(compression) +
                      ") that is not known here; export it as uncompressed .cine or TIFF");
   if (compression == at::colour_mosaic)
-    refuse(file, "is a raw recording of a colour camera (colour filter mosaic, type " +
-                     std::to_string(filter) +
-                     "): neighbouring pixels see different colours, so it is no grey picture and nothing is "
-                     "measured in it; export it from the camera's program as grey .cine or as TIFF");
+    refuse(file,
+           "is a raw recording of a colour camera (colour filter mosaic, type " + std::to_string(filter) +
+               "): neighbouring pixels see different colours, so it is not a grey picture and nothing is "
+               "measured in it; export it from the camera's program as grey .cine or as TIFF");
 }
 
 /// Walks the tagged blocks for the images' time stamps and exposures.
@@ -153,7 +153,7 @@ CineHeader read_cine_header(const MappedFile& file) {
   CineHeader header;
   const Bytes head = file.bytes(0, at::file_header_bytes, "the .cine header");
   if (head[0] != 'C' || head[1] != 'I')
-    refuse(file, "is no Phantom .cine (it does not begin with 'CI'); check the file and its extension");
+    refuse(file, "is not a Phantom .cine (it does not begin with 'CI'); check the file and its extension");
   const auto version = load<std::uint16_t>(head, at::version);
   if (version > 1)
     refuse(file, "is a .cine of version " + std::to_string(version) +

@@ -1,4 +1,4 @@
-// What the head of a Phantom .cine file says.
+// The header of a Phantom .cine file.
 #pragma once
 
 #include <cstdint>

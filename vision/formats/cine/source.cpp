@@ -70,7 +70,7 @@ void move_to_mid_exposure(std::vector<double>& stamps, const std::vector<double>
 }
 
 /// Exposures written image by image repeat the header's to a clock tick; else they vary. Images that do not
-/// belong to the recording have no say.
+/// belong to the recording do not count.
 bool exposures_vary(const std::vector<double>& exposures, const std::vector<std::int64_t>& strays) {
   double least = 1e9, most = 0;
   for (std::size_t i = 0; i < exposures.size(); ++i) {
@@ -112,7 +112,7 @@ void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::s
   if (info.time_base.check.stretches.size() < 2 && stamped_rate > 0 &&
       std::abs(stamped_rate / rate - 1) > 1e-3) {
     notes.push_back(
-        fmt::format("the camera's time stamps tell {:.6g} Hz where {:.6g} Hz is stated: each frame has {}",
+        fmt::format("the camera's time stamps give {:.6g} Hz where {:.6g} Hz is stated: each frame has {}",
                     stamped_rate, rate,
                     info.time_base.stamps_s.empty() ? "the time that the stated rate gives it"
                                                     : "the time of its stamp"));
@@ -143,7 +143,7 @@ class CineSource : public FrameSource {
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
     if (header_.colour_filter && !info_.colour)
       info_.notes.push_back(
-          "recorded by a colour camera and called grey by the file: look for a chequered pattern");
+          "recorded by a colour camera and labelled grey by the file: check it for a chequered pattern");
     if (header_.shown_mirrored)
       info_.notes.push_back(
           "the camera's program shows this recording mirrored; pixels are handed out as stored");
@@ -185,7 +185,7 @@ class CineSource : public FrameSource {
     if (info_.time_base.known()) note_stamps(info_, stamped_rate, info_.notes);
     if (options.frame_rate_hz && stamped_rate > 0)
       info_.notes.push_back(
-          "the rate given beats the camera's own stamp of every frame; leave --fps out to use them");
+          "the rate given overrides the camera's own timestamps; leave --fps out to use them");
   }
 
   /// The pixels of an image, behind its annotation, whose last word repeats their size: looked at once.

@@ -17,7 +17,7 @@ struct LibavPixelForm {
 };
 
 /// What a libav pixel format (AVPixelFormat as int) holds. Throws std::invalid_argument with a clause for the
-/// user where no grey level can be told (colour mosaic, hardware surfaces, floating point).
+/// user where no grey level is defined (colour mosaic, hardware surfaces, floating point).
 LibavPixelForm libav_pixel_form(int format);
 
 /// The window of a decoded frame: the luma plane as stored, or luma computed from RGB.

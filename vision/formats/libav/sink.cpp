@@ -187,7 +187,7 @@ class LibavSink : public FrameSink {
     while (avcodec_receive_packet(encoder_.get(), packet_.get()) == 0) {
       packet_->stream_index = 0;
       packet_->duration = 1;
-      // AVI beyond 1000 Hz gets a time base too coarse to tell frames apart: there stamps count frames.
+      // AVI beyond 1000 Hz gets a time base too coarse to distinguish frames: there timestamps count frames.
       const bool coarse = av_cmp_q(stream().time_base, encoder_->time_base) > 0;
       if (!coarse || (output_->oformat->flags & AVFMT_TS_NONSTRICT))
         av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream().time_base);

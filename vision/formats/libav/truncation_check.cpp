@@ -87,7 +87,7 @@ std::optional<ContainerExtent> riff_extent(ByteReader& file) {
   return extent.stated_end > 0 ? std::optional(extent) : std::nullopt;
 }
 
-/// EBML: identity and size are numbers whose first byte tells their length; a size of all ones is unknown.
+/// EBML: identity and size are numbers whose first byte states their length; a size of all ones is unknown.
 std::optional<ContainerExtent> matroska_extent(ByteReader& file) {
   const auto size_length = [&](std::uint64_t offset) -> std::size_t {
     const auto first = file.read(offset, 1);

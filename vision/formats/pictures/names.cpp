@@ -31,7 +31,7 @@ std::optional<std::int64_t> to_number(std::string_view digits) {
   return number;
 }
 
-/// The files of a folder, for which errors are worded.
+/// The files of a folder but the hidden ones.
 std::vector<fs::path> entries(const fs::path& folder) {
   const fs::path here = folder.empty() ? fs::path(".") : folder;
   std::error_code error;

@@ -10,7 +10,7 @@
 
 namespace tribotrack::vision {
 
-/// png, tif, tiff, bmp, jpg, jpeg or pgm, whatever the case.
+/// png, tif, tiff, bmp, jpg, jpeg or pgm, in upper or lower case.
 bool has_picture_extension(const std::filesystem::path& path);
 bool has_tiff_extension(const std::filesystem::path& path);
 
@@ -41,7 +41,7 @@ struct PictureList {
 };
 
 /// The pictures in a folder in natural order. Names that differ only in one running number give the first
-/// number; where that number jumps, frames are counted from 0 and a note says so.
+/// number; where that number jumps, frames are counted from 0, with a note.
 PictureList pictures_in_folder(const std::filesystem::path& folder);
 
 /// The pictures a pattern finds, from the lowest number on. A gap is an InputError: times count frames.

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// OpenCV tells its troubles on stderr; ours go into one sentence.
+/// OpenCV reports errors on stderr; here they become one InputError.
 void silence_opencv() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }

@@ -18,7 +18,7 @@ class TiffFile {
     const bool marked = head[0] == head[1] && (head[0] == 'I' || head[0] == 'M');
     const std::uint64_t version = number(2, 2, "the TIFF header");
     if (!marked || (version != 42 && version != 43))
-      throw InputError(in_quotes(path) + " is no TIFF; check the file and its extension");
+      throw InputError(in_quotes(path) + " is not a TIFF; check the file and its extension");
     large_ = version == 43;
   }
 
@@ -29,10 +29,10 @@ class TiffFile {
     while (page != 0) {
       const std::string what = "the directory of page " + std::to_string(seen.size());
       if (!seen.insert(page).second)
-        throw InputError(in_quotes(file_.path()) + " is damaged: its pages form a ring; export it again");
+        throw InputError(in_quotes(file_.path()) + " is damaged: its page list is circular; export it again");
       const std::uint64_t entries = number(page, count_bytes, what);
       if (entries > 65535)
-        throw InputError(in_quotes(file_.path()) + " is damaged: " + what + " is senseless; export it again");
+        throw InputError(in_quotes(file_.path()) + " is damaged: " + what + " is invalid; export it again");
       page = number(page + count_bytes + entries * entry_bytes, word, what);
     }
     return static_cast<std::int64_t>(seen.size());

@@ -7,7 +7,7 @@ namespace {
 constexpr double kGrown = 1.5;
 }
 
-Eigen::VectorXd FixedPointAcceleration::next(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+Eigen::VectorXd AndersonAcceleration::next(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   const Eigen::VectorXd residual = to - from;
   if (last_residual_.size() == residual.size()) {
     if (residual.norm() > kGrown * last_residual_.norm()) {

@@ -10,9 +10,9 @@ namespace tribotrack::vision {
 /// combination of the last images g(x_k) whose residual g(x_k) - x_k is least. A slow mode of plain
 /// iteration, which shrinks by a few percent each time, is gone in a few steps. Forgets its past where the
 /// residual has grown.
-class FixedPointAcceleration {
+class AndersonAcceleration {
  public:
-  explicit FixedPointAcceleration(std::size_t depth = 5) : depth_(depth) {}
+  explicit AndersonAcceleration(std::size_t depth = 5) : depth_(depth) {}
   /// From x and g(x) to the x to try next.
   Eigen::VectorXd next(const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 

@@ -49,7 +49,8 @@ Bend bend_of(const KeptWindow& w, const LayeredDisc& disc, const QuinticSpline& 
 
 }  // namespace
 
-double bent_share(std::span<const KeptWindow> windows, const LayeredDisc& disc, const NoiseLaw& noise) {
+double curved_light_share(std::span<const KeptWindow> windows, const LayeredDisc& disc,
+                          const NoiseLaw& noise) {
   if (windows.empty()) return 0;
   const auto n = static_cast<double>(windows.size());
   QuinticSpline standing(disc.at(0));

@@ -94,7 +94,7 @@ void LayeredLearning::learn(std::span<KeptWindow> windows, bool last) {
   if (sweeps_ > 0) look_through_rim(windows, disc_, noise_.at(ground_.mean()), ground_);
   // The even middle once, and at the end where it tells of light in the picture; then what tells about the
   // place.
-  const bool middle_too = sweeps_ == 0 || (last && registration_.has_standing_light());
+  const bool middle_too = sweeps_ == 0 || (last && registration_.has_illumination());
   if (middle_too) first_windows_ = static_cast<int>(windows.size());
   disc_.learn(windows, ground_, start_noise_, middle_too ? nullptr : &registration_.chosen());
   ++sweeps_;
@@ -138,7 +138,7 @@ bool LayeredLearning::measure(std::span<KeptWindow> windows, std::vector<GroundL
   rim_chi_squared_ = rim / explained;
   leave_out_odd(windows, rim_chi_squared);
   sigma_ = std::sqrt(variance / explained);
-  light_ = LightField(slopes);
+  light_ = IlluminationSlope(slopes);
   noise_ = noise_law(levels);
   noise_.constant = std::max(noise_.constant, least_noise_ - noise_.per_level * ground_.mean());
   disc_.set_blend(std::clamp(disc_.blend() + rim_sums.qr / (rim_sums.qq + kBlendEvidence), 0.0, kMostBlend));
@@ -170,7 +170,7 @@ void LayeredLearning::centre_rim(std::span<KeptWindow> windows) {
 }
 
 bool LayeredLearning::run(std::span<KeptWindow> early, std::span<KeptWindow> all) {
-  FixedPointAcceleration acceleration;
+  AndersonAcceleration acceleration;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     const Eigen::VectorXd before = packed(early, disc_);
     learn(early, false);

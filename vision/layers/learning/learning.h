@@ -1,8 +1,8 @@
 // Learning the layers from kept windows: which disc, rim, ground, noise, and where in each window?
 //
 // Each sweep learns the pictures from the windows in their present states, then measures the windows over
-// these pictures: alternating least squares, accelerated (fixed_point.h) because a shift that goes with the
-// disc's place on the platform is told from a ground under the rim only slowly.
+// these pictures: alternating least squares, accelerated (anderson_acceleration.h) because a shift that goes
+// with the disc's place on the platform is told from a ground under the rim only slowly.
 #pragma once
 
 #include <span>
@@ -31,7 +31,7 @@ class LayeredLearning {
   double disc_radius() const { return disc_radius_; }
   double disc_radius_sd() const { return disc_radius_sd_; }
   /// The light's slope over the disc, which a frame then need not find out by itself.
-  const LightField& light() const { return light_; }
+  const IlluminationSlope& light() const { return light_; }
   /// Mean chi^2 per pixel of the rim.
   double rim_chi_squared() const { return rim_chi_squared_; }
   /// Of the positions measured over what has been learnt.
@@ -48,7 +48,7 @@ class LayeredLearning {
   LayeredRegistration& registration_;
   double radius_;
   NoiseLaw noise_;
-  LightField light_;
+  IlluminationSlope light_;
   SlowError slow_error_;
   double start_noise_, least_noise_;
   int sweeps_ = 0, first_windows_ = 0;

@@ -53,7 +53,7 @@ struct Seen {
 }  // namespace
 
 LightLearning::LightLearning(const LayeredDisc& disc, const GroundPicture& ground, const NoiseLaw& noise,
-                             const StandingLight& light, bool first, double frames_of_moving_ground)
+                             const StaticIllumination& light, bool first, double frames_of_moving_ground)
     : disc_(disc),
       ground_(ground),
       noise_(noise),
@@ -157,7 +157,7 @@ void LightLearning::add(const KeptWindow& w) {
           seen_.at(column, row) += 1;
           strange_.at(column, row) += deviation > kHiddenSd * kHiddenSd ? 1.0F : 0.0F;
         }
-        if (!StandingLight::unseen(w.picture.at(x - w.x, y - w.y)) && deviation < cut_ * cut_) {
+        if (!StaticIllumination::unseen(w.picture.at(x - w.x, y - w.y)) && deviation < cut_ * cut_) {
           Eight light, unknown;
           for (int n = 0; n < 4; ++n) light(4 + n) = weight_at(column, n);
           light.head<4>() = model * light.tail<4>();
@@ -235,7 +235,7 @@ void LightLearning::add_prior(double level) {
   }
 }
 
-void LightLearning::draw(const VectorXd& coefficients, StandingLight& light) const {
+void LightLearning::draw(const VectorXd& coefficients, StaticIllumination& light) const {
   const Index all = static_cast<Index>(across_) * down_;
   const Rect& region = light.region();
   for (int y = 0; y < region.height; ++y) {
@@ -258,7 +258,7 @@ void LightLearning::draw(const VectorXd& coefficients, StandingLight& light) con
 }
 
 /// Where most frames show something else than the disc, in patches.
-void LightLearning::hide(StandingLight& light) const {
+void LightLearning::hide(StaticIllumination& light) const {
   const int width = seen_.width(), height = seen_.height();
   const auto strange = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < width && y < height && seen_.at(x, y) >= kFewestSeen &&
@@ -288,7 +288,7 @@ LightLearning::Learnt LightLearning::solve() {
       }
   level = std::max(1.0, level / std::max(1.0, pixels));
   add_prior(level);
-  Learnt out{StandingLight(light_.region(), light_.top()), {}};
+  Learnt out{StaticIllumination(light_.region(), light_.top()), {}};
   const Eigen::LLT<MatrixXd> factor(normal_);
   if (factor.info() != Eigen::Success) return out;
   draw(factor.solve(right_), out.light);

@@ -26,11 +26,11 @@ class LightLearning {
   /// the light by mistake, is left out of account, and what counts is that it is as bright everywhere but for
   /// a texture that `frames_of_moving_ground` windows see alike (0: it rests).
   LightLearning(const LayeredDisc& disc, const GroundPicture& ground, const NoiseLaw& noise,
-                const StandingLight& light, bool first, double frames_of_moving_ground);
+                const StaticIllumination& light, bool first, double frames_of_moving_ground);
   void add(const KeptWindow& window);
 
   struct Learnt {
-    StandingLight light;
+    StaticIllumination light;
     /// Of the places of the windows, in their order, px^2: what is not known of the light.
     std::vector<Eigen::Matrix2d> covariance;
   };
@@ -42,14 +42,14 @@ class LightLearning {
     Eigen::Matrix<double, 2, Eigen::Dynamic> of;  ///< -dc / d(l, h)
   };
   void add_prior(double level);
-  void draw(const Eigen::VectorXd& coefficients, StandingLight& light) const;
-  void hide(StandingLight& light) const;
+  void draw(const Eigen::VectorXd& coefficients, StaticIllumination& light) const;
+  void hide(StaticIllumination& light) const;
   double weight_at(int column, int k) const { return weights_[static_cast<std::size_t>(4 * column + k)]; }
 
   const LayeredDisc& disc_;
   const GroundPicture& ground_;
   NoiseLaw noise_;
-  const StandingLight& light_;
+  const StaticIllumination& light_;
   double cut_;
   bool ground_moves_;
   double texture_variance_;  ///< of moving ground about its mean, as often as it is seen

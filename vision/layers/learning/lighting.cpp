@@ -11,20 +11,20 @@ constexpr double kSeenAlike = 0.25;             ///< of the windows see the same
 constexpr std::size_t kMostDisplacements = 24;  ///< over which the ground's light is averaged
 
 /// What the camera has seen there, pixel by pixel.
-Picture as_filmed(const KeptWindow& w, const StandingLight& light) {
+Picture as_filmed(const KeptWindow& w, const StaticIllumination& light) {
   Picture out(w.picture.width(), w.picture.height());
   as_seen(w, 0, 0, out.width(), out.height(), out.levels().data());
   light.put_in(out, w.x, w.y);
   return out;
 }
 
-void change(KeptWindow& w, const StandingLight& from, const StandingLight& to) {
+void change(KeptWindow& w, const StaticIllumination& from, const StaticIllumination& to) {
   Picture seen = as_filmed(w, from);
   w.picture = seen;
   to.take_out(seen, w.x, w.y, false);
   w.spline = QuinticSpline(seen);
   to.take_out(w.picture, w.x, w.y, true);
-  w.partly_unseen = std::ranges::any_of(w.picture.levels(), StandingLight::unseen);
+  w.partly_unseen = std::ranges::any_of(w.picture.levels(), StaticIllumination::unseen);
 }
 
 }  // namespace

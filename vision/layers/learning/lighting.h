@@ -22,7 +22,7 @@ class LayeredLighting {
   bool learn(std::span<KeptWindow> windows, const LayeredDisc& disc, GroundPicture& ground,
              const NoiseLaw& noise);
   bool found() const { return !covariance_.empty(); }
-  const StandingLight& light() const { return light_; }
+  const StaticIllumination& light() const { return light_; }
   /// What is not known of the light moves a disc here by so much, px^2: that of the nearest window. found()
   /// only.
   const Eigen::Matrix2d& covariance(const Point& centre) const;
@@ -30,7 +30,7 @@ class LayeredLighting {
   const std::vector<Point>& learnt_from() const { return learnt_from_; }
 
  private:
-  StandingLight light_;
+  StaticIllumination light_;
   std::vector<Point> learnt_from_;
   std::vector<Eigen::Matrix2d> covariance_;
 };

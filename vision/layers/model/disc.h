@@ -2,7 +2,7 @@
 //
 //   S(u; theta) = S0(u) + alpha(|u|) S1(R(theta)^T u),   u = x - c,
 // S0 what stands still while the disc turns (its rim, its shading, the lamp's reflection), S1 what turns with
-// it (scratches, print); see layered_split.h.
+// it (scratches, print); see split.h.
 #pragma once
 
 #include <cmath>
@@ -28,13 +28,13 @@ struct KeptWindow {
   LayeredState state;
   QuinticSpline spline;        ///< of the picture, unseen pixels as they are
   std::int64_t frame = 0;      ///< in the source
-  bool partly_unseen = false;  ///< see standing_light.h
+  bool partly_unseen = false;  ///< see static_illumination.h
   bool explained = true;       ///< by the layers: else nothing is learnt from it
   /// Whether the camera's pixel next to a place shows the scene.
   bool sees(double place_x, double place_y) const {
     const int i = static_cast<int>(std::lround(place_x)) - x, j = static_cast<int>(std::lround(place_y)) - y;
     return i >= 0 && j >= 0 && i < picture.width() && j < picture.height() &&
-           !StandingLight::unseen(picture.at(i, j));
+           !StaticIllumination::unseen(picture.at(i, j));
   }
 };
 
@@ -72,7 +72,7 @@ class LayeredDisc {
   const RimProfile& rim() const { return rim_; }
   /// w on the grid -half .. half.
   const Picture& share() const { return share_; }
-  /// kappa of layered_state.h, px^2.
+  /// kappa of state.h, px^2.
   double blend() const { return blend_; }
   void set_blend(double kappa) { blend_ = kappa; }
   /// S on the grid at a rotation, and its derivative with respect to it (null where not wanted).

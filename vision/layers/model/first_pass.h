@@ -31,7 +31,7 @@ struct LayeredOptions {
   bool turning = false;                             ///< its texture shows its rotation
   double noise_variance = 1;                        ///< a start
   double top_level = 255;                           ///< at which pixels clip
-  bool standing_light = true;                       ///< look for it; a coder's errors look alike
+  bool static_illumination = true;                  ///< look for it; a coder's errors look alike
   double excess = 0;                                ///< residual of the first pass beyond it, grey levels rms
   bool motion_known = false;                        ///< else the pass looks whether the platform rests
   std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known

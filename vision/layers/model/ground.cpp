@@ -166,7 +166,7 @@ void GroundPicture::forget_rim() {
   std::fill(squares_through_.levels().begin(), squares_through_.levels().end(), 0.0F);
 }
 
-void GroundPicture::set_light(const StandingLight& light, std::span<const Point> displacements) {
+void GroundPicture::set_light(const StaticIllumination& light, std::span<const Point> displacements) {
   light_gain_ = Picture(region_.width, region_.height);
   light_offset_ = light_hidden_ = light_gain_;
   const Rect& from = light.region();

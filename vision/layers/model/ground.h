@@ -40,7 +40,7 @@ class GroundPicture {
 
   /// Light that stood in the pictures added, which were displaced by `displacements`: finish() takes it out
   /// of their mean. A place averages what it was seen in.
-  void set_light(const StandingLight& light, std::span<const Point> displacements);
+  void set_light(const StaticIllumination& light, std::span<const Point> displacements);
 
   /// To be called after the last frame. Small patches far brighter or darker than the ground's texture may be
   /// a lamp before the disc as well as a mark beneath it: they are not the ground.

@@ -13,13 +13,13 @@ constexpr double kNoSpread = 1e-5;       ///< px: places that differ by less tel
 
 }  // namespace
 
-Eigen::Vector3d LightField::terms(const Point& place) const {
+Eigen::Vector3d IlluminationSlope::terms(const Point& place) const {
   return {1, place.x - middle_.x, place.y - middle_.y};
 }
 
-LightField::LightField(std::span<const MeasuredSlope> slopes) {
+IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
   const auto n = static_cast<double>(slopes.size());
-  if (slopes.size() < 4) throw std::invalid_argument("LightField: fewer than four slopes");
+  if (slopes.size() < 4) throw std::invalid_argument("IlluminationSlope: fewer than four slopes");
   known_ = true;
   for (const MeasuredSlope& s : slopes) {
     middle_.x += s.place.x / n;
@@ -41,7 +41,7 @@ LightField::LightField(std::span<const MeasuredSlope> slopes) {
   scatter_ = std::max(0.0, square / (2 * (n - 3)) - noise_) + kUnknownScatter * noise_;
 }
 
-LightPrior LightField::at(const Point& place) const {
+LightPrior IlluminationSlope::at(const Point& place) const {
   if (!known_) return {};
   const Eigen::Vector3d t = terms(place);
   const Eigen::Vector2d g = field_.transpose() * t;

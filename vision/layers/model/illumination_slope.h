@@ -1,5 +1,5 @@
 // Light that stands in the picture, as a moving disc meets it: the slope g of the light over the disc (see
-// layered_state.h) as a function of where the disc is. Vignetting is nearly a parabola, its slope nearly
+// state.h) as a function of where the disc is. Vignetting is nearly a parabola, its slope nearly
 // linear in the place:
 //   g(c) = g_0 + G (c - c_0), fitted to the slopes of single frames by least squares.
 // A frame by itself would pay for its two slopes with precision; holding them to one value for all places
@@ -26,12 +26,12 @@ struct MeasuredSlope {
   double variance = 0;              ///< of each
 };
 
-class LightField {
+class IlluminationSlope {
  public:
   /// Nothing is known.
-  LightField() = default;
+  IlluminationSlope() = default;
   /// At least four slopes.
-  explicit LightField(std::span<const MeasuredSlope> slopes);
+  explicit IlluminationSlope(std::span<const MeasuredSlope> slopes);
 
   /// With the variance of a frame's own light about the field (lamps are not linear, flicker is not even) and
   /// of the field at this place.

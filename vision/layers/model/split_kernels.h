@@ -1,4 +1,4 @@
-// The arithmetic of splitting a disc's picture into what turns and what stands (layered_split.h), compiled
+// The arithmetic of splitting a disc's picture into what turns and what stands (split.h), compiled
 // for several instruction sets and chosen at run time.
 #pragma once
 

@@ -4,7 +4,7 @@
 // platform's picture. A pixel shows the mean of the product of the sharp share and the sharp ground, which is
 // not the product of their means: to first order the difference is kappa grad w . grad B, with kappa the
 // variance of what blurs both together: 1/12 px^2 for a square pixel, and the optics' s^2. What differs from
-// frame to frame stands here. The light's slope g_k absorbs vignetting and uneven lamps (light_field.h), a_k
+// frame to frame stands here. The light's slope g_k absorbs vignetting and uneven lamps (illumination_slope.h), a_k
 // and b_k flicker.
 #pragma once
 

@@ -8,7 +8,7 @@ namespace {
 constexpr float kClipped = 0.5F;  ///< grey levels by which the light may change a clipped pixel
 }
 
-StandingLight::StandingLight(const Rect& region, double top)
+StaticIllumination::StaticIllumination(const Rect& region, double top)
     : region_(region),
       top_(static_cast<float>(top)),
       gain_(region.width, region.height, 1),
@@ -17,7 +17,7 @@ StandingLight::StandingLight(const Rect& region, double top)
 
 /// act(level, place in the region's pictures) for every pixel of a window that lies in the region.
 template <class Act>
-void StandingLight::each(Picture& picture, int x, int y, const Act& act) const {
+void StaticIllumination::each(Picture& picture, int x, int y, const Act& act) const {
   if (empty()) return;
   const int first = std::max(x, region_.x), last = std::min(x + picture.width(), region_.x + region_.width);
   for (int row = std::max(y, region_.y); row < std::min(y + picture.height(), region_.y + region_.height);
@@ -28,7 +28,7 @@ void StandingLight::each(Picture& picture, int x, int y, const Act& act) const {
               static_cast<std::size_t>(column - region_.x));
 }
 
-void StandingLight::take_out(Picture& picture, int x, int y, bool mark_unseen) const {
+void StaticIllumination::take_out(Picture& picture, int x, int y, bool mark_unseen) const {
   const auto gain = gain_.levels(), offset = offset_.levels(), hidden = hidden_.levels();
   each(picture, x, y, [&](float& level, std::size_t at) {
     const float seen = level;
@@ -38,7 +38,7 @@ void StandingLight::take_out(Picture& picture, int x, int y, bool mark_unseen) c
   });
 }
 
-void StandingLight::put_in(Picture& picture, int x, int y) const {
+void StaticIllumination::put_in(Picture& picture, int x, int y) const {
   const auto gain = gain_.levels(), offset = offset_.levels();
   each(picture, x, y, [&](float& level, std::size_t at) { level = gain[at] * level + offset[at]; });
 }

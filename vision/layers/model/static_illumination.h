@@ -8,17 +8,17 @@
 
 namespace tribotrack::vision {
 
-class StandingLight {
+class StaticIllumination {
  public:
   /// A level no picture has: stands for pixels that show nothing of the scene.
   static constexpr float kUnseen = -1e9F;
   static bool unseen(float level) { return level < 0.5F * kUnseen; }
 
   /// Nothing stands in the picture.
-  StandingLight() = default;
+  StaticIllumination() = default;
   /// L = 1, H = 0 over a region. Pixels at `top` are clipped: where light is added they do not tell the
   /// scene.
-  StandingLight(const Rect& region, double top);
+  StaticIllumination(const Rect& region, double top);
 
   bool empty() const { return gain_.empty(); }
   double top() const { return top_; }

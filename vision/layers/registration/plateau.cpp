@@ -92,7 +92,7 @@ LayeredRegistration::Plateau LayeredRegistration::take_plateau(const Picture& pi
       return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero(), kNothing);
     if (out_of_picture_ && std::ranges::any_of(picture.row(py).subspan(static_cast<std::size_t>(px),
                                                                        static_cast<std::size_t>(run.count)),
-                                               StandingLight::unseen))
+                                               StaticIllumination::unseen))
       return trimmed_plateau(picture, x, y, {}, Eigen::Vector2d::Zero(), kNothing);
     const auto first = static_cast<std::size_t>(run.first);
     const PlateauSums sums =
@@ -123,7 +123,7 @@ LayeredRegistration::Plateau LayeredRegistration::trimmed_plateau(const Picture&
       const int px = left + i, py = top + run.y;
       const double weight = plateau_weight_.at(i, run.y);
       if (weight == 0 || px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
-      if (StandingLight::unseen(picture.at(px, py))) continue;
+      if (StaticIllumination::unseen(picture.at(px, py))) continue;
       const double u = i - disc_.half(), v = run.y - disc_.half();
       const double level = shown_.at(i, run.y);
       const Eigen::Vector2d gradient = shown_slope(i, run.y);

@@ -208,8 +208,8 @@ float LayeredRegistration::precision(int column, int row) const {
 void LayeredRegistration::leave_unseen(std::size_t tile) {
   for (std::size_t k = 0; k < kTilePixels; ++k) {
     const std::size_t i = tile * kTilePixels + k;
-    if (counts_[i] > 0 && StandingLight::unseen(arrays_.level[i])) counts_[i] = 0;
-    if (StandingLight::unseen(arrays_.level[i])) arrays_.level[i] = 0;
+    if (counts_[i] > 0 && StaticIllumination::unseen(arrays_.level[i])) counts_[i] = 0;
+    if (StaticIllumination::unseen(arrays_.level[i])) arrays_.level[i] = 0;
     if (counts_[i] > 0)
       counts_[i] *= precision(x0_ + static_cast<int>(arrays_.u[i]), y0_ + static_cast<int>(arrays_.v[i]));
   }
@@ -264,7 +264,7 @@ std::size_t LayeredRegistration::trim(const LayerLight& light) {
     strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim);
   }
   // While the layers are learnt what is strange may be their own.
-  if (std::isfinite(usual_)) spread_strangers(places_, kStrangeEdge, strange);
+  if (std::isfinite(usual_)) spread_outliers(places_, kStrangeEdge, strange);
   std::size_t count = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     if (strange[i] == 0 || counts_[i] == 0) continue;
@@ -304,7 +304,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   const double tolerance = kTolerance / std::sqrt(std::max(normal(kStepX, kStepX), normal(kStepY, kStepY)));
   bool trimmed = false;
   bool converged = false;
-  std::size_t strangers = 0;
+  std::size_t outliers = 0;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
     sums = layer_kernels_.force(arrays_, light);
     Vector force =
@@ -332,12 +332,12 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     if (settled && !trimmed) {
       trimmed = true;
       if (sums.largest > kTrim * kTrim) {
-        strangers = trim(light);
-        if (static_cast<double>(strangers) > kMaxTrim * sums.correlation.w) return std::nullopt;
+        outliers = trim(light);
+        if (static_cast<double>(outliers) > kMaxTrim * sums.correlation.w) return std::nullopt;
       }
       const bool odd = plateau.squares_at(light, shift()) > kOddPlateau * plateau.pixels;
       if (odd) plateau = trimmed_plateau(picture, x, y, light, shift(), kTrim);
-      converged = strangers == 0 && !odd;
+      converged = outliers == 0 && !odd;
       if (!converged) {
         if (!re_form) sample(formed = s.centre, true);
         factor.compute(normal = normal_matrix(light, plateau, hold));

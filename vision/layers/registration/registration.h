@@ -44,14 +44,15 @@ class LayeredRegistration {
 
   void set_noise(const NoiseLaw& noise);
   /// Once the layers are learnt, rim_chi_squared of the usual frame: one far above holds something that
-  /// neither layer has, and how far that may have drawn the disc goes into its covariance (layered_scatter).
+  /// neither layer has, and how far that may have drawn the disc goes into its covariance
+  /// (cluster_sandwich.cpp).
   void set_usual(double rim_chi_squared) { usual_ = rim_chi_squared; }
   /// Light that is taken out of the pictures handed in: levels there are 1 / L as sure, and unseen ones do
   /// not count. Keeps the pointer; null without.
-  void set_standing_light(const StandingLight* light) { out_of_picture_ = light; }
+  void set_illumination(const StaticIllumination* light) { out_of_picture_ = light; }
   /// Pixels of the rim that tell something.
   double rim_pixels() const { return std::max(1.0, rim_pixels_); }
-  bool has_standing_light() const { return out_of_picture_ != nullptr; }
+  bool has_illumination() const { return out_of_picture_ != nullptr; }
   /// To be called when the disc has learnt something new. `frames` it has learnt from: the noise of its
   /// picture is not information.
   void disc_changed(int frames);
@@ -132,7 +133,7 @@ class LayeredRegistration {
   LayerKernels layer_kernels_;
   TileKernels tile_kernels_;
   NoiseLaw noise_;
-  const StandingLight* out_of_picture_ = nullptr;
+  const StaticIllumination* out_of_picture_ = nullptr;
   double usual_ = std::numeric_limits<double>::infinity();
   int reach_ = 0;
   double cached_theta_ = 1e9;

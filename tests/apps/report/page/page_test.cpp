@@ -27,8 +27,8 @@ bool holds(const std::string& page, const std::string& text) {
 constexpr int figures_of_the_sample = 7;  // 4 dependences, trajectories, residuals, one slide
 
 TEST(ReportPage, TheSameDataGiveTheSameBytes) {
-  EXPECT_TRUE(render_report(sample::campaign(3)) == render_report(sample::campaign(3)));
-  EXPECT_FALSE(render_report(sample::campaign(3)) == render_report(sample::campaign(4)));
+  EXPECT_TRUE(page_of(sample::campaign(3)) == page_of(sample::campaign(3)));
+  EXPECT_FALSE(page_of(sample::campaign(3)) == page_of(sample::campaign(4)));
 }
 
 TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
@@ -42,22 +42,21 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   data.next_runs = {{0, 1, 0.28, 62.8, hostile, {}, hostile}};
   data.parameters[0].name = data.given[0].name = data.given[0].source = hostile;
   data.inputs = {{hostile, hostile}};
-  data.plan[0] = {hostile, false, hostile, hostile};
   for (ReportRun& run : data.runs) {
     run.name = run.video = run.time_base = hostile;
     run.notes = {hostile};
-    run.plan = data.plan;
+    run.plan = {{hostile, false, hostile, 0.1}};
     if (!run.failure.empty()) run.failure = hostile;
     for (ReportResidual& residual : run.residuals) residual.observable = hostile;
   }
   data.slides[0].name = data.slides[0].sentence = hostile;
-  const std::string page = render_report(data);
+  const std::string page = page_of(data);
   EXPECT_EQ(occurrences(page, "<script>boom"), 0u);
   EXPECT_EQ(occurrences(page, "Copyright 2012"), 1u) << "the template was filled in twice";
 }
 
 TEST(ReportPage, HoldsEverySectionOfTheSample) {
-  const std::string page = render_report(sample::campaign());
+  const std::string page = page_of(sample::campaign());
   for (const char* id : {"verdict", "warnings", "parameters", "check", "next", "dependences", "trajectories",
                          "residuals", "slides", "runs", "plan", "provenance"})
     EXPECT_EQ(occurrences(page, std::string("<section id=\"") + id + "\""), 1u) << id;
@@ -68,7 +67,7 @@ TEST(ReportPage, HoldsEverySectionOfTheSample) {
 }
 
 TEST(ReportPage, ForbidsTheBrowserToFetch) {
-  const std::string page = render_report(sample::campaign());
+  const std::string page = page_of(sample::campaign());
   EXPECT_TRUE(holds(page,
                     "Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; "
                     "style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; "
@@ -108,7 +107,7 @@ class ReportInChromium : public testing::Test {
 };
 
 TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutErrorOrRequest) {
-  const Browsed browsed = look_at(render_report(sample::campaign()));
+  const Browsed browsed = look_at(page_of(sample::campaign()));
   EXPECT_EQ(root_data(browsed.dom, "errors"), "0") << root_data(browsed.dom, "errors-text");
   EXPECT_EQ(root_data(browsed.dom, "violations"), "0") << root_data(browsed.dom, "violations-text");
   EXPECT_EQ(root_data(browsed.dom, "figures"), std::to_string(figures_of_the_sample));
@@ -129,7 +128,7 @@ TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutErrorOrRequest) {
   EXPECT_FALSE(holds(browsed.dom, "Share chart"));
 }
 
-/// All that a fit can tell, in its widest words.
+/// Every table, as wide as it gets.
 ReportData with_every_table() {
   ReportData data = sample::campaign();
   for (ReportParameter& p : data.parameters) {
@@ -144,7 +143,7 @@ ReportData with_every_table() {
 }
 
 TEST_F(ReportInChromium, TablesKeepWithinANarrowPage) {
-  std::string page = render_report(with_every_table());
+  std::string page = page_of(with_every_table());
   page.insert(page.rfind("</body>"),
               "<script>(function (d) { d.dataset.over = String(d.scrollWidth - d.clientWidth); "
               "d.dataset.width = String(d.clientWidth); })(document.documentElement)</script>");
@@ -156,7 +155,7 @@ TEST_F(ReportInChromium, TablesKeepWithinANarrowPage) {
 }
 
 TEST_F(ReportInChromium, AReportWithoutAnyDataIsAPageToo) {
-  const Browsed browsed = look_at(render_report(ReportData{}));
+  const Browsed browsed = look_at(page_of(ReportData{}));
   EXPECT_EQ(root_data(browsed.dom, "errors"), "0") << root_data(browsed.dom, "errors-text");
   EXPECT_EQ(root_data(browsed.dom, "figures"), "0");
   EXPECT_TRUE(holds(browsed.dom, "left out"));
@@ -174,14 +173,14 @@ TEST_F(ReportInChromium, OddDataDrawWithoutError) {
     group.curve_x_rad = group.curve_alpha_rad = group.curve_v_mm_s = {};
   data.slides[0].sigma_mm.clear();
   data.slides[0].fitted_mm.clear();
-  const Browsed browsed = look_at(render_report(data));
+  const Browsed browsed = look_at(page_of(data));
   EXPECT_EQ(root_data(browsed.dom, "errors"), "0") << root_data(browsed.dom, "errors-text");
   EXPECT_EQ(root_data(browsed.dom, "drawn"), root_data(browsed.dom, "figures"));
 }
 
 // What the tests above rest on: an error, a blocked request and an unblocked one would each be seen.
 TEST_F(ReportInChromium, ErrorsAndRequestsWouldBeSeen) {
-  std::string page = render_report(ReportData{});
+  std::string page = page_of(ReportData{});
   const std::string fetch =
       "<img src=\"http://tribotrack-control.invalid/x.png\"><script>throw new Error('control')</script>";
   page.insert(page.rfind("</body>"), fetch);

@@ -93,14 +93,29 @@ TEST(PictureSection, WithoutPicturesItSaysSo) {
   EXPECT_THAT(picture_section(one_run()), HasSubstr("left out"));
 }
 
-TEST(PlanSection, SaysWhatWasLeftOutWhyAndAtWhatCost) {
+TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
   ReportData data = one_run();
-  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", "0.002 px"}, {"marker", true, "moves", ""}};
+  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", 0.002},
+                       {"weights", false, "even light", 0},
+                       {"illumination", false, "brushed platform", no_value},
+                       {"marker", true, "moves", no_value}};
   const std::string html = plan_section(data);
-  EXPECT_THAT(html, HasSubstr("1 a: 1 of 2 stages left out"));
+  EXPECT_THAT(html, HasSubstr("1 a: 3 of 4 stages left out"));
   EXPECT_THAT(html, HasSubstr("<td>rotation</td><td><b>left out</b></td><td>turns by 0.1°</td>"
                               "<td>0.002 px</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>even light</td><td>none</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>brushed platform</td><td>not known</td>"));
   EXPECT_EQ(plan_section(one_run()), "");
+}
+
+TEST(PlanSection, RunsWithTheSamePlanShareATable) {
+  ReportData data = one_run();
+  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", no_value}};
+  data.runs.resize(3, data.runs[0]);
+  data.runs[1].plan[0].on = true;
+  const std::string html = plan_section(data);
+  EXPECT_THAT(html, HasSubstr("<summary>runs 1, 3: 1 of 1 stages left out</summary>"));
+  EXPECT_THAT(html, HasSubstr("<summary>2 a: 0 of 1 stages left out</summary>"));
 }
 
 }  // namespace

@@ -34,6 +34,23 @@ TEST(ReportText, AValueIsRoundedWhereItsSdHasTwoDigits) {
   EXPECT_EQ(value_and_sd(1234.5, 1234), "1234 ± 1234");
 }
 
+TEST(ReportText, AnIntervalKeepsTwoDigitsOfItsHalfWidth) {
+  EXPECT_EQ(interval_text(0.09952, 0.100732, 0.00031), "0.09952 to 0.10073");
+  EXPECT_EQ(interval_text(-0.001, infinity, 0.02), "−0.001 to ∞");
+  EXPECT_EQ(interval_text(0.12341, 0.12351, 0.02), "0.123410 to 0.123510");
+  EXPECT_EQ(interval_text(1, 3, nan), "1.0 to 3.0");
+  EXPECT_EQ(interval_text(nan, 1, 0.1), "–");
+}
+
+TEST(ReportText, SentencesGetSymbolsNamesKeepTheirLetters) {
+  EXPECT_EQ(sentence_html("mu1 = 0.1 +- 0.01 (chi2 3): phase_lag_rad -> <0>"),
+            "μ₁ = 0.1 ± 0.01 (χ² 3): lag → &lt;0&gt;");
+  EXPECT_EQ(sentence_html("phi = 1.5 pi, dtau = pi, alpha, 3 rad/s^2"), "φ = 1.5 π, Δτ = π, α, 3 rad/s²");
+  EXPECT_EQ(sentence_html("phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad"),
+            "phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad");
+  EXPECT_EQ(sentence_html("no mu1."), "no μ₁.");
+}
+
 TEST(ReportText, WithoutAnSdTheValueStandsAlone) {
   EXPECT_EQ(value_and_sd(0.1, nan), "0.1");
   EXPECT_EQ(value_and_sd(0.1, 0), "0.1");
@@ -54,10 +71,10 @@ TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {
 }
 
 TEST(ReportText, KnownParametersAreExplained) {
-  EXPECT_EQ(parameter_words("mu1").symbol, "μ<sub>1</sub>");
-  EXPECT_EQ(parameter_words("phase_lag_rad").unit, "rad");
-  EXPECT_EQ(parameter_words("delay_s").unit, "s");
-  EXPECT_EQ(parameter_words("<new>").symbol, "&lt;new&gt;");
+  EXPECT_EQ(parameter_text("mu1").symbol, "μ<sub>1</sub>");
+  EXPECT_EQ(parameter_text("phase_lag_rad").unit, "rad");
+  EXPECT_EQ(parameter_text("delay_s").unit, "s");
+  EXPECT_EQ(parameter_text("<new>").symbol, "&lt;new&gt;");
 }
 
 // RFC 4648, section 10.

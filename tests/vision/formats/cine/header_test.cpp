@@ -130,7 +130,7 @@ TEST_F(CineHeaderTest, DamageIsNamed) {
   CineByHand cine;
   FileBytes bytes = cine.bytes();
   bytes[0] = 'X';
-  EXPECT_THAT(refusal_of(bytes), HasSubstr("no Phantom .cine"));
+  EXPECT_THAT(refusal_of(bytes), HasSubstr("not a Phantom .cine"));
   bytes = cine.bytes();
   bytes[0x33] = 0x7F;  // width 2 thousand million
   EXPECT_THAT(refusal_of(bytes), HasSubstr("damaged"));

@@ -22,27 +22,27 @@ std::vector<MeasuredSlope> slopes_of_parabola(int n, double noise, std::mt19937&
   return slopes;
 }
 
-TEST(LightField, KnowsNothingAtFirst) {
-  EXPECT_EQ(LightField().at({1, 2}).sd, 0);
+TEST(IlluminationSlope, KnowsNothingAtFirst) {
+  EXPECT_EQ(IlluminationSlope().at({1, 2}).sd, 0);
 }
 
-TEST(LightField, ParabolaIsFoundExactly) {
+TEST(IlluminationSlope, ParabolaIsFoundExactly) {
   std::mt19937 random(1);
-  const LightField field(slopes_of_parabola(40, 0, random));
+  const IlluminationSlope field(slopes_of_parabola(40, 0, random));
   const LightPrior g = field.at({200, 150});
   EXPECT_NEAR(g.slope_x, 3e-4 + 2e-6 * 120 + 5e-7 * 150, 1e-12);
   EXPECT_NEAR(g.slope_y, 2e-6 * 50 + 5e-7 * 200, 1e-12);
 }
 
 // What it says of a place is right to what it says, within the path and beyond it.
-TEST(LightField, StandardDeviationHoldsTheErrorOfTheField) {
+TEST(IlluminationSlope, StandardDeviationHoldsTheErrorOfTheField) {
   const double noise = 2e-5;
   for (const Point& p : {Point{130, 60}, Point{220, 60}}) {
     double square = 0, told = 0;
     constexpr int kTrials = 2000;
     for (int i = 0; i < kTrials; ++i) {
       std::mt19937 random(static_cast<unsigned>(100 + i));
-      const LightField field(slopes_of_parabola(40, noise, random));
+      const IlluminationSlope field(slopes_of_parabola(40, noise, random));
       const LightPrior g = field.at(p);
       square += std::pow(g.slope_x - (3e-4 - 2e-6 * (p.x - 320) + 5e-7 * p.y), 2);
       told += g.sd * g.sd;
@@ -54,16 +54,16 @@ TEST(LightField, StandardDeviationHoldsTheErrorOfTheField) {
   }
 }
 
-TEST(LightField, LightOfItsOwnInEveryFrameIsLeftOpen) {
+TEST(IlluminationSlope, LightOfItsOwnInEveryFrameIsLeftOpen) {
   std::mt19937 random(5);
   std::vector<MeasuredSlope> slopes = slopes_of_parabola(4000, 1e-4, random);
   for (MeasuredSlope& s : slopes) s.variance = 0.25e-8;  // a quarter of what they scatter by
-  EXPECT_NEAR(LightField(slopes).at({2700, 60}).sd, std::sqrt(0.75e-8 + 0.1 * 0.25e-8), 2e-6);
+  EXPECT_NEAR(IlluminationSlope(slopes).at({2700, 60}).sd, std::sqrt(0.75e-8 + 0.1 * 0.25e-8), 2e-6);
 }
 
-TEST(LightField, PartThatNeverMovesHasOneSlope) {
+TEST(IlluminationSlope, PartThatNeverMovesHasOneSlope) {
   std::vector<MeasuredSlope> slopes(20, MeasuredSlope{{50, 60}, 1e-4, 2e-4, 1e-10});
-  const LightPrior g = LightField(slopes).at({50, 60});
+  const LightPrior g = IlluminationSlope(slopes).at({50, 60});
   EXPECT_NEAR(g.slope_x, 1e-4, 1e-12);
   EXPECT_NEAR(g.slope_y, 2e-4, 1e-12);
   EXPECT_GT(g.sd, 0);

@@ -1,4 +1,4 @@
-#include "apps/bench/tables/plot.h"
+#include "apps/text/svg_plot.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 460, kHeight = 330, kLeft = 70, kRight = 15, kTop = 34, kBottom = 46;
 constexpr double kLegendRow = 18;
-// Okabe and Ito's colours, told apart by everybody.
+// The colours of Okabe and Ito, distinguishable with every kind of colour vision.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                               "#e69f00", "#56b4e9", "#000000", "#999999"};
 
@@ -41,7 +41,7 @@ struct Decades {
     low = std::min(low, std::floor(std::log10(v)));
     high = std::max(high, std::ceil(std::log10(v)));
   }
-  void settle() {
+  void complete() {
     if (low > high) low = 0, high = 1;
     if (low == high) high += 1;
   }
@@ -50,9 +50,9 @@ struct Decades {
 
 class Page {
  public:
-  Page(const std::vector<PlotPanel>& panels, std::string x_label, std::string y_label)
-      : panels_(panels), x_label_(std::move(x_label)), y_label_(std::move(y_label)) {
-    for (const auto& panel : panels)
+  explicit Page(const LogLogPlot& plot)
+      : panels_(plot.panels), x_label_(plot.x_label), y_label_(plot.y_label) {
+    for (const auto& panel : panels_)
       for (const auto& series : panel.series) {
         if (std::find(names_.begin(), names_.end(), series.name) == names_.end())
           names_.push_back(series.name);
@@ -61,8 +61,8 @@ class Page {
           y_.take(point.y);
         }
       }
-    x_.settle();
-    y_.settle();
+    x_.complete();
+    y_.complete();
   }
 
   std::string svg() const {
@@ -126,25 +126,24 @@ class Page {
         const double x = across(x0, point.x), y = down(y0, point.y);
         path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x, y);
         out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x, y,
-                           series.ours ? 4 : 3, colour(series.name));
+                           series.emphasised ? 4 : 3, colour(series.name));
       }
       out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
-                         path.empty() ? "M0 0" : path, colour(series.name), series.ours ? 2.5 : 1.2);
+                         path.empty() ? "M0 0" : path, colour(series.name), series.emphasised ? 2.5 : 1.2);
     }
     return out;
   }
 
   const std::vector<PlotPanel>& panels_;
-  std::string x_label_, y_label_;
+  const std::string &x_label_, &y_label_;
   std::vector<std::string> names_;
   Decades x_, y_;
 };
 
 }  // namespace
 
-std::string log_log_svg(const std::vector<PlotPanel>& panels, const std::string& x_label,
-                        const std::string& y_label) {
-  return Page(panels, x_label, y_label).svg();
+std::string svg_of(const LogLogPlot& plot) {
+  return Page(plot).svg();
 }
 
 }  // namespace tribotrack::apps

@@ -1,13 +1,15 @@
 // From fit.json to the page: what must stand there, and what must not where the file is silent.
-#include "apps/report/data/fit.h"
+#include "apps/report/data/fit_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "apps/files/meta_file.h"
 #include "apps/program.h"
+#include "apps/report/data/json.h"
 #include "apps/report/page/check.h"
 #include "apps/report/page/next.h"
 #include "apps/report/page/sections.h"
@@ -34,7 +36,7 @@ Json bare() {
 
 ReportData collected(const Json& fit) {
   ReportData data;
-  collect_fit(fit, data);
+  read_fit(fit, data);
   return data;
 }
 
@@ -47,7 +49,7 @@ TEST(ReportFit, WhatTheFileDoesNotHoldIsNotOnThePage) {
   EXPECT_THAT(page, HasSubstr("<td class=\"n ends\">0.0960 to 0.1040</td>"));
   for (const char* absent :
        {"bootstrap", "Which covariance", "Other minima", "Remedy", "taken as known is wrong", "Scale of the",
-        "p = ", "contradict", "Other models", "not tried", "What to film next", "nan", "warning"})
+        "p = ", "contradict", "Other models", "not needed", "What to film next", "nan", "warning"})
     EXPECT_THAT(page, Not(HasSubstr(absent))) << absent;
 }
 
@@ -86,7 +88,7 @@ TEST(ReportFit, AnotherMinimumIsADoubtAndHasItsPlace) {
   EXPECT_THAT(data.other_minima, ElementsAre(HasSubstr("mu1 = 0.154")));
   EXPECT_EQ(data.warnings.size(), 2u) << "it stays a warning, too";
   EXPECT_THAT(parameter_section(data), HasSubstr("<h3>Other minima</h3>"));
-  EXPECT_THAT(verdict_in_words(data).heading, HasSubstr("other values fit nearly as well"));
+  EXPECT_THAT(verdict_of(data).heading, HasSubstr("other values fit nearly as well"));
 }
 
 TEST(ReportFit, AFlatDirectionComesWithItsRemedy) {
@@ -97,16 +99,16 @@ TEST(ReportFit, AFlatDirectionComesWithItsRemedy) {
   fit["other_next_experiments"] = {
       {{"phi_rad", 0.0}, {"dtau_rad", 3.0}, {"sentence", "For mu1 film dtau = 3."}}};
   const std::string page = parameter_section(collected(fit));
-  EXPECT_THAT(page, HasSubstr("<li>mu1 up 1 % is hidden by phase_lag_rad down 0.021, exactly.</li>"));
-  EXPECT_THAT(page, HasSubstr("<b>Remedy:</b> For mu1 film dtau = 3."));
+  EXPECT_THAT(page, HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021, exactly.</li>"));
+  EXPECT_THAT(page, HasSubstr("<b>Remedy:</b> For μ₁ film Δτ = 3."));
 }
 
-TEST(ReportFit, SystematicsAndTheSharedScaleAreTold) {
+TEST(ReportFit, SystematicsAndTheSharedScaleAreShown) {
   Json fit = bare();
   fit["systematics"] = {"A up 1 %: mu1 up 1.1 %.", "w up 1 %: mu1 up 2.1 %."};
   fit["shared_scale"] = {{"used", true}, {"finding", "14 recordings share one scale"}};
   const std::string page = parameter_section(collected(fit));
-  EXPECT_THAT(page, HasSubstr("<li>A up 1 %: mu1 up 1.1 %.</li><li>w up 1 %: mu1 up 2.1 %.</li>"));
+  EXPECT_THAT(page, HasSubstr("<li>A up 1 %: μ₁ up 1.1 %.</li><li>w up 1 %: μ₁ up 2.1 %.</li>"));
   EXPECT_THAT(page, HasSubstr("<p>14 recordings share one scale.</p>"));
 }
 
@@ -114,16 +116,16 @@ TEST(ReportFit, WithScatterFromTheResidualsChiSquareIsNotPraised) {
   Json fit = bare();
   fit["scatter_mm"] = 0.5;
   fit["p_value"] = 1e-9;
-  EXPECT_THAT(verdict_in_words(collected(fit)).paragraph, HasSubstr("χ² no longer tells"));
-  EXPECT_THAT(verdict_in_words(collected(fit)).paragraph, Not(HasSubstr("within their errors")));
-  fit["p_value"] = 0.3;  // repeated runs told the scatter, and with it the model agrees
-  EXPECT_THAT(verdict_in_words(collected(fit)).paragraph, HasSubstr("within their errors"));
+  EXPECT_THAT(verdict_of(collected(fit)).paragraph, HasSubstr("χ² no longer tests"));
+  EXPECT_THAT(verdict_of(collected(fit)).paragraph, Not(HasSubstr("within their errors")));
+  fit["p_value"] = 0.3;  // the scatter comes from repeated runs, and with it the model agrees
+  EXPECT_THAT(verdict_of(collected(fit)).paragraph, HasSubstr("within their errors"));
 }
 
 TEST(ReportFit, ARunThatContradictsTheOthersIsADoubt) {
   Json fit = bare();
   fit["outliers"] = {{{"run", "a"}, {"deviation", 9.0}, {"chance", 1e-6}, {"looks_like_phi_rad", nullptr}}};
-  EXPECT_THAT(verdict_in_words(collected(fit)).heading, HasSubstr("one run contradicts the others"));
+  EXPECT_THAT(verdict_of(collected(fit)).heading, HasSubstr("one run contradicts the others"));
   EXPECT_THAT(check_section(collected(fit)), HasSubstr("<td><b>a</b></td><td class=\"n\">9 σ</td>"));
 }
 
@@ -172,17 +174,44 @@ v_sd_mm_s = 0.012
   ASSERT_FALSE(data.next_runs.empty());
   EXPECT_GT(data.next_runs[0].predicted_ci95.at(0).low, 0);
   const std::string page = page_text(data);
-  for (const char* words : {"Do not use these values", "hidden by", "<b>Remedy:</b> Film next",
-                            "Other minima", "nothing checks the model", "read how wide the intervals are"})
+  for (const char* words :
+       {"Do not use these values", "hidden by", "<b>Remedy:</b> Film next", "Other minima",
+        "nothing checks the model", "the widths of the intervals are meaningful"})
     EXPECT_THAT(page, HasSubstr(words));
 }
 
-TEST(ReportFit, AFileWithoutItsKeysIsRefused) {
+/// What a damaged file is refused with.
+std::string refusal(const std::function<void(Json&)>& damage) {
   Json fit = bare();
-  fit.erase("chi2");
-  fit.erase("dof");
+  damage(fit);
   ReportData data;
-  EXPECT_THROW(collect_fit(fit, data), Json::exception);
+  try {
+    read_fit(fit, data);
+  } catch (const WrongContent& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
+  EXPECT_EQ(refusal([](Json& fit) { fit = Json::array(); }), "must hold an object, not []");
+  for (const char* key : {"parameters", "correlation", "chi2", "dof", "converged", "identifiability"})
+    EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
+  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
+            "`parameters.mu1.estimate` is missing");
+  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["estimate"] = "0.1"; }),
+            "`parameters.mu1.estimate` must be a number, not \"0.1\"");
+  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["ci95"] = {0.1}; }),
+            "`parameters.mu1.ci95` must be a list of two numbers, not [0.1]");
+  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"] = nullptr; }),
+            "`parameters` must be an object, not null");
+  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"] = Json::object(); }),
+            "`parameters` must be an object with the fitted parameters, not {}");
+  EXPECT_EQ(refusal([](Json& fit) { fit["correlation"]["mu1"].erase("phase_lag_rad"); }),
+            "`correlation.mu1.phase_lag_rad` is missing");
+  EXPECT_EQ(
+      refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
+      "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
 }
 
 }  // namespace

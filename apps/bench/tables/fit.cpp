@@ -1,0 +1,81 @@
+#include "apps/bench/tables/columns.h"
+#include "apps/bench/tables/plots.h"
+#include "apps/bench/tables/tables.h"
+
+namespace tribotrack::bench {
+namespace {
+
+auto component(Eigen::Vector3d FitBenchRow::*vector, Eigen::Index i) {
+  return [vector, i](const FitBenchRow& row) { return (row.*vector)(i); };
+}
+
+}  // namespace
+
+BenchTable table_of(const std::vector<FitBenchRow>& rows) {
+  using Row = FitBenchRow;
+  const Columns<Row> columns{
+      {"data", &Row::data},
+      {"method", &Row::method, "", "<64"},
+      {"campaigns", &Row::campaigns},
+      {"converged", &Row::converged},
+      {"time_s", seconds(&Row::time), "time", ">10"},
+      {"solves", [](const Row& r) { return r.solves > 0 ? std::optional(r.solves) : std::nullopt; }},
+      {"time_over_ours", &Row::time_over_ours, "x ours", ">7", "{:.2f}"},
+      {"off_minimum_sd", &Row::off_minimum},
+      {"mu1_rms_error_relative", component(&Row::rms_error, 0)},
+      {"mu1_mean_sd_relative", component(&Row::mean_sd, 0)},
+      {"mu1_covered", component(&Row::covered, 0)},
+      {"mu2_rms_error_relative", component(&Row::rms_error, 1)},
+      {"mu2_mean_sd_relative", component(&Row::mean_sd, 1)},
+      {"mu2_covered", component(&Row::covered, 1)},
+      {"lag_rms_error_rad", component(&Row::rms_error, 2)},
+      {"lag_mean_sd_rad", component(&Row::mean_sd, 2)},
+      {"lag_covered", component(&Row::covered, 2)},
+      {"", [](const Row& r) { return fmt::format("{:>3}/{:<3}", r.converged, r.campaigns); }, "conv.", ">7"},
+      {"",
+       [](const Row& r) {
+         return fmt::format("{:.4f} {:>7.3f} {:>8.5f}", 100 * r.rms_error(0), 100 * r.rms_error(1),
+                            r.rms_error(2));
+       },
+       "rms mu1 %, mu2 %, lag", ">25"},
+      {"",
+       [](const Row& r) {
+         return fmt::format("{:>5.2f}{:>5.2f}{:>5.2f}", r.covered(0), r.covered(1), r.covered(2));
+       },
+       "95 % cover", ">15"},
+      {"", &Row::off_minimum, "off, sd", ">9", "{:.1e}"},
+  };
+  BenchTable table;
+  table.csv = columns.csv(rows);
+  std::string data;
+  for (const Row& row : rows) {
+    if (row.data != data)
+      table.text += fmt::format("\n{}", columns.heading(fmt::format("fits to {}", data = row.data)));
+    table.text += columns.line(row);
+    const auto draw = [&](const std::string& what, double value) {
+      series_in(table.plot, row.data + ": " + what, row.method, row.ours).points.push_back({row.time, value});
+    };
+    draw("rms error of mu1", row.rms_error(0));
+    draw("half the 95 % interval of mu1", 1.96 * row.mean_sd(0));
+    draw("distance from the minimum, sd", row.off_minimum);
+  }
+  table.plot.x_label = "CPU time per campaign, s";
+  table.plot.y_label = "relative error; standard deviations";
+  return table;
+}
+
+BenchTable table_of(const std::vector<CoverageRow>& rows) {
+  using Row = CoverageRow;
+  const Columns<Row> columns{
+      {"campaigns", &Row::kind, "95 % intervals hold in", "<24"},
+      {"parameter", bare(&Row::parameter), "parameter", "<14"},
+      {"counted", &Row::campaigns, "counted", ">8"},
+      {"weak", &Row::weak, "weak", ">6"},
+      {"unusable", &Row::unusable, "unusable", ">9"},
+      {"covered", percent(&Row::share), "covariance", ">12", "{:.1f} %"},
+      {"covered_by_profile", percent(&Row::profile_share), "profile", ">12", "{:.1f} %"},
+  };
+  return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
+}
+
+}  // namespace tribotrack::bench

@@ -1,0 +1,112 @@
+#include "apps/bench/tables/columns.h"
+#include "apps/bench/tables/plots.h"
+#include "apps/bench/tables/tables.h"
+
+namespace tribotrack::bench {
+namespace {
+
+std::string verdict(const VisionBenchRow& row) {
+  if (row.ours) return "";
+  const bool closer = row.rms_over_ours < 1, faster = row.time_over_ours < 1;
+  if (closer && faster) return "PEER WINS both";
+  if (closer) return "PEER WINS on error";
+  return faster ? "peer faster" : "";
+}
+
+/// For rows that have both.
+constexpr auto rms_over_bound = [](const auto& row) { return row.rms / row.bound; };
+constexpr auto plan = [](const auto& row) { return row.layered ? "layered" : "plain"; };
+
+}  // namespace
+
+BenchTable table_of(const std::vector<VisionBenchRow>& rows) {
+  using Row = VisionBenchRow;
+  const Columns<Row> columns{
+      {"scene", &Row::scene},
+      {"radius_px", exactly(&Row::radius)},
+      {"noise_levels", exactly(&Row::noise)},
+      {"method", &Row::method, "method", "<32"},
+      {"frames", &Row::frames},
+      {"lost", &Row::lost},
+      {"rms_px", &Row::rms, "rms, px", ">8", "{:.4f}"},
+      {"bound_px", &Row::bound},
+      {"rms_over_bound", rms_over_bound, "x bound", ">8", "{:.2f}"},
+      {"offset_px", &Row::offset, "bias, px", ">8", "{:.4f}"},
+      {"peak_locking_px", &Row::peak_locking, "locking", ">9", "{:.4f}"},
+      {"time_s", seconds(&Row::time), "time/frame", ">12"},
+      {"rms_over_ours", &Row::rms_over_ours},
+      {"time_over_ours", &Row::time_over_ours},
+      {"", &Row::lost, "lost", ">5"},
+      {"", [](const Row& r) { return verdict(r); }, "", "<", " {}"},
+  };
+  BenchTable table;
+  table.csv = columns.csv(rows);
+  std::string scene;
+  for (const Row& row : rows) {
+    const std::string title = fmt::format("{}, R = {:g} px, noise {:g}", row.scene, row.radius, row.noise);
+    if (title != scene)
+      table.text += fmt::format("\n{} (bound {:.4f} px)\n  {}", scene = title, row.bound, columns.heading());
+    table.text += fmt::format("  {}", columns.line(row));
+    if (row.noise == 2)
+      series_in(table.plot, title, row.method, row.ours).points.push_back({row.time, row.rms / row.bound});
+  }
+  table.plot.x_label = "CPU time per frame, s";
+  table.plot.y_label = "rms over the Cramer-Rao bound";
+  return table;
+}
+
+BenchTable table_of(const std::vector<VisionLimitRow>& rows) {
+  using Row = VisionLimitRow;
+  const Columns<Row> columns{
+      {"radius_px", exactly(&Row::radius), "R, px", ">8", "{:g}"},
+      {"texture_levels", exactly(&Row::texture), "texture", ">8", "{:g}"},
+      {"noise_levels", exactly(&Row::noise), "noise", ">6", "{:g}"},
+      {"layered", &Row::layered},
+      {"", plan, "plan", ">8"},
+      {"components", &Row::components},
+      {"lost", &Row::lost},
+      {"rms_px", &Row::rms, "rms, px", ">9", "{:.5f}"},
+      {"bound_px", &Row::bound},
+      {"rms_over_bound", rms_over_bound, "x bound", ">8", "{:.3f}"},
+      {"standardised_rms", &Row::standardised, "standardised", ">13", "{:.3f}"},
+      {"noise_found_levels", &Row::noise_found},
+      {"time_s", seconds(&Row::time), "time/frame", ">11"},
+      {"", &Row::lost, "lost", ">5"},
+  };
+  return {columns.csv(rows),
+          fmt::format("\nhow close to the limit `track` is, and how true its standard deviations\n{}",
+                      columns.lines(rows, "  ")),
+          {}};
+}
+
+BenchTable table_of(const std::vector<VisionDecodingRow>& rows) {
+  using Row = VisionDecodingRow;
+  const Columns<Row> columns{
+      {"coding", bare(&Row::coding), "coding", "<8"},
+      {"brushed", &Row::brushed},
+      {"", [](const Row& r) { return r.brushed ? "brushed" : "plain"; }, "ground", "<8"},
+      {"radius_px", exactly(&Row::radius), "R, px", ">6", "{:g}"},
+      {"frames", &Row::frames},
+      {"layered", &Row::layered},
+      {"", plan, "plan", ">8"},
+      {"lost", &Row::lost},
+      {"rms_px", &Row::rms, "rms, px", ">9", "{:.5f}"},
+      {"", &Row::lost, "lost", ">5"},
+      {"decoding_s", seconds(&Row::decoding), "decode/frame", ">12"},
+      {"tracking_s", seconds(&Row::tracking), "track/frame", ">12"},
+      {"", [](const Row& r) { return 1 / r.tracking; }, "frames/s", ">9", "{:.0f}"},
+      {"tracking_over_decoding", [](const Row& r) { return r.tracking / r.decoding; }},
+      // An uncompressed recording has nothing to decode.
+      {"",
+       [](const Row& r) {
+         return r.coding == "cine" ? std::string() : fmt::format("{:.2f}", r.tracking / r.decoding);
+       },
+       "x decoding", ">10"},
+  };
+  return {columns.csv(rows),
+          fmt::format("\nwhat tracking a recording on disk costs, opening, reading and decoding included\n{}",
+                      columns.lines(rows, "  ")),
+          {}};
+}
+
+}  // namespace tribotrack::bench

@@ -1,0 +1,176 @@
+#include "apps/report/data/from_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "apps/campaign/shared_scale.h"
+#include "apps/files/scenario_file.h"
+#include "apps/files/track_file.h"
+#include "apps/report/data/curves.h"
+#include "apps/report/data/fit_file.h"
+#include "apps/report/data/json.h"
+#include "apps/report/data/platform_drawing.h"
+#include "apps/report/data/sources.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The inverse of measurement_json, as far as the page shows it.
+void read_measurement(const Json& m, ReportRun& run) {
+  run.alpha_rad = number_at(m, "alpha_rad");
+  run.alpha_sd_rad = number_at(m, "alpha_rad_sd");
+  run.v_mm_s = number_at(m, "v_mm_s");
+  run.v_sd_mm_s = number_at(m, "v_mm_s_sd");
+  run.cycles = m.value("cycles", 0);
+  ReportPlatform& p = run.platform;
+  const auto take = [](const Json& from, const std::string& name, double& value, double& sd) {
+    value = number_at(from, name);
+    sd = number_at(from, name + "_sd");
+  };
+  take(m, "amplitude_mm", p.amplitude_mm, p.amplitude_sd_mm);
+  take(m, "amplitude_y_mm", p.amplitude_y_mm, p.amplitude_y_sd_mm);
+  take(m, "angular_frequency_rad_s", p.w_rad_s, p.w_sd_rad_s);
+  take(m, "phase_shift_rad", p.epsilon_rad, p.epsilon_sd_rad);
+  p.phase_at_zero_rad = number_at(m, "phase_at_zero_rad");
+  take(m, "angular_frequency_drift_rad_s2", p.drift_rad_s2, p.drift_sd_rad_s2);
+  take(m, "phi_rad", p.phi_rad, p.phi_sd_rad);
+  take(m, "dtau_rad", p.dtau_rad, p.dtau_sd_rad);
+  if (const auto gate = m.find("gate"); gate != m.end()) {
+    p.gate_source = text_at(*gate, "source");
+    p.lamp_off_level = number_at(*gate, "lamp_off_level");
+    p.lamp_on_level = number_at(*gate, "lamp_on_level");
+  }
+  if (const auto harmonics = m.find("harmonics"); harmonics != m.end())
+    for (const Json& h : *harmonics) {
+      if (!h.value("seen", false)) continue;
+      ReportHarmonic harmonic{.order = h.value("order", 0)};
+      take(h, "amplitude_mm", harmonic.amplitude_mm, harmonic.amplitude_sd_mm);
+      take(h, "amplitude_y_mm", harmonic.amplitude_y_mm, harmonic.amplitude_y_sd_mm);
+      p.harmonics.push_back(harmonic);
+    }
+}
+
+/// Track and measurement of a run with a video; a warning where the track is no longer there.
+void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
+  const fs::path csv = folder.track(run.name), measurement = folder.measurement(run.name);
+  Json measured = Json::object();
+  if (fs::exists(measurement)) measured = read_json(measurement);
+  reading(measurement, [&] { read_measurement(measured, run); });
+  if (!fs::exists(csv)) {
+    data.warnings.push_back(fmt::format("{}: its track {} is missing: its path and platform are not shown",
+                                        run.name, csv.filename().string()));
+    return;
+  }
+  TrackFile track = read_track_file(csv);
+  const double used = number_at(measured, "mm_per_px");
+  if (track.mm_per_px && std::isfinite(used) && used != *track.mm_per_px)
+    rescale(track, {used, number_at(measured, "mm_per_px_sd"), ""});
+  add_track(track, folder, run);
+  if (run.kind != "free_slide") add_drawings(track, run.platform);
+  add_recording(track, data);
+}
+
+void read_given_measurement(const Json& configuration, ReportRun& run) {
+  run.alpha_rad = number_at(configuration, "alpha_rad");
+  run.alpha_sd_rad = number_at(configuration, "alpha_sd_rad");
+  run.v_mm_s = number_at(configuration, "v_mm_s");
+  run.v_sd_mm_s = number_at(configuration, "v_sd_mm_s");
+  run.cycles = configuration.value("cycles", 0);
+}
+
+/// A run as it stands in fit.json.
+ReportRun read_run(const JsonPlace& entry) {
+  ReportRun run;
+  run.name = entry.at("name").text();
+  run.kind = entry.at("kind").text() == "free_slide" ? "free_slide" : "displacement";
+  run.failure = text_at(entry.value, "failure");
+  if (!run.failure.empty()) return run;
+  run.phi_rad = number_at(entry.value, "phi_rad");
+  run.dtau_rad = number_at(entry.value, "dtau_rad");
+  run.points = entry.value.value("points", std::size_t{0});
+  if (const auto nuisance = entry.value.find("nuisance"); nuisance != entry.value.end())
+    run.outlying_points = static_cast<std::size_t>(nuisance->value("outliers", 0.0));
+  const JsonPlace observables = entry.at("observables").list();
+  for (std::size_t k = 0; k < observables.value.size(); ++k) {
+    const JsonPlace r = observables.at(k);
+    run.residuals.push_back({r.at("observable").text(), r.at("measured").number_or_null(),
+                             r.at("modelled").number_or_null(), r.at("sd").number_or_null(),
+                             r.at("standardised").number_or_null()});
+    if (run.residuals.back().observable == "alpha_rad")
+      run.modelled_alpha_rad = run.residuals.back().modelled;
+    if (run.residuals.back().observable == "v_mm_s") run.modelled_v_mm_s = run.residuals.back().modelled;
+  }
+  return run;
+}
+
+/// At the fitted values; a default one where the run took no part in the fit.
+model::Scenario read_scenario(const JsonPlace& entry) {
+  if (!entry.value.contains("scenario")) return {};
+  const JsonPlace scenario = entry.at("scenario").object();
+  try {
+    return scenario_from(scenario.value);
+  } catch (const UsageError&) {
+    scenario.refuse("a scenario");
+  }
+}
+
+ReportSlide read_slide(const Json& slide, const std::string& name) {
+  return {.name = name,
+          .time_s = numbers_at(slide, "time_s"),
+          .position_mm = numbers_at(slide, "position_mm"),
+          .sigma_mm = numbers_at(slide, "sigma_mm"),
+          .fitted_mm = numbers_at(slide, "fitted_mm"),
+          .sentence = text_at(slide, "sentence")};
+}
+
+void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, ReportData& data) {
+  std::vector<model::Scenario> scenarios;
+  reading(folder.fit(), [&] {
+    const JsonPlace list = JsonPlace{fit, ""}.at("runs").list();
+    if (list.value.empty()) list.refuse("a list with the campaign's runs");
+    for (std::size_t k = 0; k < list.value.size(); ++k) {
+      const JsonPlace entry = list.at(k);
+      data.runs.push_back(read_run(entry));
+      scenarios.push_back(read_scenario(entry));
+      if (const auto slide = entry.value.find("slide"); slide != entry.value.end())
+        data.slides.push_back(read_slide(*slide, data.runs.back().name));
+    }
+  });
+  for (std::size_t k = 0; k < data.runs.size(); ++k) {
+    ReportRun& run = data.runs[k];
+    Json configuration;
+    reading(folder.fit().string() + ".meta.json", [&] {
+      configuration = JsonPlace{meta, ""}.at("configuration").at("runs").at(k).object().value;
+    });
+    run.video = text_at(configuration, "video");
+    if (!run.failure.empty()) continue;
+    if (run.video.empty())
+      read_given_measurement(configuration, run);
+    else
+      read_recording(folder, run, data);
+  }
+  add_curves(scenarios, data);
+}
+
+}  // namespace
+
+ReportData data_from_files(const RunFolder& folder) {
+  if (!fs::exists(folder.fit()))
+    throw InvalidInput(
+        fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
+                    folder.root.string(), folder.root.string()));
+  const fs::path meta_file = folder.fit().string() + ".meta.json";
+  const Json fit = read_json(folder.fit());
+  const Json meta = read_json(meta_file);
+  ReportData data;
+  reading(folder.fit(), [&] { read_fit(fit, data); });
+  reading(meta_file, [&] { add_provenance(meta, data); });
+  read_runs(folder, fit, meta, data);
+  return data;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,103 @@
+#include "apps/report/data/sources.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "apps/files/meta_file.h"
+#include "apps/report/data/json.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+/// A campaign by its file's name, or by its folder's where the file is just called campaign.toml.
+std::string title_of(const fs::path& campaign) {
+  const std::string folder = campaign.parent_path().filename().string();
+  const bool plain = campaign.stem() == "campaign" && !folder.empty() && folder != "." && folder != "..";
+  return plain ? folder : campaign.stem().string();
+}
+
+void add_given(const JsonPlace& configuration, ReportData& data) {
+  const auto fitted = [&](const std::string& name) {
+    return std::any_of(data.parameters.begin(), data.parameters.end(),
+                       [&](const ReportParameter& p) { return p.name == name; });
+  };
+  for (const char* section : {"platform", "part"})
+    if (const auto found = configuration.value.find(section); found != configuration.value.end())
+      for (const auto& [name, value] : found->items())
+        if (value.is_number() && !fitted(name) && !(name == "diameter_sd_mm" && value == 0))
+          data.given.push_back({name, value.get<double>(), "campaign"});
+  const JsonPlace fixed = configuration.at("fit").at("fixed").object();
+  for (const auto& item : fixed.value.items())
+    data.given.push_back({item.key(), fixed.at(item.key()).number(), "campaign, held fixed"});
+}
+
+ReportSource source_of(const std::string& path, const std::string& xxh3_128) {
+  return {file_name(path), "xxh3-128:" + xxh3_128};
+}
+
+/// The median; NaN where none is finite.
+double median_of_finite(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return no_value;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+void add_provenance(const Json& meta, ReportData& data) {
+  const JsonPlace place{meta, ""};
+  if (const int schema = place.at("schema").integer(); schema > kSchemaVersion)
+    throw WrongContent(fmt::format("`schema` is {}, of a newer tribotrack; this one reads schema {}", schema,
+                                   kSchemaVersion));
+  const JsonPlace configuration = place.at("configuration");
+  add_given(configuration, data);
+  data.program_version = text_at(meta, "version");
+  const JsonPlace inputs = place.at("inputs").list();
+  for (std::size_t k = 0; k < inputs.value.size(); ++k)
+    data.inputs.push_back(source_of(inputs.at(k).at("path").text(), inputs.at(k).at("xxh3_128").text()));
+  if (!data.inputs.empty()) data.title = title_of(inputs.at(0).at("path").text());
+  data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) {
+  run.x_px = track.x_px;
+  run.y_px = track.y_px;
+  run.x_mm = track.x_mm;
+  run.y_mm = track.y_mm;
+  run.frames_ok = track.frames - track.lost - track.edge;
+  run.frames_lost = track.lost;
+  run.frames_edge = track.edge;
+  run.sigma_px = median_of_finite(track.sigma_px);
+  const TrackFacts& facts = track.facts;
+  run.frame_rate_hz = facts.frame_rate_hz.value_or(no_value);
+  run.time_base = facts.time_base;
+  run.frame_width_px = facts.width_px;
+  run.frame_height_px = facts.height_px;
+  if (facts.in_camera_frame && run.kind != "free_slide")
+    run.notes.push_back("measured in the camera's frame: no marker");
+  run.notes.insert(run.notes.end(), facts.warnings.begin(), facts.warnings.end());
+  for (const PlannedStage& stage : facts.plan)
+    run.plan.push_back({stage.stage, stage.on, stage.reason, stage.error_bound_px.value_or(no_value)});
+  if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
+    run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
+}
+
+void add_recording(const TrackFile& track, ReportData& data) {
+  for (const Input& input : track.facts.recorded_in)
+    data.inputs.push_back(source_of(input.path.string(), input.xxh3_128));
+}
+
+}  // namespace tribotrack::apps

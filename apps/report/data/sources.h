@@ -1,0 +1,21 @@
+// The parts of the report that are filled the same way from results in memory and from the files of a run.
+#pragma once
+
+#include "apps/files/run_folder.h"
+#include "apps/files/track_file.h"
+#include "apps/report/data/data.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+/// Title, version, inputs, effective configuration and what it gave, from what stands beside fit.json.
+/// `data.parameters` must be filled in. Throws WrongContent.
+void add_provenance(const Json& meta, ReportData& data);
+
+/// The track's path, counts, time base, notes and plan, and its first frame's picture from the folder.
+void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run);
+
+/// The recording by its hash.
+void add_recording(const TrackFile& track, ReportData& data);
+
+}  // namespace tribotrack::apps

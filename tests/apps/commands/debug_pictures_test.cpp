@@ -1,0 +1,128 @@
+// track --debug DIR: a picture of every stage, and an index of them; track --explain: what each stage took.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/program.h"
+#include "vision/frame_source.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class DebugPictures : public ProgramTest {
+ protected:
+  /// 40 frames of a disc that slides over a brushed platform at rest.
+  void render_slide(const std::string& name) {
+    put(in_folder("slide_scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s "
+        "= 40\n[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n"
+        "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = "
+        "0\n[surface]\ntexture_rms = 8\n");
+    const Outcome outcome = run("synth slide_scene.toml -o " + name + " -q");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+};
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == '\t')
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  return cells;
+}
+
+TEST_F(DebugPictures, EveryPictureOfTheIndexIsThereAndCanBeLookedAt) {
+  render_slide("slide.cine");
+  const Outcome outcome = run("track slide.cine --mm-per-px 0.05 -o t.csv --debug pictures -q");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::istringstream index(content_of(in_folder("pictures/index.txt")));
+  std::string line;
+  std::getline(index, line);
+  EXPECT_EQ(line, "file\tshows\tframe\tlow\thigh\tunit\tpx_per_pixel");
+  std::set<std::string> listed;
+  while (std::getline(index, line)) {
+    const auto cells = cells_of(line);
+    ASSERT_EQ(cells.size(), 7u) << line;
+    EXPECT_LT(std::stod(cells[3]), std::stod(cells[4])) << line;
+    listed.insert(cells[0]);
+    const auto source = vision::open_source(in_folder("pictures/" + cells[0]));
+    const vision::Picture picture = source->read(0);
+    EXPECT_GE(picture.width(), 700) << line;
+    EXPECT_GE(picture.height(), 300) << line;
+  }
+  for (const char* name :
+       {"first_pass_template.png", "first_pass_weights.png", "frame000000_window.png",
+        "frame000000_first_pass_predicted.png", "frame000039_first_pass_residual.png", "layers_disc.png",
+        "layers_ground.png", "layers_ground_sd.png", "layers_rim_profile.png", "layers_weights.png",
+        "frame000020_layers_predicted.png", "frame000039_layers_residual.png"})
+    EXPECT_TRUE(listed.contains(name)) << name;
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(in_folder("pictures")))
+    files += entry.is_regular_file();
+  EXPECT_EQ(files, listed.size() + 1);
+}
+
+TEST_F(DebugPictures, ChosenFramesAreShownAndOtherFilesLeftAlone) {
+  render_slide("slide.cine");
+  std::filesystem::create_directory(in_folder("pictures"));
+  put(in_folder("pictures/mine.txt"), "mine");
+  ASSERT_EQ(run("track slide.cine -o t.csv --debug pictures --debug-frames 5,7 --layers off -q").exit_code,
+            0);
+  EXPECT_EQ(content_of(in_folder("pictures/mine.txt")), "mine");
+  EXPECT_TRUE(std::filesystem::exists(in_folder("pictures/frame000005_window.png")));
+  EXPECT_TRUE(std::filesystem::exists(in_folder("pictures/frame000007_first_pass_residual.png")));
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pictures/frame000000_window.png")));
+}
+
+TEST_F(DebugPictures, BadFoldersAndFramesAreRefused) {
+  render_slide("slide.cine");
+  put(in_folder("file"), "no folder");
+  expect_refused(run("track slide.cine -o t.csv --debug file -q"), 3, {"file", "choose another"});
+  expect_refused(run("track slide.cine -o t.csv --debug file/below -q"), 3, {"file/below", "choose another"});
+  expect_refused(run("track slide.cine -o t.csv --debug p --debug-frames 99 -q"), 3, {"99", "0 to 39"});
+  expect_refused(run("track slide.cine -o t.csv --debug p --debug-frames 1.5 -q"), 2, {"--debug-frames"});
+  expect_refused(run("track slide.cine -o t.csv --debug-frames 3 -q"), 2, {"--debug DIR"});
+  std::filesystem::create_directory(in_folder("images"));
+  render_slide("images/f%03d.png");
+  expect_refused(run("track images --fps 1000 -o t.csv --debug images -q"), 3, {"images", "another folder"});
+  expect_refused(run("track images/f%03d.png --fps 1000 -o t.csv --debug ./images -q"), 3,
+                 {"another folder"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv")));
+}
+
+TEST_F(DebugPictures, LookingChangesNoResult) {
+  render_slide("slide.cine");
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o t.csv --debug pictures -q").exit_code, 0);
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o u.csv -q").exit_code, 0);
+  EXPECT_EQ(content_of(in_folder("t.csv")), content_of(in_folder("u.csv")));
+  EXPECT_EQ(content_of(in_folder("t.csv.meta.json")), content_of(in_folder("u.csv.meta.json")));
+}
+
+TEST_F(DebugPictures, ExplainTellsTimesAndMetaOnlyBoundsThatWereComputed) {
+  render_slide("slide.cine");
+  const Outcome outcome = run("track slide.cine --mm-per-px 0.05 -o t.csv --layers off --explain -q");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("time of each stage"));
+  EXPECT_THAT(outcome.err, HasSubstr("first pass: part"));
+  const std::string text = content_of(in_folder("t.csv.meta.json"));
+  EXPECT_EQ(text.find("predicted_saving"), std::string::npos);
+  EXPECT_EQ(text.find("first pass: part"), std::string::npos) << "times are volatile: run.json only";
+  for (const Json& stage : Json::parse(text)["plan"]) {
+    if (stage["stage"].get<std::string>().starts_with("layers")) {
+      EXPECT_TRUE(stage["error_bound_px"].is_null());
+    }
+    if (stage["error_bound_px"] == 0) {
+      EXPECT_EQ(stage["stage"], "bad pixels");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

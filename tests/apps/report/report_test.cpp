@@ -1,0 +1,228 @@
+// The page of `run` and of a later `report`: the same bytes, the same numbers in drawings and text, and what
+// a damaged folder is refused with.
+#include "apps/report/report.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "apps/files/track_file.h"
+#include "apps/program.h"
+#include "apps/report/data/from_files.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two recordings with marker and lamp, scaled by the part's diameter and so by one scale, a run measured
+/// elsewhere and one whose recording is missing.
+class ReportOfARun : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    put(in_folder("scene.toml"), R"(
+[platform]
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+[friction]
+mu1 = 0.1
+mu1_over_mu2 = 8
+lag_rad = 0.2
+[run]
+cycles = 8
+[video]
+width = 200
+height = 200
+frame_rate_hz = 250
+exposure_s = 4e-3
+[camera]
+mm_per_px = 0.1
+read_noise = 2
+[disc]
+diameter_mm = 3.6
+[surface]
+level = 70
+texture_rms = 0
+[marker]
+position_px = [24, 24]
+radius_px = 12
+[lamp]
+position_px = [176, 24]
+radius_px = 7
+[[shot]]
+name = "a"
+phi_rad = 0.5
+dtau_rad = "pi/3"
+[[shot]]
+name = "b"
+phi_rad = 2.5
+dtau_rad = "pi/3"
+seed = 2
+)");
+    ASSERT_EQ(run("synth scene.toml -o recordings -q").exit_code, 0);
+    put(in_folder("disc.toml"), R"(
+[platform]
+phase_shift_rad = "pi/2"
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+[part]
+diameter_mm = 3.6
+[camera]
+marker_px = [24, 24, 12]
+gate_px = [176, 24, 6]
+[fit]
+parameters = ["mu1", "phase_lag_rad"]
+cycles = 8
+[fit.fixed]
+mu2 = 0.0125
+[[run]]
+video = "recordings/a.cine"
+phi_rad = 0.5
+dtau_rad = "pi/3"
+[[run]]
+video = "recordings/b.cine"
+phi_rad = 2.5
+dtau_rad = "pi/3"
+[[run]]
+name = "elsewhere"
+phi_rad = 4
+dtau_rad = "pi/3"
+alpha_rad = 1.5
+alpha_sd_rad = 0.5
+v_mm_s = 3.9
+v_sd_mm_s = 0.5
+[[run]]
+video = "recordings/gone.cine"
+phi_rad = 1
+dtau_rad = "pi/3"
+)");
+    ASSERT_EQ(run("run disc.toml -q -o out").exit_code, 4) << "one recording is missing";
+  }
+
+  RunFolder folder() const { return {in_folder("out")}; }
+};
+
+/// Widest stretch of a closed curve that is more than half lit.
+double lit_width(const ReportPlatform& platform) {
+  double width = 0;
+  for (std::size_t k = 1; k < platform.gate_model_phase_rad.size(); ++k)
+    if (platform.gate_model_share[k] > 0.5)
+      width += platform.gate_model_phase_rad[k] - platform.gate_model_phase_rad[k - 1];
+  return width;
+}
+
+TEST_F(ReportOfARun, ALaterReportIsTheSamePage) {
+  const std::string page = content_of(folder().report());
+  ASSERT_EQ(run("report out -o later.html -q").exit_code, 0);
+  EXPECT_TRUE(page == content_of(in_folder("later.html"))) << "not the same bytes";
+  EXPECT_TRUE(page.find("<h1>disc</h1>") != std::string::npos) << "the campaign's name is the title";
+  EXPECT_TRUE(page.find("there is no recording") != std::string::npos);
+
+  // The drawings show what was measured once, at the scale that all recordings share.
+  const ReportData data = data_from_files(folder());
+  for (const std::string name : {"a", "b"}) {
+    const ReportRun& seen = data.runs[name == "a" ? 0 : 1];
+    const TrackFile track = read_track_file(folder().track(name));
+    const Json measured = read_json(folder().measurement(name));
+    const double used = measured["mm_per_px"], own = *track.mm_per_px;
+    EXPECT_NE(used, own) << "the scale was not shared: this test shows nothing";
+    ASSERT_EQ(seen.x_mm.size(), track.x_mm.size());
+    EXPECT_DOUBLE_EQ(seen.x_mm.back(), track.x_mm.back() * used / own);
+    const double half = 0.5 * seen.platform.w_rad_s * track.table.exposure;
+    EXPECT_NEAR(*std::max_element(seen.platform.model_x_mm.begin(), seen.platform.model_x_mm.end()),
+                seen.platform.amplitude_mm * std::sin(half) / half, 1e-12);
+    EXPECT_NEAR(lit_width(seen.platform), seen.platform.dtau_rad, 0.02);
+  }
+}
+
+// As where an oscilloscope gave the width: the line drawn is that of the number beside it.
+TEST_F(ReportOfARun, TheGateDrawnIsTheGateMeasured) {
+  Json measured = read_json(folder().measurement("a"));
+  const double wider = measured["dtau_rad"].get<double>() + 0.3;
+  measured["dtau_rad"] = wider;
+  put(folder().measurement("a"), text_of(measured));
+  EXPECT_NEAR(lit_width(data_from_files(folder()).runs[0].platform), wider, 0.02);
+}
+
+TEST_F(ReportOfARun, AMissingTrackIsAWarningOnThePage) {
+  std::filesystem::remove(folder().track("b"));
+  EXPECT_THAT(data_from_files(folder()).warnings,
+              testing::Contains(HasSubstr("b: its track b.csv is missing")));
+}
+
+/// Runs measured elsewhere: a folder without recordings.
+class DamagedReport : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    put(in_folder("c.toml"), R"(
+[platform]
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+[fit]
+parameters = ["mu1"]
+[fit.fixed]
+mu2 = 0.0125
+phase_lag_rad = 0
+[[run]]
+name = "a"
+phi_rad = 0
+dtau_rad = "pi/3"
+alpha_rad = 5.6
+alpha_sd_rad = 0.02
+v_mm_s = 3.93
+v_sd_mm_s = 0.02
+[[run]]
+name = "b"
+phi_rad = 1
+dtau_rad = "pi/3"
+alpha_rad = 4.6
+alpha_sd_rad = 0.02
+v_mm_s = 3.93
+v_sd_mm_s = 0.02
+)");
+    const Outcome outcome = run("run c.toml -o out -q");
+    ASSERT_TRUE(outcome.exit_code == 0) << outcome.err;
+    ASSERT_EQ(run("report out -o r.html -q").exit_code, 0);
+    std::filesystem::remove(in_folder("r.html"));
+  }
+
+  /// Changes a file of the folder; the page must then be refused with these words, and restores it.
+  void expect_refused_after(const std::string& file, const std::function<void(Json&)>& damage,
+                            const std::vector<std::string>& words) {
+    const std::filesystem::path path = in_folder("out") / file;
+    const std::string whole = content_of(path);
+    Json json = read_json(path);
+    damage(json);
+    put(path, text_of(json));
+    expect_refused(run("report out -o r.html"), 3, words);
+    EXPECT_FALSE(std::filesystem::exists(in_folder("r.html")));
+    put(path, whole);
+  }
+};
+
+TEST_F(DamagedReport, WrongContentIsRefusedWithFileAndKey) {
+  const std::string fit = "fit.json", meta = "fit.json.meta.json";
+  expect_refused_after(fit, [](Json& f) { f["parameters"] = nullptr; }, {"out/fit.json", "`parameters`"});
+  expect_refused_after(fit, [](Json& f) { f["parameters"]["mu1"]["estimate"] = "0.1"; },
+                       {"out/fit.json", "`parameters.mu1.estimate` must be a number"});
+  expect_refused_after(fit, [](Json& f) { f["runs"] = "none"; }, {"out/fit.json", "`runs` must be a list"});
+  expect_refused_after(fit, [](Json& f) { f["runs"] = Json::array(); }, {"out/fit.json", "`runs`"});
+  expect_refused_after(fit, [](Json& f) { f.erase("chi2"); }, {"out/fit.json", "`chi2` is missing"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][1].erase("name"); },
+                       {"out/fit.json", "`runs[1].name` is missing"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["observables"][0]["measured"] = "1"; },
+                       {"out/fit.json", "`runs[0].observables[0].measured`"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"] = 5; },
+                       {"out/fit.json", "`runs[0].scenario`"});
+  expect_refused_after(meta, [](Json& m) { m["schema"] = 99; },
+                       {"out/fit.json.meta.json", "`schema` is 99", "schema 1"});
+  expect_refused_after(meta, [](Json& m) { m["configuration"]["runs"].erase(1); },
+                       {"out/fit.json.meta.json", "`configuration.runs[1]` is missing"});
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

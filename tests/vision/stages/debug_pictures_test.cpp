@@ -1,0 +1,175 @@
+// What is shown of every stage must be what the stage used: known scenes, their true background, disc and
+// noise.
+#include "vision/stages/debug_pictures.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "vision/layered_scenes.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::SceneSource;
+using test::SlidingScene;
+
+/// Keeps everything by its name, pictures of frames as name@frame.
+class Shown : public DebugSink {
+ public:
+  void show(const StagePicture& picture) override {
+    const std::string at = picture.frame ? "@" + std::to_string(*picture.frame) : "";
+    EXPECT_TRUE(pictures.emplace(picture.name + at, picture).second) << picture.name << at << " shown twice";
+  }
+  void show(const StageCurve& curve) override { curves.emplace(curve.name, curve); }
+  std::map<std::string, StagePicture> pictures;
+  std::map<std::string, StageCurve> curves;
+};
+
+class DebugPictures : public testing::Test {
+ protected:
+  DebugPictures() {
+    scene_.frames = 120;
+    options_.marker = {MarkerChoice::Kind::circle, {22 + scene_.circle_px, 30, 12}};
+    options_.layers = Layers::on;
+  }
+  TrackResult track_and_show() {
+    SceneSource source(scene_);
+    options_.debug = &shown_;
+    return track(source, options_);
+  }
+  SlidingScene scene_;
+  TrackOptions options_;
+  Shown shown_;
+};
+
+double correlation(const Picture& a, const Picture& b) {
+  double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t k = 0; k < a.levels().size(); ++k) {
+    const double x = a.levels()[k], y = b.levels()[k];
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    ++n;
+    sa += x;
+    sb += y;
+    aa += x * x;
+    bb += y * y;
+    ab += x * y;
+  }
+  EXPECT_GT(n, 1000);
+  return (ab - sa * sb / n) / std::sqrt((aa - sa * sa / n) * (bb - sb * sb / n));
+}
+
+double rms(const Picture& picture) {
+  double n = 0, squares = 0;
+  for (const float level : picture.levels())
+    if (std::isfinite(level)) {
+      ++n;
+      squares += static_cast<double>(level) * level;
+    }
+  return std::sqrt(squares / n);
+}
+
+TEST_F(DebugPictures, TheBackgroundIsTheTrueOneWhereItWasSeen) {
+  track_and_show();
+  ASSERT_TRUE(shown_.pictures.contains("layers_ground"));
+  const StagePicture& ground = shown_.pictures.at("layers_ground");
+  // The platform without disc and noise, where it was in the first frame.
+  Scene bare = scene_.scene;
+  bare.read_noise = 0;
+  bare.marker.reset();
+  const SceneRenderer renderer(bare);
+  const Picture truth = renderer.render(0, 0, 0, [&](double) {
+    ScenePose pose = scene_.pose(0);
+    pose.disc = {-500, -500};
+    return pose;
+  });
+  Picture there(ground.levels.width(), ground.levels.height(), std::nanf(""));
+  for (int y = 0; y < there.height(); ++y)
+    for (int x = 0; x < there.width(); ++x) {
+      const int u = x + static_cast<int>(ground.first.x), v = y + static_cast<int>(ground.first.y);
+      const bool marker = std::hypot(u - 24.8, v - 30) < 16;
+      if (!marker && u >= 4 && v >= 4 && u < truth.width() - 4 && v < truth.height() - 4)
+        there.at(x, y) = truth.at(u, v);
+    }
+  EXPECT_GT(correlation(ground.levels, there), 0.98);
+}
+
+TEST_F(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
+  const TrackResult result = track_and_show();
+  ASSERT_TRUE(result.summary.layered);
+  const double noise = std::hypot(scene_.scene.read_noise, std::sqrt(1.0 / 12));  // rounding to whole levels
+  int frames = 0;
+  for (const auto& [name, picture] : shown_.pictures) {
+    if (picture.name != "layers_residual") continue;
+    ++frames;
+    const StagePicture& single = shown_.pictures.at("first_pass_residual@" + std::to_string(*picture.frame));
+    EXPECT_TRUE(picture.zero_centred);
+    EXPECT_NEAR(rms(picture.levels), noise, 0.05 * noise) << name;
+    if (!picture.why_frame.starts_with("first")) {
+      EXPECT_GT(rms(single.levels), 1.1 * rms(picture.levels)) << name;
+    }
+  }
+  EXPECT_GE(frames, 3);
+}
+
+TEST_F(DebugPictures, TheRimGoesFromAllToNothingAtTheDiscsRadius) {
+  track_and_show();
+  const StageCurve& rim = shown_.curves.at("layers_rim_profile");
+  EXPECT_NEAR(rim.points.front().y, 1, 1e-9);
+  EXPECT_NEAR(rim.points.back().y, 0, 1e-9);
+  for (const Point& p : rim.points)
+    if (std::abs(p.x - scene_.scene.disc.radius_px) < 0.13) {
+      EXPECT_NEAR(p.y, 0.5, 0.15);
+    }
+}
+
+TEST_F(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
+  track_and_show();
+  std::map<std::int64_t, std::string> frames;
+  for (const auto& [name, picture] : shown_.pictures)
+    if (picture.name == "window") frames[*picture.frame] = picture.why_frame;
+  EXPECT_TRUE(frames.at(0).starts_with("first"));
+  EXPECT_TRUE(frames.at(60).starts_with("middle"));
+  EXPECT_TRUE(frames.at(119).starts_with("last"));
+  EXPECT_EQ(std::ranges::count_if(
+                frames, [](const auto& f) { return f.second.find("largest residual") != std::string::npos; }),
+            1);
+}
+
+TEST_F(DebugPictures, RequestedFramesAreShownAndUnknownOnesRefused) {
+  options_.debug_frames = {7, 30};
+  track_and_show();
+  EXPECT_TRUE(shown_.pictures.contains("window@7"));
+  EXPECT_TRUE(shown_.pictures.contains("layers_predicted@30"));
+  EXPECT_FALSE(shown_.pictures.contains("window@0"));
+  options_.debug_frames = {500};
+  EXPECT_THROW(track_and_show(), InputError);
+}
+
+TEST_F(DebugPictures, LookingChangesNothing) {
+  const TrackResult shown = track_and_show();
+  SceneSource source(scene_);
+  options_.debug = nullptr;
+  const TrackResult plain = track(source, options_);
+  for (std::size_t k = 0; k < plain.track.points.size(); ++k) {
+    EXPECT_EQ(plain.track.points[k].x, shown.track.points[k].x);
+    EXPECT_EQ(plain.track.points[k].y, shown.track.points[k].y);
+    EXPECT_EQ(plain.track.points[k].sigma_x, shown.track.points[k].sigma_x);
+  }
+}
+
+TEST_F(DebugPictures, ARestingPlatformWithoutMarkerIsShownAsWell) {
+  scene_.scene.vignetting = 0.08;
+  scene_.scene.marker.reset();
+  scene_.circle_px = 0;
+  scene_.frames = 200;
+  options_.marker = {};
+  track_and_show();
+  for (const char* name :
+       {"first_pass_template", "first_pass_weights", "layers_disc", "layers_ground_sd", "layers_weights"})
+    EXPECT_TRUE(shown_.pictures.contains(name)) << name;
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,68 @@
+// The plan is honest: an error bound only where somebody computed it, 0 only where leaving out is exact.
+#include "vision/tracking/notes.h"
+
+#include <gtest/gtest.h>
+
+#include "vision/layered_scenes.h"
+
+namespace tribotrack::vision {
+namespace {
+
+const PlanStage& stage(const TrackSummary& summary, const std::string& name) {
+  for (const PlanStage& s : summary.plan)
+    if (s.name.starts_with(name)) return s;
+  throw std::logic_error("no stage " + name);
+}
+
+TEST(PlanNotes, SwitchedOffLayersDoNotClaimThatTheyWouldAddNothing) {
+  test::SlidingScene scene;
+  scene.frames = 40;
+  test::SceneSource source(scene);
+  TrackOptions options;
+  options.layers = Layers::off;
+  const TrackSummary summary = track(source, options).summary;
+  EXPECT_FALSE(stage(summary, "layers").on);
+  EXPECT_FALSE(stage(summary, "layers").error_bound_px);  // the background is brushed: it costs 0.03 px
+  for (const PlanStage& s : summary.plan)
+    EXPECT_TRUE(!s.error_bound_px || *s.error_bound_px > 0 || s.name == "bad pixels") << s.name;
+}
+
+TEST(PlanNotes, WithoutBadPixelsLeavingOutIsExact) {
+  EXPECT_EQ(bad_pixels_stage(0).error_bound_px, 0.0);
+  EXPECT_FALSE(bad_pixels_stage(0).on);
+  EXPECT_TRUE(bad_pixels_stage(3).on);
+  EXPECT_FALSE(bad_pixels_stage(3).error_bound_px);
+}
+
+TEST(PlanNotes, ASingleTemplatesNoiseIsABound) {
+  const PlanStage one = template_stage(false, 0.21, std::nullopt, 0.1 * 0.01);
+  EXPECT_FALSE(one.on);
+  EXPECT_DOUBLE_EQ(one.error_bound_px.value(), 0.001);
+  EXPECT_EQ(one.reason, "the noise of a single template adds 21 % to the variance");
+  EXPECT_EQ(template_stage(false, 0.21, 24, 0.001).reason,
+            "the noise of a single template adds 21 % to the variance; 24 frames agree");
+}
+
+TEST(FrameCounts, LostBeforeItLeftForGoodCount) {
+  Track track;
+  const auto add_points = [&](TrackStatus status, int times) {
+    for (int k = 0; k < times; ++k) track.points.emplace_back().status = status;
+  };
+  add_points(TrackStatus::ok, 10);
+  add_points(TrackStatus::lost, 2);
+  add_points(TrackStatus::ok, 8);
+  add_points(TrackStatus::edge, 3);
+  add_points(TrackStatus::lost, 17);
+  const FrameCounts counts = count(track, 0.05);
+  EXPECT_EQ(counts.frames, 40);
+  EXPECT_EQ(counts.ok, 18);
+  EXPECT_EQ(counts.lost, 19);
+  EXPECT_EQ(counts.edge, 3);
+  EXPECT_TRUE(counts.left_for_good);
+  EXPECT_EQ(counts.lost_counted, 2);
+  EXPECT_TRUE(counts.gate_passed);
+  EXPECT_FALSE(count(track, 0.04).gate_passed);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision
