@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "apps/program/errors.h"
+#include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
 
@@ -247,6 +248,7 @@ void clean_up_on_signals() {
     int number = 0;
     if (sigwait(&signals, &number) != 0) return;
     TemporaryNames::of_this_process().remove_all();
+    vision::remove_partial_files();
     ::_exit(128 + number);
   }).detach();
 }
