@@ -86,6 +86,8 @@ enum class Agreement {
   unknown             ///< no more data than unknowns: nothing checks the model
 };
 
+const char* to_string(Agreement agreement);  ///< "good", "only with scatter", "poor", "too good", "unknown"
+
 /// The 99 % range of chi^2/dof under the model. Zeros for dof < 1.
 Interval expected_reduced_chi2(int dof);
 

@@ -229,6 +229,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["correlation"] = correlation_json(result);
   json["chi2"] = finite(result.chi2);
   json["dof"] = result.dof;
+  json["agreement"] = fit::to_string(result.agreement);
   json["converged"] = result.converged;
   json["usable"] = result.usable();
   json["scatter_mm"] = result.scatter * 1e3;

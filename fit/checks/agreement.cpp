@@ -7,6 +7,22 @@
 
 namespace tribotrack::fit {
 
+const char* to_string(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::good:
+      return "good";
+    case Agreement::only_with_scatter:
+      return "only with scatter";
+    case Agreement::poor:
+      return "poor";
+    case Agreement::too_good:
+      return "too good";
+    case Agreement::unknown:
+      break;
+  }
+  return "unknown";
+}
+
 Interval expected_reduced_chi2(int dof) {
   if (dof < 1) return {};
   return {internal::chi2_quantile(0.005, dof) / dof, internal::chi2_quantile(0.995, dof) / dof};

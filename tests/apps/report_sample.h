@@ -168,6 +168,7 @@ inline ReportData campaign(unsigned seed = 1) {
   data.correlation = {{1, 0.42, -0.13}, {0.42, 1, -0.71}, {-0.13, -0.71, 1}};
   data.chi2 = 26.4;
   data.dof = 27;
+  data.agreement = fit::Agreement::good;
   data.covariance_meaning =
       "The covariance is that of the measurement errors, not enlarged by the residuals.";
   data.next_experiment =

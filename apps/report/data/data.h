@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "fit/fit_result.h"
+
 namespace tribotrack::apps {
 
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
@@ -181,6 +183,7 @@ struct ReportData {
   std::string phase_reference;                   ///< what phi counts from: a sentence
   double chi2 = no_value;
   int dof = 0;
+  fit::Agreement agreement = fit::Agreement::unknown;  ///< of model and data, as the fit judged it
   double scatter_mm = 0;           ///< added per axis because the residuals exceed the errors; 0: none
   std::string covariance_meaning;  ///< a sentence
   ReportVerdict identifiability = ReportVerdict::identifiable;

@@ -52,6 +52,17 @@ void read_identifiability(const JsonPlace& identifiability, ReportData& data) {
   data.weak_directions = sentences_at(identifiability.value, "weak_directions");
 }
 
+void read_agreement(const JsonPlace& place, ReportData& data) {
+  using enum fit::Agreement;
+  const std::string word = place.text();
+  for (const fit::Agreement agreement : {good, only_with_scatter, poor, too_good, unknown})
+    if (word == fit::to_string(agreement)) {
+      data.agreement = agreement;
+      return;
+    }
+  place.refuse("\"good\", \"only with scatter\", \"poor\", \"too good\" or \"unknown\"");
+}
+
 void read_checks(const Json& fit, ReportData& data) {
   data.scatter_mm = number_at(fit, "scatter_mm");
   data.p_value = number_at(fit, "p_value");
@@ -98,6 +109,7 @@ void read_fit(const Json& fit, ReportData& data) {
   data.converged = place.at("converged").boolean();
   data.chi2 = place.at("chi2").number_or_null();
   data.dof = place.at("dof").integer();
+  read_agreement(place.at("agreement"), data);
   read_parameters(place, data);
   read_identifiability(place.at("identifiability"), data);
   data.warnings = sentences_at(fit, "warnings");

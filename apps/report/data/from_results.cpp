@@ -101,6 +101,7 @@ void add_fit(const ReportInput& input, ReportData& data) {
   data.converged = fit.converged;
   data.chi2 = finite(fit.chi2);
   data.dof = fit.dof;
+  data.agreement = fit.agreement;
   data.scatter_mm = finite(fit.scatter * 1e3);
   data.covariance_meaning = fit.covariance_meaning;
   data.identifiability = verdict_of(fit.identifiability);

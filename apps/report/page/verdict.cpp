@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
 namespace {
+
+using fit::Agreement;
 
 /// "mu1 = 0.1001 ± 0.0003 (95 % interval ... to ...)".
 std::string finding(const ReportParameter& parameter) {
@@ -46,35 +47,13 @@ std::string runs_used(const ReportData& data) {
   return text;
 }
 
-/// Below this p the fit, too, rejects the model with the stated errors.
-constexpr double rejecting_p = 1e-3;
-
-enum class Agreement { good, poor, too_good, unknown };
-
-Agreement agreement(const ReportData& data) {
-  const ReportInterval expected = expected_reduced_chi2(data.dof);
-  if (!std::isfinite(data.chi2) || data.dof < 1) return Agreement::unknown;
-  const double reduced = data.chi2 / data.dof;
-  // By the fit's own p where there is one, so that page and fit never differ; added scatter accounts for it.
-  const bool too_far = std::isfinite(data.p_value) ? data.p_value < rejecting_p : reduced > expected.high;
-  if (too_far && !(data.scatter_mm > 0)) return Agreement::poor;
-  if (reduced < expected.low) return Agreement::too_good;
-  return Agreement::good;
-}
-
-/// Scatter was estimated from the residuals because they exceed the errors: then chi-squared per degree of
-/// freedom is about 1 by construction.
-bool scatter_is_from_residuals(const ReportData& data) {
-  return data.scatter_mm > 0 && data.p_value < rejecting_p;
-}
-
 std::string agreement_text(const ReportData& data) {
-  if (scatter_is_from_residuals(data))
-    return fmt::format(
-        "The measurements deviate from the model by more than their own errors. Scatter of up to {} mm per "
-        "axis was added so that χ² agrees: the intervals include it, but χ² no longer tests the model.",
-        number(data.scatter_mm, 2));
-  switch (agreement(data)) {
+  switch (data.agreement) {
+    case Agreement::only_with_scatter:
+      return fmt::format(
+          "The measurements deviate from the model by more than their own errors. Scatter of up to {} mm per "
+          "axis was added so that χ² agrees: the intervals include it, but χ² no longer tests the model.",
+          number(data.scatter_mm, 2));
     case Agreement::unknown:
       return "There are no more data than parameters, so the model could not be checked against them.";
     case Agreement::good:
@@ -102,9 +81,9 @@ std::string reasons_for_care(const ReportData& data) {
   std::vector<std::string> reasons;
   if (data.identifiability == ReportVerdict::weak)
     reasons.push_back("some parameters are determined only weakly");
-  if (agreement(data) == Agreement::poor) reasons.push_back("the data contradict the model");
-  if (agreement(data) == Agreement::too_good) reasons.push_back("the stated errors look too large");
-  if (agreement(data) == Agreement::unknown) reasons.push_back("there are no data left to check the model");
+  if (data.agreement == Agreement::poor) reasons.push_back("the data contradict the model");
+  if (data.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
+  if (data.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
   if (!data.outliers.empty())
     reasons.push_back(data.outliers.size() == 1
                           ? "one run contradicts the others"
@@ -119,15 +98,8 @@ std::string reasons_for_care(const ReportData& data) {
 
 }  // namespace
 
-ReportInterval expected_reduced_chi2(int dof) {
-  if (dof < 1) return {};
-  const boost::math::chi_squared distribution(dof);
-  return {.low = boost::math::quantile(distribution, 0.005) / dof,
-          .high = boost::math::quantile(distribution, 0.995) / dof};
-}
-
 std::string expected_chi2_text(int dof) {
-  const ReportInterval expected = expected_reduced_chi2(dof);
+  const fit::Interval expected = fit::expected_reduced_chi2(dof);
   return interval_text(expected.low, expected.high, 0.3 * (expected.high - expected.low));
 }
 

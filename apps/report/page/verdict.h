@@ -15,14 +15,11 @@ struct Verdict {
   std::string paragraph;  ///< HTML
 };
 
-/// From convergence, identifiability, chi-squared, failed runs and warnings.
+/// From convergence, identifiability, agreement, failed runs and warnings.
 Verdict verdict_of(const ReportData& data);
 
-/// Where chi-squared per degree of freedom lies with probability 0.99 when the model and the stated errors
-/// are right: its quantiles 0.005 and 0.995. NaN for dof < 1.
-ReportInterval expected_reduced_chi2(int dof);
-
-/// The same as "0.42 to 1.88", rounded to its width.
+/// Where chi-squared per degree of freedom lies with probability 0.99 under the model
+/// (fit::expected_reduced_chi2), as "0.42 to 1.88", rounded to its width.
 std::string expected_chi2_text(int dof);
 
 }  // namespace tribotrack::apps

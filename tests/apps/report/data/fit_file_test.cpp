@@ -29,7 +29,7 @@ Json bare() {
       "mu1": {"estimate": 0.1, "sd": 0.002, "ci95": [0.096, 0.104], "profile_ci95": [0.095, null]},
       "phase_lag_rad": {"estimate": 0.3, "sd": 0.01, "ci95": [0.28, 0.32], "profile_ci95": [0.281, 0.321]}},
     "correlation": {"mu1": {"mu1": 1, "phase_lag_rad": -0.5}, "phase_lag_rad": {"mu1": -0.5, "phase_lag_rad": 1}},
-    "chi2": 20.0, "dof": 25, "converged": true, "scatter_mm": 0.0, "covariance_meaning": "",
+    "chi2": 20.0, "dof": 25, "agreement": "good", "converged": true, "scatter_mm": 0.0, "covariance_meaning": "",
     "identifiability": {"verdict": "identifiable", "weak_directions": []},
     "next_experiment": null, "warnings": []})");
 }
@@ -195,7 +195,7 @@ std::string refusal(const std::function<void(Json&)>& damage) {
 
 TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
   EXPECT_EQ(refusal([](Json& fit) { fit = Json::array(); }), "must hold an object, not []");
-  for (const char* key : {"parameters", "correlation", "chi2", "dof", "converged", "identifiability"})
+  for (const char* key : {"parameters", "correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
     EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
             "`parameters.mu1.estimate` is missing");

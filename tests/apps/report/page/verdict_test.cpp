@@ -18,21 +18,6 @@ ReportData all_well() {
   return data;
 }
 
-// Quantiles 0.005 and 0.995 of chi-squared from printed tables (Abramowitz and Stegun, table 26.8).
-TEST(ReportVerdict, TheExpectedRangeOfChiSquaredIsTheTables) {
-  const struct {
-    int dof;
-    double low, high;
-  } table[] = {{1, 3.927e-5, 7.8794},  {2, 0.010025, 10.5966}, {5, 0.41174, 16.7496},
-               {10, 2.15586, 25.1882}, {30, 13.7867, 53.6720}, {100, 67.3276, 140.169}};
-  for (const auto& row : table) {
-    const ReportInterval range = expected_reduced_chi2(row.dof);
-    EXPECT_NEAR(range.low * row.dof, row.low, 2e-4 * row.low) << row.dof;
-    EXPECT_NEAR(range.high * row.dof, row.high, 2e-5 * row.high) << row.dof;
-  }
-  EXPECT_TRUE(std::isnan(expected_reduced_chi2(0).low));
-}
-
 TEST(ReportVerdict, TheExpectedRangeIsWrittenSoThatItsWidthIsSeen) {
   EXPECT_EQ(expected_chi2_text(25), "0.42 to 1.88");
   EXPECT_EQ(expected_chi2_text(13315), "0.969 to 1.032");
@@ -48,15 +33,17 @@ TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysItsValues) {
   EXPECT_THAT(verdict.paragraph, Not(HasSubstr("warning")));
 }
 
-// chi2 = 48.7 at 25 degrees of freedom, p = 0.003: the fit does not call it a surprise, nor may the page.
-TEST(ReportVerdict, TheFitsOwnThresholdDecidesWhetherTheModelMisses) {
+TEST(ReportVerdict, TheFitDecidesWhetherTheModelAgrees) {
   ReportData data = all_well();
-  data.dof = 25;
   data.chi2 = 48.7;
-  data.p_value = 0.003;
+  data.dof = 25;
+  data.agreement = fit::Agreement::good;
   EXPECT_EQ(verdict_of(data).heading, "Can be used");
-  data.p_value = 0.0009;
+  data.agreement = fit::Agreement::poor;
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("data contradict the model"));
+  data.agreement = fit::Agreement::only_with_scatter;
+  data.scatter_mm = 0.01;
+  EXPECT_THAT(verdict_of(data).paragraph, HasSubstr("no longer tests the model"));
 }
 
 TEST(ReportVerdict, AFitThatDidNotConvergeMustNotBeUsed) {
@@ -78,9 +65,12 @@ TEST(ReportVerdict, EachDoubtIsNamedInTheHeading) {
     EXPECT_EQ(verdict_of(data).trust, Trust::with_care);
     return verdict_of(data).heading;
   };
-  EXPECT_THAT(heading([](ReportData& d) { d.chi2 = 10.0 * d.dof; }), HasSubstr("data contradict the model"));
-  EXPECT_THAT(heading([](ReportData& d) { d.chi2 = 0.01 * d.dof; }), HasSubstr("errors look too large"));
-  EXPECT_THAT(heading([](ReportData& d) { d.dof = 0; }), HasSubstr("no data left to check"));
+  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::poor; }),
+              HasSubstr("data contradict the model"));
+  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::too_good; }),
+              HasSubstr("errors look too large"));
+  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::unknown; }),
+              HasSubstr("no data left to check"));
   EXPECT_THAT(heading([](ReportData& d) { d.identifiability = ReportVerdict::weak; }), HasSubstr("weakly"));
   EXPECT_THAT(heading([](ReportData& d) { d.runs[0].failure = "gone"; }), HasSubstr("one run failed"));
 }
