@@ -133,7 +133,7 @@ Verdict verdict_of(const ReportData& data) {
                     weak ? ", but the data determine some combination of the parameters only weakly."
                          : ", and the data determine every parameter.",
                     agreement_text(data));
-    if (data.scatter_mm > 0 && !scatter_is_from_residuals(data))
+    if (data.scatter_mm > 0 && data.agreement != Agreement::only_with_scatter)
       verdict.paragraph += fmt::format(
           " Scatter of {} mm per axis beyond the measurement errors was added; the intervals include it.",
           number(data.scatter_mm, 2));
