@@ -195,7 +195,8 @@ std::string refusal(const std::function<void(Json&)>& damage) {
 
 TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
   EXPECT_EQ(refusal([](Json& fit) { fit = Json::array(); }), "must hold an object, not []");
-  for (const char* key : {"parameters", "correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
+  for (const char* key :
+       {"parameters", "correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
     EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
             "`parameters.mu1.estimate` is missing");
