@@ -115,10 +115,10 @@ TEST(ReportFit, SystematicsAndTheSharedScaleAreShown) {
 TEST(ReportFit, WithScatterFromTheResidualsChiSquareIsNotPraised) {
   Json fit = bare();
   fit["scatter_mm"] = 0.5;
-  fit["p_value"] = 1e-9;
+  fit["agreement"] = "only with scatter";
   EXPECT_THAT(verdict_of(collected(fit)).paragraph, HasSubstr("χ² no longer tests"));
   EXPECT_THAT(verdict_of(collected(fit)).paragraph, Not(HasSubstr("within their errors")));
-  fit["p_value"] = 0.3;  // the scatter comes from repeated runs, and with it the model agrees
+  fit["agreement"] = "good";  // the scatter comes from repeated runs, and with it the model agrees
   EXPECT_THAT(verdict_of(collected(fit)).paragraph, HasSubstr("within their errors"));
 }
 
@@ -213,6 +213,9 @@ TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
   EXPECT_EQ(
       refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
       "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
+  EXPECT_EQ(refusal([](Json& fit) { fit["agreement"] = "fine"; }),
+            "`agreement` must be \"good\", \"only with scatter\", \"poor\", \"too good\" or \"unknown\", not "
+            "\"fine\"");
 }
 
 }  // namespace
