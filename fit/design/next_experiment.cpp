@@ -15,12 +15,12 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr int kPhases = 8, kWidths = 7;
-constexpr double kStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
-constexpr double kWorthMentioning = 0.02;       ///< shorter standard deviation than with the best for all
-constexpr double kWorthAnotherDrive = 0.1;      ///< shorter standard deviations than with the own drive
+constexpr double kGridStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
+constexpr double kWorthMentioning = 0.02;           ///< shorter standard deviation than with the best for all
+constexpr double kWorthAnotherDrive = 0.1;          ///< shorter standard deviations than with the own drive
 constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
-constexpr std::size_t kForecastAgain = 3;  ///< best places of the grid, at every phi
-constexpr double kTolerance = 1e-3;        ///< of the forecasts: derivatives to better than 1e-3
+constexpr std::size_t kForecastAgain = 3;    ///< best places of the grid, at every phi
+constexpr double kForecastTolerance = 1e-3;  ///< of the forecasts: derivatives to better than 1e-3
 
 /// Covariance of the reported parameters from the information on all.
 Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
@@ -64,10 +64,11 @@ class Search {
     const Candidate own = forecaster_.drive_so_far();
     for (const auto& [a, w] : kDrives)
       for (int j = 1; j <= kWidths; ++j)
-        places_.push_back({{0, j * kStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
+        places_.push_back(
+            {{0, j * kGridStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
     std::vector<Candidate> seeds;
     for (const Place& place : places_) seeds.push_back(place.seed);
-    const auto forecasts = forecaster_.forecasts(seeds, kTolerance, threads_, stage_);
+    const auto forecasts = forecaster_.forecasts(seeds, kForecastTolerance, threads_, stage_);
     for (std::size_t k = 0; k < places_.size(); ++k) places_[k].at_zero = forecasts[k];
   }
 
@@ -113,15 +114,15 @@ class Search {
     double smallest = size(after(forecast), aim);
     if (!unknowns_.find(FitParameter::tilt_x) || !unknowns_.find(FitParameter::tilt_y)) return smallest;
     for (int i = 1; i < kPhases; ++i)
-      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kStep)), aim));
+      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kGridStep)), aim));
     return smallest;
   }
 
   const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
     if (!place.good.empty()) return place.good;
     std::vector<Candidate> turned(kPhases - 1, place.seed);
-    for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kStep;
-    place.good = forecaster_.forecasts(turned, kTolerance, threads_, stage_);
+    for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kGridStep;
+    place.good = forecaster_.forecasts(turned, kForecastTolerance, threads_, stage_);
     place.good.insert(place.good.begin(), place.at_zero);
     return place.good;
   }

@@ -6,19 +6,17 @@
 #include <numeric>
 
 #include "fit/measuring/edge_likelihood.h"
+#include "fit/tools/angles.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
-constexpr double kRounding = 0.29;  ///< levels: sd of whole levels, where no noise dithers them
+using internal::into_circle;
+using internal::turn;
 
-double into_circle(double angle) {
-  const double turned = std::fmod(angle, turn);
-  return turned < 0 ? turned + turn : turned;
-}
+constexpr double kRounding = 0.29;  ///< levels: sd of whole levels, where no noise dithers them
 
 /// Level of a lamp that does not change, and the sd of a single frame about it.
 struct Plateau {

@@ -6,15 +6,17 @@
 #include "fit/measurement.h"
 #include "fit/measuring/sine_fit.h"
 #include "fit/measuring/sine_residuals.h"
+#include "fit/tools/angles.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
 namespace {
 
+using internal::into_circle;
 using internal::MarkerSeries;
+using internal::pi;
 using internal::SineFit;
 
-constexpr double pi = std::numbers::pi;
 constexpr double kColoured = 1.5;  ///< power beside w above which noise is not taken for white
 
 /// Amplitude and phase p of a cos(wt) + b sin(wt) = A cos(wt + p), with p moved to time zero.
@@ -40,12 +42,6 @@ Wave wave(const SineFit& fit, int axis, double middle) {
   result.phase = {std::atan2(-b, a) - fit.w * middle,
                   std::sqrt(result.phase_row.dot(fit.covariance * result.phase_row))};
   return result;
-}
-
-double into_circle(double angle) {
-  const double turned = std::fmod(angle, 2 * pi);
-  const double positive = turned < 0 ? turned + 2 * pi : turned;
-  return positive >= 2 * pi ? 0 : positive;
 }
 
 /// Share of the circle's radius that an exposure of T leaves to be seen: the mean of cos over it.

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "fit/tools/angles.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
+using internal::into_circle;
+using internal::turn;
 
 /// Low and high level of a two-level signal: the quantiles are its plateaus, whatever its duty.
 struct Swing {
@@ -173,10 +175,6 @@ GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clo
   const MeanPhase opening = mean_phase(events.openings, clock), closing = mean_phase(events.closings, clock);
   GateTiming timing;
   const double tie = std::hypot(clock.phase_sd, clock.angular_frequency * tie_sd);
-  const auto into_circle = [](double angle) {
-    const double turned = std::fmod(angle, turn);
-    return turned < 0 ? turned + turn : turned;
-  };
   timing.phi = {into_circle(opening.value), std::sqrt(opening.variance() + tie * tie)};
   timing.dtau = {into_circle(closing.value - opening.value),
                  std::sqrt(opening.variance() + closing.variance())};

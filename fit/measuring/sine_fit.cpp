@@ -8,12 +8,11 @@
 #include <numbers>
 #include <vector>
 
+#include "fit/tools/angles.h"
 #include "fit/tools/statistics.h"
 
 namespace tribotrack::fit::internal {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 Eigen::Vector4d basis(double t, double w) {
   return {1, t, std::cos(w * t), std::sin(w * t)};

@@ -1,4 +1,5 @@
 #include "fit/measuring/sine_residuals.h"
+#include "fit/tools/angles.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -9,7 +10,6 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr int kLowestRepeating = 4;  ///< below it the drive's own eccentricity may be seen
 constexpr int kHighest = 12;
 
@@ -35,9 +35,9 @@ double power_near(const MarkerSeries& marker, const std::vector<Eigen::Vector2d>
     if (std::abs(offset) < 2 || frequency < 2 * bin) continue;
     std::complex<double> x = 0, y = 0;
     for (std::size_t i = 0; i < marker.size(); ++i) {
-      const std::complex<double> turn = std::polar(marker.weight(i), frequency * marker.time(i));
-      x += turn * residuals[i].x();
-      y += turn * residuals[i].y();
+      const std::complex<double> wave = std::polar(marker.weight(i), frequency * marker.time(i));
+      x += wave * residuals[i].x();
+      y += wave * residuals[i].y();
     }
     sum += (std::norm(x) + std::norm(y)) / total_weight;
     count += 2;

@@ -10,7 +10,7 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kFlat = 1e-10;  ///< least eigenvalue of the scaled normal matrix
+constexpr double kLeastEigenvalue = 1e-10;  ///< least eigenvalue of the scaled normal matrix
 constexpr int kMostSteps = 12;
 constexpr double kArrived = 1e-4;  ///< standard deviations
 constexpr double kFarthest = 8;    ///< beyond, second order is useless
@@ -24,7 +24,7 @@ std::optional<Eigen::MatrixXd> principal_axes(const Eigen::MatrixXd& curvature) 
   const Eigen::VectorXd scale = curvature.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * curvature *
                                                              scale.asDiagonal());
-  if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()(0) > kFlat)) return std::nullopt;
+  if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()(0) > kLeastEigenvalue)) return std::nullopt;
   return scale.asDiagonal() * eigen.eigenvectors() *
          eigen.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
 }

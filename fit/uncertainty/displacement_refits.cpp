@@ -9,9 +9,9 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-class Refits {
+class RefitsInLanes {
  public:
-  Refits(const Residuals& residuals, const Minimum& best, const CurvedResiduals& curved)
+  RefitsInLanes(const Residuals& residuals, const Minimum& best, const CurvedResiduals& curved)
       : best_(best), curved_(curved), unknowns_(residuals.unknowns()) {
     const auto& summary = unknowns_.problem().summary_runs;
     for (std::size_t i = 0; i < summary.size(); ++i) {
@@ -82,7 +82,7 @@ class Refits {
 std::vector<DisplacementRefit> refit_displacements(const Residuals& residuals, const Minimum& best,
                                                    const CurvedResiduals& curved,
                                                    const std::vector<Problem>& drawn, int threads) {
-  const Refits refits(residuals, best, curved);
+  const RefitsInLanes refits(residuals, best, curved);
   struct Begun {
     bool solved = false;
     Eigen::VectorXd r0, t;

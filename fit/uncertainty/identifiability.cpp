@@ -11,13 +11,13 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr double kFlat = 1e-9;       ///< sensitivity relative to the strongest parameter's: none
-constexpr double kTradeOff = 0.95;   ///< correlation
-constexpr double kLoose = 0.3;       ///< sd relative to the parameter's range
-constexpr double kUpperLimit = 0.5;  ///< sd of mu2 relative to itself
-constexpr double kPulsesSeen = 3;    ///< sd between mu1 and mu2
-constexpr double kByPrior = 0.9;     ///< sd relative to the prior's
-constexpr double kBent = 2;          ///< how much farther a profile may reach than the covariance
+constexpr double kNoSensitivity = 1e-9;  ///< sensitivity relative to the strongest parameter's: none
+constexpr double kTradeOff = 0.95;       ///< correlation
+constexpr double kLoose = 0.3;           ///< sd relative to the parameter's range
+constexpr double kUpperLimit = 0.5;      ///< sd of mu2 relative to itself
+constexpr double kPulsesSeen = 3;        ///< sd between mu1 and mu2
+constexpr double kByPrior = 0.9;         ///< sd relative to the prior's
+constexpr double kBent = 2;              ///< how much farther a profile may reach than the covariance
 constexpr const char* kRotationLaw =
     "All runs share one dtau and one drive: a sweep of phi alone only turns the picture (rotation law) and "
     "averages noise; add runs at other dtau.";
@@ -170,7 +170,7 @@ class Judge {
   std::string name(Eigen::Index i) const { return to_string(unknowns_.parameter(i)); }
   bool dead(Eigen::Index i) const {
     const double norm = uncertainty_.column_norms(i);
-    return norm <= kFlat * uncertainty_.column_norms.maxCoeff() || !(norm > 0);
+    return norm <= kNoSensitivity * uncertainty_.column_norms.maxCoeff() || !(norm > 0);
   }
 
   void check_precision(Eigen::Index i) {

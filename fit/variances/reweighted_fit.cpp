@@ -10,7 +10,7 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kRounds = 12;
+constexpr int kReweightings = 12;
 
 /// The same evaluation under other weights, without simulating again: summary rows only differ by factors.
 bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
@@ -59,7 +59,7 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
   const Unknowns& unknowns = residuals.unknowns();
   const bool squares = reweighting.loss == Loss::squares;
   CorrelatedEstimate correlated;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kReweightings; ++round) {
     const Residuals before = residuals;
     if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
     const Eigen::VectorXd values = unknowns.values(best.z);
