@@ -1,22 +1,21 @@
 // Pictures of the learnt layers for debugging.
 #pragma once
 
-#include "vision/layers/model/disc.h"
-#include "vision/layers/model/ground.h"
-#include "vision/layers/model/state.h"
+#include "vision/layers/part.h"
+#include "vision/layers/ground.h"
+#include "vision/layers/state.h"
 #include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {
 
 /// Members must outlive this.
 struct LearntLayers {
-  const LayeredDisc& disc;
+  const PartPictures& part;
   const GroundPicture& ground;
-  const Picture& weights;                  ///< 1 where a pixel of the disc's grid is used one by one
-  const StaticIllumination* illumination;  ///< null where none was learnt
+  const Picture& chosen;  ///< 1 where a pixel of the part's grid takes part
 };
 
-/// Disc, background and its standard deviation, rim profile, weights, static illumination.
+/// Part, share of the ground, standard deviation that is left, pixels used, ground and its standard deviation.
 void show_layers(const LearntLayers& layers, DebugSink& sink);
 
 /// Prediction and residual of a frame in its measured state; reads it again.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "vision/io/window.h"
 #include "vision/layers/pass.h"
@@ -12,10 +11,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTextureShare = 0.3;  ///< of the noise: the least ground texture that costs accuracy
-constexpr double kScatter = 4;         ///< sd of a variance's estimate that are not a texture
-constexpr double kExcessShare = 0.3;   ///< of the noise: the single template leaves something unexplained
-constexpr const char* kName = "layers: disc over platform";
+constexpr const char* kName = "layers: part over platform";
 
 std::string finding(const FirstPassResult& first) {
   return fmt::format(
@@ -34,7 +30,6 @@ LayeredOutcome left_out(std::string reason) {
 std::optional<std::string> reason_against(const FirstPassResult& first, Layers layers) {
   if (layers == Layers::off) return "switched off; " + finding(first);
   if (first.blur <= 0) return "the part has no measured round rim";
-  if (!layers_wanted(first, layers)) return finding(first);
   return std::nullopt;
 }
 
@@ -64,18 +59,12 @@ SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
   return seen;
 }
 
-LayeredOptions options_of(const FrameSource& source, const FirstPassResult& first,
-                          const TrackOptions& options, const std::vector<ShownFrame>& shown,
-                          bool has_marker) {
+LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown) {
   LayeredOptions out;
   out.disc = first.disc;
   out.blur = first.blur;
-  out.turning = first.turning;
   out.noise_variance = first.noise_variance;
-  out.excess = first.excess;
-  out.top_level = source.info().clipping_level();
-  out.static_illumination = !source.info().decoded;
-  out.motion_known = has_marker;
   out.first_index = first.first_index;
   out.total = first.total;
   if (options.progress)
@@ -140,42 +129,20 @@ Change replace_positions(Track& track, const std::vector<std::size_t>& places,
   return out;
 }
 
-/// Of the correlated errors, s.
-double correlation_time(const SlowError& error, const Track& track) {
+/// Of errors that so many frames share, s.
+double correlation_time(double frames, const Track& track) {
   const double duration = track.points.back().time_s - track.points.front().time_s;
-  return error.frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
+  return frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
 }
 
-PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first, double moved,
-                       double slow_time) {
-  std::string reason =
-      finding(first) +
-      fmt::format("; learnt from {} frames, noise variance {:.2f} + {:.4f} I, at the rim {:.0f} % above it",
-                  result.windows, result.noise.constant, result.noise.per_level,
-                  100 * std::max(0.0, result.rim_excess));
+PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first, double moved) {
+  std::string reason = finding(first) + fmt::format("; learnt from {} frames in {} rounds", result.windows,
+                                                    result.rounds);
   if (result.crossed_share > 0)
     reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
                           100 * result.crossed_share);
-  reason += fmt::format("; positions moved by {:.4f} px rms; errors share {:.5f} px over {:.2g} s", moved,
-                        result.slow_error.sd, slow_time);
+  reason += fmt::format("; positions moved by {:.4f} px rms", moved);
   return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
-}
-
-PlanStage illumination_stage(const LayeredResult& result, bool coded) {
-  PlanStage stage{.name = "static illumination", .on = result.light_rounds > 0, .reason = {}};
-  if (coded) {
-    stage.reason = "not searched for in a coded recording: coding errors look alike";
-    return stage;
-  }
-  stage.reason =
-      fmt::format("the light over the disc is curved significantly beyond the noise in {:.0f} % of {} frames",
-                  100 * result.curved_light_share, result.windows);
-  if (!stage.on) return stage;
-  stage.reason += fmt::format(
-      "; learnt with the layers in {} rounds and taken out: it had moved the disc by {:.4f} px rms",
-      result.light_rounds, result.light_moved);
-  stage.error_bound_px = result.light_moved;
-  return stage;
 }
 
 std::string kept_warning(std::int64_t frames) {
@@ -189,14 +156,7 @@ std::string kept_warning(std::int64_t frames) {
 }  // namespace
 
 bool layers_wanted(const FirstPassResult& first, Layers layers) {
-  if (layers == Layers::off || first.blur <= 0) return false;
-  const double noise = std::sqrt(first.noise_variance);
-  // The ring that the texture was measured in has this many pixels or more: noise alone scatters that much.
-  const double pixels =
-      std::numbers::pi * (std::pow(first.disc.radius + 8, 2) - std::pow(first.disc.radius + 4, 2));
-  const double significant = std::max(kTextureShare, std::sqrt(kScatter * std::sqrt(2 / pixels)));
-  return layers == Layers::on || first.ground_texture > significant * noise ||
-         first.excess > kExcessShare * noise;
+  return layers != Layers::off && first.blur > 0;
 }
 
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
@@ -204,7 +164,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   if (auto reason = reason_against(first, options.layers)) return left_out(std::move(*reason));
   const SeenFrames seen = seen_frames(track, first);
   const LayeredResult result =
-      layered_pass(source, seen.frames, options_of(source, first, options, shown, track.has_marker), clock);
+      layered_pass(source, seen.frames, options_of(first, options, shown), clock);
   if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
   const Change change = replace_positions(track, seen.places, result.fixes);
   if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
@@ -212,12 +172,11 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   LayeredOutcome outcome;
   outcome.done = true;
   outcome.limit_px = change.median_sd;
-  outcome.slow_sd = result.slow_error.sd;
-  outcome.slow_time = correlation_time(result.slow_error, track);
+  outcome.slow_sd = result.slow_sd;
+  outcome.slow_time = correlation_time(result.slow_frames, track);
   outcome.disc_radius = result.disc_radius;
   outcome.disc_radius_sd = result.disc_radius_sd;
-  outcome.plan = {layers_stage(result, first, change.moved, outcome.slow_time),
-                  illumination_stage(result, source.info().decoded)};
+  outcome.plan = {layers_stage(result, first, change.moved)};
   if (change.kept > 0) outcome.warnings.push_back(kept_warning(change.kept));
   return outcome;
 }

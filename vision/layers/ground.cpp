@@ -1,0 +1,191 @@
+#include "vision/layers/ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "vision/kernels/median.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr float kFramesNeeded = 3;  ///< fewer do not tell how a place's level scatters
+
+/// The mean over 3 x 3 places: the interpolation leans on the neighbours.
+Picture box_mean(const Picture& in) {
+  Picture rows(in.width(), in.height()), out(in.width(), in.height());
+  for (int y = 0; y < in.height(); ++y)
+    for (int x = 0; x < in.width(); ++x)
+      rows.at(x, y) = in.at(std::max(0, x - 1), y) + in.at(x, y) + in.at(std::min(in.width() - 1, x + 1), y);
+  for (int y = 0; y < in.height(); ++y)
+    for (int x = 0; x < in.width(); ++x)
+      out.at(x, y) = (rows.at(x, std::max(0, y - 1)) + rows.at(x, y) +
+                      rows.at(x, std::min(in.height() - 1, y + 1))) / 9;
+  return out;
+}
+
+}  // namespace
+
+GroundPicture::GroundPicture(const Rect& region)
+    : region_(region),
+      sum_(region.width, region.height),
+      squares_(region.width, region.height),
+      count_(region.width, region.height),
+      variance_(region.width, region.height) {}
+
+void GroundPicture::hold_to(Picture usual, double tolerance) {
+  usual_ = std::move(usual);
+  tolerance_ = static_cast<float>(tolerance);
+  held_ = looked_at_ = 0;
+  for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
+}
+
+template <class Uncovered>
+void GroundPicture::add_held(const Uncovered& uncovered) {
+  constexpr int kStep = 7;
+  std::vector<float> ratios;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; i += kStep)
+      if (row[i] > 0) ratios.push_back(usual_.levels()[at + static_cast<std::size_t>(i)] / row[i]);
+  });
+  if (ratios.empty()) return;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const float light = *middle;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; ++i) {
+      const std::size_t k = at + static_cast<std::size_t>(i);
+      const float level = light * row[i];
+      ++looked_at_;
+      if (std::abs(level - usual_.levels()[k]) > tolerance_) continue;
+      ++held_;
+      sum_.levels()[k] += level;
+      squares_.levels()[k] += level * level;
+      count_.levels()[k] += 1;
+    }
+  });
+}
+
+void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
+                        const Circle& hidden) {
+  // Places u of the platform with u + p inside the window.
+  const int u0 = std::max(region_.x, static_cast<int>(std::ceil(x - displacement.x)));
+  const int v0 = std::max(region_.y, static_cast<int>(std::ceil(y - displacement.y)));
+  const int u1 = std::min(region_.x + region_.width - 1,
+                          static_cast<int>(std::floor(x + picture.width() - 1 - displacement.x)));
+  const int v1 = std::min(region_.y + region_.height - 1,
+                          static_cast<int>(std::floor(y + picture.height() - 1 - displacement.y)));
+  if (u1 < u0 || v1 < v0) return;
+  const int width = u1 - u0 + 1;
+  const int height = v1 - v0 + 1;
+  Picture moved(width, height);
+  QuinticSpline(picture).sample_window(u0 + displacement.x - x, v0 + displacement.y - y, width, height,
+                                       moved.levels().data(), nullptr, nullptr);
+  // Spans of each row beside the hidden circle: act(row of `moved`, first column, last + 1, place in sums).
+  const auto uncovered = [&](const auto& act) {
+    for (int j = 0; j < height; ++j) {
+      const double dy = v0 + j + displacement.y - hidden.y;
+      const double square = hidden.radius * hidden.radius - dy * dy;
+      const auto at = static_cast<std::size_t>(v0 + j - region_.y) * region_.width + (u0 - region_.x);
+      const float* row = moved.row(j).data();
+      if (square < 0) {
+        act(row, 0, width, at);
+        continue;
+      }
+      const double middle = hidden.x - displacement.x - u0, half = std::sqrt(square);
+      act(row, 0, std::clamp(static_cast<int>(std::ceil(middle - half)), 0, width), at);
+      act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
+    }
+  };
+  if (!usual_.empty()) return add_held(uncovered);
+  float* sums = sum_.levels().data();
+  float* squares = squares_.levels().data();
+  float* counts = count_.levels().data();
+  double here = 0;
+  double before = 0;
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    // Eight sums beside each other, which the compiler takes at once.
+    float level[8] = {}, mean[8] = {};
+    int i = from;
+    for (; i + 8 <= to; i += 8)
+      for (int k = 0; k < 8; ++k) {
+        const float n = counts[at + i + k];
+        level[k] += n > 0 ? row[i + k] : 0.0F;
+        mean[k] += sums[at + i + k] / std::max(n, 1.0F);
+      }
+    for (; i < to; ++i) {
+      const float n = counts[at + i];
+      level[0] += n > 0 ? row[i] : 0.0F;
+      mean[0] += sums[at + i] / std::max(n, 1.0F);
+    }
+    here += std::accumulate(std::begin(level), std::end(level), 0.0F);
+    before += std::accumulate(std::begin(mean), std::end(mean), 0.0F);
+  });
+  const auto light = static_cast<float>(here > 0 && before > 0 ? before / here : 1);
+  uncovered([&](const float* row, int from, int to, std::size_t at) {
+    for (int i = from; i < to; ++i) {
+      const float level = light * row[i];
+      sums[at + i] += level;
+      squares[at + i] += level * level;
+      counts[at + i] += 1;
+    }
+  });
+}
+
+/// Mean, texture and unrest of the places uncovered often enough.
+void GroundPicture::summarise(double noise_variance) {
+  std::vector<double> variances;
+  double sum = 0, square = 0;
+  for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
+    const double n = count_.levels()[i];
+    if (n < kFramesNeeded) continue;
+    const double mean = sum_.levels()[i] / n;
+    variances.push_back((squares_.levels()[i] / n - mean * mean) * n / (n - 1));
+    sum += mean;
+    square += mean * mean - noise_variance / n;
+  }
+  if (variances.empty()) return;
+  const auto places = static_cast<double>(variances.size());
+  mean_ = sum / places;
+  texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_));
+  unrest_ = median(variances);
+}
+
+void GroundPicture::finish(double noise_variance) {
+  summarise(noise_variance);
+  const auto least = static_cast<float>(noise_variance), unseen = static_cast<float>(texture_ * texture_);
+  Picture level(region_.width, region_.height), in_time(region_.width, region_.height);
+  for (std::size_t i = 0; i < level.levels().size(); ++i) {
+    const float n = count_.levels()[i];
+    if (n < kFramesNeeded) continue;
+    const float mean = sum_.levels()[i] / n;
+    level.levels()[i] = mean - static_cast<float>(mean_);
+    in_time.levels()[i] = std::max(least, (squares_.levels()[i] / n - mean * mean) * n / (n - 1));
+  }
+  const Picture around = box_mean(in_time);
+  for (std::size_t i = 0; i < level.levels().size(); ++i) {
+    const float n = count_.levels()[i];
+    variance_.levels()[i] = n < kFramesNeeded ? unseen : std::max(around.levels()[i], in_time.levels()[i]) / n;
+  }
+  spline_ = QuinticSpline(level);
+}
+
+void GroundPicture::sample(double x0, double y0, int width, int height, float* level, float* variance) const {
+  const double left = x0 - region_.x, top = y0 - region_.y;
+  const int x = static_cast<int>(std::lround(left)), y = static_cast<int>(std::lround(top));
+  const bool inside = x >= -4 && y >= -4 && x + width <= region_.width + 4 && y + height <= region_.height + 4;
+  if (inside) spline_.sample_window(left, top, width, height, level, nullptr, nullptr);
+  for (int j = 0; j < height; ++j) {
+    const auto row = variance_.row(std::clamp(y + j, 0, region_.height - 1));
+    for (int i = 0; i < width; ++i) {
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * width + i;
+      variance[at] = row[static_cast<std::size_t>(std::clamp(x + i, 0, region_.width - 1))];
+      if (!inside) level[at] = static_cast<float>(spline_.value(left + i, top + j));
+    }
+  }
+}
+
+}  // namespace tribotrack::vision

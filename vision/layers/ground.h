@@ -1,0 +1,58 @@
+// The platform's picture in its own frame, averaged over the frames in which it is uncovered.
+#pragma once
+
+#include "vision/kernels/bspline.h"
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// G(u) - mean G, u a place of the platform: the camera's pixel it lies on where the displacement is zero.
+/// Each frame is interpolated by its own quintic spline; a change of light from frame to frame is taken out by
+/// the ratio of what both show.
+class GroundPicture {
+ public:
+  explicit GroundPicture(const Rect& region);
+
+  /// `picture` is a window of the frame whose first pixel is pixel (x, y). What lies in `hidden` (camera px)
+  /// is not the ground.
+  void add(const Picture& picture, int x, int y, const Point& displacement, const Circle& hidden);
+
+  /// Forgets the frames; of those added from now on only what lies within `tolerance` grey levels of `usual`
+  /// (over the region, in any light) is the ground: the rest is something that crosses it.
+  void hold_to(Picture usual, double tolerance);
+  /// Share of what was uncovered that was the ground.
+  double held_share() const { return looked_at_ > 0 ? held_ / looked_at_ : 1; }
+
+  /// To be called after the last frame.
+  void finish(double noise_variance);
+
+  const Rect& region() const { return region_; }
+  /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border.
+  void sample(double x0, double y0, int width, int height, float* level, float* variance) const;
+  /// Of G - mean G; 0 where the ground was never seen. Its first pixel is region()'s first place.
+  const QuinticSpline& spline() const { return spline_; }
+  /// Of G at the places of the region: what a place's level scatters in time over the number of frames, the
+  /// texture's variance where it was never seen.
+  const Picture& variance() const { return variance_; }
+  double mean() const { return mean_; }
+  /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
+  /// right.
+  double unrest() const { return unrest_; }
+  /// Grey levels rms beyond the noise, over all places that are known.
+  double texture() const { return texture_; }
+
+ private:
+  template <class Uncovered>
+  void add_held(const Uncovered& uncovered);
+  void summarise(double noise_variance);
+
+  Rect region_;
+  Picture usual_;  ///< see hold_to(); empty without
+  float tolerance_ = 0;
+  double held_ = 0, looked_at_ = 0;
+  Picture sum_, squares_, count_, variance_;
+  double mean_ = 0, unrest_ = 0, texture_ = 0;
+  QuinticSpline spline_;
+};
+
+}  // namespace tribotrack::vision

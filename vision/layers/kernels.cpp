@@ -1,0 +1,183 @@
+#include "vision/layers/kernels.h"
+
+#include <cmath>
+
+#include "vision/kernels/vector_kernels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using Lanes = VectorOf<float, kTile>::type;  // a row of a tile
+
+struct FloatLight {
+  float gain, slope_x, slope_y, ground, turn;
+  explicit FloatLight(const LayerLight& l)
+      : gain(static_cast<float>(l.gain)),
+        slope_x(static_cast<float>(l.slope_x)),
+        slope_y(static_cast<float>(l.slope_y)),
+        ground(static_cast<float>(l.ground)),
+        turn(static_cast<float>(l.turn)) {}
+};
+
+template <int columns>
+TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask, const LayerLight& at) {
+  constexpr int kSums = columns * (columns + 1) / 2;
+  const FloatLight light(at);
+  Lanes total[kSums] = {};
+  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+    Lanes s, sx, sy, w, wx, wy, g, u, v, variance, unsure, counts, st{};
+    load(a.part.value.data() + i, s);
+    load(a.part.slope_x.data() + i, sx);
+    load(a.part.slope_y.data() + i, sy);
+    load(a.share.value.data() + i, w);
+    load(a.share.slope_x.data() + i, wx);
+    load(a.share.slope_y.data() + i, wy);
+    load(a.ground.value.data() + i, g);
+    load(a.u.data() + i, u);
+    load(a.v.data() + i, v);
+    load(a.variance.data() + i, variance);
+    load(a.ground_variance.data() + i, unsure);
+    load(mask.data() + i, counts);
+    if constexpr (columns == 7) {
+      load(a.turn.value.data() + i, st);
+      s += light.turn * st;
+    }
+    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
+    const Lanes under = light.ground * g, seen = light.ground * w;
+    const Lanes weight = counts / (variance + seen * seen * unsure);
+    Lanes column[columns];
+    column[kStepX] = -(shine * sx + under * wx);
+    column[kStepY] = -(shine * sy + under * wy);
+    column[kGain] = s;
+    column[kSlopeX] = u * s;
+    column[kSlopeY] = v * s;
+    column[kGround] = w * g;
+    if constexpr (columns == 7) column[kTurn] = shine * st;
+    store(weight, a.weight.data() + i);
+    store(column[kStepX], a.step_x.data() + i);
+    store(column[kStepY], a.step_y.data() + i);
+    for (int c = 0, k = 0; c < columns; ++c) {
+      const Lanes weighted = weight * column[c];
+      for (int d = c; d < columns; ++d, ++k) total[k] += weighted * column[d];
+    }
+  }
+  LayerNormal out{};
+  for (int k = 0; k < kSums; ++k) out[static_cast<std::size_t>(k)] = sum(total[k]);
+  return out;
+}
+
+template <bool turns>
+TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& at) {
+  const FloatLight light(at);
+  Lanes force[kLayerColumns] = {}, squares{}, largest{};
+  Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
+  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+    Lanes s, w, g, u, v, level, weight, x, y, st{};
+    load(a.part.value.data() + i, s);
+    load(a.share.value.data() + i, w);
+    load(a.ground.value.data() + i, g);
+    load(a.u.data() + i, u);
+    load(a.v.data() + i, v);
+    load(a.level.data() + i, level);
+    load(a.weight.data() + i, weight);
+    load(a.step_x.data() + i, x);
+    load(a.step_y.data() + i, y);
+    if constexpr (turns) {
+      load(a.turn.value.data() + i, st);
+      s += light.turn * st;
+    }
+    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
+    const Lanes below = w * g, model = shine * s + light.ground * below;
+    const Lanes r = level - model, wr = weight * r, square = wr * r;
+    force[kStepX] += wr * x;
+    force[kStepY] += wr * y;
+    const Lanes on_part = wr * s;
+    force[kGain] += on_part;
+    force[kSlopeX] += on_part * u;
+    force[kSlopeY] += on_part * v;
+    force[kGround] += wr * below;
+    if constexpr (turns) force[kTurn] += wr * shine * st;
+    squares += square;
+    largest = square > largest ? square : largest;
+    const Lanes counts = weight > 0 ? Lanes{} + 1.0F : Lanes{};
+    const Lanes m = counts * model, l = counts * level;
+    n += counts;
+    sum_m += m;
+    sum_i += l;
+    sum_mm += m * m;
+    sum_ii += l * l;
+    sum_mi += m * l;
+  }
+  LayerForce out;
+  for (std::size_t c = 0; c < kLayerColumns; ++c) out.force[c] = sum(force[c]);
+  out.squares = sum(squares);
+  for (int i = 0; i < kTile; ++i) out.largest = std::fmax(out.largest, static_cast<double>(largest[i]));
+  out.correlation = {sum(n), sum(sum_m), sum(sum_i), sum(sum_mm), sum(sum_ii), sum(sum_mi)};
+  return out;
+}
+
+template <bool turns>
+TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, TileScores& out) {
+  const FloatLight light(at);
+  for (std::size_t t = 0; t < a.tiles; ++t) {
+    Lanes score[kLayerColumns] = {};
+    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
+      Lanes s, w, g, u, v, level, weight, x, y, st{};
+      load(a.part.value.data() + i, s);
+      load(a.share.value.data() + i, w);
+      load(a.ground.value.data() + i, g);
+      load(a.u.data() + i, u);
+      load(a.v.data() + i, v);
+      load(a.level.data() + i, level);
+      load(a.weight.data() + i, weight);
+      load(a.step_x.data() + i, x);
+      load(a.step_y.data() + i, y);
+      if constexpr (turns) {
+        load(a.turn.value.data() + i, st);
+        s += light.turn * st;
+      }
+      const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
+      const Lanes below = w * g, wr = weight * (level - shine * s - light.ground * below), on_part = wr * s;
+      score[kStepX] += wr * x;
+      score[kStepY] += wr * y;
+      score[kGain] += on_part;
+      score[kSlopeX] += on_part * u;
+      score[kSlopeY] += on_part * v;
+      score[kGround] += wr * below;
+      if constexpr (turns) score[kTurn] += wr * shine * st;
+    }
+    for (std::size_t c = 0; c < kLayerColumns; ++c) out[t][c] = static_cast<float>(sum(score[c]));
+  }
+}
+
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
+  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
+                                        const LayerLight& light) {                                         \
+    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light) : form_with<7>(arrays, mask, light); \
+  }                                                                                                        \
+  __VA_ARGS__ LayerForce force_##suffix(const LayerArrays& arrays, const LayerLight& light) {              \
+    return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light); \
+  }                                                                                                        \
+  __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) {  \
+    out.resize(arrays.tiles);                                                                              \
+    arrays.turn.value.empty() ? scores_with<false>(arrays, light, out)                                     \
+                              : scores_with<true>(arrays, light, out);                                     \
+  }                                                                                                        \
+  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, scores_##suffix};
+
+TRIBOTRACK_VARIANT(baseline)
+TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
+#undef TRIBOTRACK_VARIANT
+
+}  // namespace
+
+std::vector<LayerKernels> all_layer_kernels() {
+  return runnable(k_baseline, k_avx2);
+}
+
+const LayerKernels& layer_kernels() {
+  static const LayerKernels fastest = all_layer_kernels().back();
+  return fastest;
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,62 @@
+// The arithmetic of the layered registration over tiles of 8 x 8 pixels, compiled for several instruction
+// sets and chosen at run time.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "vision/kernels/tile_kernels.h"
+
+namespace tribotrack::vision {
+
+/// Light as it falls on the part, about a fixed pixel: gain + slope_x u + slope_y v; and on the ground.
+struct LayerLight {
+  double gain = 1, slope_x = 0, slope_y = 0, ground = 1;
+  double turn = 0;  ///< rad from where the part's picture was formed
+};
+
+/// Pictures and frame over all tiles, 64 numbers per tile.
+struct LayerArrays {
+  TileArrays part, share, ground;      ///< F and alpha with their slopes, G - mean G
+  TileArrays turn;                     ///< dF/dtheta; empty where nothing turns
+  std::vector<float> u, v;             ///< px from the fixed pixel
+  std::vector<float> level;            ///< I
+  std::vector<float> variance;         ///< V
+  std::vector<float> ground_variance;  ///< of G
+  std::vector<float> weight;           ///< 1 / (V + (b alpha)^2 var G), 0 where a pixel does not count
+  std::vector<float> step_x, step_y;   ///< dM/dc as last formed
+  std::size_t tiles = 0;
+};
+
+/// Columns of the Jacobian of M = (gain + slope . u) F + ground alpha (G - mean G), in this order.
+enum LayerColumn { kStepX, kStepY, kGain, kSlopeX, kSlopeY, kGround, kTurn, kLayerColumns };
+
+/// With r = I - M: sums of weight J r and weight r^2, the largest weight r^2; and, over what counts, of M and I
+/// for their correlation.
+struct LayerForce {
+  std::array<double, kLayerColumns> force{};
+  double squares = 0, largest = 0;
+  CorrelationSums correlation;  ///< v is M, l is I
+};
+
+/// Sums of weight J_i J_j, i <= j, row after row of the upper triangle: 21 numbers for 6 columns, 28 for 7.
+using LayerNormal = std::array<double, 28>;
+
+/// Sums of weight J r over each tile, 0 for columns that are not there.
+using TileScores = std::vector<std::array<float, kLayerColumns>>;
+
+struct LayerKernels {
+  const char* name;
+  /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, and returns the normal sums.
+  LayerNormal (*form)(LayerArrays& arrays, const std::vector<float>& mask, const LayerLight& light);
+  LayerForce (*force)(const LayerArrays& arrays, const LayerLight& light);
+  void (*scores)(const LayerArrays& arrays, const LayerLight& light, TileScores& out);
+};
+
+/// The fastest this processor can run.
+const LayerKernels& layer_kernels();
+/// All it can run, slowest first: what tests compare.
+std::vector<LayerKernels> all_layer_kernels();
+
+}  // namespace tribotrack::vision

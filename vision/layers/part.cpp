@@ -1,0 +1,156 @@
+#include "vision/layers/part.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "vision/kernels/vector_kernels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kTrim = 5;          ///< sd: further off is something else
+constexpr double kPriorShare = 0.5;  ///< sd of alpha about the blurred rim: it hardly binds where texture shows
+constexpr float kFewest = 4;         ///< windows at a place, of which two unknowns take two
+
+/// One row of a window on the part's grid.
+struct RowOfWindow {
+  const float *level, *below, *unsure;           ///< I, b (G - mean G), b^2 var G
+  const float *part, *share, *variance;          ///< of before
+  float gain, slope, passed, trim;               ///< a (1 + s_y v), a s_x, of white noise, squared sd
+  int first;                                     ///< u of the first place
+  int count;
+};
+
+struct RowOfSums {
+  float *count, *passed, *aa, *ag, *gg, *ay, *gy, *yy, *unsure;
+};
+
+TRIBOTRACK_CLONES
+void add_row(const RowOfWindow& w, const RowOfSums& s) {
+  for (int i = 0; i < w.count; ++i) {
+    const float a = w.gain + w.slope * static_cast<float>(w.first + i), g = w.below[i];
+    const float y = w.level[i] - a * w.part[i], r = y - w.share[i] * g;
+    const float sd2 = w.variance[i] + w.share[i] * w.share[i] * w.unsure[i];
+    const float ok = r * r > w.trim * sd2 ? 0.0F : 1.0F;
+    s.count[i] += ok;
+    s.passed[i] += ok * w.passed;
+    s.aa[i] += ok * a * a;
+    s.ag[i] += ok * a * g;
+    s.gg[i] += ok * g * g;
+    s.ay[i] += ok * a * y;
+    s.gy[i] += ok * g * y;
+    s.yy[i] += ok * y * y;
+    s.unsure[i] += ok * w.unsure[i];
+  }
+}
+
+/// (1 2 1) / 4 both ways, twice: a Gaussian of 1 px.
+Picture smoothed(Picture picture) {
+  const int w = picture.width(), h = picture.height();
+  for (int pass = 0; pass < 2; ++pass) {
+    Picture rows(w, h);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        rows.at(x, y) = 0.25F * (picture.at(std::max(0, x - 1), y) + 2 * picture.at(x, y) +
+                                 picture.at(std::min(w - 1, x + 1), y));
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        picture.at(x, y) = 0.25F * (rows.at(x, std::max(0, y - 1)) + 2 * rows.at(x, y) +
+                                    rows.at(x, std::min(h - 1, y + 1)));
+  }
+  return picture;
+}
+
+}  // namespace
+
+Picture blurred_rim(int half, double radius, double blur) {
+  const int size = 2 * half + 1;
+  Picture share(size, size);
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const double t = (std::hypot(i - half, j - half) - radius) / blur;
+      share.at(i, j) = static_cast<float>(0.5 * std::erfc(-t / std::numbers::sqrt2));
+    }
+  return share;
+}
+
+PartRegression::PartRegression(const PartPictures& before, const GroundPicture& ground)
+    : before_(before), ground_(ground) {
+  const int size = 2 * before.half + 1;
+  for (Picture* p : {&count_, &passed_, &aa_, &ag_, &gg_, &ay_, &gy_, &yy_, &unsure_, &level_, &below_,
+                     &unsure_here_})
+    *p = Picture(size, size);
+}
+
+void PartRegression::add(const KeptWindow& window, bool trim) {
+  const LayeredState& s = window.state;
+  const int half = before_.half, size = 2 * half + 1;
+  // Places of the grid inside the window.
+  const double left = s.centre.x - half - window.x, top = s.centre.y - half - window.y;
+  const int i0 = std::max(0, static_cast<int>(std::ceil(-left))),
+            j0 = std::max(0, static_cast<int>(std::ceil(-top)));
+  const int i1 = std::min(size - 1, static_cast<int>(std::floor(window.picture.width() - 1 - left))),
+            j1 = std::min(size - 1, static_cast<int>(std::floor(window.picture.height() - 1 - top)));
+  if (i1 < i0 || j1 < j0) return;
+  const int width = i1 - i0 + 1, height = j1 - j0 + 1;
+  window.spline.sample_window(left + i0, top + j0, width, height, level_.levels().data(), nullptr, nullptr);
+  ground_.sample(s.centre.x - half + i0 - s.ground.x, s.centre.y - half + j0 - s.ground.y, width, height,
+                 below_.levels().data(), unsure_here_.levels().data());
+  const auto under = static_cast<float>(s.ground_gain);
+  for (int k = 0; k < width * height; ++k) {
+    below_.levels()[static_cast<std::size_t>(k)] *= under;
+    unsure_here_.levels()[static_cast<std::size_t>(k)] *= under * under;
+  }
+  const auto noise = static_cast<float>(quintic_noise(left - std::floor(left)).value *
+                                        quintic_noise(top - std::floor(top)).value);
+  for (int j = 0; j < height; ++j) {
+    const auto at = static_cast<std::size_t>(j0 + j) * static_cast<std::size_t>(size) +
+                    static_cast<std::size_t>(i0);
+    const auto here = static_cast<std::size_t>(j) * static_cast<std::size_t>(width);
+    const double v = j0 + j - half;
+    const RowOfWindow row{level_.levels().data() + here, below_.levels().data() + here,
+                          unsure_here_.levels().data() + here, before_.level.levels().data() + at,
+                          before_.share.levels().data() + at, before_.variance.levels().data() + at,
+                          static_cast<float>(s.gain * (1 + s.slope_y * v)),
+                          static_cast<float>(s.gain * s.slope_x), noise,
+                          trim ? static_cast<float>(kTrim * kTrim) : 1e30F, i0 - half, width};
+    add_row(row, {count_.levels().data() + at, passed_.levels().data() + at, aa_.levels().data() + at,
+                  ag_.levels().data() + at, gg_.levels().data() + at, ay_.levels().data() + at,
+                  gy_.levels().data() + at, yy_.levels().data() + at, unsure_.levels().data() + at});
+  }
+}
+
+PartPictures PartRegression::solve(double noise_variance, const Picture& prior_share) const {
+  PartPictures out = before_;
+  const double prior = noise_variance / (kPriorShare * kPriorShare);
+  double widest = noise_variance;
+  std::vector<std::size_t> unseen;
+  for (std::size_t i = 0; i < count_.levels().size(); ++i) {
+    const double n = count_.levels()[i];
+    if (n < static_cast<double>(kFewest)) {
+      unseen.push_back(i);
+      continue;
+    }
+    // [aa ag; ag gg + prior] [F - F of before; alpha] = [ay; gy + prior alpha_0]
+    const double aa = aa_.levels()[i], ag = ag_.levels()[i], gg = gg_.levels()[i];
+    const double ay = ay_.levels()[i], gy = gy_.levels()[i], yy = yy_.levels()[i];
+    const double held = gg + prior, pulled = gy + prior * prior_share.levels()[i];
+    const double det = aa * held - ag * ag;
+    const double level = (held * ay - ag * pulled) / det, share = (aa * pulled - ag * ay) / det;
+    const double squares =
+        yy - 2 * level * ay - 2 * share * gy + level * level * aa + 2 * level * share * ag + share * share * gg;
+    // Interpolation passes only a part of the noise, and two unknowns have taken theirs.
+    const double left = std::max(0.0, squares) / passed_.levels()[i] * n / (n - 2);
+    const double known = left - share * share * static_cast<double>(unsure_.levels()[i]) / n;
+    out.level.levels()[i] += static_cast<float>(level);
+    out.share.levels()[i] = static_cast<float>(share);
+    out.variance.levels()[i] = static_cast<float>(std::max({known, 0.25 * left, 1.0 / 12}));
+    widest = std::max(widest, left);
+  }
+  for (const std::size_t i : unseen) out.variance.levels()[i] = static_cast<float>(widest);
+  out.variance = smoothed(std::move(out.variance));
+  return out;
+}
+
+}  // namespace tribotrack::vision

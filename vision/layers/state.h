@@ -1,0 +1,36 @@
+// The model of a frame, "two pictures per place":
+//   I_k(x) = a_k (1 + s_k . u) F(u) + b_k alpha(u) [G(x - p_k) - mean G],   u = x - c_k
+// F is what the part sends and alpha how much of the ground shows at a place of the part's own grid, which
+// moves with the part and does not turn: the rim with the lens's blur, the shadow, the chamfer's glint and the
+// highlight stand in these two pictures without a model of any. G is the platform's picture in its own frame.
+// What is left at a place, V(u), is its variance over the frames, and 1 / V its weight: whatever the model
+// lacks there weighs less by itself. Gains a_k and b_k take flicker, the slope s_k an uneven light.
+#pragma once
+
+#include <cstdint>
+
+#include "vision/kernels/bspline.h"
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// What differs from frame to frame.
+struct LayeredState {
+  Point centre;                     ///< c_k, px of the camera
+  double theta = 0;                 ///< the part's rotation, rad, counter-clockwise as seen (y up)
+  Point ground;                     ///< p_k, the platform's displacement, px
+  double gain = 1;                  ///< a_k
+  double slope_x = 0, slope_y = 0;  ///< s_k, 1/px
+  double ground_gain = 1;           ///< b_k
+};
+
+/// A window of a frame that the pictures are learnt from.
+struct KeptWindow {
+  Picture picture;
+  int x = 0, y = 0;  ///< its first pixel in the frame
+  LayeredState state;
+  QuinticSpline spline;
+  std::int64_t frame = 0;
+};
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,157 @@
+#include "vision/layers/windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "vision/io/window.h"
+#include "vision/layers/median_ground.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kKeptBytes = 140e6;   ///< of memory for the windows and the pictures learnt
+constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
+constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
+constexpr double kStep = 0.5;          ///< px: the least step of a part that moves
+constexpr double kGroundBytes = 40;    ///< per px: the platform's pictures, those of a moment included
+constexpr double kFewestWindows = 16;
+constexpr double kUsualBytes = 24e6;  ///< of frames that tell what a place usually shows
+constexpr double kFewestUsual = 7, kMostUsual = 15;
+constexpr double kHeldSd = 5;  ///< what is further off crosses the ground
+
+Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
+  Picture out(part.width, part.height);
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(picture.row(part.y - from.y + y).begin() + (part.x - from.x), part.width, out.row(y).begin());
+  return out;
+}
+
+/// How far the part has gone by each frame, px: standing still counts nothing, noise neither.
+std::vector<double> way(const std::vector<FirstPassFrame>& frames) {
+  std::vector<double> out;
+  Point last = frames.front().centre;
+  double gone = 0;
+  for (const FirstPassFrame& f : frames) {
+    const double step = std::hypot(f.centre.x - last.x, f.centre.y - last.y);
+    if (step > kStep) {
+      gone += step;
+      last = f.centre;
+    }
+    out.push_back(gone);
+  }
+  return out;
+}
+
+/// Places in `frames` of those to learn from, `most` at most: every other one spread over the time, the rest
+/// over the way, for a part that moves looks different from one at rest (light, coder, blur).
+std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most,
+                                        const LayeredOptions& options) {
+  std::vector<std::size_t> spread;
+  if (frames.size() <= most) {
+    spread.resize(frames.size());
+    std::iota(spread.begin(), spread.end(), std::size_t{0});
+    return spread;
+  }
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (is_learning_frame(frames[k].index - options.first_index, options.total)) spread.push_back(k);
+  const std::vector<double> gone = way(frames);
+  std::vector<bool> taken(frames.size(), false);
+  const auto in_time = std::min(most / 2, spread.size());
+  for (std::size_t k = 0; k < in_time; ++k)
+    taken[spread[in_time > 1 ? k * (spread.size() - 1) / (in_time - 1) : 0]] = true;
+  // Then the way, and where that has no more frames to give, the time again.
+  std::size_t left = most - static_cast<std::size_t>(std::ranges::count(taken, true));
+  for (std::size_t k = 0, parts = left; k < parts && gone.back() > 0; ++k) {
+    const double at = gone.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(parts);
+    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(gone, at) - gone.begin());
+    if (place >= frames.size() || taken[place]) continue;
+    taken[place] = true;
+    --left;
+  }
+  for (std::size_t k = 0, parts = left; k < parts; ++k) {
+    std::size_t place = (2 * k + 1) * frames.size() / (2 * parts);
+    while (taken[place]) place = (place + 1) % frames.size();
+    taken[place] = true;
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (taken[k]) chosen.push_back(k);
+  return chosen;
+}
+
+}  // namespace
+
+Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds) {
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9, away = 0;
+  for (const FirstPassFrame& f : frames) {
+    x0 = std::min(x0, f.centre.x);
+    x1 = std::max(x1, f.centre.x);
+    y0 = std::min(y0, f.centre.y);
+    y1 = std::max(y1, f.centre.y);
+    away = std::max(away, std::hypot(f.ground.x, f.ground.y));
+  }
+  const double margin = reach + 2 * away + 4;
+  return touched_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
+}
+
+LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                               const LayeredOptions& options, double reach, double hidden)
+    : source_(source),
+      frames_(frames),
+      options_(options),
+      reach_(reach),
+      hidden_(hidden),
+      region_(swath(frames, reach, source.bounds())) {
+  const double window_bytes =
+      4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
+  const double area = static_cast<double>(region_.width) * region_.height;
+  // The platform's pictures live beside the windows.
+  const double room = kKeptBytes - kGroundBytes * area;
+  const double most = std::min<double>(kLearningFrames, room / window_bytes);
+  chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)), options);
+  const double averaged = std::max(kGroundFrames, kGroundPixels / area);
+  ground_stride_ =
+      static_cast<std::size_t>(std::max(1.0, std::ceil(static_cast<double>(count()) / averaged)));
+}
+
+std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
+  std::vector<KeptWindow> kept;
+  Picture wide;
+  for (std::size_t k = 0; k < count(); ++k) {
+    const FirstPassFrame& f = frame(k);
+    const Rect about = window_about(f.centre, reach_, source_.bounds());
+    KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground, 1, 0, 0, 1}, {}, f.index};
+    if (k % ground_stride_ == 0) {
+      source_.read(f.index, region_, wide);
+      window.picture = cut(wide, region_, about);
+      ground.add(wide, region_.x, region_.y, f.ground, part_in(f));
+    } else {
+      source_.read(f.index, about, window.picture);
+    }
+    window.spline = QuinticSpline(window.picture);
+    kept.push_back(std::move(window));
+  }
+  ground.finish(options_.noise_variance);
+  return kept;
+}
+
+void LearningFrames::read_uncrossed(GroundPicture& ground) {
+  const double area = static_cast<double>(region_.width) * region_.height;
+  const auto looks = static_cast<std::size_t>(std::clamp(kUsualBytes / (4 * area), kFewestUsual, kMostUsual));
+  const std::size_t apart = std::max<std::size_t>(1, count() / looks);
+  Picture wide;
+  UsualGround usual(region_);
+  for (std::size_t k = 0; k < count(); k += apart) {
+    source_.read(frame(k).index, region_, wide);
+    usual.add(wide, part_in(frame(k)));
+  }
+  ground.hold_to(usual.median(), kHeldSd * std::sqrt(options_.noise_variance));
+  for (std::size_t k = 0; k < count(); k += ground_stride_) {
+    source_.read(frame(k).index, region_, wide);
+    ground.add(wide, region_.x, region_.y, frame(k).ground, part_in(frame(k)));
+  }
+  ground.finish(options_.noise_variance);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,45 @@
+// The windows the layers are learnt from, and the platform's picture from the same frames.
+#pragma once
+
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/layers/first_pass.h"
+#include "vision/layers/ground.h"
+#include "vision/layers/state.h"
+
+namespace tribotrack::vision {
+
+/// What is read of every kept frame: the part's path with a margin.
+Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds);
+
+/// Frames spread over the recording, as many as memory has room for.
+class LearningFrames {
+ public:
+  /// Keeps references. `reach` px about the part's centre, `hidden` the radius within which there is no
+  /// ground.
+  LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                 const LayeredOptions& options, double reach, double hidden);
+
+  const Rect& region() const { return region_; }
+  std::size_t count() const { return chosen_.size(); }
+
+  /// Their windows, in the order of time; the ground is averaged from some of them on the way.
+  std::vector<KeptWindow> read(GroundPicture& ground);
+  /// Ground that something crossed: averaged again from what most frames show.
+  void read_uncrossed(GroundPicture& ground);
+
+ private:
+  const FirstPassFrame& frame(std::size_t k) const { return frames_[chosen_[k]]; }
+  Circle part_in(const FirstPassFrame& f) const { return {f.centre.x, f.centre.y, hidden_}; }
+
+  FrameSource& source_;
+  const std::vector<FirstPassFrame>& frames_;
+  const LayeredOptions& options_;
+  double reach_, hidden_;
+  Rect region_;
+  std::vector<std::size_t> chosen_;  ///< of frames_
+  std::size_t ground_stride_ = 1;
+};
+
+}  // namespace tribotrack::vision
