@@ -22,8 +22,8 @@ Picture box_mean(const Picture& in) {
       rows.at(x, y) = in.at(std::max(0, x - 1), y) + in.at(x, y) + in.at(std::min(in.width() - 1, x + 1), y);
   for (int y = 0; y < in.height(); ++y)
     for (int x = 0; x < in.width(); ++x)
-      out.at(x, y) = (rows.at(x, std::max(0, y - 1)) + rows.at(x, y) +
-                      rows.at(x, std::min(in.height() - 1, y + 1))) / 9;
+      out.at(x, y) =
+          (rows.at(x, std::max(0, y - 1)) + rows.at(x, y) + rows.at(x, std::min(in.height() - 1, y + 1))) / 9;
   return out;
 }
 
@@ -168,22 +168,30 @@ void GroundPicture::finish(double noise_variance) {
   const Picture around = box_mean(in_time);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
     const float n = count_.levels()[i];
-    variance_.levels()[i] = n < kFramesNeeded ? unseen : std::max(around.levels()[i], in_time.levels()[i]) / n;
+    variance_.levels()[i] =
+        n < kFramesNeeded ? unseen : std::max(around.levels()[i], in_time.levels()[i]) / n;
   }
   spline_ = QuinticSpline(level);
 }
 
-void GroundPicture::sample(double x0, double y0, int width, int height, float* level, float* variance) const {
+void GroundPicture::sample(double x0, double y0, int width, int height, float* level, float* variance,
+                           float* slope_x, float* slope_y) const {
   const double left = x0 - region_.x, top = y0 - region_.y;
   const int x = static_cast<int>(std::lround(left)), y = static_cast<int>(std::lround(top));
-  const bool inside = x >= -4 && y >= -4 && x + width <= region_.width + 4 && y + height <= region_.height + 4;
-  if (inside) spline_.sample_window(left, top, width, height, level, nullptr, nullptr);
+  const bool inside =
+      x >= -4 && y >= -4 && x + width <= region_.width + 4 && y + height <= region_.height + 4;
+  if (inside) spline_.sample_window(left, top, width, height, level, slope_x, slope_y);
   for (int j = 0; j < height; ++j) {
     const auto row = variance_.row(std::clamp(y + j, 0, region_.height - 1));
     for (int i = 0; i < width; ++i) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * width + i;
       variance[at] = row[static_cast<std::size_t>(std::clamp(x + i, 0, region_.width - 1))];
-      if (!inside) level[at] = static_cast<float>(spline_.value(left + i, top + j));
+      if (inside) continue;
+      const SplineSample s = spline_.sample(left + i, top + j);
+      level[at] = static_cast<float>(s.value);
+      if (!slope_x) continue;
+      slope_x[at] = static_cast<float>(s.slope_x);
+      slope_y[at] = static_cast<float>(s.slope_y);
     }
   }
 }

@@ -7,8 +7,8 @@
 namespace tribotrack::vision {
 
 /// G(u) - mean G, u a place of the platform: the camera's pixel it lies on where the displacement is zero.
-/// Each frame is interpolated by its own quintic spline; a change of light from frame to frame is taken out by
-/// the ratio of what both show.
+/// Each frame is interpolated by its own quintic spline; a change of light from frame to frame is taken out
+/// by the ratio of what both show.
 class GroundPicture {
  public:
   explicit GroundPicture(const Rect& region);
@@ -27,8 +27,10 @@ class GroundPicture {
   void finish(double noise_variance);
 
   const Rect& region() const { return region_; }
-  /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border.
-  void sample(double x0, double y0, int width, int height, float* level, float* variance) const;
+  /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border. Slopes may
+  /// be null, both together.
+  void sample(double x0, double y0, int width, int height, float* level, float* variance,
+              float* slope_x = nullptr, float* slope_y = nullptr) const;
   /// Of G - mean G; 0 where the ground was never seen. Its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
   /// Of G at the places of the region: what a place's level scatters in time over the number of frames, the

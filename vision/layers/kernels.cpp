@@ -10,22 +10,25 @@ namespace {
 using Lanes = VectorOf<float, kTile>::type;  // a row of a tile
 
 struct FloatLight {
-  float gain, slope_x, slope_y, ground, turn;
+  float gain, slope_x, slope_y, ground, turn, blend, mean;
   explicit FloatLight(const LayerLight& l)
       : gain(static_cast<float>(l.gain)),
         slope_x(static_cast<float>(l.slope_x)),
         slope_y(static_cast<float>(l.slope_y)),
         ground(static_cast<float>(l.ground)),
-        turn(static_cast<float>(l.turn)) {}
+        turn(static_cast<float>(l.turn)),
+        blend(static_cast<float>(l.blend)),
+        mean(static_cast<float>(l.mean)) {}
 };
 
 template <int columns>
-TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask, const LayerLight& at) {
+TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask,
+                                        const LayerLight& at) {
   constexpr int kSums = columns * (columns + 1) / 2;
   const FloatLight light(at);
   Lanes total[kSums] = {};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, sx, sy, w, wx, wy, g, u, v, variance, unsure, counts, st{};
+    Lanes s, sx, sy, w, wx, wy, g, gx, gy, u, v, variance, unsure, counts, st{};
     load(a.part.value.data() + i, s);
     load(a.part.slope_x.data() + i, sx);
     load(a.part.slope_y.data() + i, sy);
@@ -33,6 +36,8 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     load(a.share.slope_x.data() + i, wx);
     load(a.share.slope_y.data() + i, wy);
     load(a.ground.value.data() + i, g);
+    load(a.ground.slope_x.data() + i, gx);
+    load(a.ground.slope_y.data() + i, gy);
     load(a.u.data() + i, u);
     load(a.v.data() + i, v);
     load(a.variance.data() + i, variance);
@@ -43,19 +48,22 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
       s += light.turn * st;
     }
     const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
-    const Lanes under = light.ground * g, seen = light.ground * w;
+    const Lanes own = s - light.mean * w;
+    const Lanes under = light.ground * (g + light.mean), seen = light.ground * w;
     const Lanes weight = counts / (variance + seen * seen * unsure);
     Lanes column[columns];
-    column[kStepX] = -(shine * sx + under * wx);
-    column[kStepY] = -(shine * sy + under * wy);
-    column[kGain] = s;
-    column[kSlopeX] = u * s;
-    column[kSlopeY] = v * s;
-    column[kGround] = w * g;
+    const Lanes through = under - light.mean * shine;
+    column[kStepX] = -(shine * sx + through * wx);
+    column[kStepY] = -(shine * sy + through * wy);
+    column[kGain] = own;
+    column[kSlopeX] = u * own;
+    column[kSlopeY] = v * own;
+    column[kGround] = w * (g + light.mean) + light.blend * (wx * gx + wy * gy);
     if constexpr (columns == 7) column[kTurn] = shine * st;
     store(weight, a.weight.data() + i);
     store(column[kStepX], a.step_x.data() + i);
     store(column[kStepY], a.step_y.data() + i);
+    store(column[kGround], a.below.data() + i);
     for (int c = 0, k = 0; c < columns; ++c) {
       const Lanes weighted = weight * column[c];
       for (int d = c; d < columns; ++d, ++k) total[k] += weighted * column[d];
@@ -67,15 +75,19 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
 }
 
 template <bool turns>
-TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& at) {
+TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
   const FloatLight light(at);
   Lanes force[kLayerColumns] = {}, squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, w, g, u, v, level, weight, x, y, st{};
+    Lanes s, w, wx, wy, g, gx, gy, u, v, level, weight, x, y, st{};
     load(a.part.value.data() + i, s);
     load(a.share.value.data() + i, w);
+    load(a.share.slope_x.data() + i, wx);
+    load(a.share.slope_y.data() + i, wy);
     load(a.ground.value.data() + i, g);
+    load(a.ground.slope_x.data() + i, gx);
+    load(a.ground.slope_y.data() + i, gy);
     load(a.u.data() + i, u);
     load(a.v.data() + i, v);
     load(a.level.data() + i, level);
@@ -86,12 +98,14 @@ TRIBOTRACK_KERNEL LayerForce force_with(const LayerArrays& a, const LayerLight& 
       load(a.turn.value.data() + i, st);
       s += light.turn * st;
     }
-    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
-    const Lanes below = w * g, model = shine * s + light.ground * below;
+    const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
+    const Lanes below = w * (g + light.mean) + light.blend * (wx * gx + wy * gy);
+    const Lanes model = shine * own + light.ground * below;
+    store(below, a.below.data() + i);
     const Lanes r = level - model, wr = weight * r, square = wr * r;
     force[kStepX] += wr * x;
     force[kStepY] += wr * y;
-    const Lanes on_part = wr * s;
+    const Lanes on_part = wr * own;
     force[kGain] += on_part;
     force[kSlopeX] += on_part * u;
     force[kSlopeY] += on_part * v;
@@ -122,10 +136,10 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
   for (std::size_t t = 0; t < a.tiles; ++t) {
     Lanes score[kLayerColumns] = {};
     for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes s, w, g, u, v, level, weight, x, y, st{};
+      Lanes s, w, below, u, v, level, weight, x, y, st{};
       load(a.part.value.data() + i, s);
       load(a.share.value.data() + i, w);
-      load(a.ground.value.data() + i, g);
+      load(a.below.data() + i, below);
       load(a.u.data() + i, u);
       load(a.v.data() + i, v);
       load(a.level.data() + i, level);
@@ -136,8 +150,9 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
         load(a.turn.value.data() + i, st);
         s += light.turn * st;
       }
-      const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
-      const Lanes below = w * g, wr = weight * (level - shine * s - light.ground * below), on_part = wr * s;
+      const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
+      const Lanes wr = weight * (level - shine * own - light.ground * below);
+      const Lanes on_part = wr * own;
       score[kStepX] += wr * x;
       score[kStepY] += wr * y;
       score[kGain] += on_part;
@@ -153,9 +168,10 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
 #define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
   __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
                                         const LayerLight& light) {                                         \
-    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light) : form_with<7>(arrays, mask, light); \
+    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light)                                   \
+                                     : form_with<7>(arrays, mask, light);                                  \
   }                                                                                                        \
-  __VA_ARGS__ LayerForce force_##suffix(const LayerArrays& arrays, const LayerLight& light) {              \
+  __VA_ARGS__ LayerForce force_##suffix(LayerArrays& arrays, const LayerLight& light) {                    \
     return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light); \
   }                                                                                                        \
   __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) {  \

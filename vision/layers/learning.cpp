@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "vision/kernels/median.h"
 #include "vision/layers/first_pass.h"
@@ -10,67 +11,92 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kMostRounds = 12;
-constexpr int kFirstFine = 2;      ///< round from which the light's slope is looked for and strange pixels left out
-constexpr double kSettled = 0.05;  ///< of the standard deviation: windows that move less have settled
-constexpr double kWeakGround = 0.3;  ///< sd of the ground's gain before anything is known of it
-constexpr double kWeakSlope = 0.5;   ///< likewise of the light over the part's radius
+constexpr int kFirstFine =
+    2;  ///< round from which the light's slope is looked for and strange pixels left out
+constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
+constexpr std::size_t kFewestSlopes = 8;
+constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
 
 /// The part as the first window shows it: a start.
 PartPictures as_shown(const KeptWindow& window, int half, double radius, double blur) {
   const int size = 2 * half + 1;
-  PartPictures part{half, Picture(size, size), blurred_rim(half, radius, blur), Picture(size, size, 1e20F)};
+  PartPictures part{half, Picture(size, size), blurred_rim(half, radius, blur), Picture(size, size, 1e20F),
+                    Picture(size, size)};
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i)
-      part.level.at(i, j) = static_cast<float>(window.spline.value(window.state.centre.x - half + i - window.x,
-                                                                   window.state.centre.y - half + j - window.y));
+      part.level.at(i, j) = static_cast<float>(window.spline.value(
+          window.state.centre.x - half + i - window.x, window.state.centre.y - half + j - window.y));
   return part;
 }
 
-/// What a quantity scatters beyond its own uncertainty; 0 where that is not significant.
-double true_sd(const std::vector<double>& squares, double variance) {
-  if (squares.empty()) return 0;
-  double sum = 0;
-  for (const double s : squares) sum += s;
-  const auto n = static_cast<double>(squares.size());
-  return sum / n > variance * (1 + 2 * std::sqrt(2 / n)) ? std::sqrt(sum / n - variance) : 0;
+bool turned_round(const std::vector<KeptWindow>& windows) {
+  const auto angle = [](const KeptWindow& w) { return w.state.theta; };
+  const auto [low, high] = std::ranges::minmax_element(windows, {}, angle);
+  return high->state.theta - low->state.theta > 2 * std::numbers::pi;
 }
 
 class Learning {
  public:
   Learning(std::vector<KeptWindow>& windows, const GroundPicture& ground, LayeredRegistration& registration,
-           double radius, double blur, double noise_variance)
+           const LearningOptions& options)
       : windows_(windows),
         ground_(ground),
         registration_(registration),
-        radius_(radius),
-        noise_variance_(noise_variance),
+        options_(options),
         explained_(windows.size(), true) {
-    const int half = layered_half(radius, blur);
-    out_.part = as_shown(windows[windows.size() / 2], half, radius, blur);
+    const int half = layered_half(options.radius, options.blur);
+    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur);
+    if (options.turning)
+      out_.texture =
+          std::make_unique<TurningTexture>(half, options.radius, options.blur, turned_round(windows));
     prior_share_ = out_.part.share;
-    out_.light.ground_sd = kWeakGround;
   }
 
   LearntPart run() {
     for (out_.rounds = 1; out_.rounds <= kMostRounds; ++out_.rounds) {
       learn_pictures();
-      if (out_.rounds == kFirstFine + 1) out_.light.slope_sd = kWeakSlope / radius_;
-      const double moved = measure_windows();
-      if (out_.rounds == kFirstFine + 1) learn_light();
-      if (out_.rounds > kFirstFine + 1 && moved < kSettled * out_.sigma) break;
+      const bool look =
+          out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known());
+      if (look) use_pictures(true);
+      const double moved = measure_windows(look);
+      if (look) learn_light();
+      if (look) use_pictures(false);
+      if (getenv("DBG")) {
+        double sv = 0, sg = 0, n = 0;
+        for (std::size_t i = 0; i < out_.part.variance.levels().size(); ++i)
+          if (registration_.chosen().levels()[i] > 0) {
+            sv += out_.part.variance.levels()[i];
+            sg += std::pow(out_.part.share.levels()[i] - prior_share_.levels()[i], 2);
+            ++n;
+          }
+        double gv = 0;
+        for (float x : ground_.variance().levels()) gv += x;
+        fprintf(stderr, "V %.3f noise %.3f dshare %.3f groundvar %.3f unrest %.3f tex %.3f n %g\n", sv / n,
+                options_.noise_variance, std::sqrt(sg / n), gv / double(ground_.variance().levels().size()),
+                ground_.unrest(), ground_.texture(), n);
+        const LightPrior l = out_.light.at(windows_[0].state.centre),
+                         e = out_.light.at(windows_.back().state.centre);
+        fprintf(stderr,
+                "round %d moved %.5f sigma %.5f chi %.3f explained %zu blend %.3f light %g %g sd %g ; %g %g "
+                "sd %g\n",
+                out_.rounds, moved, out_.sigma, out_.chi_squared, out_.explained, out_.part.blend, l.slope_x,
+                l.slope_y, l.sd, e.slope_x, e.slope_y, e.sd);
+      }
+      if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
     }
     return std::move(out_);
   }
 
  private:
   void learn_pictures();
-  double measure_windows();
+  void use_pictures(bool whole);
+  double measure_windows(bool look_for_light);
   void learn_light();
 
   std::vector<KeptWindow>& windows_;
   const GroundPicture& ground_;
   LayeredRegistration& registration_;
-  double radius_, noise_variance_;
+  const LearningOptions& options_;
   Picture prior_share_;
   std::vector<bool> explained_;
   std::vector<LayeredFix> fixes_;
@@ -79,21 +105,33 @@ class Learning {
 
 void Learning::learn_pictures() {
   PartRegression regression(out_.part, ground_);
-  for (std::size_t k = 0; k < windows_.size(); ++k)
-    if (explained_[k]) regression.add(windows_[k], out_.rounds > kFirstFine);
-  out_.part = regression.solve(noise_variance_, prior_share_);
-  registration_.set_part(out_.part, static_cast<double>(windows_.size()));
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    if (!explained_[k]) continue;
+    Picture turned;
+    if (out_.texture) turned = out_.texture->at(windows_[k].state.theta);
+    regression.add(windows_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
+  }
+  out_.part = regression.solve(options_.noise_variance, prior_share_);
+  if (out_.texture) out_.texture->learn(windows_, explained_, out_.part);
+  use_pictures(false);
+}
+
+/// For the windows to be measured over; all pixels tell of the light, few of the position.
+void Learning::use_pictures(bool whole) {
+  registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get(), whole);
 }
 
 /// Px rms by which the windows moved, without the mean.
-double Learning::measure_windows() {
+double Learning::measure_windows(bool look_for_light) {
   fixes_.clear();
   std::vector<double> chi_squared, sigma;
   double square = 0;
   Point sum;
   for (std::size_t k = 0; k < windows_.size(); ++k) {
     KeptWindow& w = windows_[k];
-    const auto fix = registration_.refine(w.picture, w.x, w.y, w.state, out_.light);
+    const LightPrior light =
+        look_for_light ? LightPrior{0, 0, kWeakSlope / options_.radius} : out_.light.at(w.state.centre);
+    const auto fix = registration_.refine(w.picture, w.x, w.y, w.state, light);
     explained_[k] = fix.has_value();
     if (!fix) continue;
     const double x = fix->state.centre.x - w.state.centre.x, y = fix->state.centre.y - w.state.centre.y;
@@ -115,23 +153,18 @@ double Learning::measure_windows() {
 
 /// How uneven the light is, by the windows: a frame alone hardly sees it.
 void Learning::learn_light() {
-  std::vector<double> slopes;
-  double slope_variance = 0;
-  for (const LayeredFix& f : fixes_) {
-    slopes.push_back(f.state.slope_x * f.state.slope_x);
-    slopes.push_back(f.state.slope_y * f.state.slope_y);
-    slope_variance += f.slope_variance * out_.chi_squared / static_cast<double>(fixes_.size());
-  }
-  out_.light.slope_sd = true_sd(slopes, slope_variance);
-  if (out_.light.slope_sd > 0) return;
-  for (KeptWindow& w : windows_) w.state.slope_x = w.state.slope_y = 0;
+  if (fixes_.size() < kFewestSlopes) return;
+  std::vector<MeasuredSlope> slopes;
+  for (const LayeredFix& f : fixes_)
+    slopes.push_back({f.state.centre, f.state.slope_x, f.state.slope_y, f.slope_variance * out_.chi_squared});
+  out_.light = IlluminationSlope(slopes);
 }
 
 }  // namespace
 
 LearntPart learn_part(std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                      LayeredRegistration& registration, double radius, double blur, double noise_variance) {
-  return Learning(windows, ground, registration, radius, blur, noise_variance).run();
+                      LayeredRegistration& registration, const LearningOptions& options) {
+  return Learning(windows, ground, registration, options).run();
 }
 
 }  // namespace tribotrack::vision

@@ -4,6 +4,7 @@
 // them, until the windows hardly move.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "vision/layers/registration.h"
@@ -12,15 +13,22 @@ namespace tribotrack::vision {
 
 struct LearntPart {
   PartPictures part;
-  LightPrior light;
+  std::unique_ptr<TurningTexture> texture;  ///< null where nothing turns
+  IlluminationSlope light;
   double chi_squared = 1;  ///< per pixel, of the usual window
   double sigma = 0;        ///< of a coordinate of the usual window, px
   int rounds = 0;
   std::size_t explained = 0;  ///< windows
 };
 
+struct LearningOptions {
+  double radius = 0, blur = 1;  ///< of the rim, px
+  double noise_variance = 1;    ///< of the frames
+  bool turning = false;         ///< the windows' angles are known and differ
+};
+
 /// Changes the windows' states. `registration` is left with the pictures learnt.
 LearntPart learn_part(std::vector<KeptWindow>& windows, const GroundPicture& ground,
-                      LayeredRegistration& registration, double radius, double blur, double noise_variance);
+                      LayeredRegistration& registration, const LearningOptions& options);
 
 }  // namespace tribotrack::vision

@@ -9,29 +9,41 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTrim = 5;          ///< sd: further off is something else
-constexpr double kPriorShare = 0.5;  ///< sd of alpha about the blurred rim: it hardly binds where texture shows
-constexpr float kFewest = 4;         ///< windows at a place, of which two unknowns take two
+constexpr double kTrim = 5;  ///< sd: further off is something else
+constexpr double kPriorShare =
+    0.5;  ///< sd of alpha about the blurred rim: it hardly binds where texture shows
+constexpr double kBlendEvidence =
+    100;                          ///< px^-4: sd of kappa 0.1 px^2 about that of a pixel, as lenses have it
+constexpr double kMostBlend = 9;  ///< px^2
+constexpr float kFewest = 4;      ///< windows at a place, of which two unknowns take two
 
 /// One row of a window on the part's grid.
 struct RowOfWindow {
-  const float *level, *below, *unsure;           ///< I, b (G - mean G), b^2 var G
-  const float *part, *share, *variance;          ///< of before
-  float gain, slope, passed, trim;               ///< a (1 + s_y v), a s_x, of white noise, squared sd
-  int first;                                     ///< u of the first place
+  const float *level, *below, *below_x, *below_y;  ///< I, b (G - mean G) and its slopes
+  const float *share_x, *share_y, *unsure;         ///< grad alpha, b^2 var G
+  const float *part, *share, *variance, *usual;    ///< of before
+  const float* turned;                             ///< null where nothing turns
+  float gain, side, slope, mean, darker;           ///< a, a s_y v, a s_x, mean G, (b - a) mean G
+  float passed, trim, blend;                       ///< of white noise, squared sd, kappa
+  int first;                                       ///< u of the first place
   int count;
 };
 
 struct RowOfSums {
-  float *count, *passed, *aa, *ag, *gg, *ay, *gy, *yy, *unsure;
+  float *count, *passed, *aa, *ag, *gg, *ay, *gy, *yy, *unsure, *qr, *qq;
 };
 
 TRIBOTRACK_CLONES
 void add_row(const RowOfWindow& w, const RowOfSums& s) {
+  const bool turns = w.turned != nullptr;
   for (int i = 0; i < w.count; ++i) {
-    const float a = w.gain + w.slope * static_cast<float>(w.first + i), g = w.below[i];
-    const float y = w.level[i] - a * w.part[i], r = y - w.share[i] * g;
-    const float sd2 = w.variance[i] + w.share[i] * w.share[i] * w.unsure[i];
+    const float a = w.gain, lit = w.side + w.slope * static_cast<float>(w.first + i), g = w.below[i];
+    const float part = turns ? w.part[i] + w.turned[i] : w.part[i];
+    const float q = w.share_x[i] * w.below_x[i] + w.share_y[i] * w.below_y[i];
+    const float y = w.level[i] - a * part - lit * (part - w.mean * w.share[i]) - w.blend * q,
+                r = y - w.share[i] * g;
+    const float more = w.unsure[i] > w.usual[i] ? w.unsure[i] - w.usual[i] : 0.0F;
+    const float sd2 = w.variance[i] + w.share[i] * w.share[i] * more;
     const float ok = r * r > w.trim * sd2 ? 0.0F : 1.0F;
     s.count[i] += ok;
     s.passed[i] += ok * w.passed;
@@ -42,6 +54,8 @@ void add_row(const RowOfWindow& w, const RowOfSums& s) {
     s.gy[i] += ok * g * y;
     s.yy[i] += ok * y * y;
     s.unsure[i] += ok * w.unsure[i];
+    s.qr[i] += ok * q * r / sd2;
+    s.qq[i] += ok * q * q / sd2;
   }
 }
 
@@ -56,8 +70,8 @@ Picture smoothed(Picture picture) {
                                  picture.at(std::min(w - 1, x + 1), y));
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x)
-        picture.at(x, y) = 0.25F * (rows.at(x, std::max(0, y - 1)) + 2 * rows.at(x, y) +
-                                    rows.at(x, std::min(h - 1, y + 1)));
+        picture.at(x, y) =
+            0.25F * (rows.at(x, std::max(0, y - 1)) + 2 * rows.at(x, y) + rows.at(x, std::min(h - 1, y + 1)));
   }
   return picture;
 }
@@ -78,12 +92,17 @@ Picture blurred_rim(int half, double radius, double blur) {
 PartRegression::PartRegression(const PartPictures& before, const GroundPicture& ground)
     : before_(before), ground_(ground) {
   const int size = 2 * before.half + 1;
-  for (Picture* p : {&count_, &passed_, &aa_, &ag_, &gg_, &ay_, &gy_, &yy_, &unsure_, &level_, &below_,
-                     &unsure_here_})
+  Picture value(size, size);
+  share_x_ = share_y_ = value;
+  QuinticSpline(before.share)
+      .sample_window(0, 0, size, size, value.levels().data(), share_x_.levels().data(),
+                     share_y_.levels().data());
+  for (Picture* p : {&count_, &passed_, &aa_, &ag_, &gg_, &ay_, &gy_, &yy_, &unsure_, &qr_, &qq_, &level_,
+                     &below_, &below_x_, &below_y_, &unsure_here_})
     *p = Picture(size, size);
 }
 
-void PartRegression::add(const KeptWindow& window, bool trim) {
+void PartRegression::add(const KeptWindow& window, bool trim, const Picture* turned) {
   const LayeredState& s = window.state;
   const int half = before_.half, size = 2 * half + 1;
   // Places of the grid inside the window.
@@ -96,28 +115,48 @@ void PartRegression::add(const KeptWindow& window, bool trim) {
   const int width = i1 - i0 + 1, height = j1 - j0 + 1;
   window.spline.sample_window(left + i0, top + j0, width, height, level_.levels().data(), nullptr, nullptr);
   ground_.sample(s.centre.x - half + i0 - s.ground.x, s.centre.y - half + j0 - s.ground.y, width, height,
-                 below_.levels().data(), unsure_here_.levels().data());
+                 below_.levels().data(), unsure_here_.levels().data(), below_x_.levels().data(),
+                 below_y_.levels().data());
   const auto under = static_cast<float>(s.ground_gain);
   for (int k = 0; k < width * height; ++k) {
     below_.levels()[static_cast<std::size_t>(k)] *= under;
+    below_x_.levels()[static_cast<std::size_t>(k)] *= under;
+    below_y_.levels()[static_cast<std::size_t>(k)] *= under;
     unsure_here_.levels()[static_cast<std::size_t>(k)] *= under * under;
   }
   const auto noise = static_cast<float>(quintic_noise(left - std::floor(left)).value *
                                         quintic_noise(top - std::floor(top)).value);
   for (int j = 0; j < height; ++j) {
-    const auto at = static_cast<std::size_t>(j0 + j) * static_cast<std::size_t>(size) +
-                    static_cast<std::size_t>(i0);
+    const auto at =
+        static_cast<std::size_t>(j0 + j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i0);
     const auto here = static_cast<std::size_t>(j) * static_cast<std::size_t>(width);
     const double v = j0 + j - half;
-    const RowOfWindow row{level_.levels().data() + here, below_.levels().data() + here,
-                          unsure_here_.levels().data() + here, before_.level.levels().data() + at,
-                          before_.share.levels().data() + at, before_.variance.levels().data() + at,
-                          static_cast<float>(s.gain * (1 + s.slope_y * v)),
-                          static_cast<float>(s.gain * s.slope_x), noise,
-                          trim ? static_cast<float>(kTrim * kTrim) : 1e30F, i0 - half, width};
+    const RowOfWindow row{level_.levels().data() + here,
+                          below_.levels().data() + here,
+                          below_x_.levels().data() + here,
+                          below_y_.levels().data() + here,
+                          share_x_.levels().data() + at,
+                          share_y_.levels().data() + at,
+                          unsure_here_.levels().data() + here,
+                          before_.level.levels().data() + at,
+                          before_.share.levels().data() + at,
+                          before_.variance.levels().data() + at,
+                          before_.unsure.levels().data() + at,
+                          turned ? turned->levels().data() + at : nullptr,
+                          static_cast<float>(s.gain),
+                          static_cast<float>(s.gain * s.slope_y * v),
+                          static_cast<float>(s.gain * s.slope_x),
+                          static_cast<float>(ground_.mean()),
+                          static_cast<float>((s.ground_gain - s.gain) * ground_.mean()),
+                          noise,
+                          trim ? static_cast<float>(kTrim * kTrim) : 1e30F,
+                          static_cast<float>(before_.blend),
+                          i0 - half,
+                          width};
     add_row(row, {count_.levels().data() + at, passed_.levels().data() + at, aa_.levels().data() + at,
                   ag_.levels().data() + at, gg_.levels().data() + at, ay_.levels().data() + at,
-                  gy_.levels().data() + at, yy_.levels().data() + at, unsure_.levels().data() + at});
+                  gy_.levels().data() + at, yy_.levels().data() + at, unsure_.levels().data() + at,
+                  qr_.levels().data() + at, qq_.levels().data() + at});
   }
 }
 
@@ -138,18 +177,24 @@ PartPictures PartRegression::solve(double noise_variance, const Picture& prior_s
     const double held = gg + prior, pulled = gy + prior * prior_share.levels()[i];
     const double det = aa * held - ag * ag;
     const double level = (held * ay - ag * pulled) / det, share = (aa * pulled - ag * ay) / det;
-    const double squares =
-        yy - 2 * level * ay - 2 * share * gy + level * level * aa + 2 * level * share * ag + share * share * gg;
+    const double squares = yy - 2 * level * ay - 2 * share * gy + level * level * aa +
+                           2 * level * share * ag + share * share * gg;
     // Interpolation passes only a part of the noise, and two unknowns have taken theirs.
     const double left = std::max(0.0, squares) / passed_.levels()[i] * n / (n - 2);
-    const double known = left - share * share * static_cast<double>(unsure_.levels()[i]) / n;
     out.level.levels()[i] += static_cast<float>(level);
     out.share.levels()[i] = static_cast<float>(share);
-    out.variance.levels()[i] = static_cast<float>(std::max({known, 0.25 * left, 1.0 / 12}));
+    out.unsure.levels()[i] = unsure_.levels()[i] / static_cast<float>(n);
+    out.variance.levels()[i] = static_cast<float>(std::max(left, 1.0 / 12));
     widest = std::max(widest, left);
   }
   for (const std::size_t i : unseen) out.variance.levels()[i] = static_cast<float>(widest);
   out.variance = smoothed(std::move(out.variance));
+  double qr = 0, qq = 0;
+  for (std::size_t i = 0; i < qr_.levels().size(); ++i) {
+    qr += static_cast<double>(qr_.levels()[i]);
+    qq += static_cast<double>(qq_.levels()[i]);
+  }
+  out.blend = std::clamp(before_.blend + qr / (qq + kBlendEvidence), 0.0, kMostBlend);
   return out;
 }
 

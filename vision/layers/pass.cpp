@@ -12,11 +12,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kFewest = 12;  ///< frames to learn from
-constexpr int kContext = 6;          ///< px kept beyond the part's grid
-constexpr int kTaper = 4;            ///< px of the grid in which ground is taken to be uncovered
-constexpr std::size_t kRun = 128;    ///< frames over which a constant residual is an offset
-constexpr double kRestless = 2;      ///< ground variance in time over the noise's: something crosses it
+constexpr std::size_t kFewest = 12;    ///< frames to learn from
+constexpr int kContext = 6;            ///< px kept beyond the part's grid
+constexpr int kTaper = 4;              ///< px of the grid in which ground is taken to be uncovered
+constexpr std::size_t kRun = 128;      ///< frames over which a constant residual is an offset
+constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
+constexpr double kRestless = 2;        ///< ground variance in time over the noise's: something crosses it
 
 class LayeredPass {
  public:
@@ -45,6 +46,7 @@ class LayeredPass {
   }
 
  private:
+  bool turns() const;
   void keep_windows();
   void learn();
   void find_rim();
@@ -67,6 +69,20 @@ class LayeredPass {
   Point offset_;  ///< of the rim's centre from the middle of the part's grid
 };
 
+/// Whether the part turns visibly: the angles of the first pass vary more, over the recording, than they
+/// scatter from frame to frame.
+bool LayeredPass::turns() const {
+  if (!options_.turning) return false;
+  double mean = 0, total = 0, white = 0;
+  const auto n = static_cast<double>(frames_.size());
+  for (const FirstPassFrame& f : frames_) mean += f.theta / n;
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    total += std::pow(frames_[k].theta - mean, 2) / n;
+    if (k > 0) white += 0.5 * std::pow(frames_[k].theta - frames_[k - 1].theta, 2) / (n - 1);
+  }
+  return total - white > std::pow(kTurnVisible / options_.disc.radius, 2);
+}
+
 void LayeredPass::keep_windows() {
   const auto running = clock_.enter(Stage::layers_learning);
   kept_ = learning_frames_.read(ground_);
@@ -80,8 +96,8 @@ void LayeredPass::keep_windows() {
 
 void LayeredPass::learn() {
   const auto running = clock_.enter(Stage::layers_learning);
-  learnt_ = learn_part(kept_, ground_, registration_, options_.disc.radius, options_.blur,
-                       options_.noise_variance);
+  learnt_ = learn_part(kept_, ground_, registration_,
+                       {options_.disc.radius, options_.blur, options_.noise_variance, turns()});
   out_.rounds = learnt_.rounds;
 }
 
@@ -105,7 +121,7 @@ void LayeredPass::measure() {
     const Rect window = window_about(f.centre, registration_.reach() + 1, source_.bounds());
     source_.read(f.index, window, frame);
     auto fix = registration_.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground, 1, 0, 0, 1},
-                                    learnt_.light);
+                                    learnt_.light.at(f.centre));
     if (fix) {
       run.push_back(registration_.cluster_pulls());
       fix->state.centre.x += offset_.x;
@@ -176,8 +192,8 @@ bool is_learning_frame(std::int64_t place, std::int64_t total) {
 }
 
 int layered_half(double radius, double blur) {
-  // The rim's blur, and a shadow: of a part a quarter of its radius high, a lamp at 45 degrees throws one of a
-  // quarter of the radius.
+  // The rim's blur, and a shadow: of a part a quarter of its radius high, a lamp at 45 degrees throws one of
+  // a quarter of the radius.
   return static_cast<int>(std::ceil(radius * 1.25 + 4 * blur)) + kTaper;
 }
 

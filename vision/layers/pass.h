@@ -1,8 +1,8 @@
 // The second pass: the part's own pictures over the ground's, learnt from the recording itself.
 //
-// To a first pass with a single template the ground seen through the rim, the part's shadow and whatever turns
-// in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns from
-// them the ground's picture and the part's (see state.h), and then measures every frame again. Reads the
+// To a first pass with a single template the ground seen through the rim, the part's shadow and whatever
+// turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
+// from them the ground's picture and the part's (see state.h), and then measures every frame again. Reads the
 // recording at most twice, forwards; of a decoded recording mostly what the first pass has cached
 // (FramesForLayers). Memory does not grow with its length.
 #pragma once
@@ -27,8 +27,8 @@ struct LayeredResult {
   int windows = 0, rounds = 0;
   double ground_texture = 0;  ///< of the platform's picture, grey levels rms
   double crossed_share = 0;   ///< of the ground: showed something else than usual
-  /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and over
-  /// how many frames they stay alike.
+  /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
+  /// over how many frames they stay alike.
   double slow_sd = 0, slow_frames = 0;
 };
 

@@ -43,8 +43,10 @@ Picture predicted(const LearntLayers& layers, const LayeredState& state, const R
       const bool on_grid = std::abs(u) <= half && std::abs(v) <= half;
       const double part = on_grid ? level.value(half + u, half + v) : layers.ground.mean();
       const double shows = on_grid ? share.value(half + u, half + v) : 1;
-      out.at(x, y) = static_cast<float>(state.gain * (1 + state.slope_x * u + state.slope_y * v) * part +
-                                        state.ground_gain * shows * ground);
+      const double shine = state.gain * (1 + state.slope_x * u + state.slope_y * v),
+                   mean = layers.ground.mean();
+      out.at(x, y) =
+          static_cast<float>(shine * (part - shows * mean) + state.ground_gain * shows * (ground + mean));
     }
   return out;
 }

@@ -1,8 +1,8 @@
 // Pictures of the learnt layers for debugging.
 #pragma once
 
-#include "vision/layers/part.h"
 #include "vision/layers/ground.h"
+#include "vision/layers/part.h"
 #include "vision/layers/state.h"
 #include "vision/stages/debug_pictures.h"
 
@@ -15,7 +15,8 @@ struct LearntLayers {
   const Picture& chosen;  ///< 1 where a pixel of the part's grid takes part
 };
 
-/// Part, share of the ground, standard deviation that is left, pixels used, ground and its standard deviation.
+/// Part, share of the ground, standard deviation that is left, pixels used, ground and its standard
+/// deviation.
 void show_layers(const LearntLayers& layers, DebugSink& sink);
 
 /// Prediction and residual of a frame in its measured state; reads it again.

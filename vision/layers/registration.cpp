@@ -13,9 +13,10 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTolerance = 0.1;  ///< of the standard deviation: a step leaves far less than it is long
-constexpr double kReform = 0.15;    ///< px: the derivatives are good for this far
-constexpr double kMaxMove = 2;      ///< px from the start
+constexpr double kTurnTolerance = 0.1;  ///< px at the grid's border: further the picture is turned anew
+constexpr double kTolerance = 0.1;      ///< of the standard deviation: a step leaves far less than it is long
+constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
+constexpr double kMaxMove = 2;          ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;         ///< sd: a pixel further off is something else (dust, a hand, a lamp)
 constexpr double kMaxTrim = 0.2;    ///< share of the pixels
@@ -23,6 +24,8 @@ constexpr double kLeastSeen = 0.6;  ///< share of the informative pixels that mu
 constexpr double kStrangeEdge = 3;  ///< px about what covers the part that are half covered
 constexpr std::size_t kRowBytes = kTile * sizeof(float);
 constexpr double kMostTaken = 0.7;  ///< of few clusters' squares: what is left would scatter too much
+constexpr double kGroundGain =
+    0.3;                         ///< sd of the ground's light before a frame is looked at: it hardly binds
 constexpr double kFixed = 1e12;  ///< information that holds a quantity where it is
 
 double hold(double sd) {
@@ -35,16 +38,39 @@ LayeredRegistration::LayeredRegistration(const GroundPicture& ground, const Laye
                                          const TileKernels& tiles)
     : ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {}
 
-void LayeredRegistration::set_part(const PartPictures& part, double frames) {
+void LayeredRegistration::set_part(const PartPictures& part, double frames, const TurningTexture* texture,
+                                   bool whole) {
   half_ = part.half;
-  level_ = QuinticSpline(part.level);
+  light_.blend = part.blend;
+  light_.mean = ground_.mean();
+  texture_ = texture;
+  standing_ = part.level;
+  formed_theta_ = 1e9;
+  turn_to(0);
   share_ = QuinticSpline(part.share);
   variance_ = part.variance;
-  choose_pixels(part, frames);
+  unsure_ = part.unsure;
+  choose_pixels(part, frames, whole);
+}
+
+/// The part as it looks at an angle.
+void LayeredRegistration::turn_to(double theta) {
+  if (!texture_) {
+    if (formed_theta_ == 0) return;
+    formed_theta_ = 0;
+    level_ = QuinticSpline(standing_);
+    return;
+  }
+  if (std::abs(theta - formed_theta_) * half_ < kTurnTolerance) return;
+  Picture slope, shown = texture_->at(theta, &slope);
+  for (std::size_t i = 0; i < shown.levels().size(); ++i) shown.levels()[i] += standing_.levels()[i];
+  level_ = QuinticSpline(shown);
+  slope_theta_ = QuinticSpline(slope);
+  formed_theta_ = theta;
 }
 
 /// What stands out of the noise of the picture learnt: the rim, the edge of a shadow, marks on the part.
-void LayeredRegistration::choose_pixels(const PartPictures& part, double frames) {
+void LayeredRegistration::choose_pixels(const PartPictures& part, double frames, bool whole) {
   const int size = 2 * half_ + 1;
   Picture value(size, size), x(size, size), y(size, size), inside(size, size);
   level_.sample_window(0, 0, size, size, value.levels().data(), x.levels().data(), y.levels().data());
@@ -58,7 +84,7 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
   InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
   options.noise_square = 2 * noise.slope * noise.value / frames;
-  chosen_ = informative_pixels(x, y, inside, options);
+  chosen_ = whole ? inside : informative_pixels(x, y, inside, options);
   places_ = cover_with_tiles(chosen_);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);
@@ -67,8 +93,10 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
     for (auto* v : {&a->value, &a->slope_x, &a->slope_y}) v->resize(n);
   }
   arrays_.tiles = places_.size();
+  arrays_.turn.tiles = places_.size();
+  arrays_.turn.value.resize(texture_ ? n : 0);
   for (auto* v : {&arrays_.u, &arrays_.v, &arrays_.level, &arrays_.weight, &arrays_.variance,
-                  &arrays_.ground_variance, &arrays_.step_x, &arrays_.step_y})
+                  &arrays_.ground_variance, &arrays_.step_x, &arrays_.step_y, &arrays_.below})
     v->resize(n);
   corners_.resize(places_.size());
   pixels_ = 0;
@@ -162,12 +190,13 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
                                                std::clamp(iy + place.y, -8, region.height));
   }
   if (seen < kLeastSeen * pixels_) return false;
-  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, false,
+  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
                        arrays_.ground);
   return true;
 }
 
-/// V under the tiles for a centre, between its places linearly.
+/// V under the tiles for a centre, between its places linearly, and what is less known of the ground than
+/// usual.
 void LayeredRegistration::take_variance(const Point& centre) {
   const double x = half_ + x0_ - centre.x, y = half_ + y0_ - centre.y;
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
@@ -181,6 +210,8 @@ void LayeredRegistration::take_variance(const Point& centre) {
         arrays_.variance[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] =
             (1 - fy) * ((1 - fx) * upper[left] + fx * upper[left + 1]) +
             fy * ((1 - fx) * lower[left] + fx * lower[left + 1]);
+        float& unsure = arrays_.ground_variance[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)];
+        unsure = std::max(0.0F, unsure - unsure_.at(left + (fx > 0.5F), top + (fy > 0.5F)));
       }
     }
 }
@@ -190,13 +221,14 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   const double x = half_ + x0_ - centre.x, y = half_ + y0_ - centre.y;
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
   const SplineTaps taps = spline_taps(x - ix, y - iy);
-  const auto each = [&](const QuinticSpline& spline, TileArrays& arrays) {
+  const auto each = [&](const QuinticSpline& spline, TileArrays& arrays, bool with_slopes) {
     for (std::size_t t = 0; t < places_.size(); ++t)
       corners_[t] = spline.coefficient(ix + places_[t].x, iy + places_[t].y);
-    tile_kernels_.sample(corners_, spline.stride(), taps, 0, slopes, arrays);
+    tile_kernels_.sample(corners_, spline.stride(), taps, 0, with_slopes, arrays);
   };
-  each(level_, arrays_.part);
-  each(share_, arrays_.share);
+  each(level_, arrays_.part, slopes);
+  each(share_, arrays_.share, slopes);
+  if (texture_ && slopes) each(slope_theta_, arrays_.turn, false);
 }
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior& prior) {
@@ -205,21 +237,23 @@ LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior&
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
     for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
-  normal(kSlopeX, kSlopeX) += hold(prior.slope_sd);
-  normal(kSlopeY, kSlopeY) += hold(prior.slope_sd);
-  normal(kGround, kGround) += hold(prior.ground_sd);
+  normal(kSlopeX, kSlopeX) += hold(prior.sd);
+  normal(kSlopeY, kSlopeY) += hold(prior.sd);
+  normal(kGround, kGround) += hold(kGroundGain);
   return normal;
 }
 
 float LayeredRegistration::residual(std::size_t i) const {
+  float part = arrays_.part.value[i];
+  if (texture_) part += static_cast<float>(light_.turn) * arrays_.turn.value[i];
   const auto shine = static_cast<float>(light_.gain + light_.slope_x * static_cast<double>(arrays_.u[i]) +
                                         light_.slope_y * static_cast<double>(arrays_.v[i]));
-  return arrays_.level[i] - shine * arrays_.part.value[i] -
-         static_cast<float>(light_.ground) * arrays_.share.value[i] * arrays_.ground.value[i];
+  return arrays_.level[i] - shine * (part - static_cast<float>(light_.mean) * arrays_.share.value[i]) -
+         static_cast<float>(light_.ground) * arrays_.below[i];
 }
 
-/// Pixels that cannot be noise stop counting: far off by what this frame's residuals are in most places, which
-/// in a coded frame of fast motion is more than usual. Returns how many.
+/// Pixels that cannot be noise stop counting: far off by what this frame's residuals are in most places,
+/// which in a coded frame of fast motion is more than usual. Returns how many.
 std::size_t LayeredRegistration::trim() {
   std::vector<float> squares;
   for (std::size_t i = 0; i < counts_.size(); ++i)
@@ -244,6 +278,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
                                                       const LayeredState& start, const LightPrior& prior) {
   x0_ = static_cast<int>(std::lround(start.centre.x));
   y0_ = static_cast<int>(std::lround(start.centre.y));
+  turn_to(start.theta);
   if (!take_picture(picture, x, y, start.ground)) return std::nullopt;
   take_variance(start.centre);
 
@@ -251,18 +286,17 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   LayeredFix fix;
   fix.state = start;
   LayeredState& s = fix.state;
-  light_ = {};
-  light_.slope_x = prior.slope_sd > 0 ? s.gain * s.slope_x : 0;
-  light_.slope_y = prior.slope_sd > 0 ? s.gain * s.slope_y : 0;
+  light_.slope_x = s.gain * prior.slope_x;
+  light_.slope_y = s.gain * prior.slope_y;
   light_.gain = s.gain - light_.slope_x * (s.centre.x - x0_) - light_.slope_y * (s.centre.y - y0_);
-  light_.ground = prior.ground_sd > 0 ? s.ground_gain : 1;
+  light_.ground = s.ground_gain;
+  light_.turn = s.theta - formed_theta_;
 
   sample(s.centre, true);
   Point formed = s.centre;
   normal_ = normal_matrix(prior);
   Eigen::LDLT<Matrix> factor(normal_);
-  const double tolerance =
-      kTolerance / std::sqrt(std::max(normal_(kStepX, kStepX), normal_(kStepY, kStepY)));
+  const double tolerance = kTolerance / std::sqrt(std::max(normal_(kStepX, kStepX), normal_(kStepY, kStepY)));
   bool trimmed = false;
   bool converged = false;
   LayerForce sums;
@@ -270,9 +304,9 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     sums = layer_kernels_.force(arrays_, light_);
     Vector force =
         Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
-    force(kSlopeX) -= hold(prior.slope_sd) * light_.slope_x;
-    force(kSlopeY) -= hold(prior.slope_sd) * light_.slope_y;
-    force(kGround) += hold(prior.ground_sd) * (1 - light_.ground);
+    force(kSlopeX) += hold(prior.sd) * (light_.gain * prior.slope_x - light_.slope_x);
+    force(kSlopeY) += hold(prior.sd) * (light_.gain * prior.slope_y - light_.slope_y);
+    force(kGround) += hold(kGroundGain) * (1 - light_.ground);
     const Vector step = factor.solve(force);
     if (!step.allFinite()) return std::nullopt;
     const double length = std::hypot(step(kStepX), step(kStepY));
@@ -283,6 +317,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     light_.slope_x += brake * step(kSlopeX);
     light_.slope_y += brake * step(kSlopeY);
     light_.ground += brake * step(kGround);
+    if (texture_) light_.turn += std::clamp(brake * step(kTurn), -0.2, 0.2);
     if (light_.gain < 0.05) return std::nullopt;
     if (std::hypot(s.centre.x - start.centre.x, s.centre.y - start.centre.y) > kMaxMove) return std::nullopt;
     const bool settled = length < tolerance;
@@ -309,11 +344,11 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   s.slope_x = light_.slope_x / s.gain;
   s.slope_y = light_.slope_y / s.gain;
   s.ground_gain = light_.ground;
+  if (texture_) s.theta = formed_theta_ + light_.turn;
 
   const Matrix inverse = normal_.inverse();
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.slope_variance = 0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY)) / (s.gain * s.gain);
-  fix.ground_gain_variance = inverse(kGround, kGround);
   const CorrelationSums& c = sums.correlation;
   fix.pixels = c.w;
   fix.chi_squared = sums.squares / std::max(1.0, c.w);
@@ -340,11 +375,15 @@ std::vector<TileSums> LayeredRegistration::tile_sums() const {
                   Matrix::Zero(columns(), columns())};
     for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; ++i) {
       if (!(counts_[i] > 0)) continue;
-      const auto part = static_cast<double>(arrays_.part.value[i]);
-      Vector j(columns());
-      j << static_cast<double>(arrays_.step_x[i]), static_cast<double>(arrays_.step_y[i]), part,
-          part * static_cast<double>(arrays_.u[i]), part * static_cast<double>(arrays_.v[i]),
-          static_cast<double>(arrays_.share.value[i] * arrays_.ground.value[i]);
+      auto part = static_cast<double>(arrays_.part.value[i]);
+      const double turn = texture_ ? static_cast<double>(arrays_.turn.value[i]) : 0;
+      part += light_.turn * turn;
+      Eigen::Matrix<double, kLayerColumns, 1> all;
+      const double own = part - light_.mean * static_cast<double>(arrays_.share.value[i]);
+      all << static_cast<double>(arrays_.step_x[i]), static_cast<double>(arrays_.step_y[i]), own,
+          own * static_cast<double>(arrays_.u[i]), own * static_cast<double>(arrays_.v[i]),
+          static_cast<double>(arrays_.below[i]), light_.gain * turn;
+      const Vector j = all.head(columns());
       const auto weight = static_cast<double>(arrays_.weight[i]);
       sums.score += weight * static_cast<double>(residual(i)) * j;
       sums.normal.selfadjointView<Eigen::Upper>().rankUpdate(j, weight);

@@ -1,7 +1,7 @@
 // Where exactly is the part in a frame, its pictures and the ground known?
 //
-// Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in state.h, over c, a, s,
-// b and, where a texture turns with the part, theta. The gradient with respect to c is
+// Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in state.h, over c, a,
+// s, b and, where a texture turns with the part, theta. The gradient with respect to c is
 // -(a (1 + s . u) grad F + b (G - mean G) grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
 // 8 x 8 (informative_pixels.h).
@@ -14,25 +14,19 @@
 
 #include "vision/audit/halves.h"
 #include "vision/layers/ground.h"
+#include "vision/layers/illumination_slope.h"
 #include "vision/layers/kernels.h"
 #include "vision/layers/part.h"
 #include "vision/layers/scatter.h"
 #include "vision/layers/state.h"
+#include "vision/layers/texture.h"
 
 namespace tribotrack::vision {
-
-/// What is known of the light before a frame is measured: standard deviations about even light, 0 where a
-/// quantity is not to be estimated.
-struct LightPrior {
-  double slope_sd = 0;   ///< of s, 1/px
-  double ground_sd = 0;  ///< of b
-};
 
 struct LayeredFix {
   LayeredState state;
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre by the weights, px^2
   double slope_variance = 0;                             ///< of s as the frame alone tells it, 1/px^2
-  double ground_gain_variance = 0;                       ///< likewise of b
   double chi_squared = 0;                                ///< per pixel: weighted residual
   double pixels = 0;
   double ncc = 0;  ///< frame against model, where it tells something
@@ -44,17 +38,20 @@ class LayeredRegistration {
   explicit LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers = layer_kernels(),
                                const TileKernels& tiles = tile_kernels());
 
-  /// Pictures learnt from so many frames: their noise is not information.
-  void set_part(const PartPictures& part, double frames);
+  /// Pictures learnt from so many frames: their noise is not information. Keeps the pointer to what turns
+  /// with the part; null where nothing does. `blur` of the rim, px, blurs part and ground together (state.h).
+  /// All pixels take part if `whole`, else only those that tell something about the centre.
+  void set_part(const PartPictures& part, double frames, const TurningTexture* texture = nullptr,
+                bool whole = false);
 
-  /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the part
-  /// lies in the window or something else covers it, or where the fit does not converge within 2 px.
+  /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the
+  /// part lies in the window or something else covers it, or where the fit does not converge within 2 px.
   std::optional<LayeredFix> refine(const Picture& picture, int x, int y, const LayeredState& start,
                                    const LightPrior& prior);
 
-  /// Of the last refine(): what the residuals of each cluster of tiles did to the position. A cluster holds the
-  /// tiles of one sector and of that opposite: what is even about the centre (defocus, a change of size) moves
-  /// both against each other and the position not at all.
+  /// Of the last refine(): what the residuals of each cluster of tiles did to the position. A cluster holds
+  /// the tiles of one sector and of that opposite: what is even about the centre (defocus, a change of size)
+  /// moves both against each other and the position not at all.
   ClusterPulls cluster_pulls();
   /// Share of a cluster's squares that the position took, along x and y: sum_c (N^-1 N_c)^2.
   Eigen::Array2d share_taken() const { return share_taken_; }
@@ -71,7 +68,7 @@ class LayeredRegistration {
  private:
   using Matrix = TileSums::Matrix;
   using Vector = TileSums::Vector;
-  void choose_pixels(const PartPictures& part, double frames);
+  void choose_pixels(const PartPictures& part, double frames, bool whole);
   void make_clusters(const std::vector<Eigen::Matrix2d>& information);
   bool take_picture(const Picture& picture, int x, int y, const Point& ground);
   void take_variance(const Point& centre);
@@ -79,14 +76,18 @@ class LayeredRegistration {
   Matrix normal_matrix(const LightPrior& prior);
   std::size_t trim();
   float residual(std::size_t i) const;
-  static constexpr int columns() { return kTurn; }
+  void turn_to(double theta);
+  int columns() const { return texture_ ? kTurn + 1 : kTurn; }
 
   const GroundPicture& ground_;
   LayerKernels layer_kernels_;
   TileKernels tile_kernels_;
   int half_ = 0;
-  QuinticSpline level_, share_;
-  Picture variance_;
+  const TurningTexture* texture_ = nullptr;
+  double formed_theta_ = 1e9;  ///< at which level_ and slope_theta_ were formed
+  Picture standing_;           ///< F
+  QuinticSpline level_, slope_theta_, share_;
+  Picture variance_, unsure_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
   Picture chosen_;

@@ -64,6 +64,7 @@ LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& opti
   LayeredOptions out;
   out.disc = first.disc;
   out.blur = first.blur;
+  out.turning = first.turning;
   out.noise_variance = first.noise_variance;
   out.first_index = first.first_index;
   out.total = first.total;
@@ -136,8 +137,8 @@ double correlation_time(double frames, const Track& track) {
 }
 
 PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first, double moved) {
-  std::string reason = finding(first) + fmt::format("; learnt from {} frames in {} rounds", result.windows,
-                                                    result.rounds);
+  std::string reason =
+      finding(first) + fmt::format("; learnt from {} frames in {} rounds", result.windows, result.rounds);
   if (result.crossed_share > 0)
     reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
                           100 * result.crossed_share);
@@ -163,8 +164,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto reason = reason_against(first, options.layers)) return left_out(std::move(*reason));
   const SeenFrames seen = seen_frames(track, first);
-  const LayeredResult result =
-      layered_pass(source, seen.frames, options_of(first, options, shown), clock);
+  const LayeredResult result = layered_pass(source, seen.frames, options_of(first, options, shown), clock);
   if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
   const Change change = replace_positions(track, seen.places, result.fixes);
   if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));

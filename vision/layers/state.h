@@ -1,10 +1,15 @@
 // The model of a frame, "two pictures per place":
-//   I_k(x) = a_k (1 + s_k . u) F(u) + b_k alpha(u) [G(x - p_k) - mean G],   u = x - c_k
-// F is what the part sends and alpha how much of the ground shows at a place of the part's own grid, which
-// moves with the part and does not turn: the rim with the lens's blur, the shadow, the chamfer's glint and the
-// highlight stand in these two pictures without a model of any. G is the platform's picture in its own frame.
-// What is left at a place, V(u), is its variance over the frames, and 1 / V its weight: whatever the model
-// lacks there weighs less by itself. Gains a_k and b_k take flicker, the slope s_k an uneven light.
+//   I_k(x) = a_k (1 + s_k . u) [F(u) + T(R(-theta_k) u) - alpha(u) mean G]
+//          + b_k [alpha(u) G(x - p_k) + kappa grad alpha . grad G],   u = x - c_k
+// F is what a place shows on ground of mean level and alpha how much of the ground shows at a place of the
+// part's own grid, which moves with the part and does not turn: the rim with the lens's blur, the shadow, the
+// chamfer's glint and the highlight stand in these two pictures without a model of any. G is the platform's
+// picture in its own frame; T, where the part is seen to turn, what turns with it. A pixel shows the mean of
+// the product of the sharp share and the sharp ground, which is not the product of their means: to first
+// order the difference is kappa grad alpha . grad G, kappa the variance of what blurs both together, that of
+// the rim's blur. What is left at a place, V(u), is its variance over the frames, and 1 / V its weight:
+// whatever the model lacks there weighs less by itself. Gains a_k and b_k take flicker, the slope s_k an
+// uneven light on the part itself: on the ground it stands in G.
 #pragma once
 
 #include <cstdint>

@@ -7,8 +7,7 @@
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/spline_kernels.h"
 #include "vision/kernels/tile_kernels.h"
-#include "vision/layers/model/split_kernels.h"
-#include "vision/layers/registration/kernels.h"
+#include "vision/layers/kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -118,7 +117,7 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
       t.slope_x = draw(random, 0, slope);
       t.slope_y = draw(random, 0, slope);
     };
-    layer(a.disc, 90, 60, 12);
+    layer(a.part, 90, 60, 12);
     layer(a.share, 0.5, 0.5, 0.3);
     layer(a.ground, 70, 15, 4);
     if (turning) a.turn.value = draw(random, 0, 20);
@@ -126,42 +125,44 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
     a.v = draw(random, 0, 30);
     a.level = draw(random, 120, 50);
     a.ground_variance = draw(random, 0.1, 0.1);
-    a.rim = std::vector<float>(kCount, 0);
-    for (std::size_t i = 0; i < kCount; i += 3) a.rim[i] = 1;
-    for (auto* unset : {&a.weight, &a.step_x, &a.step_y, &a.blended}) unset->assign(kCount, 0);
+    a.variance = draw(random, 3, 1);
+    for (float& v : a.variance) v = 0.5F + std::abs(v);
+    for (float& v : a.ground_variance) v = std::abs(v);
+    for (auto* unset : {&a.weight, &a.step_x, &a.step_y, &a.below}) unset->assign(kCount, 0);
     std::vector<float> mask(kCount, 1);
     for (std::size_t i = 0; i < kCount; i += 5) mask[i] = 0;
-    const LayerLight light{1.05, 1e-3, -2e-3, 0.97, turning ? 0.02 : 0, 0.08};
-    const NoiseLaw noise{2, 0.01};
+    const LayerLight light{1.05, 1e-3, -2e-3, 0.97, turning ? 0.02 : 0, 0.8, 70};
     for (const LayerKernels& kernels : all_layer_kernels()) {
       SCOPED_TRACE(kernels.name);
       LayerArrays formed = a;
-      const LayerNormal normal = kernels.form(formed, mask, light, noise);
+      const LayerNormal normal = kernels.form(formed, mask, light);
       const LayerForce force = kernels.force(formed, light);
       const int columns = turning ? 7 : 6;
       std::array<SlowSum, 28> slow_normal;
       std::array<SlowSum, kLayerColumns> slow_force;
-      SlowSum squares, rim, qr, qq, xy, yr;
-      std::array<SlowSum, kLayerColumns> mixed;
-      constexpr double mean = 70;
+      SlowSum squares;
+      std::vector<std::array<SlowSum, kLayerColumns>> slow_scores(kTiles);
       for (std::size_t i = 0; i < kCount; ++i) {
         const double w = formed.weight[i];
-        EXPECT_EQ(w == 0, mask[i] == 0) << i;
+        const double through = light.ground * double{a.share.value[i]};
+        const double variance = a.variance[i] + through * through * double{a.ground_variance[i]};
+        EXPECT_NEAR(w, mask[i] / variance, 1e-5 * w) << i;
         const double here = light.gain + light.slope_x * a.u[i] + light.slope_y * a.v[i];
         const double turn = turning ? double{a.turn.value[i]} : 0;
-        const double s = a.disc.value[i] + light.turn * turn;
+        const double s = a.part.value[i] + light.turn * turn;
         const double blended = light.blend * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
                                               double{a.share.slope_y[i]} * a.ground.slope_y[i]);
-        const double ground = double{a.share.value[i]} * a.ground.value[i] + blended;
-        const double r = a.level[i] - here * s - light.ground * ground;
-        // step: M moves with the disc's centre, the platform stays.
-        EXPECT_NEAR(formed.blended[i], blended, 1e-5);
+        const double ground = a.share.value[i] * (light.mean + a.ground.value[i]) + blended;
+        const double own = s - light.mean * a.share.value[i];
+        const double r = a.level[i] - here * own - light.ground * ground;
+        // step: M moves with the part's centre, the platform stays.
         EXPECT_NEAR(formed.step_x[i],
-                    -here * a.disc.slope_x[i] - light.ground * double{a.share.slope_x[i]} * a.ground.value[i],
+                    -here * a.part.slope_x[i] -
+                        (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) * double{a.share.slope_x[i]},
                     1e-4 * (1 + std::abs(formed.step_x[i])))
             << i;
-        const std::array<double, 7> jacobian = {formed.step_x[i], formed.step_y[i], s,          s * a.u[i],
-                                                s * a.v[i],       ground,           here * turn};
+        const std::array<double, 7> jacobian = {formed.step_x[i], formed.step_y[i], own, own * a.u[i],
+                                                own * a.v[i], ground,           here * turn};
         for (int j = 0, at = 0; j < columns; ++j) {
           const auto sj = static_cast<std::size_t>(j);
           slow_force[sj].add(w * jacobian[sj] * r);
@@ -170,17 +171,8 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
                                                           jacobian[static_cast<std::size_t>(k)]);
         }
         squares.add(w * r * r);
-        rim.add(w * r * r * a.rim[i]);
-        const double q = light.ground * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
-                                         double{a.share.slope_y[i]} * a.ground.slope_y[i]);
-        const double off = -light.ground * (a.ground.value[i] - mean);
-        const double shift_x = off * a.share.slope_x[i], shift_y = off * a.share.slope_y[i];
-        const double on_rim = w * a.rim[i];
-        qr.add(on_rim * q * r);
-        qq.add(on_rim * q * q);
-        xy.add(on_rim * shift_x * shift_y);
-        yr.add(on_rim * shift_y * r);
-        for (std::size_t j = 0; j < mixed.size(); ++j) mixed[j].add(on_rim * jacobian[j] * shift_x);
+        for (std::size_t j = 0; j < jacobian.size(); ++j)
+          slow_scores[i / kTilePixels][j].add(w * jacobian[j] * r);
       }
       for (int j = 0, at = 0; j < columns; ++j) {
         slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
@@ -190,14 +182,11 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
                                                            static_cast<std::size_t>(at));
       }
       squares.expect(force.squares, "squares");
-      rim.expect(force.rim_squares, "rim squares");
-      const LayerRimSums told = kernels.rim(formed, mask, light, mean);
-      qr.expect(told.qr, "qr");
-      qq.expect(told.qq, "qq");
-      xy.expect(told.shift_normal[1], "shift xy");
-      yr.expect(told.shift_force[1], "shift y r");
-      for (int j = 0; j < columns; ++j)
-        mixed[static_cast<std::size_t>(j)].expect(told.mixed[static_cast<std::size_t>(j)][0], "mixed");
+      TileScores scores;
+      kernels.scores(formed, light, scores);
+      for (std::size_t t = 0; t < kTiles; ++t)
+        for (std::size_t j = 0; j < static_cast<std::size_t>(columns); ++j)
+          slow_scores[t][j].expect(static_cast<double>(scores[t][j]), "score", kLayerColumns * t + j);
     }
   }
 }
@@ -269,54 +258,6 @@ TEST(VectorKernels, SplineAtAnyPlaceIsTheSplineItself) {
       EXPECT_NEAR(slope_y[k], slow.slope_y, 2e-3) << x[k] << ' ' << y[k];
     }
   }
-}
-
-TEST(VectorKernels, SplitSumsAreThoseOfTheSixBySixWeights) {
-  std::mt19937 random(9);
-  constexpr int kSize = 30, kRow = 13;
-  const auto coefficients = draw(random, 0, 20, kSize * kSize), cover = draw(random, 0.5, 0.5, kRow),
-             given = draw(random, 50, 40, kRow);
-  auto weight = draw(random, 2, 2, kRow);
-  weight[4] = 0;
-  const double theta = 0.7, x0 = 9.3, y0 = 8.6;
-  for (const SplitKernels& kernels : all_split_kernels())
-    for (const bool turning : {false, true}) {
-      SCOPED_TRACE(kernels.name);
-      std::vector<float> sums(kSize * kSize, 0), standing(kRow, 1);
-      SplitRow row;
-      row.origin = coefficients.data();
-      row.sums = sums.data();
-      row.stride = kSize;
-      row.x = static_cast<float>(x0);
-      row.y = static_cast<float>(y0);
-      row.c = static_cast<float>(std::cos(theta));
-      row.s = static_cast<float>(std::sin(theta));
-      row.cover = cover.data();
-      row.weight = weight.data();
-      row.given = given.data();
-      row.standing = standing.data();
-      row.count = kRow;
-      kernels.add(row, turning);
-      std::vector<SlowSum> slow(kSize * kSize);
-      for (std::size_t k = 0; k < kRow; ++k) {
-        const double x = x0 + static_cast<double>(k) * std::cos(theta),
-                     y = y0 + static_cast<double>(k) * std::sin(theta);
-        const auto wx = quintic_weights(x - std::floor(x)), wy = quintic_weights(y - std::floor(y));
-        const auto at = [&](std::size_t i, std::size_t j) {
-          return (static_cast<std::size_t>(y) + j - 2) * kSize + static_cast<std::size_t>(x) + i - 2;
-        };
-        double value = given[k];
-        for (std::size_t j = 0; turning && j < 6; ++j)
-          for (std::size_t i = 0; i < 6; ++i)
-            value += double{cover[k]} * wx[i] * wy[j] * double{coefficients[at(i, j)]};
-        const double g = weight[k] * value;
-        EXPECT_NEAR(standing[k], 1 + g, 1e-4 * std::abs(g) + 1e-6);
-        for (std::size_t j = 0; j < 6; ++j)
-          for (std::size_t i = 0; i < 6; ++i) slow[at(i, j)].add(double{cover[k]} * g * wx[i] * wy[j]);
-      }
-      for (std::size_t i = 0; i < sums.size(); ++i)
-        EXPECT_NEAR(sums[i], slow[i].value, 1e-4 * slow[i].size + 2e-4);
-    }
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+#include "vision/layers/illumination_slope.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace tribotrack::vision {
+namespace {
+
+/// Along a path that winds, the slopes of a parabola of light.
+std::vector<MeasuredSlope> slopes_of_parabola(int n, double noise, std::mt19937& random) {
+  std::normal_distribution<double> error(0, 1);
+  std::vector<MeasuredSlope> slopes;
+  for (int k = 0; k < n; ++k) {
+    const Point p{100 + 1.3 * k, 60 + 20 * std::sin(0.3 * k)};
+    slopes.push_back({p, 3e-4 - 2e-6 * (p.x - 320) + 5e-7 * p.y + noise * error(random),
+                      -2e-6 * (p.y - 200) + 5e-7 * p.x + noise * error(random), noise * noise});
+  }
+  return slopes;
+}
+
+TEST(IlluminationSlope, KnowsNothingAtFirst) {
+  EXPECT_EQ(IlluminationSlope().at({1, 2}).sd, 0);
+}
+
+TEST(IlluminationSlope, ParabolaIsFoundExactly) {
+  std::mt19937 random(1);
+  const IlluminationSlope field(slopes_of_parabola(40, 0, random));
+  const LightPrior g = field.at({200, 150});
+  EXPECT_NEAR(g.slope_x, 3e-4 + 2e-6 * 120 + 5e-7 * 150, 1e-12);
+  EXPECT_NEAR(g.slope_y, 2e-6 * 50 + 5e-7 * 200, 1e-12);
+}
+
+// What it says of a place is right to what it says, within the path and beyond it.
+TEST(IlluminationSlope, StandardDeviationHoldsTheErrorOfTheField) {
+  const double noise = 2e-5;
+  for (const Point& p : {Point{130, 60}, Point{220, 60}}) {
+    double square = 0, told = 0;
+    constexpr int kTrials = 2000;
+    for (int i = 0; i < kTrials; ++i) {
+      std::mt19937 random(static_cast<unsigned>(100 + i));
+      const IlluminationSlope field(slopes_of_parabola(40, noise, random));
+      const LightPrior g = field.at(p);
+      square += std::pow(g.slope_x - (3e-4 - 2e-6 * (p.x - 320) + 5e-7 * p.y), 2);
+      told += g.sd * g.sd;
+    }
+    // Beside the field's own error it tells a scatter of the frames' light that is at least a tenth of the
+    // noise, and by chance up to a fifth more.
+    EXPECT_GT(told, square + kTrials * 0.1 * noise * noise);
+    EXPECT_LT(told, 1.1 * square + kTrials * 0.3 * noise * noise);
+  }
+}
+
+TEST(IlluminationSlope, LightOfItsOwnInEveryFrameIsLeftOpen) {
+  std::mt19937 random(5);
+  std::vector<MeasuredSlope> slopes = slopes_of_parabola(4000, 1e-4, random);
+  for (MeasuredSlope& s : slopes) s.variance = 0.25e-8;  // a quarter of what they scatter by
+  EXPECT_NEAR(IlluminationSlope(slopes).at({2700, 60}).sd, std::sqrt(0.75e-8 + 0.1 * 0.25e-8), 2e-6);
+}
+
+TEST(IlluminationSlope, PartThatNeverMovesHasOneSlope) {
+  std::vector<MeasuredSlope> slopes(20, MeasuredSlope{{50, 60}, 1e-4, 2e-4, 1e-10});
+  const LightPrior g = IlluminationSlope(slopes).at({50, 60});
+  EXPECT_NEAR(g.slope_x, 1e-4, 1e-12);
+  EXPECT_NEAR(g.slope_y, 2e-4, 1e-12);
+  EXPECT_GT(g.sd, 0);
+  EXPECT_LT(g.sd, 1e-5);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision
