@@ -57,31 +57,8 @@ class Learning {
       learn_pictures();
       const bool look =
           out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known());
-      if (look) use_pictures(true);
       const double moved = measure_windows(look);
       if (look) learn_light();
-      if (look) use_pictures(false);
-      if (getenv("DBG")) {
-        double sv = 0, sg = 0, n = 0;
-        for (std::size_t i = 0; i < out_.part.variance.levels().size(); ++i)
-          if (registration_.chosen().levels()[i] > 0) {
-            sv += out_.part.variance.levels()[i];
-            sg += std::pow(out_.part.share.levels()[i] - prior_share_.levels()[i], 2);
-            ++n;
-          }
-        double gv = 0;
-        for (float x : ground_.variance().levels()) gv += x;
-        fprintf(stderr, "V %.3f noise %.3f dshare %.3f groundvar %.3f unrest %.3f tex %.3f n %g\n", sv / n,
-                options_.noise_variance, std::sqrt(sg / n), gv / double(ground_.variance().levels().size()),
-                ground_.unrest(), ground_.texture(), n);
-        const LightPrior l = out_.light.at(windows_[0].state.centre),
-                         e = out_.light.at(windows_.back().state.centre);
-        fprintf(stderr,
-                "round %d moved %.5f sigma %.5f chi %.3f explained %zu blend %.3f light %g %g sd %g ; %g %g "
-                "sd %g\n",
-                out_.rounds, moved, out_.sigma, out_.chi_squared, out_.explained, out_.part.blend, l.slope_x,
-                l.slope_y, l.sd, e.slope_x, e.slope_y, e.sd);
-      }
       if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
     }
     return std::move(out_);
@@ -89,7 +66,6 @@ class Learning {
 
  private:
   void learn_pictures();
-  void use_pictures(bool whole);
   double measure_windows(bool look_for_light);
   void learn_light();
 
@@ -113,12 +89,7 @@ void Learning::learn_pictures() {
   }
   out_.part = regression.solve(options_.noise_variance, prior_share_);
   if (out_.texture) out_.texture->learn(windows_, explained_, out_.part);
-  use_pictures(false);
-}
-
-/// For the windows to be measured over; all pixels tell of the light, few of the position.
-void Learning::use_pictures(bool whole) {
-  registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get(), whole);
+  registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get());
 }
 
 /// Px rms by which the windows moved, without the mean.

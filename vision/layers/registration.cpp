@@ -38,8 +38,7 @@ LayeredRegistration::LayeredRegistration(const GroundPicture& ground, const Laye
                                          const TileKernels& tiles)
     : ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {}
 
-void LayeredRegistration::set_part(const PartPictures& part, double frames, const TurningTexture* texture,
-                                   bool whole) {
+void LayeredRegistration::set_part(const PartPictures& part, double frames, const TurningTexture* texture) {
   half_ = part.half;
   light_.blend = part.blend;
   light_.mean = ground_.mean();
@@ -50,7 +49,7 @@ void LayeredRegistration::set_part(const PartPictures& part, double frames, cons
   share_ = QuinticSpline(part.share);
   variance_ = part.variance;
   unsure_ = part.unsure;
-  choose_pixels(part, frames, whole);
+  choose_pixels(part, frames);
 }
 
 /// The part as it looks at an angle.
@@ -70,7 +69,7 @@ void LayeredRegistration::turn_to(double theta) {
 }
 
 /// What stands out of the noise of the picture learnt: the rim, the edge of a shadow, marks on the part.
-void LayeredRegistration::choose_pixels(const PartPictures& part, double frames, bool whole) {
+void LayeredRegistration::choose_pixels(const PartPictures& part, double frames) {
   const int size = 2 * half_ + 1;
   Picture value(size, size), x(size, size), y(size, size), inside(size, size);
   level_.sample_window(0, 0, size, size, value.levels().data(), x.levels().data(), y.levels().data());
@@ -84,7 +83,7 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames,
   InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
   options.noise_square = 2 * noise.slope * noise.value / frames;
-  chosen_ = whole ? inside : informative_pixels(x, y, inside, options);
+  chosen_ = informative_pixels(x, y, inside, options);
   places_ = cover_with_tiles(chosen_);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);

@@ -40,9 +40,7 @@ class LayeredRegistration {
 
   /// Pictures learnt from so many frames: their noise is not information. Keeps the pointer to what turns
   /// with the part; null where nothing does. `blur` of the rim, px, blurs part and ground together (state.h).
-  /// All pixels take part if `whole`, else only those that tell something about the centre.
-  void set_part(const PartPictures& part, double frames, const TurningTexture* texture = nullptr,
-                bool whole = false);
+  void set_part(const PartPictures& part, double frames, const TurningTexture* texture = nullptr);
 
   /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the
   /// part lies in the window or something else covers it, or where the fit does not converge within 2 px.
@@ -68,7 +66,7 @@ class LayeredRegistration {
  private:
   using Matrix = TileSums::Matrix;
   using Vector = TileSums::Vector;
-  void choose_pixels(const PartPictures& part, double frames, bool whole);
+  void choose_pixels(const PartPictures& part, double frames);
   void make_clusters(const std::vector<Eigen::Matrix2d>& information);
   bool take_picture(const Picture& picture, int x, int y, const Point& ground);
   void take_variance(const Point& centre);
