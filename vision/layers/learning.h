@@ -24,7 +24,7 @@ struct LearntPart {
 struct LearningOptions {
   double radius = 0, blur = 1;  ///< of the rim, px
   double noise_variance = 1;    ///< of the frames
-  bool turning = false;         ///< the windows' angles are known and differ
+  bool turning = false;         ///< the windows' angles are known and differ: learn what turns
 };
 
 /// Changes the windows' states. `registration` is left with the pictures learnt.

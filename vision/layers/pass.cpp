@@ -1,11 +1,14 @@
 #include "vision/layers/pass.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/io/window.h"
+#include "vision/layers/evidence.h"
 #include "vision/layers/learning.h"
+#include "vision/layers/measuring.h"
 #include "vision/layers/pictures.h"
 #include "vision/layers/windows.h"
 
@@ -15,9 +18,22 @@ namespace {
 constexpr std::size_t kFewest = 12;    ///< frames to learn from
 constexpr int kContext = 6;            ///< px kept beyond the part's grid
 constexpr int kTaper = 4;              ///< px of the grid in which ground is taken to be uncovered
-constexpr std::size_t kRun = 128;      ///< frames over which a constant residual is an offset
 constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: something crosses it
+constexpr double kFewer = 0.9;         ///< of the frames another candidate explains: too few to be chosen
+/// Of the pictures' noise: a template quieter than this is chosen. One that holds ground at its edge is held
+/// back by it, which makes it quieter by up to a third, and wrong.
+constexpr double kQuieter = 0.5;
+
+/// Pictures learnt, and what they make of the recording.
+struct Candidate {
+  std::string name;
+  LearntPart learnt;
+  MeasuredFrames measured;
+  std::int64_t explained = 0;  ///< frames
+  double noise = 0;            ///< from frame to frame, px
+  double error() const { return std::hypot(noise, measured.slow_sd); }
+};
 
 class LayeredPass {
  public:
@@ -34,25 +50,21 @@ class LayeredPass {
 
   LayeredResult run() {
     keep_windows();
-    learn();
-    if (learnt_.explained < kFewest) {
-      out_.why_not = "the pictures learnt explain hardly any frame";
-      return std::move(out_);
-    }
-    find_rim();
-    measure();
-    show();
+    std::vector<Candidate> candidates;
+    candidates.push_back(tried("pictures that do not turn", {}));
+    if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));
+    Candidate* best = choose(candidates);
+    if (best) take(*best);
     return std::move(out_);
   }
 
  private:
-  bool turns() const;
   void keep_windows();
-  void learn();
-  void find_rim();
-  void measure();
-  void end_run(std::vector<ClusterPulls>& run);
-  void show() const;
+  bool turns() const;
+  Candidate tried(const char* name, LearningOptions learning);
+  Candidate* choose(std::vector<Candidate>& candidates);
+  void take(Candidate& candidate);
+  void show(const Candidate& candidate);
 
   FrameSource& source_;
   const std::vector<FirstPassFrame>& frames_;
@@ -63,11 +75,18 @@ class LayeredPass {
   GroundPicture ground_;
   std::vector<KeptWindow> kept_;
   LayeredRegistration registration_;
-  LearntPart learnt_;
-  std::size_t ended_ = 0;  ///< fixes whose covariance is known
-  double slow_ = 0, slow_frames_ = 0, slow_weight_ = 0;
-  Point offset_;  ///< of the rim's centre from the middle of the part's grid
 };
+
+void LayeredPass::keep_windows() {
+  const auto running = clock_.enter(Stage::layers_learning);
+  kept_ = learning_frames_.read(ground_);
+  if (ground_.unrest() > kRestless * options_.noise_variance) {
+    learning_frames_.read_uncrossed(ground_);
+    out_.crossed_share = 1 - ground_.held_share();
+  }
+  out_.windows = static_cast<int>(kept_.size());
+  out_.ground_texture = ground_.texture();
+}
 
 /// Whether the part turns visibly: the angles of the first pass vary more, over the recording, than they
 /// scatter from frame to frame.
@@ -83,102 +102,84 @@ bool LayeredPass::turns() const {
   return total - white > std::pow(kTurnVisible / options_.disc.radius, 2);
 }
 
-void LayeredPass::keep_windows() {
-  const auto running = clock_.enter(Stage::layers_learning);
-  kept_ = learning_frames_.read(ground_);
-  if (ground_.unrest() > kRestless * options_.noise_variance) {
-    learning_frames_.read_uncrossed(ground_);
-    out_.crossed_share = 1 - ground_.held_share();
+Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
+  Candidate out{.name = name, .learnt = {}, .measured = {}};
+  {
+    const auto running = clock_.enter(Stage::layers_learning);
+    std::vector<KeptWindow> windows = kept_;
+    learning.radius = options_.disc.radius;
+    learning.blur = options_.blur;
+    learning.noise_variance = options_.noise_variance;
+    out.learnt = learn_part(windows, ground_, registration_, learning);
   }
-  out_.windows = static_cast<int>(kept_.size());
-  out_.ground_texture = ground_.texture();
+  if (out.learnt.explained < kFewest) return out;
+  const auto running = clock_.enter(Stage::layers_measuring);
+  out.measured = measure_frames(source_, frames_, registration_, out.learnt.light, options_.progress);
+  std::vector<TimedPoint> track;
+  for (std::size_t k = 0; k < frames_.size(); ++k)
+    if (const auto& fix = out.measured.fixes[k]) track.push_back({frames_[k].index, fix->state.centre});
+  out.explained = static_cast<std::int64_t>(track.size());
+  out.noise = frame_noise(track);
+  return out;
 }
 
-void LayeredPass::learn() {
-  const auto running = clock_.enter(Stage::layers_learning);
-  learnt_ = learn_part(kept_, ground_, registration_,
-                       {options_.disc.radius, options_.blur, options_.noise_variance, turns()});
-  out_.rounds = learnt_.rounds;
+/// By evidence: the track that is quietest, its slow error included; null for that of the first pass.
+Candidate* LayeredPass::choose(std::vector<Candidate>& candidates) {
+  std::vector<TimedPoint> first;
+  for (const FirstPassFrame& f : frames_) first.push_back({f.index, f.centre});
+  const double template_noise = frame_noise(first);
+  out_.candidates = fmt::format("single template {:.4f} px", template_noise);
+  Candidate* best = nullptr;
+  for (Candidate& c : candidates) {
+    if (c.explained == 0) continue;
+    out_.candidates += fmt::format(", {} {:.4f} px and {:.4f} px slow", c.name, c.noise, c.measured.slow_sd);
+    const bool fewer =
+        best && static_cast<double>(c.explained) < kFewer * static_cast<double>(best->explained);
+    if (!best || (!fewer && c.error() < best->error())) best = &c;
+  }
+  if (!best) {
+    out_.why_not = "the pictures learnt explain hardly any frame";
+  } else if (template_noise < kQuieter * best->noise) {
+    out_.why_not = "noise from frame to frame: " + out_.candidates;
+    best = nullptr;
+  }
+  return best;
 }
 
 /// Positions are those of the rim's centre, and the radius is that of the averaged picture.
-void LayeredPass::find_rim() {
-  const double half = learnt_.part.half;
-  const auto rim = fit_disc(learnt_.part.level, {half, half, options_.disc.radius}, 2);
+void LayeredPass::take(Candidate& candidate) {
+  out_.rounds = candidate.learnt.rounds;
+  out_.turning = candidate.learnt.texture != nullptr;
+  out_.slow_sd = candidate.measured.slow_sd;
+  out_.slow_frames = candidate.measured.slow_frames;
+  show(candidate);
+  out_.fixes = std::move(candidate.measured.fixes);
+  const double half = candidate.learnt.part.half;
+  const auto rim = fit_disc(candidate.learnt.part.level, {half, half, options_.disc.radius}, 2);
   if (!rim) return;
-  offset_ = {rim->circle.x - half, rim->circle.y - half};
+  for (auto& fix : out_.fixes) {
+    if (!fix) continue;
+    fix->state.centre.x += rim->circle.x - half;
+    fix->state.centre.y += rim->circle.y - half;
+  }
   out_.disc_radius = rim->circle.radius;
   out_.disc_radius_sd = rim->radius_sd;
 }
 
-/// Every frame, over the pictures as they are now.
-void LayeredPass::measure() {
-  const auto running = clock_.enter(Stage::layers_measuring);
-  Picture frame;
-  std::int64_t done = 0;
-  std::vector<ClusterPulls> run;
-  for (const FirstPassFrame& f : frames_) {
-    const Rect window = window_about(f.centre, registration_.reach() + 1, source_.bounds());
-    source_.read(f.index, window, frame);
-    auto fix = registration_.refine(frame, window.x, window.y, {f.centre, f.theta, f.ground, 1, 0, 0, 1},
-                                    learnt_.light.at(f.centre));
-    if (fix) {
-      run.push_back(registration_.cluster_pulls());
-      fix->state.centre.x += offset_.x;
-      fix->state.centre.y += offset_.y;
-    }
-    out_.fixes.push_back(std::move(fix));
-    if (run.size() == kRun) end_run(run);
-    if (options_.progress) options_.progress(++done);
-  }
-  end_run(run);
-  if (slow_weight_ > 0) {
-    out_.slow_sd = std::sqrt(slow_ / slow_weight_);
-    out_.slow_frames = slow_ > 0 ? slow_frames_ / slow_ : 0;
-  }
-}
-
-/// The covariances of the frames since the last run ended, by what their residuals do from frame to frame.
-void LayeredPass::end_run(std::vector<ClusterPulls>& run) {
-  std::vector<LayeredFix*> fixes;
-  double chi_squared = 0, variance = 0;
-  for (std::size_t k = ended_; k < out_.fixes.size(); ++k)
-    if (out_.fixes[k]) {
-      fixes.push_back(&*out_.fixes[k]);
-      chi_squared += fixes.back()->chi_squared;
-      variance += fixes.back()->covariance.trace();
-    }
-  ended_ = out_.fixes.size();
-  const auto n = static_cast<double>(fixes.size());
-  const RunScatter scatter = run_scatter(run, registration_.share_taken());
-  run.clear();
-  for (LayeredFix* fix : fixes) {
-    if (scatter.covariance.trace() > 0) {
-      // In the shape of the run, in the size of this frame's own information and residuals.
-      fix->covariance = scatter.covariance * (fix->covariance.trace() / (variance / n)) *
-                        std::max(1.0, fix->chi_squared / (chi_squared / n));
-    } else {
-      fix->covariance *= std::max(1.0, fix->chi_squared);
-    }
-  }
-  slow_ += n * scatter.slow;
-  slow_frames_ += n * scatter.slow * scatter.slow_frames;
-  slow_weight_ += n;
-}
-
 /// To the debug sink: the layers, and the frames chosen for it.
-void LayeredPass::show() const {
+void LayeredPass::show(const Candidate& candidate) {
   if (!options_.debug) return;
   const auto running = clock_.enter(Stage::debug_pictures);
-  const LearntLayers layers{learnt_.part, ground_, registration_.chosen()};
+  registration_.set_part(candidate.learnt.part, static_cast<double>(kept_.size()),
+                         candidate.learnt.texture.get());
+  const LearntLayers layers{candidate.learnt.part, candidate.learnt.texture.get(), ground_,
+                            registration_.chosen()};
   show_layers(layers, *options_.debug);
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const auto shown = std::ranges::find(options_.shown, frames_[k].index, &ShownFrame::index);
-    if (shown == options_.shown.end() || !out_.fixes[k]) continue;
-    LayeredState state = out_.fixes[k]->state;
-    state.centre.x -= offset_.x;
-    state.centre.y -= offset_.y;
-    show_layered_frame(layers, state, *shown, source_, *options_.debug);
+    const auto& fix = candidate.measured.fixes[k];
+    if (shown != options_.shown.end() && fix)
+      show_layered_frame(layers, fix->state, *shown, source_, *options_.debug);
   }
 }
 

@@ -31,7 +31,12 @@ Picture ground_levels(const GroundPicture& ground) {
 
 /// The model of state.h over a window of the camera.
 Picture predicted(const LearntLayers& layers, const LayeredState& state, const Rect& window) {
-  const QuinticSpline level(layers.part.level), share(layers.part.share);
+  Picture shown = layers.part.level;
+  if (layers.texture) {
+    const Picture turned = layers.texture->at(state.theta);
+    for (std::size_t i = 0; i < shown.levels().size(); ++i) shown.levels()[i] += turned.levels()[i];
+  }
+  const QuinticSpline level(shown), share(layers.part.share);
   const Rect& region = layers.ground.region();
   const double half = layers.part.half;
   Picture out(window.width, window.height);
@@ -65,6 +70,8 @@ void show_layers(const LearntLayers& layers, DebugSink& sink) {
                            .place = "from the part's centre"});
   };
   on_part("layers_part", "the part learnt, on ground of mean level", layers.part.level, "grey levels");
+  if (layers.texture)
+    on_part("layers_texture", "what turns with the part", layers.texture->at(0), "grey levels");
   on_part("layers_share", "share of the ground that shows", layers.part.share, "share");
   on_part("layers_part_sd", "standard deviation left unexplained", square_roots(layers.part.variance),
           "grey levels");

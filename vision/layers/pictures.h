@@ -4,6 +4,7 @@
 #include "vision/layers/ground.h"
 #include "vision/layers/part.h"
 #include "vision/layers/state.h"
+#include "vision/layers/texture.h"
 #include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {
@@ -11,6 +12,7 @@ namespace tribotrack::vision {
 /// Members must outlive this.
 struct LearntLayers {
   const PartPictures& part;
+  const TurningTexture* texture;  ///< null where nothing turns
   const GroundPicture& ground;
   const Picture& chosen;  ///< 1 where a pixel of the part's grid takes part
 };

@@ -142,6 +142,7 @@ PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first
   if (result.crossed_share > 0)
     reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
                           100 * result.crossed_share);
+  reason += "; noise from frame to frame: " + result.candidates;
   reason += fmt::format("; positions moved by {:.4f} px rms", moved);
   return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
 }

@@ -1,0 +1,87 @@
+#include "vision/layers/measuring.h"
+
+#include <cmath>
+
+#include "vision/io/window.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::size_t kRun = 128;  ///< frames over which a constant residual is an offset
+
+/// Gathers frames into runs, and gives each run's frames their covariance.
+class Runs {
+ public:
+  Runs(MeasuredFrames& out, const LayeredRegistration& registration)
+      : out_(out), registration_(registration) {}
+
+  void add(ClusterPulls pulls) {
+    pulls_.push_back(std::move(pulls));
+    if (pulls_.size() == kRun) end_run();
+  }
+
+  void finish() {
+    end_run();
+    if (!(slow_ > 0)) return;
+    out_.slow_sd = std::sqrt(slow_ / weight_);
+    out_.slow_frames = slow_frames_ / slow_;
+  }
+
+ private:
+  void end_run();
+
+  MeasuredFrames& out_;
+  const LayeredRegistration& registration_;
+  std::vector<ClusterPulls> pulls_;
+  std::size_t ended_ = 0;  ///< frames of the runs before
+  double slow_ = 0, slow_frames_ = 0, weight_ = 0;
+};
+
+void Runs::end_run() {
+  std::vector<LayeredFix*> fixes;
+  double chi_squared = 0, variance = 0;
+  for (std::size_t k = ended_; k < out_.fixes.size(); ++k)
+    if (out_.fixes[k]) {
+      fixes.push_back(&*out_.fixes[k]);
+      chi_squared += fixes.back()->chi_squared;
+      variance += fixes.back()->covariance.trace();
+    }
+  ended_ = out_.fixes.size();
+  const auto n = static_cast<double>(fixes.size());
+  const RunScatter scatter = run_scatter(pulls_, registration_.share_taken());
+  pulls_.clear();
+  for (LayeredFix* fix : fixes)
+    if (scatter.covariance.trace() > 0) {
+      // In the shape of the run, in the size of this frame's own information and residuals.
+      fix->covariance = scatter.covariance * (fix->covariance.trace() / (variance / n)) *
+                        (fix->chi_squared / (chi_squared / n));
+    } else {
+      fix->covariance *= fix->chi_squared;
+    }
+  slow_ += n * scatter.slow;
+  slow_frames_ += n * scatter.slow * scatter.slow_frames;
+  weight_ += n;
+}
+
+}  // namespace
+
+MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                              LayeredRegistration& registration, const IlluminationSlope& light,
+                              const std::function<void(std::int64_t done)>& progress) {
+  MeasuredFrames out;
+  Runs runs(out, registration);
+  Picture picture;
+  std::int64_t done = 0;
+  for (const FirstPassFrame& f : frames) {
+    const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
+    source.read(f.index, window, picture);
+    out.fixes.push_back(registration.refine(picture, window.x, window.y,
+                                            {f.centre, f.theta, f.ground, 1, 0, 0, 1}, light.at(f.centre)));
+    if (out.fixes.back()) runs.add(registration.cluster_pulls());
+    if (progress) progress(++done);
+  }
+  runs.finish();
+  return out;
+}
+
+}  // namespace tribotrack::vision

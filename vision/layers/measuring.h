@@ -1,0 +1,29 @@
+// Every frame measured over the pictures learnt.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/layers/first_pass.h"
+#include "vision/layers/learning.h"
+#include "vision/layers/registration.h"
+
+namespace tribotrack::vision {
+
+struct MeasuredFrames {
+  /// One per frame, nullopt where the model does not hold (too near the border, something in the way). Their
+  /// covariances are what the residuals support, see scatter.h.
+  std::vector<std::optional<LayeredFix>> fixes;
+  /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
+  /// over how many frames they stay alike.
+  double slow_sd = 0, slow_frames = 0;
+};
+
+/// `registration` holds the pictures learnt, `light` what was learnt of the light. `progress` may be empty.
+MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                              LayeredRegistration& registration, const IlluminationSlope& light,
+                              const std::function<void(std::int64_t done)>& progress);
+
+}  // namespace tribotrack::vision
