@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "vision/kernels/median.h"
+#include "vision/layers/part.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr float kFramesNeeded = 3;  ///< fewer do not tell how a place's level scatters
+constexpr float kLeastShare = 0.5F;  ///< of the ground that shows: less would lean on the part's own picture
+constexpr float kFramesNeeded = 3;   ///< fewer do not tell how a place's level scatters
 
 /// The mean over 3 x 3 places: the interpolation leans on the neighbours.
 Picture box_mean(const Picture& in) {
@@ -34,7 +36,10 @@ GroundPicture::GroundPicture(const Rect& region)
       sum_(region.width, region.height),
       squares_(region.width, region.height),
       count_(region.width, region.height),
-      variance_(region.width, region.height) {}
+      variance_(region.width, region.height),
+      sum_beside_(region.width, region.height),
+      squares_beside_(region.width, region.height),
+      count_beside_(region.width, region.height) {}
 
 void GroundPicture::hold_to(Picture usual, double tolerance) {
   usual_ = std::move(usual);
@@ -156,22 +161,66 @@ void GroundPicture::summarise(double noise_variance) {
 
 void GroundPicture::finish(double noise_variance) {
   summarise(noise_variance);
+  form(noise_variance);
+}
+
+/// The picture and its variance from the sums.
+void GroundPicture::form(double noise_variance) {
   const auto least = static_cast<float>(noise_variance), unseen = static_cast<float>(texture_ * texture_);
   Picture level(region_.width, region_.height), in_time(region_.width, region_.height);
+  const auto seen = [&](std::size_t i) { return count_.levels()[i] + count_beside_.levels()[i]; };
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float n = count_.levels()[i];
+    const float n = seen(i);
     if (n < kFramesNeeded) continue;
-    const float mean = sum_.levels()[i] / n;
+    const float mean = (sum_.levels()[i] + sum_beside_.levels()[i]) / n;
+    const float square = (squares_.levels()[i] + squares_beside_.levels()[i]) / n;
     level.levels()[i] = mean - static_cast<float>(mean_);
-    in_time.levels()[i] = std::max(least, (squares_.levels()[i] / n - mean * mean) * n / (n - 1));
+    in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (n - 1));
   }
   const Picture around = box_mean(in_time);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float n = count_.levels()[i];
+    const float n = seen(i);
     variance_.levels()[i] =
         n < kFramesNeeded ? unseen : std::max(around.levels()[i], in_time.levels()[i]) / n;
   }
   spline_ = QuinticSpline(level);
+}
+
+void GroundPicture::see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
+                               double noise_variance) {
+  for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_}) std::ranges::fill(p->levels(), 0.0F);
+  const int half = part.half - 1, size = 2 * half + 1;
+  const QuinticSpline level(part.level), share(part.share);
+  const auto places = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  std::vector<float> seen(places), shown(places), through(places);
+  for (const KeptWindow& w : windows) {
+    const LayeredState& s = w.state;
+    // The ground's places about the part, and where they lie in the window and on the part's grid.
+    const int left = static_cast<int>(std::lround(s.centre.x - s.ground.x)) - half,
+              top = static_cast<int>(std::lround(s.centre.y - s.ground.y)) - half;
+    const double in_x = left + s.ground.x - w.x, in_y = top + s.ground.y - w.y;
+    const double u0 = left + s.ground.x - s.centre.x, v0 = top + s.ground.y - s.centre.y;
+    if (in_x < 0 || in_y < 0 || in_x + size > w.picture.width() || in_y + size > w.picture.height()) continue;
+    w.spline.sample_window(in_x, in_y, size, size, seen.data(), nullptr, nullptr);
+    level.sample_window(u0 + part.half, v0 + part.half, size, size, shown.data(), nullptr, nullptr);
+    share.sample_window(u0 + part.half, v0 + part.half, size, size, through.data(), nullptr, nullptr);
+    const auto mean = static_cast<float>(mean_);
+    for (int j = std::max(0, region_.y - top); j < std::min(size, region_.y + region_.height - top); ++j)
+      for (int i = std::max(0, region_.x - left); i < std::min(size, region_.x + region_.width - left); ++i) {
+        const auto k =
+            static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i);
+        const double u = u0 + i, v = v0 + j;
+        if (through[k] < kLeastShare || u * u + v * v > hidden * hidden) continue;
+        const auto shine = static_cast<float>(s.gain * (1 + s.slope_x * u + s.slope_y * v));
+        const float ground = (seen[k] - shine * (shown[k] - mean * through[k])) /
+                             (static_cast<float>(s.ground_gain) * through[k]);
+        const float weight = through[k] * through[k];
+        sum_beside_.at(left + i - region_.x, top + j - region_.y) += weight * ground;
+        squares_beside_.at(left + i - region_.x, top + j - region_.y) += weight * ground * ground;
+        count_beside_.at(left + i - region_.x, top + j - region_.y) += weight;
+      }
+  }
+  form(noise_variance);
 }
 
 void GroundPicture::sample(double x0, double y0, int width, int height, float* level, float* variance,

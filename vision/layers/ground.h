@@ -1,10 +1,17 @@
-// The platform's picture in its own frame, averaged over the frames in which it is uncovered.
+// The platform's picture in its own frame, averaged over the frames in which it is uncovered, or seen beside
+// the part: in its shadow, through the blur of its rim.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "vision/kernels/bspline.h"
+#include "vision/layers/state.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
+
+struct PartPictures;
 
 /// G(u) - mean G, u a place of the platform: the camera's pixel it lies on where the displacement is zero.
 /// Each frame is interpolated by its own quintic spline; a change of light from frame to frame is taken out
@@ -25,6 +32,10 @@ class GroundPicture {
 
   /// To be called after the last frame.
   void finish(double noise_variance);
+  /// And once the part's pictures are known: what the windows show of the ground within `hidden` px of the
+  /// part where at least half of it shows, (I - a S) / (b alpha), takes the place of what was said before.
+  void see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
+                  double noise_variance);
 
   const Rect& region() const { return region_; }
   /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border. Slopes may
@@ -47,12 +58,14 @@ class GroundPicture {
   template <class Uncovered>
   void add_held(const Uncovered& uncovered);
   void summarise(double noise_variance);
+  void form(double noise_variance);
 
   Rect region_;
   Picture usual_;  ///< see hold_to(); empty without
   float tolerance_ = 0;
   double held_ = 0, looked_at_ = 0;
   Picture sum_, squares_, count_, variance_;
+  Picture sum_beside_, squares_beside_, count_beside_;
   double mean_ = 0, unrest_ = 0, texture_ = 0;
   QuinticSpline spline_;
 };

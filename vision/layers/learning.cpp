@@ -11,6 +11,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kMostRounds = 12;
+constexpr int kGroundRounds = 3;  ///< in which the ground beside the part is learnt
 constexpr int kFirstFine =
     2;  ///< round from which the light's slope is looked for and strange pixels left out
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
@@ -37,7 +38,7 @@ bool turned_round(const std::vector<KeptWindow>& windows) {
 
 class Learning {
  public:
-  Learning(std::vector<KeptWindow>& windows, const GroundPicture& ground, LayeredRegistration& registration,
+  Learning(std::vector<KeptWindow>& windows, GroundPicture& ground, LayeredRegistration& registration,
            const LearningOptions& options)
       : windows_(windows),
         ground_(ground),
@@ -58,6 +59,8 @@ class Learning {
       const bool look =
           out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known());
       const double moved = measure_windows(look);
+      if (out_.rounds >= kFirstFine && out_.rounds < kFirstFine + kGroundRounds)
+        ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);
       if (look) learn_light();
       if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
     }
@@ -70,7 +73,7 @@ class Learning {
   void learn_light();
 
   std::vector<KeptWindow>& windows_;
-  const GroundPicture& ground_;
+  GroundPicture& ground_;
   LayeredRegistration& registration_;
   const LearningOptions& options_;
   Picture prior_share_;
@@ -133,7 +136,7 @@ void Learning::learn_light() {
 
 }  // namespace
 
-LearntPart learn_part(std::vector<KeptWindow>& windows, const GroundPicture& ground,
+LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
                       LayeredRegistration& registration, const LearningOptions& options) {
   return Learning(windows, ground, registration, options).run();
 }

@@ -24,11 +24,13 @@ struct LearntPart {
 struct LearningOptions {
   double radius = 0, blur = 1;  ///< of the rim, px
   double noise_variance = 1;    ///< of the frames
+  double hidden = 0;            ///< px about the part within which no ground has been seen yet
   bool turning = false;         ///< the windows' angles are known and differ: learn what turns
 };
 
-/// Changes the windows' states. `registration` is left with the pictures learnt.
-LearntPart learn_part(std::vector<KeptWindow>& windows, const GroundPicture& ground,
+/// Changes the windows' states, and tells the ground what is seen of it beside the part. `registration` is
+/// left with the pictures learnt.
+LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
                       LayeredRegistration& registration, const LearningOptions& options);
 
 }  // namespace tribotrack::vision

@@ -110,6 +110,7 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
     learning.radius = options_.disc.radius;
     learning.blur = options_.blur;
     learning.noise_variance = options_.noise_variance;
+    learning.hidden = layered_half(options_.disc.radius, options_.blur) - kTaper;
     out.learnt = learn_part(windows, ground_, registration_, learning);
   }
   if (out.learnt.explained < kFewest) return out;
