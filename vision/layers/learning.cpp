@@ -11,7 +11,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kMostRounds = 12;
-constexpr int kGroundRounds = 3;  ///< in which the ground beside the part is learnt
+constexpr int kGroundRounds = 6;  ///< in which the ground beside the part is learnt
 constexpr int kFirstFine =
     2;  ///< round from which the light's slope is looked for and strange pixels left out
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled

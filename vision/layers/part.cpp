@@ -10,8 +10,8 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kTrim = 5;  ///< sd: further off is something else
-constexpr double kPriorShare =
-    0.5;  ///< sd of alpha about the blurred rim: it hardly binds where texture shows
+/// Sd of alpha about the blurred rim: a shadow takes a tenth or two, a place's own estimate scatters by more.
+constexpr double kPriorShare = 0.15;
 constexpr double kBlendEvidence =
     100;                          ///< px^-4: sd of kappa 0.1 px^2 about that of a pixel, as lenses have it
 constexpr double kMostBlend = 9;  ///< px^2
