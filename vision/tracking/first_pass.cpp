@@ -59,7 +59,8 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
           clock, Stage::marker,
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
       rim_(rim_of(setup_, first_)),
-      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_) {
+      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_),
+      audited_(audit_runs(range.first, range.count())) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   result_.first_index = range.first;
   result_.total = range.count();
@@ -86,7 +87,8 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  const FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index); });
+  const FollowStep step =
+      timed(clock_, Stage::part, [&] { return part_.step(source_, index, in_audit(audited_, index)); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -101,6 +103,8 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (!ok) return step;
   fill(point, *step.sighting);
   excess_.push_back(step.sighting->excess_rms);
+  if (step.sighting->halves)
+    result_.audited.push_back({index, *step.sighting->halves, step.sighting->covariance});
   if (setup_.pattern.radius > 0) {
     const auto running = clock_.enter(Stage::radius);
     mean_radius_.see(source_, index, step.sighting->position);

@@ -1,0 +1,26 @@
+#include "vision/audit/runs.h"
+
+#include <algorithm>
+
+namespace tribotrack::vision {
+
+std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total) {
+  if (total <= 0) return {};
+  if (total <= kAuditFrames) return {{first, first + total - 1}};
+  constexpr std::int64_t kRuns = kAuditFrames / kAuditRun;
+  std::vector<AuditRun> runs;
+  for (std::int64_t k = 0; k < kRuns; ++k) {
+    const std::int64_t begin = first + k * (total - kAuditRun) / (kRuns - 1);
+    runs.push_back({begin, begin + kAuditRun - 1});
+  }
+  return runs;
+}
+
+bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index) {
+  const auto after =
+      std::upper_bound(runs.begin(), runs.end(), index,
+                       [](std::int64_t frame, const AuditRun& run) { return frame < run.first; });
+  return after != runs.begin() && index <= std::prev(after)->last;
+}
+
+}  // namespace tribotrack::vision
