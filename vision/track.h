@@ -90,7 +90,9 @@ struct Audit {
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
   std::optional<double> pixel_phase;     ///< with what follows the fraction of a pixel to without; 1 or more
   std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
-  double white_factor = 1;     ///< what every covariance is multiplied by
+  /// Of the three splits together.
+  std::optional<double> halves() const;
+  double white_factor = 1;  ///< what every covariance is multiplied by
   /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
   /// correlation time, s.
   double slow_sd = 0, slow_time = 0;

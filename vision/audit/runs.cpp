@@ -1,6 +1,7 @@
 #include "vision/audit/runs.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace tribotrack::vision {
 
