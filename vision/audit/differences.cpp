@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::size_t kLeastDifferences = 50;  ///< of both coordinates; a tenth is then seen as 1 sd
 constexpr int kHighestOrder = 6;
-constexpr double kCertain = 3;  ///< standard deviations by which orders must differ
+/// Standard deviations by which orders must differ: estimates of a variance are skewed.
+constexpr double kCertain = 4;
 
 double choose(int n, int k) {
   double out = 1;

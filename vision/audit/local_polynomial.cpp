@@ -46,11 +46,38 @@ std::vector<double> LocalPolynomial::smoothed(const std::vector<double>& values)
   return out;
 }
 
-double LocalPolynomial::correlation(std::size_t lag) const {
+/// Of the weights with themselves.
+double LocalPolynomial::correlation(std::ptrdiff_t lag) const {
   double sum = 0;
-  for (std::size_t i = 0; i + lag < weights_.size(); ++i) sum += weights_[i] * weights_[i + lag];
+  for (auto i = static_cast<std::size_t>(std::abs(lag)); i < weights_.size(); ++i)
+    sum += weights_[i] * weights_[i - static_cast<std::size_t>(std::abs(lag))];
   return sum;
 }
+
+double LocalPolynomial::lag1(double rho) const {
+  const auto reach = static_cast<std::ptrdiff_t>(weights_.size());
+  double same = 0, next = 0;
+  for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
+    const double of_errors = std::pow(rho, std::abs(lag));
+    same += of_errors * correlation(lag);
+    next += of_errors * correlation(lag + 1);
+  }
+  return next / same;
+}
+
+namespace {
+
+/// The rho that leaves residuals correlated like this, by bisection.
+double autoregression(const LocalPolynomial& fit, double residual_correlation) {
+  double low = -1, high = 1;
+  while (high - low > 1e-6) {
+    const double rho = 0.5 * (low + high);
+    (fit.lag1(rho) < residual_correlation ? low : high) = rho;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
 
 std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, const LocalPolynomial& fit) {
   constexpr int kLeastPairs = 100;
@@ -76,8 +103,7 @@ std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, co
       ++pairs;
     }
   if (pairs < kLeastPairs || !(square > 0)) return std::nullopt;
-  const double r = product / square;
-  return (r - fit.lag1()) / (1 - r * fit.lag1());
+  return autoregression(fit, product / square);
 }
 
 }  // namespace tribotrack::vision

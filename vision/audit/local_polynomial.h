@@ -2,6 +2,7 @@
 // 1964).
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -23,20 +24,21 @@ class LocalPolynomial {
   std::vector<double> transposed(const std::vector<double>& residuals, std::size_t size) const;
   /// The polynomial itself; first and last frames as they are.
   std::vector<double> smoothed(const std::vector<double>& values) const;
-  /// Of residuals of white noise.
+  /// Of residuals of white noise of variance 1.
   double variance() const { return correlation(0); }
-  double lag1() const { return correlation(1) / correlation(0); }
+  /// Correlation of consecutive residuals of errors each of which is `rho` times the last and white noise.
+  double lag1(double rho) const;
   /// Variance of the polynomial's value, white noise of variance 1.
   double smoothed_variance() const { return 1 - variance(); }
 
  private:
-  double correlation(std::size_t lag) const;
+  double correlation(std::ptrdiff_t lag) const;
   std::size_t half_;
   std::vector<double> weights_;  ///< of the residual
 };
 
-/// Correlation of the track's residuals with those of the next frame, less what the polynomial makes of white
-/// noise: r -> (r - r0) / (1 - r r0), which takes r0 to 0 and keeps -1 and 1. nullopt from fewer than 100
+/// Correlation of the track's errors with those of the next frame: the one with which an autoregression of
+/// first order would leave residuals as alike as the track's. 0 for white noise. nullopt from fewer than 100
 /// pairs of both coordinates (a scatter of 0.1).
 std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, const LocalPolynomial& fit);
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/runs.h"
+#include "vision/audit/sample.h"
 #include "vision/discs/mean_radius.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
@@ -56,7 +56,7 @@ class FirstPass {
   std::optional<GateLamp> lamp_;
   std::optional<DiscFit> rim_;  ///< in the first frame
   RimWatch mean_radius_;
-  std::vector<AuditRun> audited_;  ///< frames whose halves are compared
+  AuditSample audited_;  ///< frames whose halves are compared
   FirstPassResult result_;
 
   Track track_;

@@ -94,6 +94,26 @@ Ratios simulate(const std::function<std::function<double(const RimModel::Pixel&)
   return out;
 }
 
+/// Mean of e C^-1 e' for levels of variance 1 that whole tiles share, from the tiles' responses one by one.
+double expected(const RimModel& model, const std::function<bool(const Point&)>& in_half) {
+  MatrixXd half = MatrixXd::Zero(4, 4);
+  for (const TileSums& tile : model.tiles)
+    if (in_half(tile.place)) half += tile.normal;
+  const MatrixXd back = half * model.normal.inverse();
+  const Eigen::Matrix2d spread = (half - back * half).topLeftCorner(2, 2);
+  Eigen::Matrix2d seen = Eigen::Matrix2d::Zero();
+  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
+    VectorXd response = VectorXd::Zero(4);
+    for (const RimModel::Pixel& p : model.pixels)
+      if (p.tile == t) response += p.weight * p.slope;
+    const VectorXd moved = back * response;
+    const Vector2d score =
+        ((in_half(model.tiles[t].place) ? response : VectorXd(VectorXd::Zero(4))) - moved).head(2);
+    seen += score * score.transpose();
+  }
+  return 0.5 * (spread.inverse() * seen).trace();
+}
+
 /// Of 2 x 3000 squares: one standard deviation is 0.018.
 constexpr double kScatter = 0.06;
 
@@ -168,11 +188,15 @@ TEST(Halves, NoiseAlikeOverWholeTilesIsSeenAsThePositionFeelsIt) {
     for (double& level : tiles) level = std::normal_distribution<>(0, 1)(random);
     return [tiles](const RimModel::Pixel& p) { return tiles[p.tile]; };
   });
-  // The tiles are independent, so all splits see the same error as the position makes, up to what the
-  // nuisances take from each.
+  const RimModel model;
   EXPECT_GT(r.position, 4);
-  for (const double ratio : {r.left_right, r.top_bottom, r.checkerboard})
-    EXPECT_NEAR(ratio / r.position, 1, 0.25);
+  EXPECT_NEAR(r.left_right / expected(model, [](const Point& p) { return p.x < 0; }), 1, kScatter);
+  EXPECT_NEAR(r.top_bottom / expected(model, [](const Point& p) { return p.y < 0; }), 1, kScatter);
+  // and that is the size of the position's own error.
+  for (const double ratio : {r.left_right, r.top_bottom, r.checkerboard}) {
+    EXPECT_GT(ratio, 0.5 * r.position);
+    EXPECT_LT(ratio, 2 * r.position);
+  }
 }
 
 TEST(Halves, ASlowWaveAcrossThePartShowsBetweenSidesAndNotBetweenTiles) {

@@ -64,8 +64,8 @@ TEST(HalvesOverTheRecording, ALargerWhiteNoiseIsWhite) {
 }
 
 TEST(HalvesOverTheRecording, ASlowPartIsToldFromTheWhiteOne) {
-  double white_part = 0, total = 0, frames = 0;
-  constexpr int kTrials = 40;
+  double white_part = 0, total = 0, spread = 0, claimed = 0, frames = 0;
+  constexpr int kTrials = 100;
   constexpr double kCorrelation = 0.98;  // integral: 0.5 + 0.98 / 0.02 = 49.5 frames
   for (unsigned seed = 1; seed <= kTrials; ++seed) {
     Drift drift(kSigma, kCorrelation);
@@ -75,8 +75,12 @@ TEST(HalvesOverTheRecording, ASlowPartIsToldFromTheWhiteOne) {
     white_part += found->white.value / kTrials;
     total += found->total.value / kTrials;
     frames += found->slow_frames / kTrials;
-    EXPECT_GT(found->total.scatter, 0.1);  // 32 independent runs of 6 numbers, not 256 frames
+    spread += std::pow(found->total.value - 2, 2) / kTrials;
+    claimed += found->total.scatter / kTrials;
   }
+  // That of 32 independent runs of 6 numbers, not of 256 frames.
+  EXPECT_GT(std::sqrt(spread), 0.08);
+  EXPECT_NEAR(claimed / std::sqrt(spread), 1, 0.25);
   EXPECT_NEAR(white_part, 1 + (1 - kCorrelation), 0.04);
   EXPECT_NEAR(total, 2, 0.1);
   EXPECT_GT(frames, 20);
