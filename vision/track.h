@@ -82,6 +82,7 @@ struct FrameCounts {
 /// What the recording itself says of the standard deviations that tracking found by its model: ratios of what
 /// is seen to what they predict, before the audit widened them; 1 is right. Empty where there is too little
 /// to tell.
+/// `high_frequency`, `pixel_phase` and `lag1` are of the coordinate, x or y, that is further off.
 struct Audit {
   std::int64_t frames = 0;               ///< whose halves were compared
   std::optional<double> halves_x;        ///< positions from the part's left and right half

@@ -33,18 +33,32 @@ void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit
   out.slow_time = found->slow_frames * time_step;
 }
 
-void audit_track(const Track& track, Audit& out) {
-  const std::vector<Stretch> parts = stretches(track);
-  const auto fast = high_frequency(parts);
+void take_larger(std::optional<double>& most, double value) {
+  if (!most || std::abs(value) > std::abs(*most)) most = value;
+}
+
+void audit_coordinate(const std::vector<Stretch>& parts, const Axis& axis, Audit& out) {
+  const auto fast = high_frequency(parts, axis);
   if (!fast) return;
-  out.high_frequency = std::sqrt(fast->noise.value);
-  out.white_factor = std::max(out.white_factor, supported(fast->noise));
   const LocalPolynomial fit(fast->order);
-  out.lag1 = lag1_correlation(parts, fit);
-  if (const auto phase = pixel_phase(parts, fit, fast->noise.value)) {
-    out.pixel_phase = std::sqrt(phase->value);
+  MeanSquare noise = fast->noise;
+  if (const auto lag1 = lag1_correlation(parts, axis, fit)) {
+    take_larger(out.lag1, lag1->value);
+    noise = without_alternation(*fast, lag1->value + 2 * lag1->scatter);  // as far as it is beyond doubt
+  }
+  take_larger(out.high_frequency, std::sqrt(noise.value));
+  out.white_factor = std::max(out.white_factor, supported(noise));
+  if (const auto phase = pixel_phase(parts, axis, fit, fast->noise.value)) {
+    take_larger(out.pixel_phase, std::sqrt(phase->value));
     out.white_factor = std::max(out.white_factor, supported(*phase));
   }
+}
+
+/// The coordinate that is worse off counts for both.
+void audit_track(const Track& track, Audit& out) {
+  const std::vector<Stretch> parts = stretches(track);
+  audit_coordinate(parts, kAlongX, out);
+  audit_coordinate(parts, kAlongY, out);
 }
 
 }  // namespace

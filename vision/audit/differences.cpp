@@ -1,11 +1,12 @@
 #include "vision/audit/differences.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kLeastDifferences = 50;  ///< of both coordinates; a tenth is then seen as 1 sd
+constexpr std::size_t kLeastDifferences = 24;  ///< a ratio of standard deviations to 20 %
 constexpr int kHighestOrder = 6;
 /// Standard deviations by which orders must differ: estimates of a variance are skewed.
 constexpr double kCertain = 4;
@@ -36,12 +37,9 @@ struct OfOrder {
   double count = 0;
 };
 
-OfOrder of_order(const std::vector<Stretch>& stretches, int p) {
+OfOrder of_order(const std::vector<Stretch>& stretches, const Axis& axis, int p) {
   std::vector<double> differences;
-  for (const Stretch& s : stretches) {
-    add_differences(s.x, s.sigma_x, p, differences);
-    add_differences(s.y, s.sigma_y, p, differences);
-  }
+  for (const Stretch& s : stretches) add_differences(s.*axis.position, s.*axis.sigma, p, differences);
   const double limit = outlier_size(differences);
   OfOrder out;
   for (const double z : differences) {
@@ -60,10 +58,10 @@ double covariance(int p, int q, double n) {
 
 }  // namespace
 
-std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches) {
-  OfOrder low = of_order(stretches, 2);
+std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches, const Axis& axis) {
+  OfOrder low = of_order(stretches, axis, 2);
   for (int p = 2; p <= kHighestOrder; p += 2) {
-    const OfOrder next = of_order(stretches, p + 2);
+    const OfOrder next = of_order(stretches, axis, p + 2);
     if (next.count < kLeastDifferences) return std::nullopt;
     const double n = next.count;
     const double scatter =
@@ -73,6 +71,15 @@ std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretche
     low = next;
   }
   return std::nullopt;
+}
+
+MeanSquare without_alternation(const HighFrequency& found, double correlation) {
+  const double rho = std::min(0.0, correlation);
+  const int p = found.order;
+  double larger = 1;
+  for (int lag = 1; lag <= p; ++lag)
+    larger += 2 * std::pow(-rho, lag) * choose(2 * p, p + lag) / choose(2 * p, p);
+  return {found.noise.value / larger, found.noise.scatter / larger};
 }
 
 }  // namespace tribotrack::vision

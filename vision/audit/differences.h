@@ -23,7 +23,12 @@ struct HighFrequency {
   int order = 0;     ///< p
 };
 
-/// Single outliers are left out. nullopt where the motion is too fast or there are fewer than 50 differences.
-std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches);
+/// Of one coordinate; single outliers are left out. nullopt where the motion is too fast or there are fewer
+/// than 24 differences.
+std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches, const Axis& axis);
+
+/// Errors that alternate make differences larger than white noise of the same size does: what remains of
+/// the variance if the errors are an autoregression with this correlation, or a positive one is ignored.
+MeanSquare without_alternation(const HighFrequency& found, double correlation);
 
 }  // namespace tribotrack::vision

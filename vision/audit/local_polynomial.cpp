@@ -79,18 +79,15 @@ double autoregression(const LocalPolynomial& fit, double residual_correlation) {
 
 }  // namespace
 
-std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, const LocalPolynomial& fit) {
-  constexpr int kLeastPairs = 100;
+std::optional<Correlation> lag1_correlation(const std::vector<Stretch>& stretches, const Axis& axis,
+                                            const LocalPolynomial& fit) {
+  constexpr int kLeastPairs = 50;
   std::vector<std::vector<double>> series;
   std::vector<double> all;
-  const auto add = [&](const std::vector<double>& position, const std::vector<double>& sigma) {
-    series.push_back(fit.residual(position));
-    for (std::size_t k = 0; k < series.back().size(); ++k) series.back()[k] /= sigma[k + fit.half()];
-    all.insert(all.end(), series.back().begin(), series.back().end());
-  };
   for (const Stretch& s : stretches) {
-    add(s.x, s.sigma_x);
-    add(s.y, s.sigma_y);
+    std::vector<double>& z = series.emplace_back(fit.residual(s.*axis.position));
+    for (std::size_t k = 0; k < z.size(); ++k) z[k] /= (s.*axis.sigma)[k + fit.half()];
+    all.insert(all.end(), z.begin(), z.end());
   }
   const double limit = outlier_size(all);
   double product = 0, square = 0;
@@ -103,7 +100,7 @@ std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, co
       ++pairs;
     }
   if (pairs < kLeastPairs || !(square > 0)) return std::nullopt;
-  return autoregression(fit, product / square);
+  return Correlation{autoregression(fit, product / square), 1 / std::sqrt(pairs)};
 }
 
 }  // namespace tribotrack::vision

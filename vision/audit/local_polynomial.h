@@ -37,9 +37,15 @@ class LocalPolynomial {
   std::vector<double> weights_;  ///< of the residual
 };
 
-/// Correlation of the track's errors with those of the next frame: the one with which an autoregression of
-/// first order would leave residuals as alike as the track's. 0 for white noise. nullopt from fewer than 100
-/// pairs of both coordinates (a scatter of 0.1).
-std::optional<double> lag1_correlation(const std::vector<Stretch>& stretches, const LocalPolynomial& fit);
+struct Correlation {
+  double value = 0;
+  double scatter = 0;  ///< standard deviation of the value
+};
+
+/// Correlation of a coordinate's errors with those of the next frame: the one with which an autoregression of
+/// first order would leave residuals as alike as the track's. 0 for white noise. nullopt from fewer than 50
+/// pairs.
+std::optional<Correlation> lag1_correlation(const std::vector<Stretch>& stretches, const Axis& axis,
+                                            const LocalPolynomial& fit);
 
 }  // namespace tribotrack::vision

@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Coordinate = std::vector<double> Stretch::*;
 
 constexpr Eigen::Index kColumns = 4;
 /// Power of a column over that of the noise in the positions it is made from: the noise then explains a
@@ -40,16 +39,16 @@ struct Regression {
   double noise_power = 0;  ///< that the positions' noise gives a column
 };
 
-Regression regression_of(const std::vector<Stretch>& stretches, const LocalPolynomial& fit,
-                         Coordinate position, Coordinate sigma) {
+Regression regression_of(const std::vector<Stretch>& stretches, const Axis& axis,
+                         const LocalPolynomial& fit) {
   std::vector<std::vector<double>> filtered(kColumns), whole(kColumns), spread(kColumns);
   std::vector<double> residual;
   double noise_power = 0;
   for (const Stretch& s : stretches) {
     if (s.size() <= 2 * fit.half()) continue;
     const auto columns = columns_of(s, fit);
-    const std::vector<double>& sd = s.*sigma;
-    const std::vector<double> left = fit.residual(s.*position);
+    const std::vector<double>& sd = s.*axis.sigma;
+    const std::vector<double> left = fit.residual(s.*axis.position);
     for (std::size_t k = 0; k < left.size(); ++k) residual.push_back(left[k] / sd[k + fit.half()]);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       std::vector<double> part = fit.residual(columns[c]), weighted = part;
@@ -106,12 +105,11 @@ std::optional<MeanSquare> excess(Regression r, double noise) {
 
 }  // namespace
 
-std::optional<MeanSquare> pixel_phase(const std::vector<Stretch>& stretches, const LocalPolynomial& fit,
-                                      double noise) {
-  const auto x = excess(regression_of(stretches, fit, &Stretch::x, &Stretch::sigma_x), noise);
-  const auto y = excess(regression_of(stretches, fit, &Stretch::y, &Stretch::sigma_y), noise);
-  if (!x || !y) return std::nullopt;
-  return MeanSquare{1 + std::max(0.0, 0.5 * (x->value + y->value)), 0.5 * std::hypot(x->scatter, y->scatter)};
+std::optional<MeanSquare> pixel_phase(const std::vector<Stretch>& stretches, const Axis& axis,
+                                      const LocalPolynomial& fit, double noise) {
+  const auto found = excess(regression_of(stretches, axis, fit), noise);
+  if (!found) return std::nullopt;
+  return MeanSquare{1 + std::max(0.0, found->value), found->scatter};
 }
 
 }  // namespace tribotrack::vision

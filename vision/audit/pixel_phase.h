@@ -15,10 +15,10 @@
 
 namespace tribotrack::vision {
 
-/// 1 + the mean square of the fitted errors in units of the reported variances, less what noise alone would
-/// give, `noise` being its variance in those units: 1 where there is nothing. nullopt where the part does not
-/// move through the pixels.
-std::optional<MeanSquare> pixel_phase(const std::vector<Stretch>& stretches, const LocalPolynomial& fit,
-                                      double noise);
+/// Of one coordinate: 1 + the mean square of the fitted errors in units of the reported variances, less what
+/// noise alone would give, `noise` being its variance in those units: 1 where there is nothing. nullopt where
+/// the part does not move through the pixels.
+std::optional<MeanSquare> pixel_phase(const std::vector<Stretch>& stretches, const Axis& axis,
+                                      const LocalPolynomial& fit, double noise);
 
 }  // namespace tribotrack::vision

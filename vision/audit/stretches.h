@@ -15,4 +15,11 @@ struct Stretch {
 
 std::vector<Stretch> stretches(const Track& track);
 
+/// One coordinate of a stretch.
+struct Axis {
+  std::vector<double> Stretch::*position;
+  std::vector<double> Stretch::*sigma;
+};
+inline constexpr Axis kAlongX{&Stretch::x, &Stretch::sigma_x}, kAlongY{&Stretch::y, &Stretch::sigma_y};
+
 }  // namespace tribotrack::vision

@@ -75,13 +75,14 @@ TEST(LocalPolynomial, ResidualsOfAnAutoregressionAreAlikeAsItIs) {
 TEST(Lag1, WhiteNoiseHasNoneAndAlternatingErrorsTheirOwn) {
   const auto rest = [](int) { return 0.0; };
   const auto lag1 = [&](const std::function<double(int, std::mt19937&)>& error) {
-    return lag1_correlation(stretches(track_of(4000, 1, rest, error)), LocalPolynomial(2)).value();
+    return lag1_correlation(stretches(track_of(4000, 1, rest, error)), kAlongX, LocalPolynomial(2))->value;
   };
   EXPECT_NEAR(lag1([](int, std::mt19937& r) { return white(r); }), 0, 0.05);
   EXPECT_NEAR(lag1([](int k, std::mt19937& r) { return (k % 2 == 0 ? 0.1 : -0.1) + white(r); }), -0.98, 0.02);
   for (const double rho : {-0.8, -0.4, 0.5}) EXPECT_NEAR(lag1(autoregression(rho)), rho, 0.06);
-  EXPECT_FALSE(lag1_correlation(
-      stretches(track_of(50, 1, rest, [](int, std::mt19937& r) { return white(r); })), LocalPolynomial(2)));
+  EXPECT_FALSE(
+      lag1_correlation(stretches(track_of(50, 1, rest, [](int, std::mt19937& r) { return white(r); })),
+                       kAlongX, LocalPolynomial(2)));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(PixelPhase, WithoutItTheRatioIsOne) {
   for (unsigned seed = 1; seed <= kTrials; ++seed) {
     const auto found =
         pixel_phase(stretches(track_of(300, seed, slide, [](int, std::mt19937& r) { return white(r); })),
-                    LocalPolynomial(2), 1);
+                    kAlongX, LocalPolynomial(2), 1);
     ASSERT_TRUE(found);
     EXPECT_GE(found->value, 1);
     EXPECT_LT(found->value, 1.1);
@@ -44,7 +44,7 @@ TEST(PixelPhase, AnErrorThatFollowsTheFractionIsFoundWithItsSize) {
     p.x += amplitude * std::sin(2 * std::numbers::pi * p.x);
     p.y += amplitude * std::sin(2 * std::numbers::pi * p.y);
   }
-  const auto found = pixel_phase(stretches(track), LocalPolynomial(2), 1);
+  const auto found = pixel_phase(stretches(track), kAlongX, LocalPolynomial(2), 1);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->value, 1 + 0.5 * std::pow(amplitude / kSigma, 2), 0.4);
   EXPECT_GT(supported(*found), 2.5);
@@ -55,7 +55,7 @@ TEST(PixelPhase, APartAtRestTellsNothing) {
     Track track = track_of(
         600, 2, [](int) { return 0.3; }, [&](int, std::mt19937& r) { return white(r, sigma); });
     for (TrackPoint& p : track.points) p.sigma_x = p.sigma_y = sigma;
-    EXPECT_FALSE(pixel_phase(stretches(track), LocalPolynomial(2), 1)) << sigma;
+    EXPECT_FALSE(pixel_phase(stretches(track), kAlongX, LocalPolynomial(2), 1)) << sigma;
   }
 }
 
