@@ -26,8 +26,8 @@ void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit
   out.checkerboard = found->checkerboard;
   out.white_factor = std::max(out.white_factor, supported(found->white));
   if (!(found->slow_frames > 0)) return;
-  // What white noise alone, widened, leaves of the total.
-  const double slow = supported(found->total) - out.white_factor;
+  // That there is a slow part is certain; it is what white noise, widened, leaves of the total.
+  const double slow = found->total.value - out.white_factor;
   if (slow <= 0) return;
   out.slow_sd = std::sqrt(slow * found->unit);
   out.slow_time = found->slow_frames * time_step;

@@ -70,7 +70,7 @@ TEST(HighFrequency, ErrorsThatAlternateAreAsLargeAsTheyAre) {
   const auto alternating = [](int k, std::mt19937& random) {
     return (k % 2 == 0 ? 3 : -3) * kSigma + white(random);
   };
-  const auto found = high_frequency(stretches(track_of(600, 1, at_rest, alternating)), kAlongX);
+  const auto found = high_frequency(stretches(track_of(6000, 1, at_rest, alternating)), kAlongX);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->noise.value, (9 * 16 + 6) / 6.0, 1);  // second differences of +-1 are 4
   EXPECT_NEAR(without_alternation(*found, -0.9).value, 10, 0.5);
