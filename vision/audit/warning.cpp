@@ -22,10 +22,10 @@ std::string audit_warning(const Audit& found) {
   add(found.halves_y, "the top and the bottom half disagree {:.2f} times as much");
   add(found.checkerboard, "alternate tiles of 8 x 8 pixels disagree {:.2f} times as much");
   add(found.high_frequency, "positions scatter from frame to frame {:.2f} times as much");
-  add(found.pixel_phase, "errors that follow the fraction of a pixel make them {:.2f} times as large");
+  add(found.pixel_phase, "errors, with those that follow the fraction of a pixel, are {:.2f} times as large");
   if (findings.empty()) return {};
   std::string text = fmt::format(
-      "audit: {} as the pictures' noise explains: something is in them that tracking does not model (coding, "
+      "audit: {} as tracking's model of the pictures predicts: they hold something that it does not (coding, "
       "light, something over the part)",
       fmt::join(findings, "; "));
   if (found.white_factor > 1)
