@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/sample.h"
+#include "vision/audit/runs.h"
 #include "vision/discs/mean_radius.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
