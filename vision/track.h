@@ -79,6 +79,26 @@ struct FrameCounts {
   bool left_for_good = false;
 };
 
+/// What the recording itself says of the standard deviations that tracking found by its model: ratios of what
+/// is seen to what they predict, before the audit widened them; 1 is right. Empty where there is too little
+/// to tell.
+/// `high_frequency`, `pixel_phase` and `lag1` are of the coordinate, x or y, that is further off.
+struct Audit {
+  std::int64_t frames = 0;               ///< whose halves were compared
+  std::optional<double> halves_x;        ///< positions from the part's left and right half
+  std::optional<double> halves_y;        ///< from its top and bottom half
+  std::optional<double> checkerboard;    ///< from alternate tiles of 8 x 8 px
+  std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
+  std::optional<double> pixel_phase;     ///< with what follows the fraction of a pixel to without; 1 or more
+  std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
+  /// Of the three splits together.
+  std::optional<double> halves() const;
+  double white_factor = 1;  ///< what every covariance is multiplied by
+  /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
+  /// correlation time, s.
+  double slow_sd = 0, slow_time = 0;
+};
+
 /// What is known of a track as a whole.
 struct TrackSummary : FrameCounts {
   Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
@@ -93,11 +113,12 @@ struct TrackSummary : FrameCounts {
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
-  /// Errors that the points of a layered track have in common beyond each point's own: standard deviation of
+  /// Errors that the points of a track have in common beyond each point's own: standard deviation of
   /// one coordinate, px, their mean removed, and their correlation time, s (the integral of the
   /// autocorrelation). Both are included in the per-point standard deviations; a mean over many points does
   /// not average them out.
   double slow_sd = 0, slow_time = 0;
+  Audit audit;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
   /// One line for a person.

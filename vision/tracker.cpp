@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "vision/audit/audit.h"
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/layers/stage.h"
@@ -45,6 +46,7 @@ class Tracking {
     find_first_frame();
     follow();
     measure_layers();
+    audit_track();
     refine_radius();
     prepend_absence();
     result_.stage_times = clock_.times();
@@ -57,6 +59,7 @@ class Tracking {
   void find_first_frame();
   void follow();
   void measure_layers();
+  void audit_track();
   void refine_radius();
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
@@ -125,6 +128,15 @@ void Tracking::measure_layers() {
     summary.disc.radius = layers.disc_radius;
     summary.disc_radius_sd = layers.disc_radius_sd;
   }
+}
+
+/// Of the pass that the positions are from.
+void Tracking::audit_track() {
+  const auto running = clock_.enter(Stage::audit);
+  // layers.audited of the second pass once it hands out its tiles' sums.
+  const std::vector<AuditFrame> audited =
+      result_.summary.layered ? std::vector<AuditFrame>() : first_pass_->result().audited;
+  apply(audit(audited, result_.track), result_.track, result_.summary);
 }
 
 /// The mean over several frames, where the first frame or the layers show the rim.

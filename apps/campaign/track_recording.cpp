@@ -148,6 +148,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.height_px = info.height;
   facts.in_camera_frame = !recording.result.track.has_marker;
   facts.warnings = summary.warnings;
+  facts.audit = summary.audit;
   for (const vision::PlanStage& stage : summary.plan)
     facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);
@@ -169,6 +170,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"disc_radius_common_sd_px", s.disc_radius_common_sd},
                {"slow_sd_px", s.slow_sd},
                {"slow_time_s", s.slow_time},
+               {"audit", json_of(s.audit)},
                {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
                {"limit_px", s.limit_px},
@@ -212,6 +214,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                                   {"calibrated_camera", recording.geometry->calibrated()}}
                            : Json();
   meta.more["summary"] = summary_json(recording);
+  meta.more["audit"] = json_of(recording.result.summary.audit);
   meta.more["plan"] = json_of(recording.result.summary.plan);
   const std::string table = track_csv(recording.rows);
   write_result(csv, table, meta);

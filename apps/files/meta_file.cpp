@@ -55,6 +55,20 @@ Json json_of(const std::vector<vision::PlanStage>& plan) {
   return json;
 }
 
+Json json_of(const vision::Audit& audit) {
+  return {{"halves_x", optional_json(audit.halves_x)},
+          {"halves_y", optional_json(audit.halves_y)},
+          {"checkerboard", optional_json(audit.checkerboard)},
+          {"high_frequency", optional_json(audit.high_frequency)},
+          {"pixel_phase", optional_json(audit.pixel_phase)},
+          {"lag1", optional_json(audit.lag1)},
+          {"by_frame_type", Json()},
+          {"frames", audit.frames},
+          {"white_factor", audit.white_factor},
+          {"slow_sd_px", audit.slow_sd},
+          {"slow_time_s", audit.slow_time}};
+}
+
 Json circle_json(const std::optional<vision::Circle>& circle) {
   return circle ? Json::array({circle->x, circle->y, circle->radius}) : Json();
 }

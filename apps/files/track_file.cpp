@@ -79,6 +79,27 @@ class FitTable {
   Eigen::Matrix2d axes_ = Eigen::Matrix2d::Identity();
 };
 
+std::optional<double> number_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return std::nullopt;
+  return found->get<double>();
+}
+
+vision::Audit audit_from(const Json& json) {
+  vision::Audit audit;
+  audit.halves_x = number_at(json, "halves_x");
+  audit.halves_y = number_at(json, "halves_y");
+  audit.checkerboard = number_at(json, "checkerboard");
+  audit.high_frequency = number_at(json, "high_frequency");
+  audit.pixel_phase = number_at(json, "pixel_phase");
+  audit.lag1 = number_at(json, "lag1");
+  audit.frames = json.value("frames", std::int64_t{0});
+  audit.white_factor = json.value("white_factor", 1.0);
+  audit.slow_sd = json.value("slow_sd_px", 0.0);
+  audit.slow_time = json.value("slow_time_s", 0.0);
+  return audit;
+}
+
 }  // namespace
 
 TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path) {
@@ -118,11 +139,6 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     const auto found = meta.find(key);
     return found != meta.end() && found->is_object() ? *found : Json::object();
   };
-  const auto number_at = [](const Json& object, const char* key) -> std::optional<double> {
-    const auto found = object.find(key);
-    if (found == object.end() || found->is_null()) return std::nullopt;
-    return found->get<double>();
-  };
   try {
     if (const Json scale = object_at("scale"); !scale.empty()) {
       facts.mm_per_px = number_at(scale, "mm_per_px").value_or(0);
@@ -142,6 +158,7 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.disc_radius_common_sd_px = number_at(summary, "disc_radius_common_sd_px").value_or(0);
     if (const auto disc = summary.find("disc_px"); disc != summary.end() && disc->size() == 3)
       facts.disc_radius_px = disc->at(2).get<double>();
+    facts.audit = audit_from(object_at("audit"));
     facts.frames = summary.value("frames", std::int64_t{0});
     facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
     facts.accepted = summary.value("gate_passed", true);

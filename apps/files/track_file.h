@@ -11,6 +11,7 @@
 #include "apps/text/json.h"
 #include "fit/gate_timing.h"
 #include "fit/track_table.h"
+#include "vision/track.h"
 
 namespace tribotrack::apps {
 
@@ -40,6 +41,7 @@ struct TrackFacts {
   int width_px = 0, height_px = 0;
   bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
   std::vector<std::string> warnings;
+  vision::Audit audit;
   std::vector<PlannedStage> plan;
 };
 

@@ -48,7 +48,8 @@ PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const
   motion_.add(index, pattern.centre);
 }
 
-FollowStep PatternFollower::step(FrameSource& source, std::int64_t index) {
+FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool audited) {
+  audited_ = audited;
   const Rect bounds = source.bounds();
   FollowStep out;
   outside_.reset();
@@ -142,7 +143,17 @@ std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& 
   s.ncc = r.ncc;
   s.residual_rms = r.residual_rms;
   s.excess_rms = r.excess_rms;
+  if (audited_) s.halves = halves();
   return s;
+}
+
+/// Of the pose just refined.
+std::optional<HalvesError> PatternFollower::halves() {
+  const std::vector<TileSums> tiles = registration_.tile_sums();
+  if (tiles.empty()) return std::nullopt;
+  TileSums::Matrix normal = tiles.front().normal;
+  for (std::size_t t = 1; t < tiles.size(); ++t) normal += tiles[t].normal;
+  return halves_error(tiles, normal, registration_.model_covariance());
 }
 
 /// From the predicted angle; where the texture has turned too far for that, from the best of all angles.

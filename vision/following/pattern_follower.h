@@ -37,6 +37,7 @@ struct Sighting {
   double ncc = 0;
   double residual_rms = 0;
   double excess_rms = 0;
+  std::optional<HalvesError> halves;  ///< where they were asked for
 };
 
 struct FollowStep {
@@ -59,8 +60,8 @@ class PatternFollower {
   PatternFollower(const Picture& first, std::int64_t index, const Pattern& pattern,
                   const FollowOptions& options);
 
-  /// Frames must come in order.
-  FollowStep step(FrameSource& source, std::int64_t index);
+  /// Frames must come in order. `audited`: the sighting's halves are compared.
+  FollowStep step(FrameSource& source, std::int64_t index, bool audited = false);
 
   const FollowEffort& effort() const { return effort_; }
 
@@ -72,6 +73,7 @@ class PatternFollower {
   std::optional<Sighting> search(FrameSource& source, std::int64_t index);
   std::vector<Point> candidates(FrameSource& source, std::int64_t index);
   void remember_distractors(FrameSource& source);
+  std::optional<HalvesError> halves();
   void accept(std::int64_t index, const Sighting& sighting);
   Pose pose_at(const Point& position, std::int64_t index) const;
   TrackStatus missing_status(const Rect& bounds, std::int64_t index) const;
@@ -88,6 +90,7 @@ class PatternFollower {
   State before_state_ = State::lost;
   std::vector<std::pair<std::int64_t, double>> angles_;  ///< last two
   double reference_ncc_ = 1;
+  bool audited_ = false;             ///< the frame at hand
   std::optional<Sighting> outside_;  ///< seen, but reaching out of the picture
   Distractors distractors_;
   bool distractors_known_ = false;

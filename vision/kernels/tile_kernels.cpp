@@ -79,10 +79,10 @@ TRIBOTRACK_KERNEL ForceSums force_of(const TileArrays& arrays, float a, float b)
 }
 
 template <int columns>
-TRIBOTRACK_KERNEL NormalSums normal_with(const TileArrays& arrays) {
+TRIBOTRACK_KERNEL NormalSums normal_with(const TileArrays& arrays, std::size_t tile, std::size_t end) {
   constexpr int kSums = columns * (columns + 1) / 2;
   Lanes total[kSums] = {};
-  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+  for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes w, column[columns], one = Lanes{} + 1.0F;
     load(arrays.weight.data() + i, w);
     load(arrays.slope_x.data() + i, column[0]);
@@ -103,7 +103,13 @@ TRIBOTRACK_KERNEL NormalSums normal_with(const TileArrays& arrays) {
 }
 
 TRIBOTRACK_KERNEL NormalSums normal_of(const TileArrays& arrays) {
-  return arrays.slope_theta.empty() ? normal_with<4>(arrays) : normal_with<5>(arrays);
+  return arrays.slope_theta.empty() ? normal_with<4>(arrays, 0, arrays.tiles)
+                                    : normal_with<5>(arrays, 0, arrays.tiles);
+}
+
+TRIBOTRACK_KERNEL void normals_of(const TileArrays& arrays, std::vector<NormalSums>& out) {
+  for (std::size_t t = 0; t < arrays.tiles; ++t)
+    out[t] = arrays.slope_theta.empty() ? normal_with<4>(arrays, t, t + 1) : normal_with<5>(arrays, t, t + 1);
 }
 
 TRIBOTRACK_KERNEL ResidualCounts residuals_of(const TileArrays& arrays, const std::vector<float>& weight,
@@ -193,6 +199,9 @@ TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const
   __VA_ARGS__ NormalSums normal_##suffix(const TileArrays& arrays) {                                        \
     return normal_of(arrays);                                                                               \
   }                                                                                                         \
+  __VA_ARGS__ void normals_##suffix(const TileArrays& arrays, std::vector<NormalSums>& out) {               \
+    normals_of(arrays, out);                                                                                \
+  }                                                                                                         \
   __VA_ARGS__ ResidualCounts residuals_##suffix(const TileArrays& arrays, const std::vector<float>& weight, \
                                                 float a, float b, float small, std::vector<float>& out) {   \
     return residuals_of(arrays, weight, a, b, small, out);                                                  \
@@ -208,9 +217,9 @@ TRIBOTRACK_KERNEL CorrelationSums correlation_of(const TileArrays& arrays, const
   __VA_ARGS__ CorrelationSums correlation_##suffix(const TileArrays& arrays, const std::vector<float>& w) { \
     return correlation_of(arrays, w);                                                                       \
   }                                                                                                         \
-  constexpr TileKernels k_##suffix{#suffix,         sample_##suffix,     force_##suffix,                    \
-                                   normal_##suffix, residuals_##suffix,  mark_##suffix,                     \
-                                   scores_##suffix, correlation_##suffix};
+  constexpr TileKernels k_##suffix{#suffix,         sample_##suffix,  force_##suffix,                       \
+                                   normal_##suffix, normals_##suffix, residuals_##suffix,                   \
+                                   mark_##suffix,   scores_##suffix,  correlation_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)
 TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)

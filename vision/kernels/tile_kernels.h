@@ -57,6 +57,8 @@ struct TileKernels {
                  float pivot, bool slopes, TileArrays& arrays);
   ForceSums (*force)(const TileArrays& arrays, float a, float b);
   NormalSums (*normal)(const TileArrays& arrays);
+  /// The same over each tile.
+  void (*normals)(const TileArrays& arrays, std::vector<NormalSums>& out);
   /// |r| of each pixel, 0 where `weight` is; small ones are not larger than `small`.
   ResidualCounts (*residuals)(const TileArrays& arrays, const std::vector<float>& weight, float a, float b,
                               float small, std::vector<float>& out);

@@ -10,7 +10,11 @@
 namespace tribotrack::vision {
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
-  const NormalSums sums = tile_kernels().normal(arrays_);
+  return filled(tile_kernels().normal(arrays_));
+}
+
+/// From its upper triangle.
+TemplateRegistration::Matrix TemplateRegistration::filled(const NormalSums& sums) const {
   const int n = columns();
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
@@ -120,6 +124,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   const Matrix inverse = debiased(normal, fraction).inverse();
   const Matrix spread = inverse * normal * inverse / (gain * gain);
   out.covariance = noise * spread.topLeftCorner<2, 2>();
+  found_ = {gain, offset, noise, noise_force(sums, formed, fraction, gain), out.covariance};
   if (options_.rotation) out.sigma_theta = std::sqrt(noise * spread(4, 4));
 
   // Residual beyond noise: something in the picture that the model does not have.

@@ -21,6 +21,7 @@
 #include <array>
 #include <vector>
 
+#include "vision/audit/halves.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/tile_kernels.h"
@@ -57,9 +58,9 @@ struct RegistrationOptions {
   double tolerance_px = 1e-4;
 };
 
-/// Defined in five files: registration.cpp (the iteration), template.cpp (set-up; levels and slopes of the
+/// Defined in six files: registration.cpp (the iteration), template.cpp (set-up; levels and slopes of the
 /// template at a pose), picture.cpp (the picture under it), noise.cpp (the template's own noise in the normal
-/// equations), outliers.cpp (trimming and the sandwich covariance).
+/// equations), outliers.cpp (trimming and the sandwich covariance), tile_sums.cpp (for the audit).
 class TemplateRegistration {
  public:
   /// Copies what it needs of the first frame.
@@ -68,6 +69,12 @@ class TemplateRegistration {
   /// Refines a pose. `picture` is a window of the frame whose first pixel is pixel (x, y) of the frame.
   /// Template pixels that fall outside the window are left out.
   Registration refine(const Picture& picture, int x, int y, const Pose& start);
+
+  /// After a refine() that converged: what each tile had to say at the pose found, for the audit. Columns are
+  /// x, y, gain, offset and, where it is estimated, rotation.
+  std::vector<TileSums> tile_sums();
+  /// Likewise: covariance of (dx, dy) by the model alone, px^2, without what the residual adds.
+  const Eigen::Matrix2d& model_covariance() const { return found_.covariance; }
 
   /// ZNCC at a pose, nothing refined.
   double score(const Picture& picture, int x, int y, const Pose& pose);
@@ -97,6 +104,7 @@ class TemplateRegistration {
   float turned_weight(int x, int y, double c, double s) const;
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
   Matrix normal_matrix() const;
+  Matrix filled(const NormalSums& sums) const;
   Matrix debiased(const Matrix& normal, const Pose& fraction) const;
   double residual_noise(const ForceSums& sums, const Pose& at, double gain) const;
   Eigen::Vector2d noise_force(const ForceSums& sums, const Pose& formed, const Pose& at, double gain) const;
@@ -123,6 +131,15 @@ class TemplateRegistration {
 
   std::vector<TilePlace> places_;  ///< in the window
   std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0
+  /// The last pose refined.
+  struct Found {
+    double gain = 1, offset = 0;  ///< as in the kernels: of levels less the pivot
+    double noise = 0;             ///< variance of a residual
+    Eigen::Vector2d noise_force = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  };
+  Found found_;
+
   // Work space.
   TileArrays arrays_;
   std::vector<float> base_weight_;          ///< before trimming
@@ -133,6 +150,7 @@ class TemplateRegistration {
   std::vector<float> residual_;
   std::vector<unsigned char> outliers_;
   std::vector<std::array<double, 5>> scores_;
+  std::vector<NormalSums> normals_;
 };
 
 }  // namespace tribotrack::vision

@@ -26,6 +26,8 @@ const char* to_string(Stage stage) {
       return "layers: static illumination";
     case Stage::layers_measuring:
       return "layers: measuring";
+    case Stage::audit:
+      return "audit";
     case Stage::debug_pictures:
       return "debug pictures";
     case Stage::other:

@@ -22,6 +22,7 @@ enum class Stage {
   layers_learning,
   layers_illumination,
   layers_measuring,
+  audit,
   debug_pictures,
   other,
 };

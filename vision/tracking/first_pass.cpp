@@ -86,7 +86,8 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  const FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index); });
+  const FollowStep step =
+      timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -101,6 +102,9 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (!ok) return step;
   fill(point, *step.sighting);
   excess_.push_back(step.sighting->excess_rms);
+  std::optional<AuditFrame> audited;
+  if (step.sighting->halves) audited = {index, *step.sighting->halves, step.sighting->covariance};
+  audited_.seen(audited);
   if (setup_.pattern.radius > 0) {
     const auto running = clock_.enter(Stage::radius);
     mean_radius_.see(source_, index, step.sighting->position);
@@ -152,6 +156,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   if (options_.target.kind == Target::Kind::find_disc)
     add(summary.warnings, stillness_warning(track_, summary.disc));
   result_.excess = median(excess_);
+  result_.audited = audited_.frames();
   return std::move(track_);
 }
 

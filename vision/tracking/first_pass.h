@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "vision/audit/runs.h"
 #include "vision/discs/mean_radius.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
@@ -55,6 +56,7 @@ class FirstPass {
   std::optional<GateLamp> lamp_;
   std::optional<DiscFit> rim_;  ///< in the first frame
   RimWatch mean_radius_;
+  AuditSample audited_;  ///< frames whose halves are compared
   FirstPassResult result_;
 
   Track track_;

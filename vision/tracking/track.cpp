@@ -1,6 +1,7 @@
 #include "vision/track.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tribotrack::vision {
 
@@ -14,6 +15,11 @@ const char* to_string(TrackStatus status) {
       break;
   }
   return "lost";
+}
+
+std::optional<double> Audit::halves() const {
+  if (!halves_x || !halves_y || !checkerboard) return std::nullopt;
+  return std::hypot(*halves_x, *halves_y, *checkerboard) / std::sqrt(3.0);
 }
 
 std::int64_t Track::first_seen() const {

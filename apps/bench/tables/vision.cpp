@@ -69,6 +69,7 @@ BenchTable table_of(const std::vector<VisionLimitRow>& rows) {
       {"bound_px", &Row::bound},
       {"rms_over_bound", rms_over_bound, "x bound", ">8", "{:.3f}"},
       {"standardised_rms", &Row::standardised, "standardised", ">13", "{:.3f}"},
+      {"halves", &Row::halves, "halves", ">7", "{:.3f}"},
       {"noise_found_levels", &Row::noise_found},
       {"time_s", seconds(&Row::time), "time/frame", ">11"},
       {"", &Row::lost, "lost", ">5"},

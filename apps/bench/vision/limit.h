@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace tribotrack::bench {
@@ -29,8 +30,9 @@ struct VisionLimitRow {
   double rms = 0;        ///< px, of the errors' components, mean offset removed
   double bound = 0;      ///< px, Cramer-Rao bound with everything but the position known, rms over the path
   double standardised = 0;  ///< rms of the errors over their own standard deviations: 1 where these are true
-  double noise_found = 0;   ///< grey levels, rounding included
-  double time = 0;          ///< s per frame, CPU time of one thread, learning included
+  std::optional<double> halves;  ///< of the audit, over what the model predicts
+  double noise_found = 0;        ///< grey levels, rounding included
+  double time = 0;               ///< s per frame, CPU time of one thread, learning included
 };
 
 std::vector<VisionLimitRow> bench_limit(const VisionLimitOptions& options);

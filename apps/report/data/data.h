@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fit/fit_result.h"
+#include "vision/track.h"
 
 namespace tribotrack::apps {
 
@@ -115,6 +116,7 @@ struct ReportRun {
   std::vector<ReportResidual> residuals;
   std::size_t points = 0, outlying_points = 0;  ///< trajectory fits: used, and of them beyond 6 sigma
   std::vector<ReportStage> plan;
+  vision::Audit audit;
   ReportPlatform platform;
 };
 

@@ -83,6 +83,7 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
   if (facts.in_camera_frame && run.kind != "free_slide")
     run.notes.push_back("measured in the camera's frame: no marker");
   run.notes.insert(run.notes.end(), facts.warnings.begin(), facts.warnings.end());
+  run.audit = facts.audit;
   for (const PlannedStage& stage : facts.plan)
     run.plan.push_back({stage.stage, stage.on, stage.reason, stage.error_bound_px.value_or(no_value)});
   if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)

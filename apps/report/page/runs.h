@@ -11,7 +11,8 @@ namespace tribotrack::apps {
 /// Paths over the first frames (paper, fig. 11); a sentence where no run has a picture.
 std::string picture_section(const ReportData& data);
 
-std::string run_section(const ReportData& data);   ///< table of runs, failures, remarks
-std::string plan_section(const ReportData& data);  ///< stages left out, and why
+std::string run_section(const ReportData& data);    ///< table of runs, failures, remarks
+std::string audit_section(const ReportData& data);  ///< what the recordings say of their standard deviations
+std::string plan_section(const ReportData& data);   ///< stages left out, and why
 
 }  // namespace tribotrack::apps

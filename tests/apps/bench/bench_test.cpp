@@ -67,7 +67,7 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
             "peak_locking_px,time_s,rms_over_ours,time_over_ours");
   EXPECT_EQ(first_line(out / "bench_vision_limit.csv"),
             "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
-            "standardised_rms,noise_found_levels,time_s");
+            "standardised_rms,halves,noise_found_levels,time_s");
   EXPECT_EQ(
       first_line(out / "bench_vision_decoding.csv"),
       "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding");

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "apps/files/meta_file.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {
@@ -122,6 +123,24 @@ TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
               HasSubstr("t.csv:2:21: `okay` is no status"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,,,0,1,ok,1,2,,0.1\n"), HasSubstr("sigma_x_mm"));
   EXPECT_EQ(complaint(kHeader + row), "no complaint");
+}
+
+TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
+  vision::Audit audit;
+  audit.frames = 240;
+  audit.halves_x = 1.1;
+  audit.halves_y = 1.2;
+  audit.high_frequency = 1.4;
+  audit.lag1 = -0.25;
+  audit.white_factor = 1.7;
+  audit.slow_sd = 0.004;
+  audit.slow_time = 0.3;
+  const Json json = json_of(audit);
+  EXPECT_TRUE(json.at("pixel_phase").is_null());
+  const vision::Audit back = track_facts_from({{"audit", json}}, "t.csv.meta.json").audit;
+  EXPECT_EQ(json_of(back), json);
+  EXPECT_EQ(back.halves_y, audit.halves_y);
+  EXPECT_FALSE(back.checkerboard);
 }
 
 TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {

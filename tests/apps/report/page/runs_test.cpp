@@ -118,5 +118,19 @@ TEST(PlanSection, RunsWithTheSamePlanShareATable) {
   EXPECT_THAT(html, HasSubstr("<summary>2 a: 0 of 1 stages left out</summary>"));
 }
 
+TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
+  ReportData data = one_run();
+  EXPECT_EQ(audit_section(data), "");  // a track of an earlier version, or a run measured elsewhere
+  data.runs[0].audit.halves_x = 1.42;
+  data.runs[0].audit.lag1 = -0.31;
+  data.runs[0].audit.white_factor = 4;
+  data.runs[0].audit.slow_sd = 0.0123;
+  EXPECT_THAT(audit_section(data),
+              HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
+                        "class=\"n\">–</td><td class=\"n\">–</td><td class=\"n\">–</td><td "
+                        "class=\"n\">-0.31</td><td class=\"n\">2.00</td><td "
+                        "class=\"n\">0.0123</td></tr>"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

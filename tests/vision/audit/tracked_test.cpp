@@ -1,0 +1,95 @@
+// The audit of whole tracks, against the truth.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "vision/analytic_scene.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::RenderedSource;
+using test::TestScene;
+
+Point place(std::int64_t k) {
+  return {48.3 + 6 * std::cos(0.03 * static_cast<double>(k)),
+          46.8 - 6 * std::sin(0.03 * static_cast<double>(k))};
+}
+
+/// Noise of 2 grey levels and, alike over blocks of 3 x 3 pixels, of `blocks`, as coding makes it.
+RenderedSource recording(double blocks) {
+  return {96, 96, 400, [blocks](std::int64_t k) {
+            TestScene scene;
+            scene.width = scene.height = 96;
+            scene.discs = {{place(k).x, place(k).y, 14, 0, 150, {}}};
+            std::mt19937 random(static_cast<unsigned>(100 + k));
+            Picture picture = scene.render();
+            std::normal_distribution<float> level(0, static_cast<float>(blocks));
+            if (blocks > 0)
+              for (int y = 0; y < 96; y += 3)
+                for (int x = 0; x < 96; x += 3) {
+                  const float shift = level(random);
+                  for (int j = 0; j < 9; ++j) picture.at(x + j % 3, y + j / 3) += shift;
+                }
+            return test::noisy(picture, 2, random);
+          }};
+}
+
+struct Tracked {
+  Audit audit;
+  double standardised = 0;  ///< rms of the errors over their standard deviations
+  std::size_t warnings = 0;
+};
+
+Tracked tracked(double blocks) {
+  RenderedSource source = recording(blocks);
+  TrackOptions options;
+  options.target.kind = Target::Kind::disc;
+  options.target.disc = {place(0).x, place(0).y, 14};
+  options.layers = Layers::off;
+  const TrackResult result = track(source, options);
+  Tracked out{result.summary.audit, 0, result.summary.warnings.size()};
+  Point mean;
+  const auto count = static_cast<double>(result.track.points.size());
+  for (std::size_t k = 0; k < result.track.points.size(); ++k) {
+    EXPECT_EQ(result.track.points[k].status, TrackStatus::ok);
+    mean.x += (result.track.points[k].x - place(static_cast<std::int64_t>(k)).x) / count;
+    mean.y += (result.track.points[k].y - place(static_cast<std::int64_t>(k)).y) / count;
+  }
+  for (std::size_t k = 0; k < result.track.points.size(); ++k) {
+    const TrackPoint& p = result.track.points[k];
+    const Point truth = place(static_cast<std::int64_t>(k));
+    out.standardised +=
+        std::pow((p.x - truth.x - mean.x) / p.sigma_x, 2) + std::pow((p.y - truth.y - mean.y) / p.sigma_y, 2);
+  }
+  out.standardised = std::sqrt(out.standardised / (2 * count));
+  std::printf("halves %.2f, from frame to frame %.2f, pixel phase %.2f, lag 1 %.2f, widened %.2f: %.3f\n",
+              out.audit.halves().value_or(0), out.audit.high_frequency.value_or(0),
+              out.audit.pixel_phase.value_or(0), out.audit.lag1.value_or(0),
+              std::sqrt(out.audit.white_factor), out.standardised);
+  return out;
+}
+
+TEST(AuditOfATrack, WhiteNoiseIsAsTheModelSays) {
+  const Tracked found = tracked(0);
+  EXPECT_NEAR(found.audit.halves().value(), 1, 0.1);
+  EXPECT_NEAR(found.audit.high_frequency.value(), 1, 0.15);
+  EXPECT_LT(std::sqrt(found.audit.white_factor), 1.05);
+  EXPECT_NEAR(found.standardised, 1, 0.1);
+  EXPECT_EQ(found.warnings, 0U);
+}
+
+TEST(AuditOfATrack, CorrelatedNoiseIsSeenAndCounted) {
+  const Tracked found = tracked(4);
+  // Gain and offset take part of what is alike all over a half.
+  EXPECT_GT(found.audit.halves().value(), 1.15);
+  EXPECT_GT(found.audit.high_frequency.value(), 1.3);
+  EXPECT_GT(found.standardised, 0.8);
+  EXPECT_LT(found.standardised, 1.2);
+  EXPECT_GE(found.warnings, 1U);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

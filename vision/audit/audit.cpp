@@ -1,0 +1,91 @@
+#include "vision/audit/audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/audit/differences.h"
+#include "vision/audit/local_polynomial.h"
+#include "vision/audit/pixel_phase.h"
+#include "vision/audit/stretches.h"
+
+namespace tribotrack::vision {
+namespace {
+
+double time_step(const Track& track) {
+  if (track.points.size() < 2) return 0;
+  return (track.points.back().time_s - track.points.front().time_s) /
+         static_cast<double>(track.points.size() - 1);
+}
+
+void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit& out) {
+  const auto found = halves_found(frames);
+  if (!found) return;
+  out.frames = static_cast<std::int64_t>(frames.size());
+  out.halves_x = found->left_right;
+  out.halves_y = found->top_bottom;
+  out.checkerboard = found->checkerboard;
+  out.white_factor = std::max(out.white_factor, supported(found->white));
+  if (!(found->slow_frames > 0)) return;
+  // That there is a slow part is certain; it is what white noise, widened, leaves of the total.
+  const double slow = found->total.value - out.white_factor;
+  if (slow <= 0) return;
+  out.slow_sd = std::sqrt(slow * found->unit);
+  out.slow_time = found->slow_frames * time_step;
+}
+
+void take_larger(std::optional<double>& most, double value) {
+  if (!most || std::abs(value) > std::abs(*most)) most = value;
+}
+
+void audit_coordinate(const std::vector<Stretch>& parts, const Axis& axis, Audit& out) {
+  const auto fast = high_frequency(parts, axis);
+  if (!fast) return;
+  const LocalPolynomial fit(fast->order);
+  MeanSquare noise = fast->noise;
+  if (const auto lag1 = lag1_correlation(parts, axis, fit)) {
+    take_larger(out.lag1, lag1->value);
+    noise = without_alternation(*fast, lag1->value + 2 * lag1->scatter);  // as far as it is beyond doubt
+  }
+  take_larger(out.high_frequency, std::sqrt(noise.value));
+  out.white_factor = std::max(out.white_factor, supported(noise));
+  if (const auto phase = pixel_phase(parts, axis, fit, fast->noise.value)) {
+    take_larger(out.pixel_phase, std::sqrt(phase->value));
+    out.white_factor = std::max(out.white_factor, supported(*phase));
+  }
+}
+
+/// The coordinate that is worse off counts for both.
+void audit_track(const Track& track, Audit& out) {
+  const std::vector<Stretch> parts = stretches(track);
+  audit_coordinate(parts, kAlongX, out);
+  audit_coordinate(parts, kAlongY, out);
+}
+
+}  // namespace
+
+Audit audit(const std::vector<AuditFrame>& frames, const Track& track) {
+  Audit out;
+  audit_track(track, out);
+  audit_halves(frames, time_step(track), out);
+  return out;
+}
+
+void apply(const Audit& found, Track& track, TrackSummary& summary) {
+  const double slow = found.slow_sd * found.slow_sd;
+  for (TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    const double covariance = found.white_factor * p.rho_xy * p.sigma_x * p.sigma_y;
+    p.sigma_x = std::sqrt(found.white_factor * p.sigma_x * p.sigma_x + slow);
+    p.sigma_y = std::sqrt(found.white_factor * p.sigma_y * p.sigma_y + slow);
+    p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
+  }
+  const double before = found.white_factor * summary.slow_sd * summary.slow_sd;
+  if (before + slow > 0)
+    summary.slow_time = (before * summary.slow_time + slow * found.slow_time) / (before + slow);
+  summary.slow_sd = std::sqrt(before + slow);
+  summary.audit = found;
+  if (std::string warning = audit_warning(found); !warning.empty())
+    summary.warnings.push_back(std::move(warning));
+}
+
+}  // namespace tribotrack::vision

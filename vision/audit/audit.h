@@ -1,0 +1,29 @@
+// The audit: does the recording itself bear out the standard deviations that tracking reports?
+//
+// Those come from a model of the pictures. The audit asks what no model of the pictures enters:
+//   halves           do complementary halves of the pixels agree on the position (halves.h, split.h)?
+//   high frequency   do positions scatter from frame to frame as they should (differences.h)?
+//   pixel phase      do they err with the fraction of a pixel (pixel_phase.h)?
+//   lag 1            are errors of consecutive frames alike, or opposite (local_polynomial.h)?
+// An error that all pixels share and that is slow shows in none of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vision/audit/split.h"
+#include "vision/track.h"
+
+namespace tribotrack::vision {
+
+/// From the audited frames, in order, and the track that they belong to.
+Audit audit(const std::vector<AuditFrame>& frames, const Track& track);
+
+/// Nothing reports less than the audit finds: widens the covariances of ok points and what the summary says
+/// of slow errors, and keeps the audit there, with a warning where it calls for one.
+void apply(const Audit& found, Track& track, TrackSummary& summary);
+
+/// One sentence where a ratio exceeds 1.3, else empty.
+std::string audit_warning(const Audit& found);
+
+}  // namespace tribotrack::vision

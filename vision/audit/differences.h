@@ -1,0 +1,34 @@
+// Noise from frame to frame, by differences of high order.
+//
+// The p-th difference of white noise has the variance C(2p, p) sigma^2: 6, 70, 924 for p = 2, 4, 6. A motion
+// that is slow against the frame rate adds less and less to it from order to order. So the lowest order that
+// finds no more than the next one is free of the motion; where none is, the motion is too fast for this and
+// nothing is said.
+//
+// For white noise the covariance of two such estimates, relative, is 2/n C(2p + 2q, p + q) / (C(2p, p)
+// C(2q, q)) from n differences (Vandermonde's identity for the products of their coefficients), which says
+// when two orders differ.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/audit/mean_square.h"
+#include "vision/audit/stretches.h"
+
+namespace tribotrack::vision {
+
+struct HighFrequency {
+  MeanSquare noise;  ///< against the reported variances
+  int order = 0;     ///< p
+};
+
+/// Of one coordinate; single outliers are left out. nullopt where the motion is too fast or there are fewer
+/// than 24 differences.
+std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches, const Axis& axis);
+
+/// Errors that alternate make differences larger than white noise of the same size does: what remains of
+/// the variance if the errors are an autoregression with this correlation, or a positive one is ignored.
+MeanSquare without_alternation(const HighFrequency& found, double correlation);
+
+}  // namespace tribotrack::vision
