@@ -1,0 +1,233 @@
+#include "vision/discs/rim_sectors.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "vision/discs/rim_fit.h"
+#include "vision/discs/rim_model.h"
+#include "vision/kernels/median.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSectorLength = 4.5;  ///< px: the rim's pixels in it fix three numbers well
+constexpr int kFewestSectors = 8, kMostSectors = 72;
+constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
+constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
+constexpr int kFewestPixels = 6;                    ///< in a sector
+constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
+constexpr double kHuber = 2.5;                      ///< usual deviations from which a sector counts less
+constexpr int kIterations = 12, kReweightings = 4;
+constexpr double kSettled = 1e-4;  ///< px
+constexpr double kAgain = 0.3;     ///< px of motion after which the pixels are chosen anew
+
+/// Regression on 1, Phi, phi / s: outside level, step, step times the edge's displacement.
+struct Sums {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0;
+  int pixels = 0;
+};
+
+struct Edge {
+  bool seen = false;
+  double step = 0, displacement = 0, information = 0, residual = 0;
+};
+
+class SectorFit {
+ public:
+  SectorFit(const Picture& picture, const Circle& start, double blur)
+      : picture_(picture),
+        start_(start),
+        blur_(std::max(blur, kLeastBlur)),
+        band_(std::min(std::max(kBandInBlurs * blur_, kLeastBand), 0.6 * start.radius)),
+        count_(rim_sector_count(start.radius)),
+        circle_(start),
+        edges_(static_cast<std::size_t>(count_)) {}
+
+  std::optional<RimSectors> run() {
+    choose_pixels();
+    for (int k = 0; k < kIterations; ++k) {
+      measure_edges();
+      if (seen_ < 0.5 * count_) return std::nullopt;
+      const Eigen::Vector3d step = fit_circle();
+      if (!step.allFinite()) return std::nullopt;
+      // The edges' displacement is linear for a blur's width.
+      const double size = step.cwiseAbs().maxCoeff(), brake = size > blur_ ? blur_ / size : 1;
+      circle_ = {circle_.x + brake * step(0), circle_.y + brake * step(1), circle_.radius + brake * step(2)};
+      if (walked_away()) return std::nullopt;
+      if (size < kSettled) return result();
+      if (std::hypot(circle_.x - chosen_.x, circle_.y - chosen_.y) +
+              std::abs(circle_.radius - chosen_.radius) >
+          kAgain)
+        choose_pixels();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void choose_pixels();
+  void measure_edges();
+  Eigen::Vector3d fit_circle();
+  bool walked_away() const {
+    return std::hypot(circle_.x - start_.x, circle_.y - start_.y) > 2 * band_ ||
+           std::abs(circle_.radius - start_.radius) > 0.5 * band_;
+  }
+  RimSectors result() const;
+
+  const Picture& picture_;
+  Circle start_;
+  double blur_, band_;
+  int count_;
+  Circle circle_, chosen_;
+  RimPixels pixels_;
+  std::vector<std::size_t> sector_;  ///< of each pixel
+  std::vector<Edge> edges_;
+  double seen_ = 0, contrast_ = 0, unevenness_ = 0, squares_ = 0, explained_ = 0;
+};
+
+void SectorFit::choose_pixels() {
+  chosen_ = circle_;
+  pixels_ = rim_pixels(picture_, circle_, band_);
+  sector_.resize(pixels_.x.size());
+  for (std::size_t i = 0; i < sector_.size(); ++i) {
+    const double turn = 0.5 + std::atan2(pixels_.y[i] - circle_.y, pixels_.x[i] - circle_.x) / (2 * kPi);
+    sector_[i] = std::min(static_cast<std::size_t>(turn * count_), static_cast<std::size_t>(count_ - 1));
+  }
+}
+
+Edge edge_of(const Sums& s) {
+  Edge edge;
+  if (s.pixels < kFewestPixels) return edge;
+  const Eigen::LDLT<Eigen::Matrix3d> factor(s.normal);
+  if (!(factor.vectorD().minCoeff() > 1e-9)) return edge;
+  const Eigen::Vector3d fit = factor.solve(s.right);
+  edge.step = fit(1);
+  edge.displacement = fit(2) / fit(1);
+  edge.information = fit(1) * fit(1) / factor.solve(Eigen::Vector3d::UnitZ())(2);
+  edge.residual = std::max(0.0, s.squares - fit.dot(s.right));
+  edge.seen = std::isfinite(edge.displacement);
+  return edge;
+}
+
+void SectorFit::measure_edges() {
+  std::vector<Sums> sums(edges_.size());
+  const double inverse = 1 / blur_;
+  for (std::size_t i = 0; i < sector_.size(); ++i) {
+    Sums& s = sums[sector_[i]];
+    const double rho = std::hypot(pixels_.x[i] - circle_.x, pixels_.y[i] - circle_.y);
+    const auto [value, density] = normal_step((circle_.radius - rho) * inverse);
+    const double slope = density * inverse, level = pixels_.level[i];
+    s.normal(0, 0) += 1;
+    s.normal(1, 0) += value;
+    s.normal(1, 1) += value * value;
+    s.normal(2, 0) += slope;
+    s.normal(2, 1) += slope * value;
+    s.normal(2, 2) += slope * slope;
+    s.right += level * Eigen::Vector3d(1, value, slope);
+    s.squares += level * level;
+    ++s.pixels;
+  }
+  std::ranges::transform(sums, edges_.begin(), edge_of);
+
+  std::vector<double> steps;
+  for (const Edge& e : edges_)
+    if (e.seen) steps.push_back(e.step);
+  contrast_ = median(steps);
+  seen_ = 0;
+  for (Edge& e : edges_) {
+    e.seen = e.seen && e.step / contrast_ > kLeastStep && std::abs(e.displacement) < 0.5 * band_;
+    seen_ += e.seen;
+  }
+  double residual = 0, sum = 0, squares = 0, pixels = 0;
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    residual += edges_[k].residual;
+    sum += sums[k].right(0);
+    squares += sums[k].squares;
+    pixels += sums[k].pixels;
+  }
+  squares_ = residual / std::max(1.0, pixels - 3.0 * count_);
+  explained_ = 1 - residual / std::max(1e-9, squares - sum * sum / std::max(1.0, pixels));
+}
+
+/// Step of centre and radius; Huber's weights about the circle. Leaves the displacements less that step.
+Eigen::Vector3d SectorFit::fit_circle() {
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  std::vector<double> sizes;
+  for (int round = 0; round <= kReweightings; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (int k = 0; k < count_; ++k) {
+      const Edge& e = edges_[static_cast<std::size_t>(k)];
+      if (!e.seen) continue;
+      const Point u = sector_direction(k, count_);
+      const Eigen::Vector3d row(u.x, u.y, 1);
+      const double off = round == 0 ? 0 : std::abs(e.displacement - row.dot(step));
+      const double weight = e.information * std::min(1.0, kHuber * unevenness_ / std::max(1e-9, off));
+      normal += weight * row * row.transpose();
+      right += weight * e.displacement * row;
+    }
+    step = normal.ldlt().solve(right);
+    sizes.clear();
+    for (int k = 0; k < count_; ++k) {
+      const Edge& e = edges_[static_cast<std::size_t>(k)];
+      const Point u = sector_direction(k, count_);
+      if (e.seen) sizes.push_back(std::abs(e.displacement - Eigen::Vector3d(u.x, u.y, 1).dot(step)));
+    }
+    unevenness_ = std::max(1e-6, kNormalMad * median(sizes));
+  }
+  return step;
+}
+
+RimSectors SectorFit::result() const {
+  RimSectors out;
+  out.circle = circle_;
+  for (const Edge& e : edges_) {
+    out.deviation.push_back(e.seen ? static_cast<float>(e.displacement) : 0);
+    out.information.push_back(e.seen ? static_cast<float>(e.information) : 0);
+  }
+  out.contrast = contrast_;
+  out.coverage = seen_ / count_;
+  out.unevenness = unevenness_;
+  out.correlation = std::sqrt(std::max(0.0, explained_));
+  out.residual_rms = std::sqrt(squares_);
+  return out;
+}
+
+}  // namespace
+
+int rim_sector_count(double radius) {
+  return std::clamp(static_cast<int>(std::lround(2 * kPi * radius / kSectorLength)), kFewestSectors,
+                    kMostSectors);
+}
+
+Point sector_direction(int sector, int count) {
+  const double angle = 2 * kPi * ((sector + 0.5) / count - 0.5);
+  return {std::cos(angle), std::sin(angle)};
+}
+
+std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur) {
+  if (!(start.radius >= 2)) return std::nullopt;
+  return SectorFit(picture, start, blur).run();
+}
+
+bool same_rim(const RimSectors& seen, const RimShape& known) {
+  constexpr double kCoverage = 0.85;                          // a fingertip over the rim is no part of it
+  constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;   // px; motion blur widens a rim
+  constexpr double kLeastContrast = 0.5, kMostContrast = 2;   // light changes
+  constexpr double kUneven = 3, kUnevenSlack = 0.1;           // px
+  const double share = seen.contrast / known.contrast;
+  return seen.coverage >= kCoverage && share > kLeastContrast && share < kMostContrast &&
+         std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&
+         seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
+}
+
+RimShape shape_of(const RimSectors& seen, double blur) {
+  return {seen.circle.radius, blur, seen.contrast, seen.unevenness};
+}
+
+}  // namespace tribotrack::vision
