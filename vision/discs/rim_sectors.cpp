@@ -1,7 +1,7 @@
 #include "vision/discs/rim_sectors.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +22,7 @@ constexpr int kFewestPixels = 6;                    ///< in a sector
 constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
 constexpr double kHuber = 2.5;                      ///< usual deviations from which a sector counts less
 constexpr int kIterations = 12, kReweightings = 4;
-constexpr double kSettled = 1e-4;  ///< px
+constexpr double kSettled = 1e-3;  ///< px: a tenth of what the best rims tell
 constexpr double kAgain = 0.3;     ///< px of motion after which the pixels are chosen anew
 
 /// Regression on 1, Phi, phi / s: outside level, step, step times the edge's displacement.
@@ -47,7 +47,13 @@ class SectorFit {
         band_(std::min(std::max(kBandInBlurs * blur_, kLeastBand), 0.6 * start.radius)),
         count_(rim_sector_count(start.radius)),
         circle_(start),
-        edges_(static_cast<std::size_t>(count_)) {}
+        directions_(static_cast<std::size_t>(count_)),
+        edges_(static_cast<std::size_t>(count_)) {
+    for (int k = 0; k < count_; ++k) {
+      const Point u = sector_direction(k, count_);
+      directions_[static_cast<std::size_t>(k)] = {u.x, u.y, 1};
+    }
+  }
 
   std::optional<RimSectors> run() {
     choose_pixels();
@@ -85,7 +91,8 @@ class SectorFit {
   int count_;
   Circle circle_, chosen_;
   RimPixels pixels_;
-  std::vector<std::size_t> sector_;  ///< of each pixel
+  std::vector<std::size_t> sector_;          ///< of each pixel
+  std::vector<Eigen::Vector3d> directions_;  ///< how each edge moves with x, y, R
   std::vector<Edge> edges_;
   double seen_ = 0, contrast_ = 0, unevenness_ = 0, squares_ = 0, explained_ = 0;
 };
@@ -103,12 +110,15 @@ void SectorFit::choose_pixels() {
 Edge edge_of(const Sums& s) {
   Edge edge;
   if (s.pixels < kFewestPixels) return edge;
-  const Eigen::LDLT<Eigen::Matrix3d> factor(s.normal);
-  if (!(factor.vectorD().minCoeff() > 1e-9)) return edge;
-  const Eigen::Vector3d fit = factor.solve(s.right);
+  const Eigen::Matrix3d normal = s.normal.selfadjointView<Eigen::Lower>();
+  Eigen::Matrix3d inverse;
+  bool regular = false;
+  normal.computeInverseWithCheck(inverse, regular);
+  if (!regular) return edge;
+  const Eigen::Vector3d fit = inverse * s.right;
   edge.step = fit(1);
   edge.displacement = fit(2) / fit(1);
-  edge.information = fit(1) * fit(1) / factor.solve(Eigen::Vector3d::UnitZ())(2);
+  edge.information = fit(1) * fit(1) / inverse(2, 2);
   edge.residual = std::max(0.0, s.squares - fit.dot(s.right));
   edge.seen = std::isfinite(edge.displacement);
   return edge;
@@ -119,7 +129,8 @@ void SectorFit::measure_edges() {
   const double inverse = 1 / blur_;
   for (std::size_t i = 0; i < sector_.size(); ++i) {
     Sums& s = sums[sector_[i]];
-    const double rho = std::hypot(pixels_.x[i] - circle_.x, pixels_.y[i] - circle_.y);
+    const double dx = pixels_.x[i] - circle_.x, dy = pixels_.y[i] - circle_.y;
+    const double rho = std::sqrt(dx * dx + dy * dy);
     const auto [value, density] = normal_step((circle_.radius - rho) * inverse);
     const double slope = density * inverse, level = pixels_.level[i];
     s.normal(0, 0) += 1;
@@ -154,30 +165,26 @@ void SectorFit::measure_edges() {
   explained_ = 1 - residual / std::max(1e-9, squares - sum * sum / std::max(1.0, pixels));
 }
 
-/// Step of centre and radius; Huber's weights about the circle. Leaves the displacements less that step.
+/// Step of centre and radius; Huber's weights about the circle.
 Eigen::Vector3d SectorFit::fit_circle() {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
   std::vector<double> sizes;
   for (int round = 0; round <= kReweightings; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (int k = 0; k < count_; ++k) {
-      const Edge& e = edges_[static_cast<std::size_t>(k)];
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      const Edge& e = edges_[k];
       if (!e.seen) continue;
-      const Point u = sector_direction(k, count_);
-      const Eigen::Vector3d row(u.x, u.y, 1);
+      const Eigen::Vector3d& row = directions_[k];
       const double off = round == 0 ? 0 : std::abs(e.displacement - row.dot(step));
-      const double weight = e.information * std::min(1.0, kHuber * unevenness_ / std::max(1e-9, off));
+      const double weight = e.information * (off > kHuber * unevenness_ ? kHuber * unevenness_ / off : 1);
       normal += weight * row * row.transpose();
       right += weight * e.displacement * row;
     }
-    step = normal.ldlt().solve(right);
+    step = normal.inverse() * right;
     sizes.clear();
-    for (int k = 0; k < count_; ++k) {
-      const Edge& e = edges_[static_cast<std::size_t>(k)];
-      const Point u = sector_direction(k, count_);
-      if (e.seen) sizes.push_back(std::abs(e.displacement - Eigen::Vector3d(u.x, u.y, 1).dot(step)));
-    }
+    for (std::size_t k = 0; k < edges_.size(); ++k)
+      if (edges_[k].seen) sizes.push_back(std::abs(edges_[k].displacement - directions_[k].dot(step)));
     unevenness_ = std::max(1e-6, kNormalMad * median(sizes));
   }
   return step;
@@ -216,10 +223,10 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
 }
 
 bool same_rim(const RimSectors& seen, const RimShape& known) {
-  constexpr double kCoverage = 0.85;                          // a fingertip over the rim is no part of it
-  constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;   // px; motion blur widens a rim
-  constexpr double kLeastContrast = 0.5, kMostContrast = 2;   // light changes
-  constexpr double kUneven = 3, kUnevenSlack = 0.1;           // px
+  constexpr double kCoverage = 0.8;                          // a fingertip over the rim is no part of it
+  constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;  // px; motion blur widens a rim
+  constexpr double kLeastContrast = 0.5, kMostContrast = 2;  // light changes
+  constexpr double kUneven = 3, kUnevenSlack = 0.1;          // px
   const double share = seen.contrast / known.contrast;
   return seen.coverage >= kCoverage && share > kLeastContrast && share < kMostContrast &&
          std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&

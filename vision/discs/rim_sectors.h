@@ -7,8 +7,8 @@
 // picture of the part is compared, a highlight or a streak that passes along the rim changes levels, not
 // edges. What it costs against a template of a part that does not change is a factor of 1.5 to 2.
 //
-// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - moves each sector's edge alike in
-// all frames: rim_series.h learns it.
+// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - moves each sector's edge alike
+// in all frames: rim_series.h learns it.
 #pragma once
 
 #include <optional>
@@ -30,10 +30,10 @@ struct RimSectors {
   /// d_k less the circle, px, and the inverse of its variance for noise of one grey level; 0 where the sector
   /// does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing angle.
   std::vector<float> deviation, information;
-  double contrast = 0;     ///< median of A_k - O_k
-  double coverage = 0;     ///< share of the sectors that show the edge
-  double unevenness = 0;   ///< usual size of the deviations, px
-  double correlation = 0;  ///< of the pixels near the rim with the edges fitted to them, -1 .. 1
+  double contrast = 0;      ///< median of A_k - O_k
+  double coverage = 0;      ///< share of the sectors that show the edge
+  double unevenness = 0;    ///< usual size of the deviations, px
+  double correlation = 0;   ///< of the pixels near the rim with the edges fitted to them, -1 .. 1
   double residual_rms = 0;  ///< what the edges leave of them, grey levels
 };
 

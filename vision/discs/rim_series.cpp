@@ -9,127 +9,159 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kFewestFrames = 4;  ///< from which a pattern can be told from noise
-constexpr std::size_t kNearby = 8;        ///< frames on either side
-constexpr double kHuber = 2.5;            ///< usual residuals
+constexpr std::int64_t kPatternReach = 32;  ///< frames on either side in which the disc looks alike
+constexpr std::size_t kFewestFrames = 8;    ///< from which a pattern can be told from noise
+constexpr std::int64_t kScatterReach = 8;   ///< frames on either side in which edges scatter alike
+constexpr double kHuber = 2.5;              ///< usual residuals
 constexpr int kReweightings = 4;
 
-using Deviations = std::vector<std::vector<double>>;  ///< [frame][sector], px
+/// Of the frames, first .. last.
+struct Neighbours {
+  std::size_t first = 0, last = 0;
+  std::size_t count() const { return last - first + 1; }
+};
 
-/// p_k; zero where too few frames show the sector.
-std::vector<double> usual_deviations(const std::vector<RimSectors>& frames) {
-  std::vector<double> pattern(frames.front().deviation.size(), 0);
+Neighbours neighbours(const std::vector<RimFrame>& frames, std::size_t here, std::int64_t reach) {
+  Neighbours n{here, here};
+  while (n.first > 0 && frames[here].frame - frames[n.first - 1].frame <= reach) --n.first;
+  while (n.last + 1 < frames.size() && frames[n.last + 1].frame - frames[here].frame <= reach) ++n.last;
+  return n;
+}
+
+/// p_k about a frame, from all frames where too few are near; zero where too few show the sector.
+std::vector<double> pattern_about(const std::vector<RimFrame>& frames, std::size_t here) {
+  Neighbours near = neighbours(frames, here, kPatternReach);
+  if (near.count() < kFewestFrames) near = {0, frames.size() - 1};
+  std::vector<double> pattern(frames[here].rim.deviation.size(), 0), seen;
   for (std::size_t k = 0; k < pattern.size(); ++k) {
-    std::vector<double> seen;
-    for (const RimSectors& f : frames)
-      if (f.information[k] > 0) seen.push_back(static_cast<double>(f.deviation[k]));
-    if (seen.size() >= kFewestFrames) pattern[k] = median(seen);
+    seen.clear();
+    for (std::size_t t = near.first; t <= near.last; ++t)
+      if (frames[t].rim.information[k] > 0) seen.push_back(static_cast<double>(frames[t].rim.deviation[k]));
+    if (2 * seen.size() >= kFewestFrames) pattern[k] = median(seen);
   }
   return pattern;
 }
 
-Eigen::Vector3d direction(std::size_t sector, std::size_t count) {
-  const Point u = sector_direction(static_cast<int>(sector), static_cast<int>(count));
-  return {u.x, u.y, 1};
-}
-
-/// The circle through a frame's edges: its step from where they are measured, and what it leaves.
+/// The edges of a frame less the pattern, and the circle through them. Each pulls by its information times
+/// Huber's psi: what it is off, but no more than some usual residuals.
 struct CircleFit {
+  std::vector<double> edge, information, psi;
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-  std::vector<double> weight, residual;
 };
 
-CircleFit fit_circle(const RimSectors& frame, const std::vector<double>& pattern, double usual) {
-  const std::size_t count = pattern.size();
-  CircleFit fit;
-  fit.weight.resize(count);
-  fit.residual.resize(count);
+class SeriesFit {
+ public:
+  SeriesFit(const std::vector<RimFrame>& frames, double noise_variance)
+      : frames_(frames), noise_variance_(noise_variance), fits_(frames.size()) {
+    const int count = static_cast<int>(frames.front().rim.deviation.size());
+    for (int k = 0; k < count; ++k) {
+      const Point u = sector_direction(k, count);
+      directions_.emplace_back(u.x, u.y, 1);
+    }
+    take_out_pattern();
+    for (CircleFit& fit : fits_) fit_circle(fit);
+  }
+  RimFix fix(std::size_t frame) const;
+
+ private:
+  void take_out_pattern();
+  void fit_circle(CircleFit& fit) const;
+  std::vector<double> scatter_about(std::size_t here) const;
+  double own_excess(std::size_t here, const std::vector<double>& variance) const;
+
+  const std::vector<RimFrame>& frames_;
+  double noise_variance_;
+  std::vector<Eigen::Vector3d> directions_;  ///< how a sector's edge moves with x, y, R
+  std::vector<CircleFit> fits_;
+  double most_ = 0;  ///< px that an edge may pull by
+};
+
+void SeriesFit::take_out_pattern() {
+  std::vector<double> sizes;
+  for (std::size_t t = 0; t < frames_.size(); ++t) {
+    const RimSectors& rim = frames_[t].rim;
+    const std::vector<double> pattern = pattern_about(frames_, t);
+    fits_[t].information.assign(rim.information.begin(), rim.information.end());
+    for (std::size_t k = 0; k < pattern.size(); ++k) {
+      fits_[t].edge.push_back(static_cast<double>(rim.deviation[k]) - pattern[k]);
+      if (rim.information[k] > 0) sizes.push_back(std::abs(fits_[t].edge[k]));
+    }
+  }
+  most_ = kHuber * std::max(1e-6, kNormalMad * median(sizes));
+}
+
+void SeriesFit::fit_circle(CircleFit& fit) const {
+  std::vector<double> residual(directions_.size(), 0);
   for (int round = 0; round <= kReweightings; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::Vector3d u = direction(k, count);
-      const double off = std::abs(fit.residual[k]);
-      fit.weight[k] =
-          static_cast<double>(frame.information[k]) * (off > kHuber * usual ? kHuber * usual / off : 1);
-      normal += fit.weight[k] * u * u.transpose();
-      right += fit.weight[k] * (static_cast<double>(frame.deviation[k]) - pattern[k]) * u;
+    for (std::size_t k = 0; k < directions_.size(); ++k) {
+      const Eigen::Vector3d& u = directions_[k];
+      const double size = std::abs(residual[k]),
+                   weight = fit.information[k] * (size > most_ ? most_ / size : 1);
+      normal += weight * u * u.transpose();
+      right += weight * fit.edge[k] * u;
     }
     fit.inverse = normal.inverse();
     fit.step = fit.inverse * right;
-    for (std::size_t k = 0; k < count; ++k)
-      fit.residual[k] = static_cast<double>(frame.deviation[k]) - pattern[k] - direction(k, count).dot(fit.step);
+    for (std::size_t k = 0; k < directions_.size(); ++k)
+      residual[k] = fit.edge[k] - directions_[k].dot(fit.step);
   }
-  return fit;
+  for (const double r : residual) fit.psi.push_back(std::clamp(r, -most_, most_));
 }
 
-/// sum w v, the variance at which a frame's residuals are usual.
-double expected_squares(const CircleFit& fit, const std::vector<double>& variance) {
-  double sum = 0;
-  for (std::size_t k = 0; k < variance.size(); ++k) sum += fit.weight[k] * variance[k];
-  return sum;
-}
-
-double usual_size(const std::vector<RimSectors>& frames, const std::vector<double>& pattern) {
-  std::vector<double> sizes;
-  for (const RimSectors& f : frames)
-    for (std::size_t k = 0; k < pattern.size(); ++k)
-      if (f.information[k] > 0) sizes.push_back(std::abs(static_cast<double>(f.deviation[k]) - pattern[k]));
-  return std::max(1e-6, kNormalMad * median(sizes));
-}
-
-/// v_tk; corrected for the three numbers that each frame's circle took and for the pattern.
-std::vector<double> nearby_variance(const std::vector<CircleFit>& fits, std::size_t frame) {
-  const std::size_t first = frame > kNearby ? frame - kNearby : 0;
-  const std::size_t last = std::min(fits.size() - 1, frame + kNearby);
-  const auto sectors = static_cast<double>(fits.front().residual.size());
-  const auto all = static_cast<double>(fits.size());
-  const double taken = sectors / (sectors - 3) * (fits.size() >= kFewestFrames ? all / (all - 1) : 1);
-  std::vector<double> variance(fits.front().residual.size(), 0);
+/// v_tk, corrected for the three numbers that each frame's circle took and for the pattern; at least what the
+/// noise does.
+std::vector<double> SeriesFit::scatter_about(std::size_t here) const {
+  const Neighbours near = neighbours(frames_, here, kScatterReach);
+  const auto sectors = static_cast<double>(directions_.size()), all = static_cast<double>(frames_.size());
+  const double taken = sectors / (sectors - 3) * (frames_.size() >= kFewestFrames ? all / (all - 1) : 1);
+  std::vector<double> variance(directions_.size(), 0);
   for (std::size_t k = 0; k < variance.size(); ++k) {
     double squares = 0, count = 0;
-    for (std::size_t t = first; t <= last; ++t) {
-      if (!(fits[t].weight[k] > 0)) continue;
-      squares += fits[t].residual[k] * fits[t].residual[k];
+    for (std::size_t t = near.first; t <= near.last; ++t) {
+      if (!(fits_[t].information[k] > 0)) continue;
+      squares += fits_[t].psi[k] * fits_[t].psi[k];
       ++count;
     }
-    if (count > 0) variance[k] = taken * squares / count;
+    const double information = fits_[here].information[k];
+    if (information > 0) variance[k] = std::max(taken * squares / count, noise_variance_ / information);
   }
   return variance;
 }
 
 /// A frame that is worse than its neighbours by more than chance says so.
-double own_excess(const CircleFit& fit, const std::vector<double>& variance) {
+double SeriesFit::own_excess(std::size_t here, const std::vector<double>& variance) const {
+  const CircleFit& fit = fits_[here];
   const double sectors = static_cast<double>(variance.size());
-  double squares = 0;
+  double own = 0, usual = 0;
+  for (std::size_t k = 0; k < variance.size(); ++k) {
+    own += fit.information[k] * fit.psi[k] * fit.psi[k] * sectors / (sectors - 3);
+    usual += fit.information[k] * variance[k];
+  }
+  return own > (1 + 3 * std::sqrt(2 / (sectors - 3))) * usual ? own / usual : 1;
+}
+
+RimFix SeriesFit::fix(std::size_t frame) const {
+  const CircleFit& fit = fits_[frame];
+  const std::vector<double> variance = scatter_about(frame);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < variance.size(); ++k)
-    squares += fit.weight[k] * fit.residual[k] * fit.residual[k];
-  const double ratio = squares * sectors / (sectors - 3) / std::max(1e-300, expected_squares(fit, variance));
-  return ratio > 1 + 3 * std::sqrt(2 / (sectors - 3)) ? ratio : 1;
+    scatter +=
+        fit.information[k] * fit.information[k] * variance[k] * directions_[k] * directions_[k].transpose();
+  const Eigen::Matrix3d covariance = own_excess(frame, variance) * fit.inverse * scatter * fit.inverse;
+  const Circle& c = frames_[frame].rim.circle;
+  return {{c.x + fit.step(0), c.y + fit.step(1)}, covariance.topLeftCorner<2, 2>()};
 }
 
 }  // namespace
 
-std::vector<RimFix> fix_centres(const std::vector<RimSectors>& frames) {
-  if (frames.empty()) return {};
-  const std::vector<double> pattern = usual_deviations(frames);
-  const double usual = usual_size(frames, pattern);
-  std::vector<CircleFit> fits;
-  for (const RimSectors& f : frames) fits.push_back(fit_circle(f, pattern, usual));
+std::vector<RimFix> fix_centres(const std::vector<RimFrame>& frames, double noise_variance) {
   std::vector<RimFix> fixes;
-  for (std::size_t t = 0; t < frames.size(); ++t) {
-    const CircleFit& fit = fits[t];
-    const std::vector<double> variance = nearby_variance(fits, t);
-    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-    for (std::size_t k = 0; k < variance.size(); ++k) {
-      const Eigen::Vector3d u = direction(k, variance.size());
-      scatter += fit.weight[k] * fit.weight[k] * variance[k] * u * u.transpose();
-    }
-    const Eigen::Matrix3d covariance = own_excess(fit, variance) * fit.inverse * scatter * fit.inverse;
-    const Circle& c = frames[t].circle;
-    fixes.push_back({{c.x + fit.step(0), c.y + fit.step(1)}, covariance.topLeftCorner<2, 2>()});
-  }
+  if (frames.empty()) return fixes;
+  const SeriesFit series(frames, noise_variance);
+  for (std::size_t t = 0; t < frames.size(); ++t) fixes.push_back(series.fix(t));
   return fixes;
 }
 
