@@ -14,7 +14,8 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSectorLength = 4.5;  ///< px: the rim's pixels in it fix three numbers well
+const double kPeak = std::sqrt(2 * kPi);  ///< of the normal density, inverted
+constexpr double kSectorLength = 4.5;     ///< px: the rim's pixels in it fix three numbers well
 constexpr int kFewestSectors = 8, kMostSectors = 72;
 constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
 constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
@@ -25,7 +26,9 @@ constexpr int kIterations = 12, kReweightings = 4;
 constexpr double kSettled = 1e-3;  ///< px: a tenth of what the best rims tell
 constexpr double kAgain = 0.3;     ///< px of motion after which the pixels are chosen anew
 
-/// Regression on 1, Phi, phi / s: outside level, step, step times the edge's displacement.
+/// Regression on 1, Phi, phi / s: outside level, step, step times the edge's displacement. Pixels within a
+/// blur or two of the edge say where it is; farther ones, which only tell the levels, count less the farther
+/// they are, for levels change (a slope, a glint beside the rim).
 struct Sums {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -132,15 +135,16 @@ void SectorFit::measure_edges() {
     const double dx = pixels_.x[i] - circle_.x, dy = pixels_.y[i] - circle_.y;
     const double rho = std::sqrt(dx * dx + dy * dy);
     const auto [value, density] = normal_step((circle_.radius - rho) * inverse);
+    const double weight = std::sqrt(std::sqrt(kPeak * density));  // exp(-t^2 / 8)
     const double slope = density * inverse, level = pixels_.level[i];
-    s.normal(0, 0) += 1;
-    s.normal(1, 0) += value;
-    s.normal(1, 1) += value * value;
-    s.normal(2, 0) += slope;
-    s.normal(2, 1) += slope * value;
-    s.normal(2, 2) += slope * slope;
-    s.right += level * Eigen::Vector3d(1, value, slope);
-    s.squares += level * level;
+    s.normal(0, 0) += weight;
+    s.normal(1, 0) += weight * value;
+    s.normal(1, 1) += weight * value * value;
+    s.normal(2, 0) += weight * slope;
+    s.normal(2, 1) += weight * slope * value;
+    s.normal(2, 2) += weight * slope * slope;
+    s.right += weight * level * Eigen::Vector3d(1, value, slope);
+    s.squares += weight * level * level;
     ++s.pixels;
   }
   std::ranges::transform(sums, edges_.begin(), edge_of);
@@ -154,15 +158,15 @@ void SectorFit::measure_edges() {
     e.seen = e.seen && e.step / contrast_ > kLeastStep && std::abs(e.displacement) < 0.5 * band_;
     seen_ += e.seen;
   }
-  double residual = 0, sum = 0, squares = 0, pixels = 0;
+  double residual = 0, sum = 0, squares = 0, weight = 0;
   for (std::size_t k = 0; k < edges_.size(); ++k) {
     residual += edges_[k].residual;
     sum += sums[k].right(0);
     squares += sums[k].squares;
-    pixels += sums[k].pixels;
+    weight += sums[k].normal(0, 0);
   }
-  squares_ = residual / std::max(1.0, pixels - 3.0 * count_);
-  explained_ = 1 - residual / std::max(1e-9, squares - sum * sum / std::max(1.0, pixels));
+  squares_ = residual / std::max(1.0, weight - 3.0 * count_);
+  explained_ = 1 - residual / std::max(1e-9, squares - sum * sum / std::max(1.0, weight));
 }
 
 /// Step of centre and radius; Huber's weights about the circle.

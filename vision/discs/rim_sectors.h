@@ -27,8 +27,9 @@ struct RimShape {
 
 struct RimSectors {
   Circle circle;
-  /// d_k less the circle, px, and the inverse of its variance for noise of one grey level; 0 where the sector
-  /// does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing angle.
+  /// d_k less the circle, px, and about the inverse of its variance for noise of one grey level; 0 where the
+  /// sector does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing
+  /// angle.
   std::vector<float> deviation, information;
   double contrast = 0;      ///< median of A_k - O_k
   double coverage = 0;      ///< share of the sectors that show the edge

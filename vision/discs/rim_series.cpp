@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "vision/kernels/median.h"
 
@@ -160,6 +161,9 @@ RimFix SeriesFit::fix(std::size_t frame) const {
 std::vector<RimFix> fix_centres(const std::vector<RimFrame>& frames, double noise_variance) {
   std::vector<RimFix> fixes;
   if (frames.empty()) return fixes;
+  for (const RimFrame& f : frames)
+    if (f.rim.deviation.size() != frames.front().rim.deviation.size())
+      throw std::invalid_argument("rims measured with different numbers of sectors");
   const SeriesFit series(frames, noise_variance);
   for (std::size_t t = 0; t < frames.size(); ++t) fixes.push_back(series.fix(t));
   return fixes;
