@@ -226,13 +226,12 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
   return SectorFit(picture, start, blur).run();
 }
 
-bool same_rim(const RimSectors& seen, const RimShape& known) {
-  constexpr double kCoverage = 0.8;                          // a fingertip over the rim is no part of it
+bool same_rim(const RimSectors& seen, const RimShape& known, double least_coverage) {
   constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;  // px; motion blur widens a rim
   constexpr double kLeastContrast = 0.5, kMostContrast = 2;  // light changes
   constexpr double kUneven = 3, kUnevenSlack = 0.1;          // px
   const double share = seen.contrast / known.contrast;
-  return seen.coverage >= kCoverage && share > kLeastContrast && share < kMostContrast &&
+  return seen.coverage >= least_coverage && share > kLeastContrast && share < kMostContrast &&
          std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }

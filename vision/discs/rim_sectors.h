@@ -48,9 +48,9 @@ Point sector_direction(int sector, int count);
 /// is seen, or the circle walks away from the start.
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);
 
-/// Whether that is the rim of the same part: its radius, the sign and size of its step, seen nearly all the
-/// way round and as round as it was.
-bool same_rim(const RimSectors& seen, const RimShape& known);
+/// Whether that is the rim of the same part: its radius, the sign and size of its step, as round as it was
+/// and seen nearly all the way round; a smaller share will do where the part is known to be there.
+bool same_rim(const RimSectors& seen, const RimShape& known, double least_coverage = 0.9);
 
 /// Of what was seen in a frame in which the part is known to be there.
 RimShape shape_of(const RimSectors& seen, double blur);

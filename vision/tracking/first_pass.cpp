@@ -9,7 +9,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
+constexpr std::int64_t kRimFrames = 32;  ///< in which the disc's radius is measured, or half as many
 
 /// The call's result, its time counted for a stage.
 template <class Call>

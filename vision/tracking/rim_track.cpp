@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kFewest = 4;                       ///< comparisons from which to conclude
 constexpr std::int64_t kSample = 16, kFirstStride = 64;  ///< frames kept; the first stride has so many in all
 constexpr double kChance = 3;                            ///< standard deviations of a variance estimate
-constexpr double kMargin = 8;                            ///< px around the disc that are read
+constexpr double kCoverage = 0.7;  ///< of the rim, of a part that its template has confirmed
+constexpr double kMargin = 8;      ///< px around the disc that are read
 
 double variance(const Eigen::Matrix2d& covariance) {
   return 0.5 * covariance.trace();
@@ -80,7 +81,7 @@ std::optional<RimSectors> RimTrack::measure(FrameSource& source, std::int64_t in
   source.read(index, window, picture);
   auto rim =
       measure_rim_sectors(picture, {centre.x - window.x, centre.y - window.y, shape_->radius}, shape_->blur);
-  if (!rim || !same_rim(*rim, *shape_)) return std::nullopt;
+  if (!rim || !same_rim(*rim, *shape_, kCoverage)) return std::nullopt;
   rim->circle.x += window.x;
   rim->circle.y += window.y;
   return rim;
