@@ -20,6 +20,7 @@ constexpr int kFewestSectors = 8, kMostSectors = 72;
 constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
 constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
 constexpr int kFewestPixels = 6;                    ///< in a sector
+constexpr double kMayBeHidden = 0.05;               ///< of a rim: a fingertip over it hides more
 constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
 constexpr double kHuber = 2.5;                      ///< usual deviations from which a sector counts less
 constexpr int kIterations = 12, kReweightings = 4;
@@ -226,12 +227,18 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
   return SectorFit(picture, start, blur).run();
 }
 
-bool same_rim(const RimSectors& seen, const RimShape& known, double least_coverage) {
+bool same_rim(const RimSectors& seen, const RimShape& known) {
+  const auto sectors = static_cast<double>(seen.deviation.size());
+  return (1 - seen.coverage) * sectors <= std::max(1.0, kMayBeHidden * sectors) + 0.5 &&
+         usable_rim(seen, known);
+}
+
+bool usable_rim(const RimSectors& seen, const RimShape& known) {
   constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;  // px; motion blur widens a rim
   constexpr double kLeastContrast = 0.5, kMostContrast = 2;  // light changes
   constexpr double kUneven = 3, kUnevenSlack = 0.1;          // px
   const double share = seen.contrast / known.contrast;
-  return seen.coverage >= least_coverage && share > kLeastContrast && share < kMostContrast &&
+  return share > kLeastContrast && share < kMostContrast &&
          std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }

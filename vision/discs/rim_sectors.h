@@ -49,8 +49,11 @@ Point sector_direction(int sector, int count);
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);
 
 /// Whether that is the rim of the same part: its radius, the sign and size of its step, as round as it was
-/// and seen nearly all the way round; a smaller share will do where the part is known to be there.
-bool same_rim(const RimSectors& seen, const RimShape& known, double least_coverage = 0.9);
+/// and seen all the way round, but for one sector or a twentieth of them.
+bool same_rim(const RimSectors& seen, const RimShape& known);
+
+/// The same for a part that is known to be there: half of its rim will do.
+bool usable_rim(const RimSectors& seen, const RimShape& known);
 
 /// Of what was seen in a frame in which the part is known to be there.
 RimShape shape_of(const RimSectors& seen, double blur);

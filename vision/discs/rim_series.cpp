@@ -13,7 +13,8 @@ namespace {
 constexpr std::int64_t kPatternReach = 32;  ///< frames on either side in which the disc looks alike
 constexpr std::size_t kFewestFrames = 8;    ///< from which a pattern can be told from noise
 constexpr std::int64_t kScatterReach = 8;   ///< frames on either side in which edges scatter alike
-constexpr double kHuber = 2.5;              ///< usual residuals
+/// Hampel's psi, in usual residuals: proportional up to the first, level up to the second, 0 from the third.
+constexpr double kBend = 2.5, kFall = 4, kGone = 8;
 constexpr int kReweightings = 4;
 
 /// Of the frames, first .. last.
@@ -43,8 +44,14 @@ std::vector<double> pattern_about(const std::vector<RimFrame>& frames, std::size
   return pattern;
 }
 
+/// psi(r) / r.
+double weight_of(double size) {
+  if (size <= kBend) return 1;
+  return kBend / size * std::clamp((kGone - size) / (kGone - kFall), 0.0, 1.0);
+}
+
 /// The edges of a frame less the pattern, and the circle through them. Each pulls by its information times
-/// Huber's psi: what it is off, but no more than some usual residuals.
+/// psi: what it is off, unless that is far more than usual (a lamp over the rim, a dot of the part).
 struct CircleFit {
   std::vector<double> edge, information, psi;
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
@@ -75,7 +82,7 @@ class SeriesFit {
   double noise_variance_;
   std::vector<Eigen::Vector3d> directions_;  ///< how a sector's edge moves with x, y, R
   std::vector<CircleFit> fits_;
-  double most_ = 0;  ///< px that an edge may pull by
+  double usual_ = 0;  ///< residual, px
 };
 
 void SeriesFit::take_out_pattern() {
@@ -89,7 +96,7 @@ void SeriesFit::take_out_pattern() {
       if (rim.information[k] > 0) sizes.push_back(std::abs(fits_[t].edge[k]));
     }
   }
-  most_ = kHuber * std::max(1e-6, kNormalMad * median(sizes));
+  usual_ = std::max(1e-6, kNormalMad * median(sizes));
 }
 
 void SeriesFit::fit_circle(CircleFit& fit) const {
@@ -99,8 +106,7 @@ void SeriesFit::fit_circle(CircleFit& fit) const {
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < directions_.size(); ++k) {
       const Eigen::Vector3d& u = directions_[k];
-      const double size = std::abs(residual[k]),
-                   weight = fit.information[k] * (size > most_ ? most_ / size : 1);
+      const double weight = fit.information[k] * weight_of(std::abs(residual[k]) / usual_);
       normal += weight * u * u.transpose();
       right += weight * fit.edge[k] * u;
     }
@@ -109,7 +115,7 @@ void SeriesFit::fit_circle(CircleFit& fit) const {
     for (std::size_t k = 0; k < directions_.size(); ++k)
       residual[k] = fit.edge[k] - directions_[k].dot(fit.step);
   }
-  for (const double r : residual) fit.psi.push_back(std::clamp(r, -most_, most_));
+  for (const double r : residual) fit.psi.push_back(r * weight_of(std::abs(r) / usual_));
 }
 
 /// v_tk, corrected for the three numbers that each frame's circle took and for the pattern; at least what the

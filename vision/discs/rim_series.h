@@ -2,11 +2,11 @@
 //
 // The deviation of sector k in frame t is p_tk + r_tk: p, the median over the frames about t, is what the
 // lamp and the lens make of this rim (a chamfer, a shadow); it does not turn. r is what moves: noise, the
-// ground's texture, a mark that turns. The circle is fitted to the edges less p with Huber's psi [Huber,
-// Robust statistics (1981)], and the covariance of its centre is N^-1 (sum i^2 v u u^T) N^-1, i the edge's
-// information, u its direction, v_tk the mean of psi(r)^2 in the frames nearby: it holds whatever r comes
-// from, as long as sectors err independently, and is never less than what the noise does. What moves all of
-// the rim slowly is not in it.
+// ground's texture, a mark that turns. The circle is fitted to the edges less p with Hampel's psi [Hampel
+// et al., Robust statistics (1986)], and the covariance of its centre is N^-1 (sum i^2 v u u^T) N^-1, i the
+// edge's information, u its direction, v_tk the mean of psi(r)^2 in the frames nearby: it holds whatever r
+// comes from, as long as sectors err independently, and is never less than what the noise does. What moves
+// all of the rim slowly is not in it.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,8 +13,7 @@ namespace {
 constexpr std::size_t kFewest = 4;                       ///< comparisons from which to conclude
 constexpr std::int64_t kSample = 16, kFirstStride = 64;  ///< frames kept; the first stride has so many in all
 constexpr double kChance = 3;                            ///< standard deviations of a variance estimate
-constexpr double kCoverage = 0.7;  ///< of the rim, of a part that its template has confirmed
-constexpr double kMargin = 8;      ///< px around the disc that are read
+constexpr double kMargin = 8;                            ///< px around the disc that are read
 
 double variance(const Eigen::Matrix2d& covariance) {
   return 0.5 * covariance.trace();
@@ -81,7 +80,7 @@ std::optional<RimSectors> RimTrack::measure(FrameSource& source, std::int64_t in
   source.read(index, window, picture);
   auto rim =
       measure_rim_sectors(picture, {centre.x - window.x, centre.y - window.y, shape_->radius}, shape_->blur);
-  if (!rim || !same_rim(*rim, *shape_, kCoverage)) return std::nullopt;
+  if (!rim || !usable_rim(*rim, *shape_)) return std::nullopt;
   rim->circle.x += window.x;
   rim->circle.y += window.y;
   return rim;
@@ -154,7 +153,7 @@ RimEvidence RimTrack::settle(FrameSource& source, FirstPassResult& result, Track
     measure_all(source, result.first_index, track);
     fixed = fixes();
   }
-  const Point offset = evidence.chosen ? Point{} : both.offset();
+  const Point offset = both.offset();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
     if (row.by_template && !evidence.chosen) continue;
