@@ -37,7 +37,7 @@ const std::map<std::string, Rooms> kMayUse = {
     {"vision/camera", {"vision/kernels", "vision/io"}},
     {"vision/discs", {"vision/kernels", "vision/io"}},
     {"vision/registration", {"vision/kernels", "vision/io"}},
-    {"vision/following", {"vision/registration", "vision/kernels", "vision/io"}},
+    {"vision/following", {"vision/discs", "vision/registration", "vision/kernels", "vision/io"}},
     {"vision/layers/model", {"vision/stages", "vision/kernels", "vision/io"}},
     {"vision/layers/registration", {"vision/layers/model", "vision/kernels", "vision/io"}},
     {"vision/layers/learning",

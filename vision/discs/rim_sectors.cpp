@@ -22,7 +22,8 @@ constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs
 constexpr int kFewestPixels = 6;                    ///< in a sector
 constexpr double kMayBeHidden = 0.05;               ///< of a rim: a fingertip over it hides more
 constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
-constexpr double kHuber = 2.5;                      ///< usual deviations from which a sector counts less
+constexpr double kLeastOff = 0.5, kOff = 5;  ///< px, usual deviations: an edge so far off is not the rim's
+constexpr double kHuber = 2.5;               ///< usual deviations from which a sector counts less
 constexpr int kIterations = 12, kReweightings = 4;
 constexpr double kSettled = 1e-3;  ///< px: a tenth of what the best rims tell
 constexpr double kAgain = 0.3;     ///< px of motion after which the pixels are chosen anew
@@ -198,12 +199,16 @@ Eigen::Vector3d SectorFit::fit_circle() {
 RimSectors SectorFit::result() const {
   RimSectors out;
   out.circle = circle_;
+  const double most = std::max(kLeastOff, kOff * unevenness_);
+  double seen = 0;
   for (const Edge& e : edges_) {
-    out.deviation.push_back(e.seen ? static_cast<float>(e.displacement) : 0);
-    out.information.push_back(e.seen ? static_cast<float>(e.information) : 0);
+    const bool of_rim = e.seen && std::abs(e.displacement) < most;
+    out.deviation.push_back(of_rim ? static_cast<float>(e.displacement) : 0);
+    out.information.push_back(of_rim ? static_cast<float>(e.information) : 0);
+    seen += of_rim;
   }
   out.contrast = contrast_;
-  out.coverage = seen_ / count_;
+  out.coverage = seen / count_;
   out.unevenness = unevenness_;
   out.correlation = std::sqrt(std::max(0.0, explained_));
   out.residual_rms = std::sqrt(squares_);
