@@ -1,6 +1,6 @@
-// A judge of tracks that owes nothing to the tracker: where is the circle? On 96 rays about a first guess the
-// picture, between pixels by proportion of the four around, falls from the mean level inside to that outside;
-// where it is half way is the edge. A circle is fitted to these edges, those far from it left out.
+// A judge of tracks that owes nothing to the tracker's rims: where is the circle? On 96 rays about a first
+// guess the picture's spline falls from the mean level inside to that outside; where it is half way is the
+// edge. A circle is fitted to these edges, those far from it left out.
 #pragma once
 
 #include <Eigen/Dense>
@@ -8,21 +8,14 @@
 #include <cmath>
 #include <vector>
 
-#include "vision/picture.h"
+#include "vision/kernels/bspline.h"
 
 namespace tribotrack::vision::test {
-
-inline double level_between(const Picture& p, double x, double y) {
-  x = std::clamp(x, 0.0, p.width() - 1.001), y = std::clamp(y, 0.0, p.height() - 1.001);
-  const int i = static_cast<int>(x), j = static_cast<int>(y);
-  const double u = x - i, v = y - j;
-  return (1 - v) * ((1 - u) * p.at(i, j) + u * p.at(i + 1, j)) +
-         v * ((1 - u) * p.at(i, j + 1) + u * p.at(i + 1, j + 1));
-}
 
 inline Circle circle_fit(const Picture& picture, Circle c) {
   constexpr int kRays = 96, kSteps = 48;
   constexpr double kReach = 6;  // px beside the rim
+  const QuinticSpline spline(picture);
   for (int round = 0; round < 3; ++round) {
     std::vector<Eigen::Vector4d> edges;  // direction, 1, distance of the edge from the rim
     for (int k = 0; k < kRays; ++k) {
@@ -32,7 +25,7 @@ inline Circle circle_fit(const Picture& picture, Circle c) {
       for (int i = 0; i <= 2 * kSteps; ++i) {
         at.push_back(kReach * (i - kSteps) / kSteps);
         const double rho = c.radius + at.back();
-        level.push_back(level_between(picture, c.x + rho * ux, c.y + rho * uy));
+        level.push_back(spline.value(c.x + rho * ux, c.y + rho * uy));
         (i < kSteps ? inside : outside) += level.back() / (kSteps + (i >= kSteps));
       }
       const double half = 0.5 * (inside + outside);

@@ -21,6 +21,10 @@ struct Man {
   std::int64_t start, from, to;
 };
 
+void PrintTo(const Man& man, std::ostream* out) {
+  *out << man.name;
+}
+
 /// Positions of one man in consecutive frames, x then y.
 using Path = Eigen::MatrixX2d;
 

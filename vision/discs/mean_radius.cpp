@@ -16,6 +16,8 @@ constexpr double kMargin = 8;         ///< px around the disc that the rim's fit
 constexpr double kCapture = 1;        ///< px; the track is far better
 constexpr double kMinCoverage = 0.8;  ///< share of the rim; what covers more shows in the radius
 constexpr std::size_t kMostFits = 16;
+/// What of a smear the rim's model, whose blur is the same all round, takes for radius: a smear of 5 blurs.
+constexpr double kSmearSlope = 0.02;
 constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
 
 /// t with Phi(t) = share.
@@ -72,20 +74,25 @@ Estimate slope_over_blur(const std::vector<Seen>& frames, double mean_radius, do
   return {slope, left / (count - 2) * squares / (blurs * blurs)};
 }
 
-/// The radius that the same frames would show without blur.
-MeanRadius without_blur(MeanRadius mean, const std::vector<Seen>& frames, double black) {
+/// The radius that the same frames would show at rest, and of levels that are not linear in the light without
+/// blur. From the frames' blur to that of the sharpest the slope is seen; from there to none it is supposed.
+MeanRadius without_blur(MeanRadius mean, const std::vector<Seen>& frames, bool curved_levels, double black) {
   const auto count = static_cast<double>(frames.size());
-  double blur = 0, shift = 0, scatter = 0;
+  double blur = 0, shift = 0, scatter = 0, sharpest = 1e9;
   for (const Seen& f : frames) {
     blur += f.fit->blur / count;
-    shift += stored_shift(*f.fit, black) / count;
+    sharpest = std::min(sharpest, f.fit->blur);
+    if (curved_levels) shift += stored_shift(*f.fit, black) / count;
     scatter += std::pow(f.fit->circle.radius - mean.radius, 2) / count;
   }
   const Estimate supposed{0.5 * shift, shift * shift / 12};
-  const Estimate kappa = combined(supposed, slope_over_blur(frames, mean.radius, blur));
-  mean.radius -= kappa.value * blur;
-  mean.sd = std::hypot(mean.sd, std::sqrt(kappa.variance) * blur, std::sqrt(scatter / count));
-  mean.common_sd = std::hypot(mean.common_sd, std::sqrt(kappa.variance) * blur);
+  const Estimate smear = combined({supposed.value, supposed.variance + kSmearSlope * kSmearSlope},
+                                  slope_over_blur(frames, mean.radius, blur));
+  const double common = std::sqrt(supposed.variance) * sharpest;
+  mean.radius -= smear.value * (blur - sharpest) + supposed.value * sharpest;
+  mean.sd = std::hypot(mean.sd, std::sqrt(smear.variance) * (blur - sharpest), common);
+  if (curved_levels) mean.sd = std::hypot(mean.sd, std::sqrt(scatter / count));
+  mean.common_sd = std::hypot(mean.common_sd, common);
   return mean;
 }
 
@@ -148,7 +155,7 @@ std::optional<MeanRadius> RimWatch::radius() const {
     seen.push_back({&fits_[k], speeds_[k]});
   }
   const MeanRadius mean = mean_radius(kept);
-  return curved_levels_ ? without_blur(mean, seen, black_) : mean;
+  return without_blur(mean, seen, curved_levels_, black_);
 }
 
 }  // namespace tribotrack::vision
