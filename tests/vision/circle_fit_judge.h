@@ -26,7 +26,8 @@ inline Circle circle_fit(const Picture& picture, Circle c) {
         at.push_back(kReach * (i - kSteps) / kSteps);
         const double rho = c.radius + at.back();
         level.push_back(spline.value(c.x + rho * ux, c.y + rho * uy));
-        (i < kSteps ? inside : outside) += level.back() / (kSteps + (i >= kSteps));
+        if (i < kSteps / 2) inside += level.back() / (kSteps / 2);
+        if (i > 3 * kSteps / 2) outside += level.back() / (kSteps / 2);
       }
       const double half = 0.5 * (inside + outside);
       double edge = 1e9;

@@ -28,9 +28,9 @@ Point truth(std::int64_t k) {
 RenderedSource metal_that_turns(bool with_look_alike = false, int gone_from = kFrames) {
   std::mt19937 random(12);
   const test::Waves streaks = test::random_waves(random, 30, 10, 30);
-  return {140, 120, kFrames, [=](std::int64_t k) {
+  return {220, 120, kFrames, [=](std::int64_t k) {
             TestScene scene;
-            scene.width = 140;
+            scene.width = 220;
             scene.height = 120;
             const double theta = 3.0 * static_cast<double>(k) / kFrames;
             if (k < gone_from) scene.discs = {{truth(k).x, truth(k).y, 22, theta, 140, {}}};
@@ -40,7 +40,7 @@ RenderedSource metal_that_turns(bool with_look_alike = false, int gone_from = kF
                 w.phase += (n % 2 == 0 ? 2.0 : -2.0) * theta;
                 scene.discs[0].texture.waves.push_back(w);
               }
-            if (with_look_alike) scene.discs.push_back({28, 26, 22, 0, 140, {}});
+            if (with_look_alike) scene.discs.push_back({180, 60, 22, 0, 140, {}});
             std::mt19937 noise(static_cast<unsigned>(500 + k));
             return test::noisy(scene.render(), 2, noise);
           }};
