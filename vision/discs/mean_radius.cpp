@@ -15,7 +15,6 @@ namespace {
 constexpr double kMargin = 8;         ///< px around the disc that the rim's fit sees
 constexpr double kCapture = 1;        ///< px; the track is far better
 constexpr double kMinCoverage = 0.8;  ///< share of the rim; what covers more shows in the radius
-constexpr std::size_t kMostFits = 16;
 /// What of a smear the rim's model, whose blur is the same all round, takes for radius: a smear of 5 blurs.
 constexpr double kSmearSlope = 0.02;
 constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
@@ -98,6 +97,10 @@ MeanRadius without_blur(MeanRadius mean, const std::vector<Seen>& frames, bool c
 
 }  // namespace
 
+bool in_sample(std::int64_t n, std::int64_t stride) {
+  return n % stride == 0 || (n < stride && (n & (n - 1)) == 0);
+}
+
 RimWatch::RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFit> start)
     : disc_(disc), stride_(std::max<std::int64_t>(1, stride)), last_(std::move(start)) {}
 
@@ -109,7 +112,7 @@ void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
                            : 0;
   last_index_ = index;
   last_centre_ = centre;
-  if (seen_++ % stride_ != 0) return;
+  if (!in_sample(seen_++, stride_)) return;
   curved_levels_ = source.info().colour;
   black_ = source.info().black_level.value_or(0);
   const double reach = disc_.radius + std::max(kMargin, 0.2 * disc_.radius);
@@ -125,19 +128,6 @@ void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   last_ = fit;
   fits_.push_back(std::move(*fit));
   speeds_.push_back(speed);
-  if (fits_.size() > kMostFits) thin_out();
-}
-
-void RimWatch::thin_out() {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < fits_.size(); k += 2, ++kept) {
-    if (k == kept) continue;
-    fits_[kept] = std::move(fits_[k]);
-    speeds_[kept] = speeds_[k];
-  }
-  fits_.resize(kept);
-  speeds_.resize(kept);
-  stride_ *= 2;
 }
 
 std::optional<MeanRadius> RimWatch::radius() const {

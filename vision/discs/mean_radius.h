@@ -18,12 +18,16 @@
 
 namespace tribotrack::vision {
 
+/// Whether frame n of those shown belongs to the sample: every `stride`-th, and of the first ones some more,
+/// for the part may soon leave.
+bool in_sample(std::int64_t n, std::int64_t stride);
+
 /// One frame gives the radius with that frame's noise and on that frame's background; the mean over
 /// some gives it better, with an sd that keeps what belongs to the disc (mean_radius).
 class RimWatch {
  public:
-  /// Looks at every `stride`-th frame it is shown, the first time from `start`, the rim in another frame. Of
-  /// more than 16 it keeps every other one, and looks half as often from then on.
+  /// Looks at a sample of the frames it is shown, see in_sample(), the first time from `start`, the rim in
+  /// another frame.
   RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFit> start = {});
 
   /// A frame in which the disc was tracked at `centre`. Reads a window of it.
@@ -35,8 +39,6 @@ class RimWatch {
   std::optional<MeanRadius> radius() const;
 
  private:
-  void thin_out();
-
   Circle disc_;
   std::int64_t stride_;
   std::int64_t seen_ = 0;

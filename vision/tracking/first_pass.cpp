@@ -9,7 +9,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kRimFrames = 32;  ///< in which the disc's radius is measured, or half as many
+constexpr std::int64_t kRimFrames = 16;  ///< in which the rim is measured, about
 
 /// The call's result, its time counted for a stage.
 template <class Call>
@@ -71,7 +71,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
           clock, Stage::marker,
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
       mean_radius_(setup_.disc, range.count() / kRimFrames, rim_),
-      rim_track_(rim_shape_, range.count()) {
+      rim_track_(rim_shape_, std::max<std::int64_t>(1, range.count() / kRimFrames)) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   result_.first_index = range.first;
   result_.total = range.count();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/discs/mean_radius.h"
 #include "vision/discs/rim_series.h"
 #include "vision/io/window.h"
 #include "vision/kernels/median.h"
@@ -10,10 +11,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kFewest = 4;                       ///< comparisons from which to conclude
-constexpr std::int64_t kSample = 16, kFirstStride = 64;  ///< frames kept; the first stride has so many in all
-constexpr double kChance = 3;                            ///< standard deviations of a variance estimate
-constexpr double kMargin = 8;                            ///< px around the disc that are read
+constexpr std::size_t kFewest = 4;  ///< comparisons from which to conclude
+constexpr double kChance = 3;       ///< standard deviations of a variance estimate
+constexpr double kMargin = 8;       ///< px around the disc that are read
 
 double variance(const Eigen::Matrix2d& covariance) {
   return 0.5 * covariance.trace();
@@ -69,9 +69,6 @@ void put(TrackPoint& point, const RimFix& fix, const RimSectors& rim, const Poin
 
 }  // namespace
 
-RimTrack::RimTrack(std::optional<RimShape> shape, std::int64_t frames)
-    : shape_(shape), stride_(std::max<std::int64_t>(1, frames / kFirstStride)) {}
-
 std::optional<RimSectors> RimTrack::measure(FrameSource& source, std::int64_t index,
                                             const Point& centre) const {
   const double reach = shape_->radius + std::max(kMargin, 5 * shape_->blur);
@@ -92,23 +89,8 @@ void RimTrack::see(FrameSource& source, std::int64_t index, std::size_t place, c
     rows_.push_back({place, false, *sighting.rim});
     return;
   }
-  if (seen_++ % stride_ != 0) return;
-  auto rim = measure(source, index, sighting.position);
-  if (!rim) return;
-  rows_.push_back({place, true, std::move(*rim)});
-  if (++sampled_ > kSample) thin_out();
-}
-
-/// Every other frame of the sample: it stays spread over the frames seen so far.
-void RimTrack::thin_out() {
-  bool drop = false;
-  std::erase_if(rows_, [&](const Row& row) {
-    if (!row.by_template) return false;
-    drop = !drop;
-    sampled_ -= !drop;
-    return !drop;
-  });
-  stride_ *= 2;
+  if (!in_sample(seen_++, stride_)) return;
+  if (auto rim = measure(source, index, sighting.position)) rows_.push_back({place, true, std::move(*rim)});
 }
 
 void RimTrack::measure_all(FrameSource& source, std::int64_t first_index, const Track& track) {

@@ -30,8 +30,8 @@ struct RimEvidence {
 
 class RimTrack {
  public:
-  /// Without a shape it does nothing. Of about so many frames a sample is measured.
-  RimTrack(std::optional<RimShape> shape, std::int64_t frames);
+  /// Without a shape it does nothing. Of the frames shown a sample is measured, see in_sample().
+  RimTrack(std::optional<RimShape> shape, std::int64_t stride) : shape_(shape), stride_(stride) {}
 
   /// A frame in which the part was found: point number `place` of the track.
   void see(FrameSource& source, std::int64_t index, std::size_t place, const Sighting& sighting);
@@ -47,11 +47,10 @@ class RimTrack {
     RimSectors rim;
   };
   std::optional<RimSectors> measure(FrameSource& source, std::int64_t index, const Point& centre) const;
-  void thin_out();
   void measure_all(FrameSource& source, std::int64_t first_index, const Track& track);
 
   std::optional<RimShape> shape_;
-  std::int64_t stride_, seen_ = 0, sampled_ = 0;
+  std::int64_t stride_, seen_ = 0;
   std::vector<Row> rows_;
 };
 
