@@ -118,7 +118,7 @@ TEST(RimWatch, HoldsUnderMotionBlurHoweverTheLightIsStored) {
 
 TEST(RimWatch, OneFrameIsNoMean) {
   test::SlidingScene s;
-  s.frames = 4;  // one of which is looked at
+  s.frames = 1;
   EXPECT_FALSE(watch(s, 30));
 }
 
