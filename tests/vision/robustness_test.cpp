@@ -273,8 +273,9 @@ TEST_P(Robustness, LampThatCoversPartOfThePath) {
     Recording r = recording();
     r.scene.lamp = Lamp{{130, 80}, radius, 250, 20};
     const Outcome o = followed("lamp over the path", r);
-    // Neither the layers nor the ground hold any of it.
-    EXPECT_LT(o.errors.rms, 1.15 * o.bound);
+    // Neither the layers nor the ground hold any of it. On plain ground there are no layers, and where the
+    // lamp lies inside the disc its rim alone is measured.
+    EXPECT_LT(o.errors.rms, (o.result.summary.layered ? 1.15 : 1.8) * o.bound);
     EXPECT_LT(o.errors.standardised, 1.15);
     EXPECT_LT(o.errors.worst, 5);
     for (const TrackPoint& p : o.result.track.points) {

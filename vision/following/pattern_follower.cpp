@@ -11,6 +11,9 @@ constexpr double kEdgeMargin = 1.0;       ///< px around the part that must be i
 constexpr double kNccDrop = 0.8;          ///< of the usual score: a match below it is rejected
 constexpr double kRefoundNccDrop = 0.88;  ///< the same for a part found far from where it was expected
 constexpr int kAngles = 24;
+constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
+constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
+constexpr int kLongestPause = 63;          ///< frames: a template tried once in so many costs nothing
 constexpr double kDirectSearchWork = 3e7;  ///< multiplications; beyond, search on a reduced picture first
 
 double distance(const Point& a, const Point& b) {
@@ -36,16 +39,27 @@ RegistrationOptions registration_options(const FollowOptions& options) {
 }  // namespace
 
 PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const Pattern& pattern,
-                                 const FollowOptions& options)
+                                 const FollowOptions& options, std::optional<RimShape> rim)
     : options_(options),
       pattern_(pattern),
       registration_(first, pattern, registration_options(options)),
       matcher_(search_template(first, pattern)),
       matcher_offset_x_(pattern.centre.x - pattern.window.x),
       matcher_offset_y_(pattern.centre.y - pattern.window.y),
+      rim_(std::move(rim)),
       distractors_(std::max(6.0, pattern.reach())) {
   search_reference_ = matcher_.score(first, pattern.window.x, pattern.window.y);
   motion_.add(index, pattern.centre);
+  double sum = 0, squares = 0;
+  for (int y = 0; y < pattern.window.height; ++y)
+    for (int x = 0; x < pattern.window.width; ++x) {
+      if (!(pattern.weights.at(x, y) > 0)) continue;
+      const double level = first.at(pattern.window.x + x, pattern.window.y + y);
+      sum += level;
+      squares += level * level;
+      ++area_;
+    }
+  contrast_ = std::sqrt(std::max(0.0, squares / area_ - sum * sum / (area_ * area_)));
 }
 
 FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool audited) {
@@ -123,6 +137,15 @@ Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
 
 void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
   motion_.add(index, sighting.position);
+  if (sighting.rim) {
+    ++effort_.proved_by_rim;
+    if (template_rest_ == 0)
+      template_rest_ = template_pause_ = std::min(2 * template_pause_ + 1, kLongestPause);
+    else
+      --template_rest_;
+    return;
+  }
+  template_rest_ = template_pause_ = 0;
   // Slowly: the usual score of this recording, not that of the last bad frame.
   reference_ncc_ += 0.05 * (sighting.ncc - reference_ncc_);
   if (options_.rotation) {
@@ -188,40 +211,72 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   if (window.width < w.width / 2 || window.height < w.height / 2) return std::nullopt;
   source.read(index, window, picture_);
 
-  const auto checked = [&](std::optional<Sighting> s) -> std::optional<Sighting> {
+  const auto within = [&](std::optional<Sighting> s) {
     if (s && !pattern_.inside(bounds, s->position, kEdgeMargin)) {
       outside_ = s;
-      return std::nullopt;
+      s.reset();
     }
     return s;
   };
+  if (rim_first())
+    if (auto s = by_rim(window, index, predicted, reach)) return within(s);
+  Point place = predicted;
+  if (auto s = by_template(window, index, predicted, reach, place)) return within(s);
+  return rim_ ? within(by_rim(window, index, place, reach)) : std::nullopt;
+}
+
+/// `place` becomes that of the best correlation, where the prediction is not confirmed.
+std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::int64_t index,
+                                                     const Point& predicted, double reach, Point& place) {
   const Pose start = pose_at(predicted, index);
   if (auto s = refine(window, start, reach); s && s->ncc > 0.95 * reference_ncc_) {
     ++effort_.proved_by_refinement;
-    return checked(s);
+    return s;
   }
   ++effort_.window_searches;
+  const auto match = best_match(window);
+  if (!match) return refine(window, start, reach);  // perhaps half out of the picture
+  place = *match;
+  return refine_any_angle(window, pose_at(place, index), kCandidateReach);
+}
+
+/// Where the search template fits best in the window; whole positions only.
+std::optional<Point> PatternFollower::best_match(const Rect& window) {
+  if (window.width < matcher_.width() || window.height < matcher_.height()) return std::nullopt;
   Match match;
   const double positions =
       (window.width - matcher_.width() + 1.0) * (window.height - matcher_.height() + 1.0);
-  if (window.width >= matcher_.width() && window.height >= matcher_.height()) {
-    if (positions * w.width * w.height < kDirectSearchWork) {
-      match = matcher_.best(picture_, 0, 0, window.width, window.height);
-    } else if (const auto found = matcher_.search(picture_, 0.5 * search_reference_, pattern_.reach(), 1);
-               !found.empty()) {
-      match = found.front();
-    }
+  if (positions * pattern_.window.width * pattern_.window.height < kDirectSearchWork) {
+    match = matcher_.best(picture_, 0, 0, window.width, window.height);
+  } else if (const auto found = matcher_.search(picture_, 0.5 * search_reference_, pattern_.reach(), 1);
+             !found.empty()) {
+    match = found.front();
   }
-  if (match.ncc < 0.7 * search_reference_) {
-    // Perhaps half out of the picture, where whole positions cannot be tried.
-    return checked(refine(window, start, reach));
-  }
-  const Point place{window.x + match.x + matcher_offset_x_, window.y + match.y + matcher_offset_y_};
-  return checked(refine_any_angle(window, pose_at(place, index), 2.5));
+  if (match.ncc < 0.7 * search_reference_) return std::nullopt;
+  return Point{window.x + match.x + matcher_offset_x_, window.y + match.y + matcher_offset_y_};
 }
 
-std::vector<Point> PatternFollower::candidates(FrameSource& source, std::int64_t index) {
-  source.read(index, source.bounds(), picture_);
+/// Nothing but the rim of the same part will do.
+std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t index, const Point& place,
+                                                double reach) {
+  auto rim =
+      measure_rim_sectors(picture_, {place.x - window.x, place.y - window.y, rim_->radius}, rim_->blur);
+  if (!rim || !same_rim(*rim, *rim_) || rim->correlation < options_.min_ncc) return std::nullopt;
+  rim->circle.x += window.x;
+  rim->circle.y += window.y;
+  const Point centre{rim->circle.x, rim->circle.y};
+  if (distance(centre, place) > reach) return std::nullopt;
+  Sighting s;
+  s.position = centre;
+  s.pose = pose_at(centre, index);
+  s.ncc = rim->correlation;
+  s.residual_rms = rim->residual_rms;
+  s.rim = std::move(rim);
+  return s;
+}
+
+/// In the whole frame, which is in `picture_`.
+std::vector<Point> PatternFollower::candidates() {
   ++effort_.whole_frame_searches;
   std::vector<Point> out;
   for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), 12))
@@ -232,26 +287,49 @@ std::vector<Point> PatternFollower::candidates(FrameSource& source, std::int64_t
 /// What else looked like the part when the part was last seen.
 void PatternFollower::remember_distractors(FrameSource& source) {
   distractors_.clear();
-  for (const Point& c : candidates(source, motion_.last_frame()))
+  source.read(motion_.last_frame(), source.bounds(), picture_);
+  fruitless_ = Picture();
+  for (const Point& c : candidates())
     if (distance(c, motion_.last()) > 0.6 * pattern_.reach()) distractors_.add(c);
   distractors_known_ = true;
+}
+
+/// By its template, or by its rim where that was last seen alone.
+std::optional<Sighting> PatternFollower::found_again(const Rect& bounds, std::int64_t index,
+                                                     const Point& place) {
+  auto s = refine_any_angle(bounds, pose_at(place, index), kCandidateReach);
+  if (s && s->ncc < kRefoundNccDrop * reference_ncc_) s.reset();
+  if (!s && rim_ && template_pause_ > 0) s = by_rim(bounds, index, place, kCandidateReach);
+  return s;
+}
+
+/// What comes back into the picture changes it by the part's contrast over the part's area: whether a share
+/// of that has changed since the last search that found nothing. `picture_` is the whole frame.
+bool PatternFollower::may_be_back() const {
+  if (fruitless_.empty()) return true;
+  const auto step = static_cast<float>(kChangedContrast * contrast_);
+  double changed = 0;
+  for (std::size_t k = 0; k < fruitless_.levels().size(); ++k)
+    changed += std::abs(picture_.levels()[k] - fruitless_.levels()[k]) > step;
+  return changed > kChangedArea * area_;
 }
 
 std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_t index) {
   if (!distractors_known_) remember_distractors(source);
   const Rect bounds = source.bounds();
+  source.read(index, bounds, picture_);
+  if (state_ == State::left && !may_be_back()) return std::nullopt;
   std::optional<Sighting> best;
   const auto gap = static_cast<double>(index - motion_.last_frame());
   const double reachable = std::max(64.0, 2 * pattern_.reach()) + 2 * motion_.top_speed() * gap;
   // What has left the picture comes back through its border.
   const double band = kEdgeMargin + std::max(pattern_.reach(), 2 * motion_.top_speed());
-  for (const Point& c : distractors_.unexplained(candidates(source, index))) {
+  for (const Point& c : distractors_.unexplained(candidates())) {
     const bool possible =
         distance(c, motion_.at(index)) <= reachable || distance(c, motion_.last()) <= reachable;
     const bool entered = state_ != State::left || !pattern_.inside(bounds, c, band);
     std::optional<Sighting> s;
-    if (possible && entered) s = refine_any_angle(bounds, pose_at(c, index), 2.5);
-    if (s && s->ncc < kRefoundNccDrop * reference_ncc_) s.reset();
+    if (possible && entered) s = found_again(bounds, index, c);
     if (s && !pattern_.inside(bounds, s->position, kEdgeMargin)) s.reset();
     if (!s) {
       if (!(possible && entered)) distractors_.add(c);
@@ -259,6 +337,7 @@ std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_
     }
     if (!best || s->ncc > best->ncc) best = s;
   }
+  fruitless_ = best ? Picture() : picture_;
   return best;
 }
 

@@ -4,12 +4,17 @@
 // window about the prediction; if that fails too the part is lost and the whole frame is searched. A part
 // found again far from where it was expected counts only once a second frame confirms it, and never where a
 // known distractor is.
+//
+// A round part may change its look (metal that turns under a lamp): where its template no longer confirms the
+// match, its rim does (rim_sectors.h). While that goes on the rim comes first, and the template is tried
+// again at growing intervals.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "vision/discs/rim_sectors.h"
 #include "vision/following/distractors.h"
 #include "vision/following/motion_prediction.h"
 #include "vision/frame_source.h"
@@ -29,15 +34,17 @@ struct FollowOptions {
   bool search_whole_frame = true;
 };
 
-/// The template seen in a frame.
+/// The part seen in a frame: by its template, or by its rim alone.
 struct Sighting {
   Point position;
-  Pose pose;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  double ncc = 0;
+  Pose pose;                                             ///< theta as predicted where the rim alone was seen
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< zero of a rim: rim_series.h
+  double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
   double residual_rms = 0;
   double excess_rms = 0;
   std::optional<HalvesError> halves;  ///< where they were asked for
+  std::optional<RimSectors>
+      rim;  ///< in the camera's coordinates, where the template did not confirm the match
 };
 
 struct FollowStep {
@@ -52,13 +59,15 @@ struct FollowEffort {
   std::int64_t proved_by_refinement = 0;
   std::int64_t window_searches = 0;
   std::int64_t whole_frame_searches = 0;
+  std::int64_t proved_by_rim = 0;  ///< where the template was not confirmed, or not tried
 };
 
 class PatternFollower {
  public:
-  /// `first` is the whole first analysed frame, number `index` in the source.
+  /// `first` is the whole first analysed frame, number `index` in the source. With a `rim` the part is also
+  /// found where it no longer looks like the template.
   PatternFollower(const Picture& first, std::int64_t index, const Pattern& pattern,
-                  const FollowOptions& options);
+                  const FollowOptions& options, std::optional<RimShape> rim = {});
 
   /// Frames must come in order. `audited`: the sighting's halves are compared.
   FollowStep step(FrameSource& source, std::int64_t index, bool audited = false);
@@ -68,10 +77,17 @@ class PatternFollower {
  private:
   enum class State { following, tentative, lost, left };
   std::optional<Sighting> near(FrameSource& source, std::int64_t index, const Point& predicted, double reach);
+  std::optional<Sighting> by_template(const Rect& window, std::int64_t index, const Point& predicted,
+                                      double reach, Point& place);
+  std::optional<Sighting> by_rim(const Rect& window, std::int64_t index, const Point& place, double reach);
+  std::optional<Point> best_match(const Rect& window);
+  bool rim_first() const { return rim_ && template_rest_ > 0; }
   std::optional<Sighting> refine(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> refine_any_angle(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> search(FrameSource& source, std::int64_t index);
-  std::vector<Point> candidates(FrameSource& source, std::int64_t index);
+  std::optional<Sighting> found_again(const Rect& bounds, std::int64_t index, const Point& place);
+  bool may_be_back() const;
+  std::vector<Point> candidates();
   void remember_distractors(FrameSource& source);
   std::optional<HalvesError> halves();
   void accept(std::int64_t index, const Sighting& sighting);
@@ -91,11 +107,16 @@ class PatternFollower {
   std::vector<std::pair<std::int64_t, double>> angles_;  ///< last two
   double reference_ncc_ = 1;
   bool audited_ = false;             ///< the frame at hand
+  std::optional<RimShape> rim_;
+  int template_rest_ = 0,
+      template_pause_ = 0;           ///< frames until the template is tried again; the last such pause
   std::optional<Sighting> outside_;  ///< seen, but reaching out of the picture
   Distractors distractors_;
   bool distractors_known_ = false;
   FollowEffort effort_;
-  Picture picture_;  ///< work space
+  double area_ = 0, contrast_ = 0;  ///< of the template's mask, px; standard deviation of its levels
+  Picture fruitless_;               ///< the last frame in which a search of it all found nothing
+  Picture picture_;                 ///< work space
 };
 
 }  // namespace tribotrack::vision

@@ -9,7 +9,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kRimFrames = 16;  ///< in which the disc's radius is measured
+constexpr std::int64_t kRimFrames = 16;  ///< in which the rim is measured, about
 
 /// The call's result, its time counted for a stage.
 template <class Call>
@@ -24,14 +24,24 @@ std::optional<DiscFit> rim_of(const PartSetup& part, const Picture& first) {
   return part.rim;
 }
 
+/// As its sectors show it; nothing where too few do for it to be told from other round things.
+std::optional<RimShape> shape_in(const Picture& first, const std::optional<DiscFit>& rim) {
+  if (!rim) return std::nullopt;
+  const auto sectors = measure_rim_sectors(first, rim->circle, rim->blur);
+  if (!sectors) return std::nullopt;
+  const RimShape shape = shape_of(*sectors, rim->blur);
+  return same_rim(*sectors, shape) ? std::optional(shape) : std::nullopt;
+}
+
 void fill(TrackPoint& point, const Sighting& s) {
   point.status = TrackStatus::ok;
   point.x = s.position.x;
   point.y = s.position.y;
+  point.ncc = s.ncc;
+  if (s.rim) return;  // its covariance is known at the end
   point.sigma_x = std::sqrt(s.covariance(0, 0));
   point.sigma_y = std::sqrt(s.covariance(1, 1));
   point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
-  point.ncc = s.ncc;
 }
 
 double median(std::vector<double>& values) {
@@ -54,12 +64,14 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       first_(source.read(range.first)),
       setup_(timed(clock, Stage::setup,
                    [&] { return set_up_part(first_, source, range, options, camera.noise_variance); })),
-      part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow),
+      rim_(rim_of(setup_, first_)),
+      rim_shape_(shape_in(first_, rim_)),
+      part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
       marker_(timed(
           clock, Stage::marker,
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
-      rim_(rim_of(setup_, first_)),
-      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_) {
+      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_),
+      rim_track_(rim_shape_, std::max<std::int64_t>(1, range.count() / kRimFrames)) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   result_.first_index = range.first;
   result_.total = range.count();
@@ -92,6 +104,7 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
     result_.residual.back() = tentative_->residual_rms;
+    rim_track_.see(source_, index - 1, track_.points.size() - 1, *tentative_);
     ++refound_;
   }
   tentative_ = step.tentative ? step.sighting : std::nullopt;
@@ -101,13 +114,14 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
   if (!ok) return step;
   fill(point, *step.sighting);
-  excess_.push_back(step.sighting->excess_rms);
+  if (!step.sighting->rim) excess_.push_back(step.sighting->excess_rms);
   std::optional<AuditFrame> audited;
   if (step.sighting->halves) audited = {index, *step.sighting->halves, step.sighting->covariance};
   audited_.seen(audited);
   if (setup_.pattern.radius > 0) {
     const auto running = clock_.enter(Stage::radius);
     mean_radius_.see(source_, index, step.sighting->position);
+    rim_track_.see(source_, index, track_.points.size(), *step.sighting);
   }
   return step;
 }
@@ -128,6 +142,8 @@ void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
 }
 
 Track FirstPass::finish(TrackSummary& summary) {
+  const RimEvidence rim =
+      timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
   summary.disc = setup_.disc;
   summary.disc_blur = setup_.disc_blur;
   summary.disc_radius_sd = setup_.disc_radius_sd;
@@ -153,6 +169,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
+  if (rim_shape_) summary.plan.push_back(rim_stage(rim));
   if (options_.target.kind == Target::Kind::find_disc)
     add(summary.warnings, stillness_warning(track_, summary.disc));
   result_.excess = median(excess_);

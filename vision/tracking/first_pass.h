@@ -12,6 +12,7 @@
 #include "vision/tracking/camera_check.h"
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/platform.h"
+#include "vision/tracking/rim_track.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
@@ -51,12 +52,14 @@ class FirstPass {
   double noise_variance_;
   Picture first_;
   PartSetup setup_;
+  std::optional<DiscFit> rim_;  ///< in the first frame
+  std::optional<RimShape> rim_shape_;
   PatternFollower part_;
   MarkerSetup marker_;
   std::optional<GateLamp> lamp_;
-  std::optional<DiscFit> rim_;  ///< in the first frame
   RimWatch mean_radius_;
   AuditSample audited_;  ///< frames whose halves are compared
+  RimTrack rim_track_;
   FirstPassResult result_;
 
   Track track_;

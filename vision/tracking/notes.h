@@ -8,6 +8,7 @@
 
 #include "vision/following/pattern_follower.h"
 #include "vision/tracker.h"
+#include "vision/tracking/rim_track.h"
 
 namespace tribotrack::vision {
 
@@ -27,6 +28,9 @@ PlanStage marker_stage(const Circle& marker);
 PlanStage texture_marker_stage(const Rect& patch, double limit_px);
 /// Stages that only some frames need.
 std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames);
+
+/// In how many frames the rim alone measures the part, and why.
+PlanStage rim_stage(const RimEvidence& evidence);
 
 std::string no_rim_warning(const char* what, const Circle& given);
 std::string texture_lost_warning(std::int64_t frames);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "vision/layered_scenes.h"
 
@@ -16,6 +17,28 @@ std::optional<MeanRadius> watch(const test::SlidingScene& s, double radius) {
   for (int k = 0; k < s.frames; ++k) rim.see(source, k, s.truth(k));
   return rim.radius();
 }
+
+struct SlidingDisc {
+  static constexpr int kFrames = 60;
+  Scene scene;
+  double speed;
+
+  SlidingDisc(double radius, double first_speed, std::uint64_t seed) : speed(first_speed) {
+    scene.width = 210;
+    scene.height = 60;
+    scene.seed = seed;
+    scene.platform.level = 20;
+    scene.platform.texture_rms = 0;
+    scene.disc.radius_px = radius;
+    scene.disc.scratches = 0;
+    scene.disc.highlight = 0;
+    scene.disc.edge_blur_px = 0.5;
+  }
+  /// Slower and slower: at rest in the last frame. t in frames.
+  ScenePose pose(double t) const {
+    return {{30.3 + speed * (t - t * t / (2 * kFrames)), 30.2 + 0.1 * speed * t}, 0, {0, 0}};
+  }
+};
 
 TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
   double squares = 0;
@@ -45,9 +68,57 @@ TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
   EXPECT_GT(std::sqrt(squares / count), 0.35);
 }
 
+/// A disc that comes to rest under a shutter that is always open, its light stored as such or to a power.
+class SmearedSource : public MemorySource {
+ public:
+  SmearedSource(const SlidingDisc& disc, double power, bool colour)
+      : MemorySource(rendered(disc, power), 250) {
+    info_.colour = colour;
+  }
+
+ private:
+  static std::vector<Picture> rendered(const SlidingDisc& disc, double power) {
+    const SceneRenderer renderer(disc.scene);
+    std::vector<Picture> pictures;
+    for (int k = 0; k < SlidingDisc::kFrames; ++k) {
+      Picture exact = renderer.render_exact(k, 1, [&](double t) { return disc.pose(t); });
+      std::mt19937 random(static_cast<unsigned>(disc.scene.seed) * 1000 + static_cast<unsigned>(k));
+      std::normal_distribution<double> noise(0, 1.2);
+      for (float& v : exact.levels())
+        v = static_cast<float>(
+            std::round(255 * std::pow(static_cast<double>(v) / 255, power) + noise(random)));
+      pictures.push_back(std::move(exact));
+    }
+    return pictures;
+  }
+};
+
+TEST(RimWatch, HoldsUnderMotionBlurHoweverTheLightIsStored) {
+  for (const bool colour : {false, true})
+    for (const double speed : {0.0, 1.5, 4.0}) {
+      double squares = 0, worst = 0;
+      int count = 0;
+      for (const double radius : {8.7, 15.3}) {
+        SlidingDisc disc(radius, speed, static_cast<std::uint64_t>(10 + count));
+        SmearedSource source(disc, colour ? 1 / 2.2 : 1, colour);
+        RimWatch rim({0, 0, radius}, 2);
+        for (int k = 0; k < SlidingDisc::kFrames; ++k) rim.see(source, k, disc.pose(k).disc);
+        const auto mean = rim.radius();
+        ASSERT_TRUE(mean);
+        std::printf("%s, %g px a frame at first, radius %g: error %+.4f, sd %.4f px\n",
+                    colour ? "colour" : "linear", speed, radius, mean->radius - radius, mean->sd);
+        squares += std::pow((mean->radius - radius) / mean->sd, 2);
+        worst = std::max(worst, std::abs(mean->radius - radius) / radius);
+        ++count;
+      }
+      EXPECT_LT(std::sqrt(squares / count), 2.2);
+      EXPECT_LT(worst, colour ? 0.015 : 0.002);
+    }
+}
+
 TEST(RimWatch, OneFrameIsNoMean) {
   test::SlidingScene s;
-  s.frames = 4;  // one of which is looked at
+  s.frames = 1;
   EXPECT_FALSE(watch(s, 30));
 }
 

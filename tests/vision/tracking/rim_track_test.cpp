@@ -1,0 +1,121 @@
+// Parts that change their look as they turn: brushed metal under a lamp.
+#include "vision/tracking/rim_track.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "vision/analytic_scene.h"
+#include "vision/circle_fit_judge.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::RenderedSource;
+using test::TestScene;
+
+constexpr int kFrames = 120;
+
+Point truth(std::int64_t k) {
+  const auto t = static_cast<double>(k);
+  return {50.3 + 0.25 * t + 2 * std::cos(0.13 * t), 60.2 - 2 * std::sin(0.13 * t)};
+}
+
+/// The disc turns by 3 rad; a highlight stands with the lamp, and streaks glint one after the other.
+RenderedSource metal_that_turns(bool with_look_alike = false, int gone_from = kFrames) {
+  std::mt19937 random(12);
+  const test::Waves streaks = test::random_waves(random, 30, 10, 30);
+  return {220, 120, kFrames, [=](std::int64_t k) {
+            TestScene scene;
+            scene.width = 220;
+            scene.height = 120;
+            const double theta = 3.0 * static_cast<double>(k) / kFrames;
+            if (k < gone_from) scene.discs = {{truth(k).x, truth(k).y, 22, theta, 140, {}}};
+            if (k < gone_from)
+              for (std::size_t n = 0; n < streaks.waves.size(); ++n) {
+                test::Wave w = streaks.waves[n];
+                w.phase += (n % 2 == 0 ? 2.0 : -2.0) * theta;
+                scene.discs[0].texture.waves.push_back(w);
+              }
+            if (with_look_alike) scene.discs.push_back({180, 60, 22, 0, 140, {}});
+            std::mt19937 noise(static_cast<unsigned>(500 + k));
+            return test::noisy(scene.render(), 2, noise);
+          }};
+}
+
+TrackOptions follow() {
+  TrackOptions options;
+  options.target = {Target::Kind::disc, {truth(0).x, truth(0).y, 22}, {}};
+  options.layers = Layers::off;
+  return options;
+}
+
+const PlanStage& rim_stage_of(const TrackResult& result) {
+  for (const PlanStage& s : result.summary.plan)
+    if (s.name == "rim alone") return s;
+  throw std::logic_error("no such stage");
+}
+
+TEST(RimTrack, MetalThatTurnsIsFoundInEveryFrameAsWellAsByACircleFit) {
+  RenderedSource source = metal_that_turns();
+  const TrackResult result = track(source, follow());
+  ASSERT_EQ(result.summary.ok, kFrames);
+  const PlanStage& stage = rim_stage_of(result);
+  EXPECT_TRUE(stage.on) << stage.reason;
+  Eigen::MatrixX2d ours(kFrames, 2), judged(kFrames, 2), sd(kFrames, 2);
+  for (const TrackPoint& p : result.track.points) {
+    const Circle c = test::circle_fit(source.read(p.frame), {p.x, p.y, 22});
+    ours.row(p.frame) << p.x - truth(p.frame).x, p.y - truth(p.frame).y;
+    judged.row(p.frame) << c.x - truth(p.frame).x, c.y - truth(p.frame).y;
+    sd.row(p.frame) << p.sigma_x, p.sigma_y;
+    EXPECT_GT(p.ncc, 0.6);
+    EXPECT_LE(p.ncc, 1);
+  }
+  const auto rms = [](const Eigen::MatrixX2d& e) {
+    return std::sqrt((e.rowwise() - e.colwise().mean()).squaredNorm() / (2 * kFrames));
+  };
+  // What changes from frame to frame; the streaks' own slow errors are not in the sd.
+  const Eigen::MatrixX2d fast =
+      (ours.topRows(kFrames - 2) - 2 * ours.middleRows(1, kFrames - 2) + ours.bottomRows(kFrames - 2)) /
+      std::sqrt(6.0);
+  const double standardised =
+      std::sqrt((fast.array() / sd.middleRows(1, kFrames - 2).array()).square().mean());
+  std::printf("rms %.4f px, of the circle fit %.4f; standardised, fast part %.2f\n%s\n", rms(ours),
+              rms(judged), standardised, stage.reason.c_str());
+  EXPECT_LT(rms(ours), rms(judged));
+  EXPECT_LT(standardised, 1.2);
+  EXPECT_LT(rms(ours), 3 * sd.mean());
+}
+
+TEST(RimTrack, ALookAlikeIsNotTakenForMetalThatHasGone) {
+  RenderedSource source = metal_that_turns(true, 80);
+  const TrackResult result = track(source, follow());
+  for (const TrackPoint& p : result.track.points) {
+    if (p.frame >= 80) {
+      EXPECT_EQ(p.status, TrackStatus::lost) << p.frame;
+    } else {
+      EXPECT_EQ(p.status, TrackStatus::ok) << p.frame;
+    }
+  }
+}
+
+TEST(RimTrack, APartThatLooksTheSameIsLeftToItsTemplate) {
+  RenderedSource source(140, 120, 40, [](std::int64_t k) {
+    TestScene scene;
+    scene.width = 140;
+    scene.height = 120;
+    scene.discs = {{truth(k).x, truth(k).y, 22, 0, 140, {}}};
+    std::mt19937 noise(static_cast<unsigned>(700 + k));
+    return test::noisy(scene.render(), 2, noise);
+  });
+  const TrackResult result = track(source, follow());
+  EXPECT_EQ(result.summary.ok, 40);
+  const PlanStage& stage = rim_stage_of(result);
+  EXPECT_FALSE(stage.on) << stage.reason;
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,61 @@
+// The rim measured sector by sector: where a round part is, whatever turns inside it.
+//
+// In each sector k of the rim the levels on both sides are its own, and so is the place of the edge,
+//   I(rho) = O_k + (A_k - O_k) Phi((R + d_k - rho) / s),
+// with Phi and s as in disc_detection.h; linear in O_k, A_k - O_k and, to the first order, in d_k. A circle
+// is fitted to the edges, each weighted by how well its pixels show it. Nothing but round edges counts: no
+// picture of the part is compared, a highlight or a streak that passes along the rim changes levels, not
+// edges. What it costs against a template of a part that does not change is a factor of 1.5 to 2.
+//
+// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - moves each sector's edge alike
+// in all frames: rim_series.h learns it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// What is known of the rim before a frame is measured.
+struct RimShape {
+  double radius = 0, blur = 0;  ///< px
+  double contrast = 0;          ///< level inside minus outside, grey levels
+  double unevenness = 0;        ///< RimSectors::unevenness of the frame that shape was taken from, px
+};
+
+struct RimSectors {
+  Circle circle;
+  /// d_k less the circle, px, and about the inverse of its variance for noise of one grey level; 0 where the
+  /// sector does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing
+  /// angle.
+  std::vector<float> deviation, information;
+  double contrast = 0;      ///< median of A_k - O_k
+  double coverage = 0;      ///< share of the sectors that show the edge
+  double unevenness = 0;    ///< usual size of the deviations, px
+  double correlation = 0;   ///< of the pixels near the rim with the edges fitted to them, -1 .. 1
+  double residual_rms = 0;  ///< what the edges leave of them, grey levels
+};
+
+/// Sectors about 4.5 px long.
+int rim_sector_count(double radius);
+
+/// Unit vector towards the middle of a sector.
+Point sector_direction(int sector, int count);
+
+/// The rim about `start`, whose centre is known to about twice the blur. nullopt where less than half of it
+/// is seen, or the circle walks away from the start.
+std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);
+
+/// Whether that is the rim of the same part: its radius, the sign and size of its step, as round as it was
+/// and seen all the way round, but for one sector or a twentieth of them.
+bool same_rim(const RimSectors& seen, const RimShape& known);
+
+/// The same for a part that is known to be there: half of its rim will do.
+bool usable_rim(const RimSectors& seen, const RimShape& known);
+
+/// Of what was seen in a frame in which the part is known to be there.
+RimShape shape_of(const RimSectors& seen, double blur);
+
+}  // namespace tribotrack::vision
