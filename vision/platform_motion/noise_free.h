@@ -1,0 +1,13 @@
+// A mean picture freed of the noise that is left in it.
+#pragma once
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// Wiener's filter: every spatial frequency is kept by the share of its power that is not the noise's, the
+/// power a mean over neighbouring frequencies. A brushed ground lies on few frequencies, so most of the noise
+/// goes; slopes of what is left are slopes of the ground. `noise_variance` of a pixel, grey levels^2.
+Picture noise_free(const Picture& picture, double noise_variance);
+
+}  // namespace tribotrack::vision
