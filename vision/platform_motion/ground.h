@@ -19,7 +19,7 @@ struct GroundField {
   Rect place;         ///< on the ground's grid
   Picture mean;       ///< grey levels
   Picture variance;   ///< of a frame's pixel about it, grey levels^2
-  Picture seen;       ///< in so many frames; where in fewer than two nothing is known
+  Picture seen;       ///< in so many frames; 0 where in too few to be known
   Picture quiet;      ///< the mean freed of its noise
   QuinticSpline less; ///< of `quiet` less Ground::level
 };

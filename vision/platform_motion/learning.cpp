@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vision/kernels/median.h"
@@ -11,11 +12,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kMostRounds = 10;
+constexpr int kMostRounds = 60;
 constexpr double kSettled = 0.1;    ///< of the standard deviation, rms: a hundredth of the variance
 constexpr double kOutlier = 4;      ///< sd, as in the registration
 constexpr int kBorder = 3;          ///< px beside a picture's border where a spline sees its mirror image
-constexpr float kFewest = 2;        ///< frames that make a mean and a variance
+constexpr float kKnownShare = 0.5F;  ///< of the frames: seen in fewer, a place's noise passes for a texture
+constexpr int kFillings = 8;         ///< of the unknown, later ones start from these
 constexpr double kLeastShare = 0.5; ///< of the frames that must be registered
 
 /// Where a frame was taken to lie, and in which light.
@@ -70,7 +72,7 @@ void add(const Placed& placed, std::size_t f, const Rect& place, const GroundFie
       const float level =
           (levels[static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) + static_cast<std::size_t>(x)] -
            offset) * gain;
-      const bool known = before && before->seen.at(u, v) >= kFewest;
+      const bool known = before && before->seen.at(u, v) > 0;
       const float off = known ? level - before->quiet.at(u, v) : level;
       if (known && off * off > kOutlier * kOutlier * before->variance.at(u, v)) continue;
       sums.sum.at(u, v) += level;
@@ -88,7 +90,7 @@ Picture smoothed(const Picture& variance, const Picture& seen) {
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       for (int k = std::max(0, x - kReach); k <= std::min(w - 1, x + kReach); ++k)
-        if (seen.at(k, y) >= kFewest) {
+        if (seen.at(k, y) > 0) {
           rows.at(x, y) += variance.at(k, y);
           counts.at(x, y) += 1;
         }
@@ -104,7 +106,21 @@ Picture smoothed(const Picture& variance, const Picture& seen) {
   return out;
 }
 
-GroundField field_from(const Rect& place, const FieldSums& sums, double noise_variance) {
+/// The mean freed of its noise. What is not known is filled from what is, again and again (Papoulis, IEEE
+/// Trans. Circuits Syst. 22, 1975): a step there would look like a texture.
+Picture quiet_mean(const GroundField& field, double noise_variance, int fillings) {
+  Picture filled = field.mean, quiet;
+  for (int k = 0; k <= fillings; ++k) {
+    quiet = noise_free(filled, noise_variance);
+    for (std::size_t i = 0; i < filled.levels().size(); ++i)
+      if (!(field.seen.levels()[i] > 0)) filled.levels()[i] = quiet.levels()[i];
+  }
+  return quiet;
+}
+
+GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
+                       double noise_variance) {
+  const float fewest = std::max(2.0F, kKnownShare * frames);
   GroundField field;
   field.place = place;
   field.seen = sums.count;
@@ -112,7 +128,10 @@ GroundField field_from(const Rect& place, const FieldSums& sums, double noise_va
   double total = 0, known = 0, left = 0;
   for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
     const float n = sums.count.levels()[i];
-    if (n < kFewest) continue;
+    if (n < fewest) {
+      field.seen.levels()[i] = 0;
+      continue;
+    }
     const double mean = static_cast<double>(sums.sum.levels()[i]) / n;
     const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
     field.mean.levels()[i] = static_cast<float>(mean);
@@ -121,11 +140,15 @@ GroundField field_from(const Rect& place, const FieldSums& sums, double noise_va
     left += field.variance.levels()[i] / n;
     ++known;
   }
-  const auto elsewhere = static_cast<float>(known > 0 ? total / known : 0);
-  for (std::size_t i = 0; i < field.mean.levels().size(); ++i)
-    if (sums.count.levels()[i] < kFewest) field.mean.levels()[i] = elsewhere;
+  if (known > 0) {
+    const auto elsewhere = static_cast<float>(total / known);
+    for (std::size_t i = 0; i < field.mean.levels().size(); ++i)
+      if (!(field.seen.levels()[i] > 0)) field.mean.levels()[i] = before ? before->quiet.levels()[i] : elsewhere;
+    field.quiet = quiet_mean(field, left / known, before ? 1 : kFillings);
+  } else {
+    field.quiet = field.mean;
+  }
   field.variance = smoothed(field.variance, field.seen);
-  field.quiet = known > 0 ? noise_free(field.mean, left / known) : field.mean;
   return field;
 }
 
@@ -136,7 +159,7 @@ Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& place
   for (std::size_t f = 0; f < places.size(); ++f) {
     FieldSums sums(places[f]);
     for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, sums);
-    ground.fields.push_back(field_from(places[f], sums, noise_variance));
+    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()), before ? &before->fields[f] : nullptr, noise_variance));
     const auto levels = ground.fields.back().mean.levels();
     for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
   }
@@ -165,48 +188,100 @@ class Excess {
   double count_ = 0;
 };
 
-double median_score(const std::vector<std::optional<GroundFix>>& fixes) {
-  std::vector<double> scores;
-  for (const auto& fix : fixes)
-    if (fix) scores.push_back(fix->score);
-  return median(scores);
-}
+/// Two halves of the frames, each registered to the ground learnt from the other: a frame's own noise in the
+/// ground would hold it where it was.
+class Learning {
+ public:
+  Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
+      : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
+    for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
+    for (std::size_t h : {0, 1}) grounds_[h] = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
+  }
+
+  /// One after the other, so that both halves keep to the same grid. How far the frames have moved against
+  /// each other, sd rms.
+  double round() {
+    excess_ = {};
+    double moved = 0;
+    for (const std::size_t h : {1, 0}) {
+      moved += refine(h, 2, grounds_[1 - h]);
+      grounds_[h] = mean_of(chosen(h, 2), places_, &grounds_[h], noise_variance_);
+    }
+    return std::sqrt(moved / std::max(1.0, 2 * registered()));
+  }
+
+  bool enough() const {
+    return registered() >= std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+  }
+
+  void finish(LearntGround& out) {
+    out.ground = mean_of(chosen(0, 1), places_, &grounds_[0], noise_variance_);
+    out.texture = GroundRegistration(out.ground).texture();
+    out.excess = excess_.mean();
+    out.fixes = fixes_;
+    std::vector<double> scores;
+    for (const auto& fix : fixes_)
+      if (fix) scores.push_back(fix->score);
+    out.score = median(scores);
+  }
+
+ private:
+  std::vector<Placed> chosen(std::size_t first, std::size_t step) const {
+    std::vector<Placed> out;
+    for (std::size_t k = first; k < placed_.size(); k += step)
+      if (placed_[k].frame) out.push_back(placed_[k]);
+    return out;
+  }
+  double registered() const {
+    return static_cast<double>(std::ranges::count_if(fixes_, [](const auto& f) { return f.has_value(); }));
+  }
+  /// The squares of the frames' moves in units of their sd, their common one taken off: it moves the grid.
+  double refine(std::size_t first, std::size_t step, const Ground& ground) {
+    GroundRegistration registration(ground);
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<Eigen::Matrix2d> normals;
+    Eigen::Vector2d common = Eigen::Vector2d::Zero();
+    for (std::size_t k = first; k < frames_.size(); k += step) {
+      const Point from = placed_[k].displacement;
+      fixes_[k] = registration.refine(frames_[k], from);
+      placed_[k].frame = fixes_[k] ? &frames_[k] : nullptr;
+      if (!fixes_[k]) continue;
+      excess_.add(registration);
+      placed_[k] = {&frames_[k], fixes_[k]->displacement, fixes_[k]->gain, fixes_[k]->offset};
+      moves.emplace_back(placed_[k].displacement.x - from.x, placed_[k].displacement.y - from.y);
+      normals.push_back(registration.normal());
+      common += moves.back();
+    }
+    if (!moves.empty()) common /= static_cast<double>(moves.size());
+    double squares = 0;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
+    return squares;
+  }
+
+  const std::vector<GroundFrame>& frames_;
+  const std::vector<Rect>& places_;
+  double noise_variance_;
+  std::vector<Placed> placed_;  ///< frame null where it could not be registered
+  std::vector<std::optional<GroundFix>> fixes_;
+  std::array<Ground, 2> grounds_;
+  Excess excess_;
+};
 
 }  // namespace
 
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
                                          const std::vector<Rect>& places, double noise_variance) {
-  std::vector<Placed> placed;
-  for (const GroundFrame& f : frames) placed.push_back({&f, f.start});
+  Learning learning(frames, places, noise_variance);
   LearntGround learnt;
-  learnt.ground = mean_of(placed, places, nullptr, noise_variance);
-  std::vector<Point> last;
-  for (const GroundFrame& f : frames) last.push_back(f.start);
-  for (bool settled = false; !settled && learnt.rounds < kMostRounds; ++learnt.rounds) {
-    GroundRegistration registration(learnt.ground);
-    registration.set_excess(learnt.excess);
-    Excess excess;
-    learnt.texture = registration.texture();
-    learnt.fixes.assign(frames.size(), std::nullopt);
-    placed.clear();
-    double moved = 0;
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const auto fix = registration.refine(frames[k], last[k]);
-      if (!fix) continue;
-      excess.add(registration);
-      learnt.fixes[k] = fix;
-      placed.push_back({&frames[k], fix->displacement, fix->gain, fix->offset});
-      const Eigen::Vector2d step(fix->displacement.x - last[k].x, fix->displacement.y - last[k].y);
-      moved += step.dot(registration.normal() * step);
-      last[k] = fix->displacement;
-    }
-    const auto count = static_cast<double>(placed.size());
-    if (count < kLeastShare * static_cast<double>(frames.size()) || count < kFewest) return std::nullopt;
-    learnt.excess = excess.mean();
-    settled = learnt.rounds > 0 && moved < 2 * count * kSettled * kSettled;
-    if (!settled) learnt.ground = mean_of(placed, places, &learnt.ground, noise_variance);
+  while (learnt.rounds < (getenv("GR") ? atoi(getenv("GR")) : kMostRounds)) {
+    ++learnt.rounds;
+    const double moved = learning.round();
+    if (getenv("GDBG")) fprintf(stderr, "round %d moved %.3f\n", learnt.rounds, moved);
+    if (!learning.enough()) return std::nullopt;
+    if (moved < kSettled) break;
   }
-  learnt.score = median_score(learnt.fixes);
+  learning.finish(learnt);
   return learnt;
 }
 

@@ -72,7 +72,7 @@ void GroundRegistration::add_blocks(std::size_t field) {
       for (const TilePlace& t : b.tiles)
         for (int y = t.y; y < t.y + kTile; ++y)
           for (int x = t.x; x < t.x + kTile; ++x) {
-            const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) >= 2;
+            const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) > 0;
             b.weight.push_back(known ? 1 / f.variance.at(x, y) : 0);
           }
       b.corners.resize(b.tiles.size());
