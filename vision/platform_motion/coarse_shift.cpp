@@ -8,8 +8,8 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kLargest = 512;  ///< side of a picture, in bins: half a bin stays within a texture's width
-constexpr int kBroad = 33;     ///< bins over which light is smooth
+constexpr int kLargest = 512;       ///< side of a picture, in bins: half a bin stays within a texture's width
+constexpr int kBroad = 33;          ///< bins over which light is smooth
 constexpr double kFarthest = 0.25;  ///< of the picture's side
 
 }  // namespace

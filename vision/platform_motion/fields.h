@@ -7,13 +7,8 @@
 
 namespace tribotrack::vision {
 
-/// Pixels that a frame is registered by at most. More would cost more time than reading and following the
-/// part does, and four times as many halve the standard deviation.
-inline constexpr int kMostGroundPixels = 1 << 18;
-
 /// The whole picture, or of a large one the fields of 128 x 128 px with the most information: the smaller
 /// eigenvalue of sum grad f grad f^T beyond the noise.
-std::vector<Rect> ground_fields(const Picture& first, double noise_variance,
-                                int most_pixels = kMostGroundPixels);
+std::vector<Rect> ground_fields(const Picture& first, double noise_variance, int most_pixels);
 
 }  // namespace tribotrack::vision

@@ -16,12 +16,12 @@ namespace tribotrack::vision {
 
 /// A part of the ground.
 struct GroundField {
-  Rect place;         ///< on the ground's grid
-  Picture mean;       ///< grey levels
-  Picture variance;   ///< of a frame's pixel about it, grey levels^2
-  Picture seen;       ///< in so many frames; 0 where in too few to be known
-  Picture quiet;      ///< the mean freed of its noise
-  QuinticSpline less; ///< of `quiet` less Ground::level
+  Rect place;          ///< on the ground's grid
+  Picture mean;        ///< grey levels
+  Picture variance;    ///< of a frame's pixel about it, grey levels^2
+  Picture seen;        ///< in so many frames; 0 where in too few to be known
+  Picture quiet;       ///< the mean freed of its noise
+  QuinticSpline less;  ///< of `quiet` less Ground::level
 };
 
 struct Ground {
@@ -42,7 +42,7 @@ struct GroundFrame {
 struct GroundFix {
   Point displacement;                                    ///< px
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
-  double score = 0;  ///< correlation with the learnt ground, what is smooth over a block taken off
+  double score = 0;             ///< correlation with the learnt ground, what is smooth over a block taken off
   double gain = 1, offset = 0;  ///< of the light: I = gain G + offset
   double trimmed_share = 0;     ///< of the pixels: something else lies over the ground
 };

@@ -12,13 +12,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kMostRounds = 60;
-constexpr double kSettled = 0.1;    ///< of the standard deviation, rms: a hundredth of the variance
-constexpr double kOutlier = 4;      ///< sd, as in the registration
-constexpr int kBorder = 3;          ///< px beside a picture's border where a spline sees its mirror image
+constexpr double kSettled = 0.1;     ///< of the standard deviation, rms: a hundredth of the variance
+constexpr double kOutlier = 4;       ///< sd, as in the registration
+constexpr int kBorder = 3;           ///< px beside a picture's border where a spline sees its mirror image
 constexpr float kKnownShare = 0.5F;  ///< of the frames: seen in fewer, a place's noise passes for a texture
 constexpr int kFillings = 8;         ///< of the unknown, later ones start from these
-constexpr double kLeastShare = 0.5; ///< of the frames that must be registered
+constexpr double kLeastShare = 0.5;  ///< of the frames that must be registered
 
 /// Where a frame was taken to lie, and in which light.
 struct Placed {
@@ -31,7 +30,9 @@ struct Placed {
 struct FieldSums {
   Picture sum, squares, count;
   explicit FieldSums(const Rect& place)
-      : sum(place.width, place.height), squares(place.width, place.height), count(place.width, place.height) {}
+      : sum(place.width, place.height),
+        squares(place.width, place.height),
+        count(place.width, place.height) {}
 };
 
 /// Where a frame's window covers the field, on the field's own grid.
@@ -69,9 +70,10 @@ void add(const Placed& placed, std::size_t f, const Rect& place, const GroundFie
     for (int x = 0; x < r.width; ++x) {
       if (!near.empty() && hidden_at(near, x0 + x, y0 + y)) continue;
       const int u = r.x + x, v = r.y + y;
-      const float level =
-          (levels[static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) + static_cast<std::size_t>(x)] -
-           offset) * gain;
+      const float level = (levels[static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
+                                  static_cast<std::size_t>(x)] -
+                           offset) *
+                          gain;
       const bool known = before && before->seen.at(u, v) > 0;
       const float off = known ? level - before->quiet.at(u, v) : level;
       if (known && off * off > kOutlier * kOutlier * before->variance.at(u, v)) continue;
@@ -143,7 +145,8 @@ GroundField field_from(const Rect& place, const FieldSums& sums, float frames, c
   if (known > 0) {
     const auto elsewhere = static_cast<float>(total / known);
     for (std::size_t i = 0; i < field.mean.levels().size(); ++i)
-      if (!(field.seen.levels()[i] > 0)) field.mean.levels()[i] = before ? before->quiet.levels()[i] : elsewhere;
+      if (!(field.seen.levels()[i] > 0))
+        field.mean.levels()[i] = before ? before->quiet.levels()[i] : elsewhere;
     field.quiet = quiet_mean(field, left / known, before ? 1 : kFillings);
   } else {
     field.quiet = field.mean;
@@ -159,7 +162,8 @@ Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& place
   for (std::size_t f = 0; f < places.size(); ++f) {
     FieldSums sums(places[f]);
     for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, sums);
-    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()), before ? &before->fields[f] : nullptr, noise_variance));
+    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
+                                       before ? &before->fields[f] : nullptr, noise_variance));
     const auto levels = ground.fields.back().mean.levels();
     for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
   }
@@ -271,13 +275,13 @@ class Learning {
 }  // namespace
 
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
-                                         const std::vector<Rect>& places, double noise_variance) {
+                                         const std::vector<Rect>& places, double noise_variance,
+                                         int most_rounds) {
   Learning learning(frames, places, noise_variance);
   LearntGround learnt;
-  while (learnt.rounds < (getenv("GR") ? atoi(getenv("GR")) : kMostRounds)) {
+  while (learnt.rounds < most_rounds) {
     ++learnt.rounds;
     const double moved = learning.round();
-    if (getenv("GDBG")) fprintf(stderr, "round %d moved %.3f\n", learnt.rounds, moved);
     if (!learning.enough()) return std::nullopt;
     if (moved < kSettled) break;
   }

@@ -15,7 +15,7 @@ namespace tribotrack::vision {
 
 struct LearntGround {
   Ground ground;
-  std::vector<std::optional<GroundFix>> fixes;  ///< of the frames learnt from
+  std::vector<std::optional<GroundFix>> fixes;           ///< of the frames learnt from
   Eigen::Matrix2d excess = Eigen::Matrix2d::Identity();  ///< see GroundRegistration
   double texture = 0;                                    ///< grey levels rms beyond the noise
   double score = 0;                                      ///< their median
@@ -23,8 +23,10 @@ struct LearntGround {
 };
 
 /// From frames whose `start` is good to a texture's width. `places` of the fields; `noise_variance` of a
-/// pixel, the least that is believed. Nothing where too few frames can be registered: the ground shows nothing.
+/// pixel, the least that is believed. Nothing where too few frames can be registered: the ground shows
+/// nothing.
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
-                                         const std::vector<Rect>& places, double noise_variance);
+                                         const std::vector<Rect>& places, double noise_variance,
+                                         int most_rounds);
 
 }  // namespace tribotrack::vision

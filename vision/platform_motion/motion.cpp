@@ -1,22 +1,22 @@
 #include "vision/platform_motion/motion.h"
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/coarse_shift.h"
 #include "vision/platform_motion/fields.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kMostFloats = 32e6;   ///< of frames kept for the learning: 128 MB
-constexpr int kFewestFrames = 16;
+constexpr double kMostFloats = 32e6;  ///< of frames kept for the learning: 128 MB
+constexpr int kFewestFrames = 12;
 constexpr int kMargin = 8;             ///< px about a field: the start's error, the spline's reach
 constexpr double kWorstLimit = 0.3;    ///< px: a ground that is located worse than this is no use
 constexpr double kMotion = 4;          ///< times what noise explains, in squares: twice the sd
@@ -27,7 +27,8 @@ Rect moved_window(const Rect& field, const Point& by, const Rect& bounds) {
   if (field.width == bounds.width && field.height == bounds.height) return bounds;
   const int left = std::max(0, field.x + static_cast<int>(std::floor(by.x)) - kMargin);
   const int top = std::max(0, field.y + static_cast<int>(std::floor(by.y)) - kMargin);
-  const int right = std::min(bounds.width, field.x + field.width + static_cast<int>(std::ceil(by.x)) + kMargin);
+  const int right =
+      std::min(bounds.width, field.x + field.width + static_cast<int>(std::ceil(by.x)) + kMargin);
   const int bottom =
       std::min(bounds.height, field.y + field.height + static_cast<int>(std::ceil(by.y)) + kMargin);
   return {left, top, std::max(1, right - left), std::max(1, bottom - top)};
@@ -36,9 +37,10 @@ Rect moved_window(const Rect& field, const Point& by, const Rect& bounds) {
 Picture cut(const Picture& whole, const Rect& window) {
   Picture out(window.width, window.height);
   for (int y = 0; y < window.height; ++y)
-    std::ranges::copy(whole.row(window.y + y).subspan(static_cast<std::size_t>(window.x),
-                                                      static_cast<std::size_t>(window.width)),
-                      out.row(y).begin());
+    std::ranges::copy(
+        whole.row(window.y + y)
+            .subspan(static_cast<std::size_t>(window.x), static_cast<std::size_t>(window.width)),
+        out.row(y).begin());
   return out;
 }
 
@@ -50,6 +52,17 @@ void read_fields(FrameSource& source, const std::vector<Rect>& fields, GroundFra
     frame.windows.push_back(moved_window(fields[f], frame.start, source.bounds()));
     source.read(frame.index, frame.windows.back(), frame.pictures[f]);
   }
+}
+
+/// One of each of so many stretches, its place in it by the golden ratio.
+std::vector<std::int64_t> spread(std::int64_t first, std::int64_t last, std::int64_t count) {
+  std::vector<std::int64_t> indices;
+  const double stretch = static_cast<double>(last - first + 1) / static_cast<double>(count);
+  for (std::int64_t k = 0; k < count; ++k) {
+    const auto n = static_cast<double>(k);
+    indices.push_back(first + static_cast<std::int64_t>((n + std::fmod(n * std::numbers::phi, 1)) * stretch));
+  }
+  return indices;
 }
 
 double worse_sd(const Eigen::Matrix2d& covariance) {
@@ -88,18 +101,21 @@ GroundVerdict verdict_on(const std::optional<LearntGround>& learnt) {
   v.motion_px = std::sqrt(std::max(0.0, motion - noise) / (2 * count));
   v.visible = v.limit_px < kWorstLimit;
   const double ratio = squares / (2 * (count - 1));
-  v.moves = v.visible && ratio > kMotion;
+  v.moves = ratio > kMotion;
   if (!v.visible)
-    v.reason = fmt::format("the ground's texture of {:.2g} grey levels rms would locate it to {:.2g} px a frame only",
-                           v.texture, v.limit_px);
+    v.reason = fmt::format(
+        "the ground's texture of {:.2g} grey levels rms would locate it to {:.2g} px a frame only", v.texture,
+        v.limit_px);
   else if (!v.moves)
     v.reason = fmt::format(
-        "the ground rests: its texture of {:.2g} grey levels rms locates it to {:.2g} px a frame, and it moves "
+        "the ground rests: its texture of {:.2g} grey levels rms locates it to {:.2g} px a frame, and it "
+        "moves "
         "by {:.2g} px rms, {:.1f} sd",
         v.texture, v.limit_px, v.motion_px, std::sqrt(ratio));
   else
     v.reason = fmt::format(
-        "the ground's texture of {:.2g} grey levels rms locates it to {:.2g} px a frame; it moves by {:.2g} px rms",
+        "the ground's texture of {:.2g} grey levels rms locates it to {:.2g} px a frame; it moves by {:.2g} "
+        "px rms",
         v.texture, v.limit_px, v.motion_px);
   return v;
 }
@@ -154,49 +170,63 @@ class GroundFollower {
 
 }  // namespace
 
-GroundSample sample_ground(FrameSource& source, std::int64_t first, std::int64_t last, int frames,
-                           const GroundMotionOptions& options) {
-  GroundSample sample;
-  Picture whole = source.read(first);
-  sample.fields = ground_fields(whole, options.noise_variance);
-  double pixels = 0;
-  for (const Rect& f : sample.fields) pixels += static_cast<double>(f.width + 2 * kMargin) * (f.height + 2 * kMargin);
-  const auto most = std::clamp<std::int64_t>(static_cast<std::int64_t>(kMostFloats / pixels), kFewestFrames, frames);
-  const std::int64_t count = std::min(most, last - first + 1);
-  const CoarseShift coarse(whole, options.hidden(first));
-  for (std::int64_t k = 0; k < count; ++k) {
-    GroundFrame frame;
-    frame.index = first + (count > 1 ? k * (last - first) / (count - 1) : 0);
-    frame.hidden = options.hidden(frame.index);
-    source.read(frame.index, source.bounds(), whole);
-    if (k > 0) frame.start = coarse.of(whole, frame.hidden);
-    for (const Rect& field : sample.fields) {
-      frame.windows.push_back(moved_window(field, frame.start, source.bounds()));
-      frame.pictures.push_back(cut(whole, frame.windows.back()));
-    }
-    sample.frames.push_back(std::move(frame));
+GroundSampler::GroundSampler(const Picture& first_picture, const std::vector<Circle>& hidden,
+                             std::int64_t first, std::int64_t last, const GroundEffort& effort,
+                             double noise_variance)
+    : coarse_(first_picture, hidden) {
+  sample_.fields = ground_fields(first_picture, noise_variance, effort.pixels);
+  double floats = 0;
+  for (const Rect& f : sample_.fields)
+    floats += static_cast<double>(f.width + 2 * kMargin) * (f.height + 2 * kMargin);
+  const auto affordable = static_cast<std::int64_t>(kMostFloats / floats);
+  indices_ = spread(first, last,
+                    std::min({std::max<std::int64_t>(affordable, kFewestFrames), std::int64_t{effort.frames},
+                              last - first + 1}));
+}
+
+bool GroundSampler::wants(std::int64_t index) const {
+  return sample_.frames.size() < indices_.size() && index == indices_[sample_.frames.size()];
+}
+
+void GroundSampler::see(FrameSource& source, std::int64_t index, const std::vector<Circle>& hidden) {
+  GroundFrame frame;
+  frame.index = index;
+  frame.hidden = hidden;
+  source.read(index, source.bounds(), whole_);
+  if (index != indices_.front()) frame.start = coarse_.of(whole_, hidden);
+  for (const Rect& field : sample_.fields) {
+    frame.windows.push_back(moved_window(field, frame.start, source.bounds()));
+    frame.pictures.push_back(cut(whole_, frame.windows.back()));
   }
-  return sample;
+  sample_.frames.push_back(std::move(frame));
 }
 
-GroundVerdict look_at_ground(const GroundSample& sample, const GroundMotionOptions& options) {
-  return verdict_on(learn_ground(sample.frames, sample.fields, options.noise_variance));
+GroundSample sample_ground(FrameSource& source, std::int64_t first, std::int64_t last,
+                           const GroundEffort& effort, const GroundMotionOptions& options) {
+  GroundSampler sampler(source.read(first), options.hidden(first), first, last, effort,
+                        options.noise_variance);
+  for (std::int64_t index = first; index <= last; ++index)
+    if (sampler.wants(index)) sampler.see(source, index, options.hidden(index));
+  return sampler.sample();
 }
 
-std::optional<GroundMotion> follow_ground(FrameSource& source, std::int64_t first, std::int64_t last,
-                                          const GroundMotionOptions& options) {
-  std::optional<LearntGround> learnt;
+GroundVerdict look_at_ground(const GroundSample& sample, double noise_variance) {
+  return verdict_on(learn_ground(sample.frames, sample.fields, noise_variance, kGroundGlance.rounds));
+}
+
+GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t last,
+                           const GroundMotionOptions& options) {
   GroundMotion motion;
+  std::optional<LearntGround> learnt;
   {
-    const GroundSample sample = sample_ground(source, first, last, kGroundFrames, options);
-    learnt = learn_ground(sample.frames, sample.fields, options.noise_variance);
+    const GroundSample sample = sample_ground(source, first, last, kGroundLearning, options);
+    learnt = learn_ground(sample.frames, sample.fields, options.noise_variance, kGroundLearning.rounds);
     motion.learnt_from = static_cast<int>(sample.frames.size());
   }
   motion.verdict = verdict_on(learnt);
-  if (!learnt) return std::nullopt;
+  if (!motion.verdict.visible) return motion;
   GroundFollower follower(source, first, options, *learnt);
   for (std::int64_t index = first; index <= last; ++index) motion.frames.push_back(follower.step(index));
-  motion.anchor = {0.5 * (source.info().width - 1), 0.5 * (source.info().height - 1)};
   motion.ground = std::move(learnt->ground);
   return motion;
 }

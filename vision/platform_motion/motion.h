@@ -3,9 +3,8 @@
 //   GroundMotionOptions options;
 //   options.noise_variance = camera.noise_variance;
 //   options.hidden = [&](std::int64_t index) { return std::vector<Circle>{part_with_shadow(index)}; };
-//   const GroundSample sample = sample_ground(source, first, last, kGroundGlance, options);
-//   if (const GroundVerdict seen = look_at_ground(sample, options); seen.moves) {
-//     const GroundMotion motion = follow_ground(source, first, last, options);
+//   if (look_at_ground(sample_ground(source, first, last, kGroundGlance, options), noise_variance).moves)
+//     const auto motion = follow_ground(source, first, last, options);
 //
 // The ground is learnt from frames spread over the recording (learning.h), and every frame registered to it
 // (registration.h). How well the two directions are known differs where the ground is brushed: along the
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "vision/frame_source.h"
+#include "vision/platform_motion/coarse_shift.h"
 #include "vision/platform_motion/learning.h"
 
 namespace tribotrack::vision {
@@ -31,19 +31,43 @@ struct GroundMotionOptions {
   };
 };
 
-inline constexpr int kGroundGlance = 16;  ///< frames that tell whether the ground moves
-inline constexpr int kGroundFrames = 128; ///< it is learnt from: their noise adds less than a hundredth
+/// Frames, pixels of each and rounds of the learning.
+struct GroundEffort {
+  int frames = 0;
+  int pixels = 0;
+  int rounds = 0;
+};
+/// To tell whether the ground moves: at the cost of some windows about the part.
+inline constexpr GroundEffort kGroundGlance{12, 1 << 16, 2};
+/// To follow it: frames whose noise adds less than a hundredth; pixels beyond which registering a frame would
+/// take longer than reading it, while four times as many would halve the standard deviation; rounds that
+/// mostly are not needed.
+inline constexpr GroundEffort kGroundLearning{128, 1 << 18, 10};
 
-/// Frames kept for the learning.
 struct GroundSample {
   std::vector<Rect> fields;
   std::vector<GroundFrame> frames;
 };
 
-/// Frames spread evenly over first .. last, read whole, kept as far as they show the fields. At most `frames`,
-/// fewer of large pictures.
-GroundSample sample_ground(FrameSource& source, std::int64_t first, std::int64_t last, int frames,
-                           const GroundMotionOptions& options);
+/// Collects the sample: frames spread over first .. last, but not evenly (that could meet the same phase of a
+/// vibration again and again), read whole, kept as far as they show the fields; fewer of large pictures.
+class GroundSampler {
+ public:
+  GroundSampler(const Picture& first_picture, const std::vector<Circle>& hidden, std::int64_t first,
+                std::int64_t last, const GroundEffort& effort, double noise_variance);
+  bool wants(std::int64_t index) const;
+  /// One that is wanted; in order. `hidden`: see GroundMotionOptions.
+  void see(FrameSource& source, std::int64_t index, const std::vector<Circle>& hidden);
+  const GroundSample& sample() const { return sample_; }
+
+ private:
+  GroundSample sample_;
+  CoarseShift coarse_;
+  std::vector<std::int64_t> indices_;
+  Picture whole_;
+};
+GroundSample sample_ground(FrameSource& source, std::int64_t first, std::int64_t last,
+                           const GroundEffort& effort, const GroundMotionOptions& options);
 
 /// What frames spread over the recording say of the ground.
 struct GroundVerdict {
@@ -54,18 +78,18 @@ struct GroundVerdict {
   double motion_px = 0;  ///< rms displacement about its mean beyond the noise, per axis
   std::string reason;    ///< with its figure
 };
-GroundVerdict look_at_ground(const GroundSample& sample, const GroundMotionOptions& options);
+GroundVerdict look_at_ground(const GroundSample& sample, double noise_variance);
 
 struct GroundMotion {
-  std::vector<std::optional<GroundFix>> frames;  ///< first .. last; nothing where the ground was not found again
+  std::vector<std::optional<GroundFix>>
+      frames;  ///< first .. last; nothing where the ground was not found again
   Ground ground;
-  Point anchor;         ///< middle of the ground's information, in the first frame, px
   int learnt_from = 0;  ///< frames
   GroundVerdict verdict;
 };
 
-/// Learns from the sample, then measures every frame. Nothing where the ground shows nothing.
-std::optional<GroundMotion> follow_ground(FrameSource& source, std::int64_t first, std::int64_t last,
-                                          const GroundMotionOptions& options);
+/// Learns, then measures every frame. No frames where the ground is not visible (verdict).
+GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t last,
+                           const GroundMotionOptions& options);
 
 }  // namespace tribotrack::vision

@@ -11,9 +11,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBlock = 32;           ///< px: many widths of a texture, and light is even over it
-constexpr double kOutlier = 4;       ///< sd
-constexpr double kOutlierEdge = 3;   ///< px about a covering object that are half covered
+constexpr int kBlock = 32;          ///< px: many widths of a texture, and light is even over it
+constexpr double kOutlier = 4;      ///< sd
+constexpr double kOutlierEdge = 3;  ///< px about a covering object that are half covered
 constexpr int kMostIterations = 20;
 constexpr int kMostTrims = 4;
 constexpr double kTolerance = 0.02;  ///< of the standard deviation: adds a thousandth to it
@@ -77,8 +77,8 @@ void GroundRegistration::add_blocks(std::size_t field) {
           }
       b.corners.resize(b.tiles.size());
       b.arrays.tiles = b.tiles.size();
-      for (auto* v : {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta,
-                      &b.arrays.level})
+      for (auto* v :
+           {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
         v->resize(b.weight.size());
       b.shown = b.arrays.weight = b.weight;
       blocks_.push_back(std::move(b));
@@ -263,14 +263,16 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
     if (std::hypot(whole_x + fraction.x - start.x, whole_y + fraction.y - start.y) > kFarthest)
       return std::nullopt;
     // In units of what is known: along a brush that is less.
-    const bool settled = brake == 1 && step.dot(fit->normal.topLeftCorner<2, 2>() * step) < kTolerance * kTolerance;
+    const bool settled =
+        brake == 1 && step.dot(fit->normal.topLeftCorner<2, 2>() * step) < kTolerance * kTolerance;
     if (settled) {
       const std::size_t before = trimmed;
       trimmed = trims < kMostTrims ? trim(*fit) : trimmed;
       converged = trims++ >= kMostTrims || trimmed == before;
     }
     if (std::abs(fraction.x) > 0.75 || std::abs(fraction.y) > 0.75) {
-      const int dx = static_cast<int>(std::lround(fraction.x)), dy = static_cast<int>(std::lround(fraction.y));
+      const int dx = static_cast<int>(std::lround(fraction.x)),
+                dy = static_cast<int>(std::lround(fraction.y));
       whole_x += dx;
       whole_y += dy;
       fraction.x -= dx;
