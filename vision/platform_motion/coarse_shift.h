@@ -8,19 +8,20 @@
 
 namespace tribotrack::vision {
 
-/// Cross-correlation of whole pictures by Fourier transform, both under a Hann window, what is hidden and
-/// what is broad (light) taken off. Large pictures are binned.
+/// Cross-correlation of whole pictures by Fourier transform, the first one under a Hann window and freed of
+/// its noise, of which a brushed ground would be located by little else along its brush. What is hidden, what
+/// is broad (light) and what stands out too far (things that cross) is taken off. Large pictures are binned.
 class CoarseShift {
  public:
-  CoarseShift(const Picture& first, const std::vector<Circle>& hidden);
+  CoarseShift(const Picture& first, const std::vector<Circle>& hidden, double noise_variance);
   /// To within half a bin where the ground shows a texture.
   Point of(const Picture& picture, const std::vector<Circle>& hidden) const;
   int bin() const { return bin_; }
 
  private:
-  cv::Mat spectrum(const Picture& picture, const std::vector<Circle>& hidden) const;
+  cv::Mat texture(const Picture& picture, const std::vector<Circle>& hidden) const;
   int bin_ = 1;
-  cv::Mat hann_, first_;
+  cv::Mat first_;  ///< spectrum
 };
 
 }  // namespace tribotrack::vision

@@ -12,11 +12,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kSettled = 0.1;     ///< of the standard deviation, rms: a hundredth of the variance
-constexpr double kOutlier = 4;       ///< sd, as in the registration
+constexpr double kSettled = 0.1;  ///< of the standard deviation, rms: a hundredth of the variance
+constexpr float kOutlier = 4;     ///< sd, as in the registration
+/// sd that an object widens itself: one that covers a ninth of the frames stands out by 3 of them.
+constexpr float kOutlierAtFirst = 3;
 constexpr int kBorder = 3;           ///< px beside a picture's border where a spline sees its mirror image
 constexpr float kKnownShare = 0.5F;  ///< of the frames: seen in fewer, a place's noise passes for a texture
-constexpr int kFillings = 8;         ///< of the unknown, later ones start from these
 constexpr double kLeastShare = 0.5;  ///< of the frames that must be registered
 
 /// Where a frame was taken to lie, and in which light.
@@ -53,7 +54,8 @@ bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
 }
 
 /// Deviations from `before`, where there is one: outliers from it are left out.
-void add(const Placed& placed, std::size_t f, const Rect& place, const GroundField* before, FieldSums& sums) {
+void add(const Placed& placed, std::size_t f, const Rect& place, const GroundField* before, float outlier,
+         FieldSums& sums) {
   const Rect& window = placed.frame->windows[f];
   const Point& p = placed.displacement;
   const Rect r = covered(place, window, p);
@@ -76,7 +78,7 @@ void add(const Placed& placed, std::size_t f, const Rect& place, const GroundFie
                           gain;
       const bool known = before && before->seen.at(u, v) > 0;
       const float off = known ? level - before->quiet.at(u, v) : level;
-      if (known && off * off > kOutlier * kOutlier * before->variance.at(u, v)) continue;
+      if (known && off * off > outlier * outlier * before->variance.at(u, v)) continue;
       sums.sum.at(u, v) += level;
       sums.squares.at(u, v) += level * level;
       sums.count.at(u, v) += 1;
@@ -108,26 +110,26 @@ Picture smoothed(const Picture& variance, const Picture& seen) {
   return out;
 }
 
-/// The mean freed of its noise. What is not known is filled from what is, again and again (Papoulis, IEEE
-/// Trans. Circuits Syst. 22, 1975): a step there would look like a texture.
-Picture quiet_mean(const GroundField& field, double noise_variance, int fillings) {
-  Picture filled = field.mean, quiet;
-  for (int k = 0; k <= fillings; ++k) {
-    quiet = noise_free(filled, noise_variance);
-    for (std::size_t i = 0; i < filled.levels().size(); ++i)
-      if (!(field.seen.levels()[i] > 0)) filled.levels()[i] = quiet.levels()[i];
-  }
-  return quiet;
+/// 0 beside what is not known, too: slopes there are half a guess.
+Picture well_inside(const Picture& seen) {
+  Picture out = seen;
+  const int w = seen.width(), h = seen.height();
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (seen.at(x, y) > 0) continue;
+      for (int v = std::max(0, y - kBorder); v <= std::min(h - 1, y + kBorder); ++v)
+        for (int u = std::max(0, x - kBorder); u <= std::min(w - 1, x + kBorder); ++u) out.at(u, v) = 0;
+    }
+  return out;
 }
 
-GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
-                       double noise_variance) {
+GroundField field_from(const Rect& place, const FieldSums& sums, float frames, double noise_variance) {
   const float fewest = std::max(2.0F, kKnownShare * frames);
   GroundField field;
   field.place = place;
   field.seen = sums.count;
   field.mean = field.variance = Picture(place.width, place.height);
-  double total = 0, known = 0, left = 0;
+  double known = 0, left = 0;
   for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
     const float n = sums.count.levels()[i];
     if (n < fewest) {
@@ -138,32 +140,23 @@ GroundField field_from(const Rect& place, const FieldSums& sums, float frames, c
     const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
     field.mean.levels()[i] = static_cast<float>(mean);
     field.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
-    total += mean;
     left += field.variance.levels()[i] / n;
     ++known;
   }
-  if (known > 0) {
-    const auto elsewhere = static_cast<float>(total / known);
-    for (std::size_t i = 0; i < field.mean.levels().size(); ++i)
-      if (!(field.seen.levels()[i] > 0))
-        field.mean.levels()[i] = before ? before->quiet.levels()[i] : elsewhere;
-    field.quiet = quiet_mean(field, left / known, before ? 1 : kFillings);
-  } else {
-    field.quiet = field.mean;
-  }
+  field.quiet = known > 0 ? noise_free(field.mean, field.seen, left / known) : field.mean;
   field.variance = smoothed(field.variance, field.seen);
+  field.seen = well_inside(field.seen);
   return field;
 }
 
 Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& places, const Ground* before,
-               double noise_variance) {
+               double noise_variance, float outlier = kOutlier) {
   Ground ground;
   double level = 0;
   for (std::size_t f = 0; f < places.size(); ++f) {
     FieldSums sums(places[f]);
-    for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, sums);
-    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
-                                       before ? &before->fields[f] : nullptr, noise_variance));
+    for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, outlier, sums);
+    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()), noise_variance));
     const auto levels = ground.fields.back().mean.levels();
     for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
   }
@@ -199,7 +192,10 @@ class Learning {
   Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
       : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
-    for (std::size_t h : {0, 1}) grounds_[h] = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
+    for (std::size_t h : {0, 1}) {
+      const Ground all = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
+      grounds_[h] = mean_of(chosen(h, 2), places_, &all, noise_variance_, kOutlierAtFirst);
+    }
   }
 
   /// One after the other, so that both halves keep to the same grid. How far the frames have moved against

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostFloats = 32e6;  ///< of frames kept for the learning: 128 MB
 constexpr int kFewestFrames = 12;
 constexpr int kMargin = 8;             ///< px about a field: the start's error, the spline's reach
-constexpr double kWorstLimit = 0.3;    ///< px: a ground that is located worse than this is no use
+constexpr double kWorstLimit = 1;      ///< px: slopes do not locate a ground that is known worse
 constexpr double kMotion = 4;          ///< times what noise explains, in squares: twice the sd
 constexpr double kInformation = 0.98;  ///< used of what the ground holds: costs a hundredth of the sd
 constexpr double kLeastScore = 0.5;    ///< of the usual one: less, and it is not the ground
@@ -153,7 +153,7 @@ class GroundFollower {
     return fix && fix->score > kLeastScore * learnt_.score ? fix : std::nullopt;
   }
   Point searched(std::int64_t index) {
-    if (!coarse_) coarse_.emplace(source_.read(first_), options_.hidden(first_));
+    if (!coarse_) coarse_.emplace(source_.read(first_), options_.hidden(first_), options_.noise_variance);
     return coarse_->of(source_.read(index), frame_.hidden);
   }
 
@@ -173,7 +173,7 @@ class GroundFollower {
 GroundSampler::GroundSampler(const Picture& first_picture, const std::vector<Circle>& hidden,
                              std::int64_t first, std::int64_t last, const GroundEffort& effort,
                              double noise_variance)
-    : coarse_(first_picture, hidden) {
+    : coarse_(first_picture, hidden, noise_variance) {
   sample_.fields = ground_fields(first_picture, noise_variance, effort.pixels);
   double floats = 0;
   for (const Rect& f : sample_.fields)
