@@ -123,7 +123,8 @@ Picture well_inside(const Picture& seen) {
   return out;
 }
 
-GroundField field_from(const Rect& place, const FieldSums& sums, float frames, double noise_variance) {
+GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
+                       double noise_variance) {
   const float fewest = std::max(2.0F, kKnownShare * frames);
   GroundField field;
   field.place = place;
@@ -143,7 +144,9 @@ GroundField field_from(const Rect& place, const FieldSums& sums, float frames, d
     left += field.variance.levels()[i] / n;
     ++known;
   }
-  field.quiet = known > 0 ? noise_free(field.mean, field.seen, left / known) : field.mean;
+  field.quiet = known > 0
+                    ? noise_free(field.mean, field.seen, left / known, before ? &before->quiet : nullptr)
+                    : field.mean;
   field.variance = smoothed(field.variance, field.seen);
   field.seen = well_inside(field.seen);
   return field;
@@ -156,7 +159,8 @@ Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& place
   for (std::size_t f = 0; f < places.size(); ++f) {
     FieldSums sums(places[f]);
     for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, outlier, sums);
-    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()), noise_variance));
+    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
+                                       before ? &before->fields[f] : nullptr, noise_variance));
     const auto levels = ground.fields.back().mean.levels();
     for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
   }

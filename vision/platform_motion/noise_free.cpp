@@ -7,7 +7,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kBroad = 33;    ///< px over which light is smooth
-constexpr int kFillings = 4;  ///< of what is not known
+constexpr int kFillings = 8;  ///< of what is not known
 constexpr int kReach = 2;     ///< frequencies either way whose power is averaged: 25
 /// Noise alone scatters by a fifth of its mean there: three times that is no noise.
 constexpr float kStandsOut = 1.6F;
@@ -54,12 +54,14 @@ cv::Mat matrix_of(const Picture& p) {
 
 }  // namespace
 
-Picture noise_free(const Picture& picture, const Picture& known, double noise_variance) {
+Picture noise_free(const Picture& picture, const Picture& known, double noise_variance,
+                   const Picture* before) {
   cv::Mat there;
   cv::threshold(matrix_of(known), there, 0, 1, cv::THRESH_BINARY);
   const cv::Mat broad = broad_part(matrix_of(picture), there);
   const cv::Mat texture = (matrix_of(picture) - broad).mul(there);
   cv::Mat filled = texture.clone(), quiet;
+  if (before) filled = texture + (matrix_of(*before) - broad).mul(1 - there);
   for (int k = 0; k <= kFillings; ++k) {
     quiet = filtered(filled, noise_variance);
     filled = texture + quiet.mul(1 - there);

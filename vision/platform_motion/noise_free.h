@@ -11,6 +11,8 @@ namespace tribotrack::vision {
 /// the ground. What is not `known` (0) is filled from what is, again and again (Papoulis, IEEE Trans.
 /// Circuits Syst. 22, 1975): a step there would look like a texture. `noise_variance` of a pixel, grey
 /// levels^2.
-Picture noise_free(const Picture& picture, const Picture& known, double noise_variance);
+/// `before`: a like picture, to fill from at first.
+Picture noise_free(const Picture& picture, const Picture& known, double noise_variance,
+                   const Picture* before = nullptr);
 
 }  // namespace tribotrack::vision

@@ -108,15 +108,16 @@ Errors errors_of(const GroundMotion& motion, const Circling& s, double turn = 0)
   const auto solver = basis.colPivHouseholderQr();
   const Eigen::MatrixX2d a = solver.solve(is), b = solver.solve(should);
   for (int axis = 0; axis < 2; ++axis) {
-    const std::complex<double> ratio = std::complex<double>(a(0, axis), -a(1, axis)) /
-                                       std::complex<double>(b(0, axis), -b(1, axis));
+    const std::complex<double> ratio =
+        std::complex<double>(a(0, axis), -a(1, axis)) / std::complex<double>(b(0, axis), -b(1, axis));
     e.amplitude_off[axis] = std::abs(ratio) - 1;
     e.phase_off[axis] = std::arg(ratio);
     e.amplitude_sd[axis] = std::sqrt(2 * reported(axis, axis) / n) / s.circle_px;
   }
   ::testing::Test::RecordProperty("found", e.found);
   std::printf(
-      "  %d frames, along %.4f (sd %.4f) across %.4f (sd %.4f) px, error/sd %.2f; amplitude off %.2f %.2f, phase "
+      "  %d frames, along %.4f (sd %.4f) across %.4f (sd %.4f) px, error/sd %.2f; amplitude off %.2f %.2f, "
+      "phase "
       "off %.2f %.2f (1e-3), sd %.2f %.2f\n",
       e.found, e.along, e.sd_along, e.across, e.sd_across, e.ratio, 1e3 * e.amplitude_off[0],
       1e3 * e.amplitude_off[1], 1e3 * e.phase_off[0], 1e3 * e.phase_off[1], 1e3 * e.amplitude_sd[0],
@@ -132,7 +133,8 @@ GroundMotion followed(const Circling& s, std::vector<Picture> pictures) {
 GroundVerdict glance(const Circling& s, std::vector<Picture> pictures) {
   MemorySource source(std::move(pictures), kRate);
   const GroundMotionOptions options = s.options();
-  return look_at_ground(sample_ground(source, 0, s.frames - 1, kGroundGlance, options), options.noise_variance);
+  return look_at_ground(sample_ground(source, 0, s.frames - 1, kGroundGlance, options),
+                        options.noise_variance);
 }
 
 /// 100 frames with two coordinates each: the ratio of rms error and sd scatters by a twentieth.
@@ -162,7 +164,8 @@ Eigen::Vector2d bound(const Circling& s) {
   for (int y = 0; y < still.height; ++y)
     for (int x = 0; x < still.width; ++x) {
       if (std::hypot(x - disc.x, y - disc.y) < s.scene.disc.radius_px + 4) continue;
-      const double gx = (right.at(x, y) - left.at(x, y)) / (2 * h), gy = (down.at(x, y) - up.at(x, y)) / (2 * h);
+      const double gx = (right.at(x, y) - left.at(x, y)) / (2 * h),
+                   gy = (down.at(x, y) - up.at(x, y)) / (2 * h);
       along += std::pow(std::cos(angle) * gx - std::sin(angle) * gy, 2);
       across += std::pow(std::sin(angle) * gx + std::cos(angle) * gy, 2);
     }
@@ -192,17 +195,6 @@ TEST(GroundMotion, WeakTextureDoesAsMuchAsItCan) {
   EXPECT_LT(e.across, 1.25 * limit[1]);
 }
 
-TEST(GroundMotion, VX) {
-  Circling s;
-  s.scene.vignetting = 0.3;
-  errors_of(followed(s, s.pictures()), s);
-}
-TEST(GroundMotion, FX) {
-  Circling s;
-  s.scene.flicker = 0.1;
-  s.scene.flicker_hz = 40;
-  errors_of(followed(s, s.pictures()), s);
-}
 TEST(GroundMotion, FlickerAndVignettingDrawNothing) {
   Circling s;
   s.scene.flicker = 0.1;
@@ -223,13 +215,13 @@ TEST(GroundMotion, FlickerAndVignettingDrawNothing) {
 TEST(GroundMotion, SomethingThatCrossesIsLeftOut) {
   const Circling s;
   std::vector<Picture> pictures = s.pictures();
-  for (int k = 0; k < s.frames; ++k)  // a bar 16 px wide, from left to right
-    for (int y = 0; y < 200; ++y)
+  for (int k = 0; k < s.frames; ++k)  // 16 x 60 px, from left to right
+    for (int y = 20; y < 80; ++y)
       for (int x = std::max(0, 3 * k - 40); x < std::min(240, 3 * k - 24); ++x)
         pictures[static_cast<std::size_t>(k)].at(x, y) = static_cast<float>(30 + (x + y + k) % 3);
   const GroundMotion motion = followed(s, std::move(pictures));
   expect_right(errors_of(motion, s), s);
-  EXPECT_GT(motion.frames[50]->trimmed_share, 0.04);
+  EXPECT_GT(motion.frames[50]->trimmed_share, 0.01);
 }
 
 TEST(GroundMotion, FastMotionIsPredicted) {
