@@ -21,8 +21,10 @@ const char* to_string(TrackStatus status);
 /// The marker in one frame (fixed to the platform).
 struct MarkerPoint {
   double x = 0, y = 0;  ///< px
-  double sigma = 0;     ///< px, per axis
+  double sigma = 0;     ///< px, per axis: rms of the two
   double ncc = 0;
+  /// Where the axes differ (a brushed ground): standard deviations, px, and correlation; else 0.
+  double sigma_x = 0, sigma_y = 0, rho_xy = 0;
 };
 
 /// One frame. Positions are meaningful only for status ok.
@@ -106,9 +108,9 @@ struct TrackSummary : FrameCounts {
   double disc_radius_sd = 0;  ///< px, 0 where not measured
   /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
   double disc_radius_common_sd = 0;
-  Circle marker;
-  Rect texture_patch;   ///< the patch of the platform's texture that serves as its marker; else empty
-  int gate_pixels = 0;  ///< pixels averaged over the lamp, 0 without one
+  Circle marker;                  ///< a round one; radius 0 without
+  bool ground_is_marker = false;  ///< all of the platform's ground that is seen serves as its marker
+  int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
   double gate_clipped_share = 0;  ///< share of them that clip, in the frame in which most do
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used

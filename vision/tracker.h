@@ -39,10 +39,10 @@ struct Target {
   Rect rectangle;
 };
 
-/// The mark fixed to the platform: a round one found or given, or a patch of the platform's own texture that
-/// the part never covers. `find` falls back on texture.
+/// The mark fixed to the platform: a round one found or given, or its own texture, all of the ground that is
+/// seen. `find` falls back on texture. Automatic: the texture where the ground moves, else none.
 struct MarkerChoice {
-  enum class Kind { none, find, circle, texture } kind = Kind::none;
+  enum class Kind { automatic, none, find, circle, texture } kind = Kind::automatic;
   Circle circle;
 };
 

@@ -40,7 +40,7 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   if (job.mm_per_px) job.calibration.reset();
   if (job.mm_per_px || job.calibration) job.diameter_mm.reset();
   if (run.free_slide) {  // its platform rests and no actuator works
-    job.track.marker = {};
+    job.track.marker = {vision::MarkerChoice::Kind::none, {}};
     job.track.gate.reset();
   }
   job.track.first_frame = run.first_frame;

@@ -25,7 +25,8 @@ Json marker_json(const vision::MarkerChoice& marker) {
   using Kind = vision::MarkerChoice::Kind;
   if (marker.kind == Kind::circle) return circle_json(marker.circle);
   if (marker.kind == Kind::texture) return "texture";
-  return marker.kind == Kind::find ? Json("find") : Json("none");
+  if (marker.kind == Kind::find) return "find";
+  return marker.kind == Kind::none ? "none" : "texture where the ground moves";
 }
 
 std::optional<vision::PlaneGeometry> geometry_of(const RecordingJob& job, const vision::SourceInfo& info,
@@ -140,7 +141,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.frames = summary.frames;
   facts.lost_counted = summary.lost_counted;
   facts.accepted = summary.gate_passed;
-  facts.platform_from_texture = recording.result.track.has_marker && summary.texture_patch.width > 0;
+  facts.platform_from_texture = recording.result.track.has_marker && summary.ground_is_marker;
   facts.recorded_in = prepared.inputs;
   facts.frame_rate_hz = info.time_base.rate_hz;
   facts.time_base = info.time_base.source;
@@ -182,7 +183,7 @@ Json summary_json(const TrackedRecording& recording) {
     json["gate_pixels"] = s.gate_pixels;
     json["gate_clipped_share"] = s.gate_clipped_share;
   }
-  if (recording.result.track.has_marker) json["marker_px"] = circle_json(s.marker);
+  if (s.marker.radius > 0) json["marker_px"] = circle_json(s.marker);
   return json;
 }
 
@@ -205,7 +206,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                             {"notes", recording.info().notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
   if (recording.result.track.has_marker)
-    meta.more["platform_seen_by"] = recording.result.summary.texture_patch.width > 0 ? "texture" : "marker";
+    meta.more["platform_seen_by"] = recording.result.summary.ground_is_marker ? "texture" : "marker";
   meta.more["scale"] = recording.scale
                            ? Json{{"mm_per_px", recording.scale->mm_per_px},
                                   {"mm_per_px_sd", recording.scale->sd},

@@ -31,7 +31,7 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
 marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none
-# marker = "texture"            # without marker_px: follow the platform's own texture; "auto": a round mark, else texture
+# marker = "texture"            # without marker_px: by the platform's own texture (as by itself where that moves); "auto": a round mark, else texture; "none"
 # gate_px = [30, 30, 6]         # a lamp that is lit while the actuator is on: phi and dtau are measured from it
 
 # [scope]                       # for runs with `scope = "trace.csv"` (Rigol DS1000Z, DS1102E, MSO5000 layouts)

@@ -300,8 +300,9 @@ void add_track(CLI::App& app, Context& context) {
   command
       .add_option(
           "--marker", options->marker,
-          "Mark fixed to the platform: its motion is subtracted (default none). texture: a patch of the "
-          "platform's own texture that the part never covers; auto: a round mark, else texture")
+          "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
+          "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
+          "none")
       ->type_name("X,Y,R|auto|texture|none");
   command
       .add_option(

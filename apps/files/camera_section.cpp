@@ -33,7 +33,8 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   camera.gate_px = read_circle(table, "gate_px");
   using Marker = vision::MarkerChoice::Kind;
   constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
-  camera.marker = markers[table.choice("marker", {"none", "auto", "texture"}).value_or(0)];
+  if (const auto choice = table.choice("marker", {"none", "auto", "texture"}))
+    camera.marker = markers[*choice];
   table.finish();
   return camera;
 }

@@ -24,7 +24,7 @@ struct CameraSection {
   std::optional<double> working_distance_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
   /// Without marker_px: how the platform's motion is seen.
-  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::none;
+  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::automatic;
 };
 
 /// Both read the whole table and refuse unknown keys. Throw InvalidInput with file, line and column.

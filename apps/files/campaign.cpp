@@ -301,7 +301,8 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
           {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
                      : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
-                                                                          : "none"},
+                     : camera.marker == vision::MarkerChoice::Kind::none  ? "none"
+                                                                          : "texture where the ground moves"},
           {"gate_px", circle_json(camera.gate_px)},
           {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
 }

@@ -64,6 +64,15 @@ PlanStage stage(const char* name, double correction_px, double sd_px, const std:
       .error_bound_px = correction_px};
 }
 
+/// px^2
+Eigen::Matrix2d covariance_of(const MarkerPoint& marker) {
+  Eigen::Matrix2d c = marker.sigma * marker.sigma * Eigen::Matrix2d::Identity();
+  if (!(marker.sigma_x > 0 && marker.sigma_y > 0)) return c;
+  const double off = marker.rho_xy * marker.sigma_x * marker.sigma_y;
+  c << marker.sigma_x * marker.sigma_x, off, off, marker.sigma_y * marker.sigma_y;
+  return c;
+}
+
 }  // namespace
 
 PlaneGeometry::PlaneGeometry(const Scale& scale, ScalePlane plane, const std::optional<Parallax>& parallax)
@@ -140,9 +149,8 @@ std::vector<std::optional<PlacedPoint>> place_track(const Track& track, const Pl
     placed.covariance = part.slope * spread * part.slope.transpose();
     if (track.has_marker) {
       const PlanePoint marker = geometry.marker({p.marker->x, p.marker->y});
-      const double variance = p.marker->sigma * p.marker->sigma;
       placed.mm -= marker.mm;
-      placed.covariance += variance * marker.slope * marker.slope.transpose();
+      placed.covariance += marker.slope * covariance_of(*p.marker) * marker.slope.transpose();
       placed.marker_mm = turn * marker.mm;
       placed.marker_sigma_mm = p.marker->sigma * std::sqrt(std::abs(marker.slope.determinant()));
     }

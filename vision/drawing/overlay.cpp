@@ -185,7 +185,8 @@ void write_video(FrameSource& source, const TrackResult& result, const std::file
     const std::vector<TrackPoint> tail(points.begin() + static_cast<std::ptrdiff_t>(from),
                                        points.begin() + static_cast<std::ptrdiff_t>(k + 1));
     draw_path(canvas, tail, tail.size());
-    if (p.marker) canvas.circle({p.marker->x, p.marker->y}, result.summary.marker.radius, kMarker);
+    if (p.marker && result.summary.marker.radius > 0)
+      canvas.circle({p.marker->x, p.marker->y}, result.summary.marker.radius, kMarker);
     const bool ok = p.status == TrackStatus::ok;
     if (ok) {
       canvas.circle({p.x, p.y}, outline_radius(result.summary), kOutline);

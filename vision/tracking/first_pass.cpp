@@ -73,6 +73,12 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       mean_radius_(setup_.disc, range.count() / kRimFrames, rim_),
       rim_track_(rim_shape_, std::max<std::int64_t>(1, range.count() / kRimFrames)) {
   if (options.gate) lamp_.emplace(*options.gate, source);
+  if (asks_ground(options)) {
+    const auto running = clock.enter(Stage::marker);
+    glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
+                    range.last, kGroundGlance, noise_variance_);
+  }
+  last_seen_ = setup_.pattern.centre;
   result_.first_index = range.first;
   result_.total = range.count();
   result_.disc = setup_.disc;
@@ -92,6 +98,7 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
   const FollowStep step = follow_part(index, point);
   follow_marker(index, point);
   sample_lamp(index, point);
+  glance_at_ground(index, step);
   track_.points.push_back(point);
   if (!step.sighting) return std::nullopt;
   return step.sighting->position;
@@ -141,6 +148,30 @@ void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
   clipped_share_ = std::max(clipped_share_, light.clipped_share);
 }
 
+void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
+  if (step.sighting) last_seen_ = step.sighting->position;
+  if (!glance_ || !glance_->wants(index)) return;
+  const auto running = clock_.enter(Stage::marker);
+  glance_->see(source_, index, over_ground(last_seen_, setup_.pattern, options_));
+}
+
+/// Where it serves as the marker, or is seen to move.
+void FirstPass::follow_ground(TrackSummary& summary) {
+  const auto running = clock_.enter(Stage::marker);
+  if (glance_) {
+    const GroundVerdict ground = look_at_ground(glance_->sample(), noise_variance_);
+    if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
+    if (!ground.moves) return;
+  } else if (!wants_ground(options_, track_.has_marker)) {
+    return;
+  }
+  const GroundMarker marker =
+      follow_platform(source_, range_.first, options_, noise_variance_, setup_.pattern, track_);
+  summary.ground_is_marker = marker.followed;
+  summary.plan.push_back(marker.stage);
+  if (marker.lost > 0) summary.warnings.push_back(texture_lost_warning(marker.lost));
+}
+
 Track FirstPass::finish(TrackSummary& summary) {
   const RimEvidence rim =
       timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
@@ -157,15 +188,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   add(summary.plan, marker_.plan);
   add(summary.warnings, setup_.warnings);
   add(summary.warnings, marker_.warnings);
-  if (wants_texture(options_, track_.has_marker)) {
-    const auto running = clock_.enter(Stage::marker);
-    const TextureMarker texture =
-        follow_texture(source_, first_, range_.first, options_, noise_variance_, setup_.pattern, track_);
-    summary.texture_patch = texture.patch;
-    summary.marker = circle_in(texture.patch);
-    summary.plan.push_back(texture.stage);
-    if (texture.lost > 0) summary.warnings.push_back(texture_lost_warning(texture.lost));
-  }
+  follow_ground(summary);
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));

@@ -6,6 +6,7 @@
 
 #include "vision/audit/runs.h"
 #include "vision/discs/mean_radius.h"
+#include "vision/platform_motion/motion.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
@@ -28,7 +29,7 @@ class FirstPass {
   /// to be the part.
   std::optional<Point> step(std::int64_t index);
 
-  /// After the last frame: the track, and its summary as far as it is known. Follows the platform's texture
+  /// After the last frame: the track, and its summary as far as it is known. Follows the platform's ground
   /// where that serves as the marker.
   Track finish(TrackSummary& summary);
 
@@ -43,6 +44,8 @@ class FirstPass {
   FollowStep follow_part(std::int64_t index, TrackPoint& point);
   void follow_marker(std::int64_t index, TrackPoint& point);
   void sample_lamp(std::int64_t index, TrackPoint& point);
+  void glance_at_ground(std::int64_t index, const FollowStep& step);
+  void follow_ground(TrackSummary& summary);
 
   FrameSource& source_;
   FrameRange range_;
@@ -56,6 +59,8 @@ class FirstPass {
   std::optional<RimShape> rim_shape_;
   PatternFollower part_;
   MarkerSetup marker_;
+  std::optional<GroundSampler> glance_;  ///< at the ground: does it move?
+  Point last_seen_;                      ///< the part
   std::optional<GateLamp> lamp_;
   RimWatch mean_radius_;
   AuditSample audited_;  ///< frames whose halves are compared

@@ -86,12 +86,14 @@ PlanStage marker_stage(const Circle& marker) {
                                 marker.x, marker.y, marker.radius)};
 }
 
-PlanStage texture_marker_stage(const Rect& patch, double limit_px) {
+PlanStage ground_marker_stage(const std::string& ground, int learnt_from) {
+  if (learnt_from == 0)
+    return {.name = "marker",
+            .reason = "none given, and " + ground + ": positions are in the camera's frame"};
   return {.name = "marker",
           .on = true,
-          .reason = fmt::format("none: a patch of the platform's texture at ({}, {}), {} px wide, that the "
-                                "part never covers locates it to {:.2g} px a frame",
-                                patch.x, patch.y, patch.width, limit_px)};
+          .reason =
+              fmt::format("none: {}; learnt from {} frames, its motion is subtracted", ground, learnt_from)};
 }
 
 std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {

@@ -25,7 +25,8 @@ PlanStage rotation_stage(bool on, bool visible, double limit_theta);
 PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px);
 PlanStage no_marker_stage();
 PlanStage marker_stage(const Circle& marker);
-PlanStage texture_marker_stage(const Rect& patch, double limit_px);
+/// What the ground shows; `learnt_from` frames, 0: it is not followed.
+PlanStage ground_marker_stage(const std::string& ground, int learnt_from);
 /// Stages that only some frames need.
 std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames);
 

@@ -3,25 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/following/texture_patch.h"
+#include "vision/platform_motion/motion.h"
 #include "vision/tracking/notes.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
 namespace {
 
-/// What covers the platform at some time: the part along its path, the lamp.
-std::vector<Circle> covered_by(const Track& track, const TrackOptions& options, double part_radius) {
-  std::vector<Circle> covered;
-  for (const TrackPoint& p : track.points) {
-    if (p.status != TrackStatus::ok) continue;
-    const Circle here{p.x, p.y, part_radius + 6};
-    if (covered.empty() || std::hypot(here.x - covered.back().x, here.y - covered.back().y) > 2)
-      covered.push_back(here);
-  }
-  if (options.gate) covered.push_back({options.gate->x, options.gate->y, options.gate->radius + 6});
-  return covered;
-}
+/// A part as thick as a third of its radius throws its shadow so far where the lamp stands at 45 degrees.
+constexpr double kShadow = 1.0 / 3;
+constexpr double kRim = 4;  ///< px that the lens's blur may reach
 
 /// The mark found, not the part and not the lamp.
 std::optional<Circle> found_marker(const Picture& first, const TrackOptions& options, const Circle& part) {
@@ -34,6 +25,30 @@ std::optional<Circle> found_marker(const Picture& first, const TrackOptions& opt
   leave_out_lamp(found, options);
   if (found.empty()) return std::nullopt;
   return found.front().circle;
+}
+
+/// Where the part was seen, and between and beyond that where it was last seen, or is first.
+std::vector<Point> path_of(const Track& track, const Point& unseen) {
+  std::vector<Point> path;
+  std::optional<Point> last;
+  for (const TrackPoint& p : track.points) {
+    if (p.status == TrackStatus::ok) {
+      if (!last) std::ranges::fill(path, Point{p.x, p.y});
+      last = {p.x, p.y};
+    }
+    path.push_back(last.value_or(unseen));
+  }
+  return path;
+}
+
+/// The ground as a mark: the place of it that lay in the picture's middle.
+MarkerPoint marker_point(const GroundFix& fix, const Point& middle) {
+  MarkerPoint point{middle.x + fix.displacement.x, middle.y + fix.displacement.y,
+                    std::sqrt(0.5 * fix.covariance.trace()), fix.score};
+  point.sigma_x = std::sqrt(fix.covariance(0, 0));
+  point.sigma_y = std::sqrt(fix.covariance(1, 1));
+  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  return point;
 }
 
 /// Averaged over the first frames where its noise matters.
@@ -63,6 +78,7 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
     case MarkerChoice::Kind::none:
       setup.plan.push_back(no_marker_stage());
       return setup;
+    case MarkerChoice::Kind::automatic:
     case MarkerChoice::Kind::texture:
       return setup;
     case MarkerChoice::Kind::circle: {
@@ -83,49 +99,51 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
   return setup;
 }
 
-bool wants_texture(const TrackOptions& options, bool has_marker) {
+bool wants_ground(const TrackOptions& options, bool has_marker) {
   using Kind = MarkerChoice::Kind;
   return options.marker.kind == Kind::texture || (options.marker.kind == Kind::find && !has_marker);
+}
+
+bool asks_ground(const TrackOptions& options) {
+  return options.marker.kind == MarkerChoice::Kind::automatic;
 }
 
 MarkerPoint marker_point(const Sighting& s) {
   return {s.position.x, s.position.y, std::sqrt(0.5 * s.covariance.trace()), s.ncc};
 }
 
-Circle circle_in(const Rect& patch) {
-  return {patch.x + 0.5 * (patch.width - 1), patch.y + 0.5 * (patch.height - 1), 0.5 * patch.width};
+std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options) {
+  const double reach =
+      pattern.radius > 0 ? pattern.radius : 0.5 * std::hypot(pattern.window.width, pattern.window.height);
+  std::vector<Circle> over = {{part.x, part.y, (1 + kShadow) * reach + kRim}};
+  if (options.gate) over.push_back({options.gate->x, options.gate->y, options.gate->radius + kRim});
+  return over;
 }
 
-TextureMarker follow_texture(FrameSource& source, const Picture& first, std::int64_t first_index,
-                             const TrackOptions& options, double noise_variance, const Pattern& part,
-                             Track& track) {
-  const int side = std::min(first.width(), first.height());
-  TexturePatchSearch search;
-  search.noise_variance = noise_variance;
-  const double reach =
-      part.radius > 0 ? part.radius : 0.5 * std::hypot(part.window.width, part.window.height);
-  search.covered = covered_by(track, options, reach);
-  search.margin_px = std::clamp(side / 20, 8, 40);
-  std::string why_not;
-  const auto patch = best_texture_patch(first, search, why_not);
-  if (!patch)
+GroundMarker follow_platform(FrameSource& source, std::int64_t first_index, const TrackOptions& options,
+                             double noise_variance, const Pattern& part, Track& track) {
+  const std::vector<Point> path = path_of(track, part.centre);
+  GroundMotionOptions ground;
+  ground.noise_variance = noise_variance;
+  ground.hidden = [&](std::int64_t index) {
+    return over_ground(path[static_cast<std::size_t>(index - first_index)], part, options);
+  };
+  const auto last = first_index + static_cast<std::int64_t>(track.points.size()) - 1;
+  const GroundMotion motion = follow_ground(source, first_index, last, ground);
+  if (!motion.verdict.visible && asks_ground(options))
+    return {false, ground_marker_stage(motion.verdict.reason, 0)};
+  if (!motion.verdict.visible)
     throw InputError(
         source.info().path.string() + ": " +
-        (options.marker.kind == MarkerChoice::Kind::find ? "no round marker was found, and " : "") + why_not +
-        "; give a marker with --marker X,Y,R or leave it out with --marker none");
-  FollowOptions follow;
-  follow.min_ncc = std::min(options.min_ncc, 0.5);
-  follow.noise_variance = noise_variance;
-  follow.search_whole_frame = false;
-  PatternFollower follower(first, first_index, rectangle_pattern(patch->window), follow);
-  TextureMarker marker{patch->window, texture_marker_stage(patch->window, patch->limit_px)};
-  std::int64_t index = first_index;
-  for (TrackPoint& point : track.points) {
-    if (const FollowStep step = follower.step(source, index++); step.status == TrackStatus::ok)
-      point.marker = marker_point(*step.sighting);
+        (options.marker.kind == MarkerChoice::Kind::find ? "no round marker was found, and " : "") +
+        motion.verdict.reason + "; give a marker with --marker X,Y,R or leave it out with --marker none");
+  GroundMarker marker{true, ground_marker_stage(motion.verdict.reason, motion.learnt_from)};
+  const Point middle{0.5 * (source.info().width - 1), 0.5 * (source.info().height - 1)};
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    if (motion.frames[k])
+      track.points[k].marker = marker_point(*motion.frames[k], middle);
     else
       ++marker.lost;
-  }
   track.has_marker = true;
   return marker;
 }

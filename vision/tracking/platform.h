@@ -1,4 +1,4 @@
-// How the platform moves: by a mark on it, or by its texture.
+// How the platform moves: by a mark on it, or by its ground.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 namespace tribotrack::vision {
 
 struct MarkerSetup {
-  std::optional<PatternFollower> follower;  ///< empty: no mark, or the texture is to be used
+  std::optional<PatternFollower> follower;  ///< empty: no mark, or the ground is to be used
   Circle circle;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
@@ -23,21 +23,23 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
 
 MarkerPoint marker_point(const Sighting& s);
 
-/// Whether the platform is to be followed by its texture.
-bool wants_texture(const TrackOptions& options, bool has_marker);
+/// Whether the platform is to be followed by its ground, whatever that does.
+bool wants_ground(const TrackOptions& options, bool has_marker);
+/// Whether it is to be followed by its ground where that moves.
+bool asks_ground(const TrackOptions& options);
 
-struct TextureMarker {
-  Rect patch;
+/// What lies over the ground: the part there with its shadow, the lamp.
+std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options);
+
+struct GroundMarker {
+  bool followed = false;
   PlanStage stage;
-  std::int64_t lost = 0;  ///< frames in which it was not found
+  std::int64_t lost = 0;  ///< frames in which the ground was not found again
 };
 
-/// Follows a patch of the platform's texture that the part never covers, in a pass of its own: the part's
-/// whole path must be known. Fills in the track's markers. Throws InputError where there is no such patch.
-TextureMarker follow_texture(FrameSource& source, const Picture& first, std::int64_t first_index,
-                             const TrackOptions& options, double noise_variance, const Pattern& part,
-                             Track& track);
-/// The patch as a round mark.
-Circle circle_in(const Rect& patch);
+/// Follows all of the ground that is seen, in a pass of its own: the part's whole path must be known. Fills
+/// in the track's markers. Where the ground shows too little: throws InputError if it was asked for.
+GroundMarker follow_platform(FrameSource& source, std::int64_t first_index, const TrackOptions& options,
+                             double noise_variance, const Pattern& part, Track& track);
 
 }  // namespace tribotrack::vision

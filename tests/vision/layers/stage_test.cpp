@@ -166,10 +166,12 @@ TEST(LayeredStage, MovingPlatformWithoutMarkerIsLeftToTheFirstPassAndSaidSo) {
   s.frames = 60;
   s.scene.marker.reset();
   SceneSource source(s);
-  const TrackResult result = track(source, {});
+  TrackOptions unmarked;
+  unmarked.marker.kind = MarkerChoice::Kind::none;
+  const TrackResult result = track(source, unmarked);
   EXPECT_FALSE(result.summary.layered);
   EXPECT_NE(stage(result.summary).reason.find("no marker"), std::string::npos);
-  TrackOptions off;
+  TrackOptions off = unmarked;
   off.layers = Layers::off;
   const TrackResult single = track(source, off);
   for (std::size_t k = 0; k < single.track.points.size(); ++k)

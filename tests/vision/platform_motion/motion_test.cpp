@@ -1,0 +1,284 @@
+// The platform's motion from its ground, against rendered scenes whose motion is known exactly.
+#include "vision/platform_motion/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "vision/scene.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kRate = 500;    // frames/s
+constexpr double kOmega = 62.8;  // rad/s
+
+/// A disc over a brushed platform that circles, without a mark.
+struct Circling {
+  Scene scene;
+  int frames = 100;
+  double circle_px = 2.8;
+
+  Circling() {
+    scene.width = 240;
+    scene.height = 200;
+    scene.disc.radius_px = 30;
+    scene.platform.texture_rms = 5;
+    scene.read_noise = 3;
+    scene.seed = 11;
+  }
+  Point platform(double t) const {
+    return {circle_px * std::cos(kOmega * t), -circle_px * std::sin(kOmega * t)};
+  }
+  ScenePose pose(double t) const {
+    const Point p = platform(t);
+    return {{110 + 60 * t + 0.8 * p.x, 95 - 40 * t + 0.8 * p.y}, 0, p};
+  }
+  std::vector<Picture> pictures() const {
+    const SceneRenderer renderer(scene);
+    std::vector<Picture> out;
+    for (int k = 0; k < frames; ++k)
+      out.push_back(renderer.render(k, k / kRate, 20e-6, [&](double t) { return pose(t); }));
+    return out;
+  }
+  GroundMotionOptions options() const {
+    GroundMotionOptions out;
+    out.noise_variance = scene.read_noise * scene.read_noise;
+    out.hidden = [this](std::int64_t k) {
+      const Point disc = pose(static_cast<double>(k) / kRate).disc;
+      return std::vector<Circle>{{disc.x, disc.y, scene.disc.radius_px + 4}};
+    };
+    return out;
+  }
+};
+
+/// Errors of the displacements less their mean (the grid's own place), along and across the brush.
+struct Errors {
+  int found = 0;
+  double along = 0, across = 0;        ///< px rms
+  double sd_along = 0, sd_across = 0;  ///< as reported
+  double ratio = 0;                    ///< error over reported sd, from the whole covariance
+  Eigen::Vector2d amplitude_off, phase_off, amplitude_sd;  ///< per axis; relative, rad, relative = rad
+};
+
+Errors errors_of(const GroundMotion& motion, const Circling& s, double turn = 0) {
+  std::vector<Eigen::Vector2d> off, seen, truth;
+  std::vector<double> times;
+  std::vector<Eigen::Matrix2d> covariances;
+  for (std::size_t k = 0; k < motion.frames.size(); ++k) {
+    if (!motion.frames[k]) continue;
+    times.push_back(static_cast<double>(k) / kRate);
+    const Point p = s.platform(times.back()), d = motion.frames[k]->displacement;
+    off.emplace_back(d.x - p.x, d.y - p.y);
+    seen.emplace_back(d.x, d.y);
+    truth.emplace_back(p.x, p.y);
+    covariances.push_back(motion.frames[k]->covariance);
+  }
+  Errors e;
+  e.found = static_cast<int>(off.size());
+  const double n = e.found;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& o : off) mean += o / n;
+  const double angle = s.scene.platform.brush_angle_rad + turn;
+  const Eigen::Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
+  Eigen::Matrix2d reported = Eigen::Matrix2d::Zero();
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    const Eigen::Vector2d o = off[k] - mean;
+    e.along += std::pow(o.dot(along), 2) / n;
+    e.across += std::pow(o.dot(across), 2) / n;
+    e.ratio += o.dot(covariances[k].inverse() * o) / (2 * n);
+    reported += covariances[k] / n;
+  }
+  e.along = std::sqrt(e.along);
+  e.across = std::sqrt(e.across);
+  e.ratio = std::sqrt(e.ratio);
+  e.sd_along = std::sqrt(along.dot(reported * along));
+  e.sd_across = std::sqrt(across.dot(reported * across));
+  Eigen::MatrixX3d basis(off.size(), 3);
+  Eigen::MatrixX2d is(off.size(), 2), should(off.size(), 2);
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    basis.row(row) << std::cos(kOmega * times[k]), std::sin(kOmega * times[k]), 1;
+    is.row(row) = seen[k];
+    should.row(row) = truth[k];
+  }
+  const auto solver = basis.colPivHouseholderQr();
+  const Eigen::MatrixX2d a = solver.solve(is), b = solver.solve(should);
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::complex<double> ratio =
+        std::complex<double>(a(0, axis), -a(1, axis)) / std::complex<double>(b(0, axis), -b(1, axis));
+    e.amplitude_off[axis] = std::abs(ratio) - 1;
+    e.phase_off[axis] = std::arg(ratio);
+    e.amplitude_sd[axis] = std::sqrt(2 * reported(axis, axis) / n) / s.circle_px;
+  }
+  std::printf(
+      "  %d frames, along %.4f (sd %.4f) across %.4f (sd %.4f) px, error/sd %.2f; amplitude off %.2f %.2f, "
+      "phase "
+      "off %.2f %.2f (1e-3), sd %.2f %.2f\n",
+      e.found, e.along, e.sd_along, e.across, e.sd_across, e.ratio, 1e3 * e.amplitude_off[0],
+      1e3 * e.amplitude_off[1], 1e3 * e.phase_off[0], 1e3 * e.phase_off[1], 1e3 * e.amplitude_sd[0],
+      1e3 * e.amplitude_sd[1]);
+  return e;
+}
+
+GroundMotion followed(const Circling& s, std::vector<Picture> pictures) {
+  MemorySource source(std::move(pictures), kRate);
+  return follow_ground(source, 0, s.frames - 1, s.options());
+}
+
+GroundVerdict glance(const Circling& s, std::vector<Picture> pictures) {
+  MemorySource source(std::move(pictures), kRate);
+  const GroundMotionOptions options = s.options();
+  return look_at_ground(sample_ground(source, 0, s.frames - 1, kGroundGlance, options),
+                        options.noise_variance);
+}
+
+/// 100 frames with two coordinates each: the ratio of rms error and sd scatters by a twentieth.
+void expect_right(const Errors& e, const Circling& s) {
+  EXPECT_EQ(e.found, s.frames);
+  EXPECT_GT(e.ratio, 0.8);
+  EXPECT_LT(e.ratio, 1.2);
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_LT(std::abs(e.amplitude_off[axis]), 3 * e.amplitude_sd[axis]) << axis;
+    EXPECT_LT(std::abs(e.phase_off[axis]), 3 * e.amplitude_sd[axis]) << axis;
+  }
+}
+
+/// What the noise-free ground allows along and across its brush, px: Cramer-Rao over what is uncovered.
+Eigen::Vector2d bound(const Circling& s) {
+  Scene still = s.scene;
+  still.disc.visible = false;
+  const SceneRenderer renderer(still);
+  const auto at = [&](double x, double y) {
+    return renderer.render_exact(0, 0, [&](double) { return ScenePose{{}, 0, {x, y}}; });
+  };
+  const double h = 0.05;
+  const Picture right = at(h, 0), left = at(-h, 0), down = at(0, h), up = at(0, -h);
+  const double angle = s.scene.platform.brush_angle_rad;
+  const Point disc = s.pose(0.5 * s.frames / kRate).disc;
+  double along = 0, across = 0;
+  for (int y = 0; y < still.height; ++y)
+    for (int x = 0; x < still.width; ++x) {
+      if (std::hypot(x - disc.x, y - disc.y) < s.scene.disc.radius_px + 4) continue;
+      const double gx = (right.at(x, y) - left.at(x, y)) / (2 * h),
+                   gy = (down.at(x, y) - up.at(x, y)) / (2 * h);
+      along += std::pow(std::cos(angle) * gx - std::sin(angle) * gy, 2);
+      across += std::pow(std::sin(angle) * gx + std::cos(angle) * gy, 2);
+    }
+  const double noise = std::sqrt(still.read_noise * still.read_noise + 1.0 / 12);
+  return {noise / std::sqrt(along), noise / std::sqrt(across)};
+}
+
+TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
+  const Circling s;
+  const Errors e = errors_of(followed(s, s.pictures()), s);
+  expect_right(e, s);
+  const Eigen::Vector2d limit = bound(s);
+  std::printf("  limit along %.4f across %.4f px\n", limit[0], limit[1]);
+  // The limit knows the ground, and counts the places beside the border and the part.
+  EXPECT_LT(e.along, 1.4 * limit[0]);
+  EXPECT_LT(e.across, 1.3 * limit[1]);
+  EXPECT_GT(e.sd_along, 2 * e.sd_across);
+}
+
+TEST(GroundMotion, WeakTextureDoesAsMuchAsItCan) {
+  Circling s;
+  s.scene.platform.texture_rms = 5.0 / 3;
+  const Errors e = errors_of(followed(s, s.pictures()), s);
+  expect_right(e, s);
+  const Eigen::Vector2d limit = bound(s);
+  std::printf("  limit along %.4f across %.4f px\n", limit[0], limit[1]);
+  EXPECT_LT(e.along, 1.6 * limit[0]);
+  EXPECT_LT(e.across, 1.3 * limit[1]);
+}
+
+TEST(GroundMotion, FlickerDrawsNothing) {
+  Circling s;
+  s.scene.flicker = 0.1;
+  s.scene.flicker_hz = 40;
+  const GroundMotion motion = followed(s, s.pictures());
+  expect_right(errors_of(motion, s), s);
+  // The gain is that of the light, 1 + f sin(2 pi f t), but for a common factor.
+  double product = 0, squares = 0;
+  for (int k = 0; k < s.frames; ++k) {
+    const double light = 0.1 * std::sin(2 * std::numbers::pi * 40 * k / kRate);
+    product += light * (motion.frames[static_cast<std::size_t>(k)]->gain - 1);
+    squares += light * light;
+  }
+  EXPECT_NEAR(product / squares, 1, 0.05);
+}
+
+TEST(GroundMotion, SomethingThatCrossesIsLeftOut) {
+  Circling s;
+  s.scene.platform.texture_length_px = 10;
+  std::vector<Picture> pictures = s.pictures();
+  for (int k = 0; k < s.frames; ++k)  // 16 x 16 px, from left to right
+    for (int y = 20; y < 36; ++y)
+      for (int x = std::max(0, 3 * k - 40); x < std::min(240, 3 * k - 24); ++x)
+        pictures[static_cast<std::size_t>(k)].at(x, y) = static_cast<float>(30 + (x + y + k) % 3);
+  const GroundMotion motion = followed(s, std::move(pictures));
+  ASSERT_FALSE(motion.frames.empty()) << motion.verdict.reason;
+  expect_right(errors_of(motion, s), s);
+  EXPECT_GT(motion.frames[50]->trimmed_share, 0.004);
+}
+
+TEST(GroundMotion, FastMotionIsPredicted) {
+  Circling s;
+  s.circle_px = 14;  // 1.8 px a frame
+  expect_right(errors_of(followed(s, s.pictures()), s), s);
+}
+
+TEST(GroundMotion, LargePicturesAreMeasuredByTheirFieldsOfInformation) {
+  Circling s;
+  s.scene.platform.texture_length_px = 10;
+  s.scene.width = 720;
+  s.scene.height = 560;
+  s.frames = 40;
+  const GroundMotion motion = followed(s, s.pictures());
+  ASSERT_GT(motion.ground.fields.size(), 1U);
+  double pixels = 0;
+  for (const GroundField& f : motion.ground.fields) pixels += f.place.width * f.place.height;
+  EXPECT_LE(pixels, kGroundLearning.pixels);
+  const Errors e = errors_of(motion, s);
+  EXPECT_EQ(e.found, s.frames);
+  // Along the brush the sd is still too small where there are several fields.
+  EXPECT_LT(e.across, 1.3 * e.sd_across);
+  EXPECT_LT(e.along, 0.03);
+}
+
+TEST(GroundMotion, AGlanceTellsRestFromMotion) {
+  Circling s;
+  const GroundVerdict moving = glance(s, s.pictures());
+  EXPECT_TRUE(moving.moves) << moving.reason;
+  EXPECT_NEAR(moving.motion_px, s.circle_px / std::numbers::sqrt2, 0.25);
+  EXPECT_NEAR(moving.texture, s.scene.platform.texture_rms, 0.8);
+  // A motion of a few sd of a frame.
+  s.circle_px = 0.25;
+  EXPECT_TRUE(glance(s, s.pictures()).moves);
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    s.scene.seed = seed;
+    s.circle_px = 0;
+    s.scene.flicker = 0.05;
+    const GroundVerdict resting = glance(s, s.pictures());
+    EXPECT_TRUE(resting.visible) << resting.reason;
+    EXPECT_FALSE(resting.moves) << resting.reason;
+    EXPECT_NE(resting.reason.find("rests"), std::string::npos) << resting.reason;
+  }
+}
+
+TEST(GroundMotion, WithoutTextureNothingIsFollowed) {
+  Circling s;
+  s.scene.platform.texture_rms = 0;
+  s.scene.vignetting = 0.3;
+  const GroundVerdict plain = glance(s, s.pictures());
+  EXPECT_FALSE(plain.moves) << plain.reason;
+  const GroundMotion motion = followed(s, s.pictures());
+  EXPECT_FALSE(motion.verdict.visible) << motion.verdict.reason;
+  EXPECT_TRUE(motion.frames.empty());
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,292 @@
+#include "vision/platform_motion/learning.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vision/kernels/median.h"
+#include "vision/platform_motion/noise_free.h"
+#include "vision/platform_motion/registration.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kSettled = 0.1;  ///< of the standard deviation, rms: a hundredth of the variance
+constexpr float kOutlier = 4;     ///< sd, as in the registration
+/// sd that an object widens itself: one that covers a ninth of the frames stands out by 3 of them.
+constexpr float kOutlierAtFirst = 3;
+constexpr int kBorder = 3;           ///< px beside a picture's border where a spline sees its mirror image
+constexpr float kKnownShare = 0.5F;  ///< of the frames: seen in fewer, a place's noise passes for a texture
+constexpr double kLeastShare = 0.5;  ///< of the frames that must be registered
+
+/// Where a frame was taken to lie, and in which light.
+struct Placed {
+  const GroundFrame* frame = nullptr;
+  Point displacement;
+  double gain = 1, offset = 0;
+};
+
+/// Sums over frames at one field's places.
+struct FieldSums {
+  Picture sum, squares, count;
+  explicit FieldSums(const Rect& place)
+      : sum(place.width, place.height),
+        squares(place.width, place.height),
+        count(place.width, place.height) {}
+};
+
+/// Where a frame's window covers the field, on the field's own grid.
+Rect covered(const Rect& place, const Rect& window, const Point& p) {
+  const int left = std::max(0, static_cast<int>(std::ceil(window.x + kBorder - p.x)) - place.x);
+  const int top = std::max(0, static_cast<int>(std::ceil(window.y + kBorder - p.y)) - place.y);
+  const int right = std::min(
+      place.width, static_cast<int>(std::floor(window.x + window.width - 1 - kBorder - p.x)) + 1 - place.x);
+  const int bottom = std::min(
+      place.height, static_cast<int>(std::floor(window.y + window.height - 1 - kBorder - p.y)) + 1 - place.y);
+  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
+}
+
+bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
+  return std::ranges::any_of(hidden, [&](const Circle& c) {
+    return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) <= c.radius * c.radius;
+  });
+}
+
+/// Deviations from `before`, where there is one: outliers from it are left out.
+void add(const Placed& placed, std::size_t f, const Rect& place, const GroundField* before, float outlier,
+         FieldSums& sums) {
+  const Rect& window = placed.frame->windows[f];
+  const Point& p = placed.displacement;
+  const Rect r = covered(place, window, p);
+  if (r.width == 0 || r.height == 0) return;
+  const QuinticSpline spline(placed.frame->pictures[f]);
+  std::vector<float> levels(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
+  const double x0 = place.x + r.x + p.x, y0 = place.y + r.y + p.y;
+  spline.sample_window(x0 - window.x, y0 - window.y, r.width, r.height, levels.data(), nullptr, nullptr);
+  const auto gain = static_cast<float>(1 / placed.gain), offset = static_cast<float>(placed.offset);
+  for (int y = 0; y < r.height; ++y) {
+    std::vector<Circle> near;  // of this row
+    for (const Circle& c : placed.frame->hidden)
+      if (std::abs(y0 + y - c.y) <= c.radius) near.push_back(c);
+    for (int x = 0; x < r.width; ++x) {
+      if (!near.empty() && hidden_at(near, x0 + x, y0 + y)) continue;
+      const int u = r.x + x, v = r.y + y;
+      const float level = (levels[static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
+                                  static_cast<std::size_t>(x)] -
+                           offset) *
+                          gain;
+      const bool known = before && before->seen.at(u, v) > 0;
+      const float off = known ? level - before->quiet.at(u, v) : level;
+      if (known && off * off > outlier * outlier * before->variance.at(u, v)) continue;
+      sums.sum.at(u, v) += level;
+      sums.squares.at(u, v) += level * level;
+      sums.count.at(u, v) += 1;
+    }
+  }
+}
+
+/// Mean over 5 x 5 places of what is known: a variance from a hundred frames scatters by a seventh.
+Picture smoothed(const Picture& variance, const Picture& seen) {
+  constexpr int kReach = 2;
+  const int w = variance.width(), h = variance.height();
+  Picture rows(w, h), counts(w, h), out(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      for (int k = std::max(0, x - kReach); k <= std::min(w - 1, x + kReach); ++k)
+        if (seen.at(k, y) > 0) {
+          rows.at(x, y) += variance.at(k, y);
+          counts.at(x, y) += 1;
+        }
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      float sum = 0, count = 0;
+      for (int k = std::max(0, y - kReach); k <= std::min(h - 1, y + kReach); ++k) {
+        sum += rows.at(x, k);
+        count += counts.at(x, k);
+      }
+      out.at(x, y) = count > 0 ? sum / count : 0;
+    }
+  return out;
+}
+
+/// 0 beside what is not known, too: slopes there are half a guess.
+Picture well_inside(const Picture& seen) {
+  Picture out = seen;
+  const int w = seen.width(), h = seen.height();
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (seen.at(x, y) > 0) continue;
+      for (int v = std::max(0, y - kBorder); v <= std::min(h - 1, y + kBorder); ++v)
+        for (int u = std::max(0, x - kBorder); u <= std::min(w - 1, x + kBorder); ++u) out.at(u, v) = 0;
+    }
+  return out;
+}
+
+GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
+                       double noise_variance) {
+  const float fewest = std::max(2.0F, kKnownShare * frames);
+  GroundField field;
+  field.place = place;
+  field.seen = sums.count;
+  field.mean = field.variance = Picture(place.width, place.height);
+  double known = 0, left = 0;
+  for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
+    const float n = sums.count.levels()[i];
+    if (n < fewest) {
+      field.seen.levels()[i] = 0;
+      continue;
+    }
+    const double mean = static_cast<double>(sums.sum.levels()[i]) / n;
+    const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
+    field.mean.levels()[i] = static_cast<float>(mean);
+    field.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
+    left += field.variance.levels()[i] / n;
+    ++known;
+  }
+  field.quiet = known > 0
+                    ? noise_free(field.mean, field.seen, left / known, before ? &before->quiet : nullptr)
+                    : field.mean;
+  field.variance = smoothed(field.variance, field.seen);
+  field.seen = well_inside(field.seen);
+  return field;
+}
+
+Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& places, const Ground* before,
+               double noise_variance, float outlier = kOutlier) {
+  Ground ground;
+  double level = 0;
+  for (std::size_t f = 0; f < places.size(); ++f) {
+    FieldSums sums(places[f]);
+    for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, outlier, sums);
+    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
+                                       before ? &before->fields[f] : nullptr, noise_variance));
+    const auto levels = ground.fields.back().mean.levels();
+    for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
+  }
+  ground.level = static_cast<float>(level / static_cast<double>(places.size()));
+  for (GroundField& field : ground.fields) {
+    Picture less = field.quiet;
+    for (float& l : less.levels()) l -= ground.level;
+    field.less = QuinticSpline(less);
+  }
+  return ground;
+}
+
+/// Mean over frames of N^(-1/2) S N^(-1/2), see GroundRegistration.
+class Excess {
+ public:
+  void add(const GroundRegistration& r) {
+    const Eigen::Matrix2d root =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(r.normal()).operatorInverseSqrt();
+    sum_ += root * r.scatter() * root;
+    ++count_;
+  }
+  Eigen::Matrix2d mean() const { return count_ > 0 ? Eigen::Matrix2d(sum_ / count_) : sum_; }
+
+ private:
+  Eigen::Matrix2d sum_ = Eigen::Matrix2d::Zero();
+  double count_ = 0;
+};
+
+/// Two halves of the frames, each registered to the ground learnt from the other: a frame's own noise in the
+/// ground would hold it where it was.
+class Learning {
+ public:
+  Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
+      : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
+    for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
+    for (std::size_t h : {0, 1}) {
+      const Ground all = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
+      grounds_[h] = mean_of(chosen(h, 2), places_, &all, noise_variance_, kOutlierAtFirst);
+    }
+  }
+
+  /// One after the other, so that both halves keep to the same grid. How far the frames have moved against
+  /// each other, sd rms.
+  double round() {
+    excess_ = {};
+    double moved = 0;
+    for (const std::size_t h : {1, 0}) {
+      moved += refine(h, 2, grounds_[1 - h]);
+      grounds_[h] = mean_of(chosen(h, 2), places_, &grounds_[h], noise_variance_);
+    }
+    return std::sqrt(moved / std::max(1.0, 2 * registered()));
+  }
+
+  bool enough() const {
+    return registered() >= std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+  }
+
+  void finish(LearntGround& out) {
+    out.ground = mean_of(chosen(0, 1), places_, &grounds_[0], noise_variance_);
+    out.texture = GroundRegistration(out.ground).texture();
+    out.excess = excess_.mean();
+    out.fixes = fixes_;
+    std::vector<double> scores;
+    for (const auto& fix : fixes_)
+      if (fix) scores.push_back(fix->score);
+    out.score = median(scores);
+  }
+
+ private:
+  std::vector<Placed> chosen(std::size_t first, std::size_t step) const {
+    std::vector<Placed> out;
+    for (std::size_t k = first; k < placed_.size(); k += step)
+      if (placed_[k].frame) out.push_back(placed_[k]);
+    return out;
+  }
+  double registered() const {
+    return static_cast<double>(std::ranges::count_if(fixes_, [](const auto& f) { return f.has_value(); }));
+  }
+  /// The squares of the frames' moves in units of their sd, their common one taken off: it moves the grid.
+  double refine(std::size_t first, std::size_t step, const Ground& ground) {
+    GroundRegistration registration(ground);
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<Eigen::Matrix2d> normals;
+    Eigen::Vector2d common = Eigen::Vector2d::Zero();
+    for (std::size_t k = first; k < frames_.size(); k += step) {
+      const Point from = placed_[k].displacement;
+      fixes_[k] = registration.refine(frames_[k], from);
+      placed_[k].frame = fixes_[k] ? &frames_[k] : nullptr;
+      if (!fixes_[k]) continue;
+      excess_.add(registration);
+      placed_[k] = {&frames_[k], fixes_[k]->displacement, fixes_[k]->gain, fixes_[k]->offset};
+      moves.emplace_back(placed_[k].displacement.x - from.x, placed_[k].displacement.y - from.y);
+      normals.push_back(registration.normal());
+      common += moves.back();
+    }
+    if (!moves.empty()) common /= static_cast<double>(moves.size());
+    double squares = 0;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
+    return squares;
+  }
+
+  const std::vector<GroundFrame>& frames_;
+  const std::vector<Rect>& places_;
+  double noise_variance_;
+  std::vector<Placed> placed_;  ///< frame null where it could not be registered
+  std::vector<std::optional<GroundFix>> fixes_;
+  std::array<Ground, 2> grounds_;
+  Excess excess_;
+};
+
+}  // namespace
+
+std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
+                                         const std::vector<Rect>& places, double noise_variance,
+                                         int most_rounds) {
+  Learning learning(frames, places, noise_variance);
+  LearntGround learnt;
+  while (learnt.rounds < most_rounds) {
+    ++learnt.rounds;
+    const double moved = learning.round();
+    if (!learning.enough()) return std::nullopt;
+    if (moved < kSettled) break;
+  }
+  learning.finish(learnt);
+  return learnt;
+}
+
+}  // namespace tribotrack::vision

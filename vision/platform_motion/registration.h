@@ -1,0 +1,74 @@
+// Where the learnt ground lies in a frame.
+//
+// Minimises sum_x (I(x) - a G(x - p) - b_B(x))^2 / V(x - p) over the displacement p, the light's gain a and
+// an offset b_B of each block B of 32 x 32 px, by Gauss-Newton; a and b are solved for in every step (Schur's
+// complement), so what light does broadly - flicker, vignetting, a shadow's fringe - draws nothing. The
+// ground moves, the picture stays untouched: its noise stays white. Pixels that show something else are
+// trimmed.
+//
+// Covariance: the inverse of the normal matrix, times what the frames of the learning show it to lack
+// (`excess`), times the frame's own residual beyond V.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "vision/kernels/tile_kernels.h"
+#include "vision/platform_motion/ground.h"
+
+namespace tribotrack::vision {
+
+class GroundRegistration {
+ public:
+  /// Keeps a reference. `share` of the information is used, from the tiles that hold the most.
+  explicit GroundRegistration(const Ground& ground, double share = 1);
+
+  /// Nothing where it does not converge within kFarthest of the start.
+  std::optional<GroundFix> refine(const GroundFrame& frame, const Point& start);
+  static constexpr double kFarthest = 4;  ///< px
+
+  /// Of the last frame refined, at its displacement: the normal matrix of p, and what it would have to be for
+  /// the covariance of the blocks' own forces, sum g_B g_B^T, to be right. Both 1/px^2.
+  const Eigen::Matrix2d& normal() const { return normal_; }
+  const Eigen::Matrix2d& scatter() const { return scatter_; }
+  /// Inverse normal matrix to covariance, see the file's head.
+  void set_excess(const Eigen::Matrix2d& excess) { excess_ = excess; }
+
+  /// Grey levels rms within blocks, weighted: the ground's own, without noise.
+  double texture() const { return texture_; }
+
+ private:
+  /// Tiles within 32 x 32 px of a field.
+  struct Block {
+    std::size_t field = 0;
+    std::vector<TilePlace> tiles;
+    std::vector<float> weight;  ///< 1 / V, 0 where the ground is not known
+    TileArrays arrays;          ///< slope_theta holds the level: the fifth column of the sums
+    std::vector<float> shown;   ///< weight of what the frame shows of it
+    std::vector<const float*> corners;
+    NormalSums sums{};
+  };
+  /// Of the columns -a slope_x, -a slope_y, value, offsets taken out.
+  struct Fit {
+    Eigen::Matrix3d normal;
+    Eigen::Vector3d force, solution;
+    double squares = 0, of_levels = 0, pixels = 0;
+  };
+  void add_blocks(std::size_t field);
+  void keep_informative(double share);
+  bool take(const GroundFrame& frame, int whole_x, int whole_y);
+  void sample(const Point& fraction);
+  std::optional<Fit> solve();
+  std::size_t trim(const Fit& fit);
+  void note_scatter(const Fit& fit);
+
+  const Ground& ground_;
+  std::vector<Block> blocks_;
+  Eigen::Matrix2d normal_, scatter_, excess_ = Eigen::Matrix2d::Identity();
+  double texture_ = 0, pixels_ = 0;
+  std::vector<float> residual_;
+  std::vector<unsigned char> outliers_;
+};
+
+}  // namespace tribotrack::vision
