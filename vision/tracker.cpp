@@ -73,6 +73,7 @@ class Tracking {
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
   std::optional<FirstPass> first_pass_;
+  std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
 
@@ -117,6 +118,7 @@ void Tracking::measure_layers() {
   add(summary.plan, layers.plan);
   add(summary.warnings, layers.warnings);
   summary.layered = layers.done;
+  audited_ = layers.done ? layers.audited : first.audited;
   if (!layers.done) {
     add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
     return;
@@ -133,10 +135,7 @@ void Tracking::measure_layers() {
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
   const auto running = clock_.enter(Stage::audit);
-  // layers.audited of the second pass once it hands out its tiles' sums.
-  const std::vector<AuditFrame> audited =
-      result_.summary.layered ? std::vector<AuditFrame>() : first_pass_->result().audited;
-  apply(audit(audited, result_.track), result_.track, result_.summary);
+  apply(audit(audited_, result_.track), result_.track, result_.summary);
 }
 
 /// The mean over several frames, where the first frame or the layers show the rim.

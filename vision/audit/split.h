@@ -21,7 +21,7 @@ namespace tribotrack::vision {
 struct AuditFrame {
   std::int64_t index = 0;  ///< in the source
   HalvesError error;
-  Eigen::Matrix2d covariance;  ///< of this frame's position as reported
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of this frame's position as reported
 };
 
 /// Of all splits together, in units of the reported covariance unless said otherwise.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "vision/audit/runs.h"
 #include "vision/io/window.h"
 
 namespace tribotrack::vision {
@@ -70,6 +71,7 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
   Runs runs(out, registration);
+  const std::vector<AuditRun> wanted = audit_runs(0, static_cast<std::int64_t>(frames.size()));
   Picture picture;
   std::int64_t done = 0;
   for (const FirstPassFrame& f : frames) {
@@ -77,10 +79,19 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
     source.read(f.index, window, picture);
     out.fixes.push_back(registration.refine(picture, window.x, window.y,
                                             {f.centre, f.theta, f.ground, 1, 0, 0, 1}, light.at(f.centre)));
-    if (out.fixes.back()) runs.add(registration.cluster_pulls());
-    if (progress) progress(++done);
+    if (out.fixes.back()) {
+      if (in_audit(wanted, done))
+        if (const auto halves = registration.halves()) out.audited.push_back({.index = done, .error = *halves});
+      runs.add(registration.cluster_pulls());
+    }
+    ++done;
+    if (progress) progress(done);
   }
   runs.finish();
+  for (AuditFrame& frame : out.audited) {
+    frame.covariance = out.fixes[static_cast<std::size_t>(frame.index)]->covariance;
+    frame.index = frames[static_cast<std::size_t>(frame.index)].index;
+  }
   return out;
 }
 

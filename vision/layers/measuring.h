@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "vision/audit/split.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 #include "vision/layers/learning.h"
@@ -19,6 +20,7 @@ struct MeasuredFrames {
   /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
   /// over how many frames they stay alike.
   double slow_sd = 0, slow_frames = 0;
+  std::vector<AuditFrame> audited;  ///< of some of the frames, their halves compared
 };
 
 /// `registration` holds the pictures learnt, `light` what was learnt of the light. `progress` may be empty.

@@ -153,6 +153,7 @@ void LayeredPass::take(Candidate& candidate) {
   out_.turning = candidate.learnt.texture != nullptr;
   out_.slow_sd = candidate.measured.slow_sd;
   out_.slow_frames = candidate.measured.slow_frames;
+  out_.audited = std::move(candidate.measured.audited);
   show(candidate);
   out_.fixes = std::move(candidate.measured.fixes);
   const double half = candidate.learnt.part.half;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/audit/split.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 #include "vision/layers/registration.h"
@@ -32,6 +33,7 @@ struct LayeredResult {
   /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
   /// over how many frames they stay alike.
   double slow_sd = 0, slow_frames = 0;
+  std::vector<AuditFrame> audited;  ///< frames whose halves were compared
 };
 
 /// A scene that the model does not fit is no error, see why_not. Throws InputError for a recording that

@@ -366,23 +366,27 @@ ClusterPulls LayeredRegistration::cluster_pulls() {
   return out;
 }
 
+/// The registration's own columns, then a change of size: all edges move outwards.
 std::vector<TileSums> LayeredRegistration::tile_sums() const {
+  const int n = columns() + 1;
   std::vector<TileSums> out;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     TileSums sums{{places_[t].x + 0.5 * (kTile - 1), places_[t].y + 0.5 * (kTile - 1)},
-                  Vector::Zero(columns()),
-                  Matrix::Zero(columns(), columns())};
+                  Vector::Zero(n),
+                  Matrix::Zero(n, n)};
     for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; ++i) {
       if (!(counts_[i] > 0)) continue;
-      auto part = static_cast<double>(arrays_.part.value[i]);
+      const auto u = static_cast<double>(arrays_.u[i]), v = static_cast<double>(arrays_.v[i]);
+      const auto step_x = static_cast<double>(arrays_.step_x[i]),
+                 step_y = static_cast<double>(arrays_.step_y[i]);
       const double turn = texture_ ? static_cast<double>(arrays_.turn.value[i]) : 0;
-      part += light_.turn * turn;
-      Eigen::Matrix<double, kLayerColumns, 1> all;
-      const double own = part - light_.mean * static_cast<double>(arrays_.share.value[i]);
-      all << static_cast<double>(arrays_.step_x[i]), static_cast<double>(arrays_.step_y[i]), own,
-          own * static_cast<double>(arrays_.u[i]), own * static_cast<double>(arrays_.v[i]),
-          static_cast<double>(arrays_.below[i]), light_.gain * turn;
-      const Vector j = all.head(columns());
+      const double own = static_cast<double>(arrays_.part.value[i]) + light_.turn * turn -
+                         light_.mean * static_cast<double>(arrays_.share.value[i]);
+      Eigen::Matrix<double, kLayerColumns, 1> own_columns;
+      own_columns << step_x, step_y, own, own * u, own * v, static_cast<double>(arrays_.below[i]),
+          light_.gain * turn;
+      Vector j(n);
+      j << own_columns.head(n - 1), u * step_x + v * step_y;
       const auto weight = static_cast<double>(arrays_.weight[i]);
       sums.score += weight * static_cast<double>(residual(i)) * j;
       sums.normal.selfadjointView<Eigen::Upper>().rankUpdate(j, weight);
@@ -391,6 +395,25 @@ std::vector<TileSums> LayeredRegistration::tile_sums() const {
     out.push_back(std::move(sums));
   }
   return out;
+}
+
+std::optional<HalvesError> LayeredRegistration::halves() const {
+  std::vector<TileSums> tiles = tile_sums();
+  const int n = columns() + 1;
+  Matrix normal = Matrix::Zero(n, n);
+  Vector score = Vector::Zero(n);
+  for (const TileSums& t : tiles) {
+    normal += t.normal;
+    score += t.score;
+  }
+  // What was known of the light beforehand.
+  normal.topLeftCorner(n - 1, n - 1).diagonal() =
+      normal.topLeftCorner(n - 1, n - 1).diagonal().cwiseMax(normal_.diagonal());
+  const Eigen::LDLT<Matrix> factor(normal);
+  const Vector step = factor.solve(score);
+  if (!step.allFinite()) return std::nullopt;
+  for (TileSums& t : tiles) t.score -= t.normal * step;
+  return halves_error(tiles, normal, factor.solve(Matrix::Identity(n, n)).topLeftCorner<2, 2>());
 }
 
 }  // namespace tribotrack::vision

@@ -53,10 +53,9 @@ class LayeredRegistration {
   ClusterPulls cluster_pulls();
   /// Share of a cluster's squares that the position took, along x and y: sum_c (N^-1 N_c)^2.
   Eigen::Array2d share_taken() const { return share_taken_; }
-  /// Of the last refine(), tile by tile.
-  std::vector<TileSums> tile_sums() const;
-  /// Of the last refine(): their sum, with what is known of the light.
-  const TileSums::Matrix& normal() const { return normal_; }
+  /// Of the last refine(): what the disagreement of two halves says of the position. A change of size or
+  /// blur, which moves opposite edges against each other and the position not at all, is taken out first.
+  std::optional<HalvesError> halves() const;
 
   /// Which pixels of the part's grid take part: 1, else 0.
   const Picture& chosen() const { return chosen_; }
@@ -74,6 +73,7 @@ class LayeredRegistration {
   Matrix normal_matrix(const LightPrior& prior);
   std::size_t trim();
   float residual(std::size_t i) const;
+  std::vector<TileSums> tile_sums() const;
   void turn_to(double theta);
   int columns() const { return texture_ ? kTurn + 1 : kTurn; }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "vision/io/window.h"
 #include "vision/layers/pass.h"
@@ -64,7 +65,8 @@ LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& opti
   LayeredOptions out;
   out.disc = first.disc;
   out.blur = first.blur;
-  out.turning = first.turning;
+  // Where the rim alone was seen the angle is only predicted.
+  out.turning = first.turning && std::ranges::none_of(first.by_rim, std::identity());
   out.noise_variance = first.noise_variance;
   out.first_index = first.first_index;
   out.total = first.total;
@@ -174,6 +176,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   outcome.done = true;
   outcome.limit_px = change.median_sd;
   outcome.slow_sd = result.slow_sd;
+  outcome.audited = result.audited;
   outcome.slow_time = correlation_time(result.slow_frames, track);
   outcome.disc_radius = result.disc_radius;
   outcome.disc_radius_sd = result.disc_radius_sd;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/audit/split.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
@@ -19,6 +20,7 @@ struct LayeredOutcome {
   std::vector<std::string> warnings;
   double limit_px = 0;                         ///< median standard deviation of a coordinate
   double slow_sd = 0, slow_time = 0;           ///< see TrackSummary
+  std::vector<AuditFrame> audited;             ///< frames whose halves were compared
   double disc_radius = 0, disc_radius_sd = 0;  ///< px; 0 where the averaged picture shows no circle
 };
 
