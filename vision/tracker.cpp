@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include "vision/audit/audit.h"
@@ -30,6 +32,19 @@ void TrackOptions::validate() const {
 }
 
 namespace {
+
+/// What a track is off by, px rms over its ok points, as far as its own covariances and the audit know.
+double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
+  TrackSummary summary;
+  apply(audit(audited, track), track, summary);
+  double square = 0, count = 0;
+  for (const TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    square += 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(square / count) : std::numeric_limits<double>::infinity();
+}
 
 /// One call of track().
 class Tracking {
@@ -108,21 +123,27 @@ void Tracking::follow() {
   result_.track = first_pass_->finish(result_.summary);
 }
 
-/// The second pass.
+/// The second pass, kept where it does better than the first.
 void Tracking::measure_layers() {
   const FirstPassResult& first = first_pass_->result();
   const std::vector<ShownFrame> shown = frames_to_show(result_.track, start_, first.residual, options_);
   first_pass_->show(result_.track, shown);
-  const LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, result_.track);
+  Track measured = result_.track;
+  LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
+  const bool by_rim = std::ranges::all_of(first.by_rim, std::identity());
+  if (layers.done && by_rim)
+    decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
   add(summary.plan, layers.plan);
-  add(summary.warnings, layers.warnings);
   summary.layered = layers.done;
-  audited_ = layers.done ? layers.audited : first.audited;
   if (!layers.done) {
+    if (!by_rim) audited_ = first.audited;  // they are the template's
     add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
     return;
   }
+  result_.track = std::move(measured);
+  audited_ = std::move(layers.audited);
+  add(summary.warnings, layers.warnings);
   summary.limit_px = layers.limit_px;
   summary.slow_sd = layers.slow_sd;
   summary.slow_time = layers.slow_time;

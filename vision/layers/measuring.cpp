@@ -81,7 +81,8 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
                                             {f.centre, f.theta, f.ground, 1, 0, 0, 1}, light.at(f.centre)));
     if (out.fixes.back()) {
       if (in_audit(wanted, done))
-        if (const auto halves = registration.halves()) out.audited.push_back({.index = done, .error = *halves});
+        if (const auto halves = registration.halves())
+          out.audited.push_back({.index = done, .error = *halves});
       runs.add(registration.cluster_pulls());
     }
     ++done;

@@ -5,13 +5,16 @@
 #include <numbers>
 
 #include "vision/kernels/vector_kernels.h"
+#include "vision/layers/ring_fit.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr double kTrim = 5;  ///< sd: further off is something else
-/// Sd of alpha about the blurred rim: a shadow takes a tenth or two, a place's own estimate scatters by more.
-constexpr double kPriorShare = 0.15;
+/// Sd of alpha along a ring about the blurred rim: a shadow takes a tenth or two.
+constexpr double kShadow = 0.2;
+/// And of a place about what its ring says: an even shadow has none, a place's own estimate scatters by more.
+constexpr double kPriorShare = 0.05;
 constexpr double kBlendEvidence =
     100;                          ///< px^-4: sd of kappa 0.1 px^2 about that of a pixel, as lenses have it
 constexpr double kMostBlend = 9;  ///< px^2
@@ -160,8 +163,26 @@ void PartRegression::add(const KeptWindow& window, bool trim, const Picture* tur
   }
 }
 
+/// alpha as the rings have it: what each place says of it, F being free, smoothed along them.
+Picture PartRegression::share_of_rings(double noise_variance, const Picture& prior_share) const {
+  Picture off(prior_share.width(), prior_share.height()), weight = off;
+  for (std::size_t i = 0; i < count_.levels().size(); ++i) {
+    if (count_.levels()[i] < kFewest) continue;
+    const double aa = aa_.levels()[i], ag = ag_.levels()[i];
+    const double information = gg_.levels()[i] - ag * ag / aa;
+    if (!(information > 0)) continue;
+    const double share = (gy_.levels()[i] - ag * ay_.levels()[i] / aa) / information;
+    off.levels()[i] = static_cast<float>(share) - prior_share.levels()[i];
+    weight.levels()[i] = static_cast<float>(information / noise_variance);
+  }
+  Picture out = ring_fit(off, weight, kShadow);
+  for (std::size_t i = 0; i < out.levels().size(); ++i) out.levels()[i] += prior_share.levels()[i];
+  return out;
+}
+
 PartPictures PartRegression::solve(double noise_variance, const Picture& prior_share) const {
   PartPictures out = before_;
+  const Picture smooth_share = share_of_rings(noise_variance, prior_share);
   const double prior = noise_variance / (kPriorShare * kPriorShare);
   double widest = noise_variance;
   std::vector<std::size_t> unseen;
@@ -174,7 +195,7 @@ PartPictures PartRegression::solve(double noise_variance, const Picture& prior_s
     // [aa ag; ag gg + prior] [F - F of before; alpha] = [ay; gy + prior alpha_0]
     const double aa = aa_.levels()[i], ag = ag_.levels()[i], gg = gg_.levels()[i];
     const double ay = ay_.levels()[i], gy = gy_.levels()[i], yy = yy_.levels()[i];
-    const double held = gg + prior, pulled = gy + prior * prior_share.levels()[i];
+    const double held = gg + prior, pulled = gy + prior * smooth_share.levels()[i];
     const double det = aa * held - ag * ag;
     const double level = (held * ay - ag * pulled) / det, share = (aa * pulled - ag * ay) / det;
     const double squares = yy - 2 * level * ay - 2 * share * gy + level * level * aa +

@@ -35,6 +35,8 @@ class PartRegression {
   PartPictures solve(double noise_variance, const Picture& prior_share) const;
 
  private:
+  Picture share_of_rings(double noise_variance, const Picture& prior_share) const;
+
   const PartPictures& before_;
   const GroundPicture& ground_;
   Picture share_x_, share_y_;  ///< grad alpha of before
