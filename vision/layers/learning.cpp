@@ -10,8 +10,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kMostRounds = 12;
-constexpr int kGroundRounds = 6;  ///< in which the ground beside the part is learnt
+constexpr int kMostRounds = 30;
 constexpr int kFirstFine =
     2;  ///< round from which the light's slope is looked for and strange pixels left out
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
@@ -59,7 +58,7 @@ class Learning {
       const bool look =
           out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known());
       const double moved = measure_windows(look);
-      if (out_.rounds >= kFirstFine && out_.rounds < kFirstFine + kGroundRounds)
+      if (out_.rounds >= kFirstFine)
         ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);
       if (look) learn_light();
       if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;

@@ -209,7 +209,10 @@ PartPictures PartRegression::solve(double noise_variance, const Picture& prior_s
     widest = std::max(widest, left);
   }
   for (const std::size_t i : unseen) out.variance.levels()[i] = static_cast<float>(widest);
-  out.variance = smoothed(std::move(out.variance));
+  // A quiet place beside a noisy one (a part that clips) must not lend it its weight.
+  const Picture around = smoothed(out.variance);
+  for (std::size_t i = 0; i < around.levels().size(); ++i)
+    out.variance.levels()[i] = std::max(out.variance.levels()[i], around.levels()[i]);
   double qr = 0, qq = 0;
   for (std::size_t i = 0; i < qr_.levels().size(); ++i) {
     qr += static_cast<double>(qr_.levels()[i]);

@@ -80,26 +80,6 @@ TEST(LayeredStage, VignettingSpinAndHighlightLeaveNoDrift) {
   EXPECT_NEAR(result.summary.disc.radius, 30, 0.01);
 }
 
-TEST(LayeredStage, DISABLED_Try) {
-  SlidingScene s;
-  const auto e_ = [](const char* n, double d) { const char* v = getenv(n); return v ? atof(v) : d; };
-  s.scene.vignetting = e_("V", 0.08);
-  s.scene.disc.scratches = int(e_("S", 12));
-  s.scene.disc.scratch_contrast = 12;
-  s.scene.disc.highlight = e_("H", 25);
-  s.scene.shot_noise = e_("N", 0.01);
-  s.spin_rad = e_("P", 0.2);
-  s.path_px = e_("L", 150);
-  s.frames = int(e_("F", 240));
-  s.scene.platform.texture_rms = e_("T", 6);
-  s.scene.read_noise = e_("R", 1.2);
-  s.circle_px = e_("C", 2.8);
-  SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
-  report("try", result, s, s.bound());
-  for (int b = 0; b < 8; ++b) { double ex = 0, ey = 0, n = 0; for (const TrackPoint& p : result.track.points) if (p.frame * 8 / s.frames == b) { const Point t = s.truth(p.frame); ex += p.x - t.x; ey += p.y - t.y; ++n; } std::printf("try: %d %.5f %.5f\n", b, ex / n, ey / n); }
-}
-
 TEST(LayeredStage, HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
   SlidingScene s;
   s.scene.disc.highlight = 25;
@@ -166,12 +146,10 @@ TEST(LayeredStage, MovingPlatformWithoutMarkerIsLeftToTheFirstPassAndSaidSo) {
   s.frames = 60;
   s.scene.marker.reset();
   SceneSource source(s);
-  TrackOptions unmarked;
-  unmarked.marker.kind = MarkerChoice::Kind::none;
-  const TrackResult result = track(source, unmarked);
+  const TrackResult result = track(source, {});
   EXPECT_FALSE(result.summary.layered);
   EXPECT_NE(stage(result.summary).reason.find("no marker"), std::string::npos);
-  TrackOptions off = unmarked;
+  TrackOptions off;
   off.layers = Layers::off;
   const TrackResult single = track(source, off);
   for (std::size_t k = 0; k < single.track.points.size(); ++k)
