@@ -9,7 +9,7 @@ namespace tribotrack::vision {
 
 double outlier_size(const std::vector<double>& numbers) {
   constexpr double kFar = 5;
-  constexpr double kMostOutliers = 0.1;
+  constexpr double kMostOutliers = 0.25;
   std::vector<double> sizes;
   for (const double z : numbers) sizes.push_back(std::abs(z));
   const double limit = kFar * kNormalMad * median(sizes);

@@ -12,7 +12,7 @@ struct MeanSquare {
 };
 
 /// The least size a number of these must have to be an outlier: five standard deviations as the median size
-/// tells them; infinite where more than a tenth are larger, which are then no outliers.
+/// tells them; infinite where more than a quarter are larger, which are then no outliers.
 double outlier_size(const std::vector<double>& numbers);
 
 /// What a covariance must be multiplied by, 1 or more, for the sake of an excess x = value - 1 that is known

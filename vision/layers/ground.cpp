@@ -29,6 +29,11 @@ Picture box_mean(const Picture& in) {
   return out;
 }
 
+Rect common(const Rect& a, const Rect& b) {
+  const int x0 = std::max(a.x, b.x), y0 = std::max(a.y, b.y);
+  return {x0, y0, std::min(a.x + a.width, b.x + b.width) - x0, std::min(a.y + a.height, b.y + b.height) - y0};
+}
+
 }  // namespace
 
 GroundPicture::GroundPicture(const Rect& region)
@@ -189,35 +194,43 @@ void GroundPicture::form(double noise_variance) {
 void GroundPicture::see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
                                double noise_variance) {
   for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_}) std::ranges::fill(p->levels(), 0.0F);
-  const int half = part.half - 1, size = 2 * half + 1;
+  const int half = part.half - 1;
   const QuinticSpline level(part.level), share(part.share);
-  const auto places = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  std::vector<float> seen(places), shown(places), through(places);
+  const auto mean = static_cast<float>(mean_);
+  std::vector<float> seen, shown, through;
   for (const KeptWindow& w : windows) {
     const LayeredState& s = w.state;
-    // The ground's places about the part, and where they lie in the window and on the part's grid.
-    const int left = static_cast<int>(std::lround(s.centre.x - s.ground.x)) - half,
-              top = static_cast<int>(std::lround(s.centre.y - s.ground.y)) - half;
-    const double in_x = left + s.ground.x - w.x, in_y = top + s.ground.y - w.y;
-    const double u0 = left + s.ground.x - s.centre.x, v0 = top + s.ground.y - s.centre.y;
-    if (in_x < 0 || in_y < 0 || in_x + size > w.picture.width() || in_y + size > w.picture.height()) continue;
-    w.spline.sample_window(in_x, in_y, size, size, seen.data(), nullptr, nullptr);
-    level.sample_window(u0 + part.half, v0 + part.half, size, size, shown.data(), nullptr, nullptr);
-    share.sample_window(u0 + part.half, v0 + part.half, size, size, through.data(), nullptr, nullptr);
-    const auto mean = static_cast<float>(mean_);
-    for (int j = std::max(0, region_.y - top); j < std::min(size, region_.y + region_.height - top); ++j)
-      for (int i = std::max(0, region_.x - left); i < std::min(size, region_.x + region_.width - left); ++i) {
-        const auto k =
-            static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i);
+    // Places of the ground about the part that lie in the window and in the region.
+    const double x = s.centre.x - s.ground.x, y = s.centre.y - s.ground.y;
+    const Rect places = common({static_cast<int>(std::lround(x)) - half,
+                                static_cast<int>(std::lround(y)) - half, 2 * half + 1, 2 * half + 1},
+                               common(region_, {static_cast<int>(std::ceil(w.x - s.ground.x)),
+                                                static_cast<int>(std::ceil(w.y - s.ground.y)),
+                                                w.picture.width() - 1, w.picture.height() - 1}));
+    if (places.width <= 0 || places.height <= 0) continue;
+    const auto count = static_cast<std::size_t>(places.width) * static_cast<std::size_t>(places.height);
+    for (auto* of : {&seen, &shown, &through}) of->resize(count);
+    const double u0 = places.x - x, v0 = places.y - y;  // on the part's grid
+    w.spline.sample_window(places.x + s.ground.x - w.x, places.y + s.ground.y - w.y, places.width,
+                           places.height, seen.data(), nullptr, nullptr);
+    level.sample_window(u0 + part.half, v0 + part.half, places.width, places.height, shown.data(), nullptr,
+                        nullptr);
+    share.sample_window(u0 + part.half, v0 + part.half, places.width, places.height, through.data(), nullptr,
+                        nullptr);
+    for (int j = 0; j < places.height; ++j)
+      for (int i = 0; i < places.width; ++i) {
+        const auto k = static_cast<std::size_t>(j) * static_cast<std::size_t>(places.width) +
+                       static_cast<std::size_t>(i);
         const double u = u0 + i, v = v0 + j;
         if (through[k] < kLeastShare || u * u + v * v > hidden * hidden) continue;
         const auto shine = static_cast<float>(s.gain * (1 + s.slope_x * u + s.slope_y * v));
         const float ground = (seen[k] - shine * (shown[k] - mean * through[k])) /
                              (static_cast<float>(s.ground_gain) * through[k]);
         const float weight = through[k] * through[k];
-        sum_beside_.at(left + i - region_.x, top + j - region_.y) += weight * ground;
-        squares_beside_.at(left + i - region_.x, top + j - region_.y) += weight * ground * ground;
-        count_beside_.at(left + i - region_.x, top + j - region_.y) += weight;
+        const int at_x = places.x + i - region_.x, at_y = places.y + j - region_.y;
+        sum_beside_.at(at_x, at_y) += weight * ground;
+        squares_beside_.at(at_x, at_y) += weight * ground * ground;
+        count_beside_.at(at_x, at_y) += weight;
       }
   }
   form(noise_variance);

@@ -55,8 +55,8 @@ class Learning {
   LearntPart run() {
     for (out_.rounds = 1; out_.rounds <= kMostRounds; ++out_.rounds) {
       learn_pictures();
-      const bool look =
-          out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known());
+      const bool look = !options_.even_light && (out_.rounds == kFirstFine + 1 ||
+                                                 (out_.rounds == kFirstFine + 3 && out_.light.known()));
       const double moved = measure_windows(look);
       if (out_.rounds >= kFirstFine)
         ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);

@@ -26,6 +26,7 @@ struct LearningOptions {
   double noise_variance = 1;    ///< of the frames
   double hidden = 0;            ///< px about the part within which no ground has been seen yet
   bool turning = false;         ///< the windows' angles are known and differ: learn what turns
+  bool even_light = false;      ///< do not look for a slope of the light
 };
 
 /// Changes the windows' states, and tells the ground what is seen of it beside the part. `registration` is

@@ -21,6 +21,7 @@ constexpr int kTaper = 4;              ///< px of the grid in which ground is ta
 constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
 constexpr double kRestless = 2;        ///< ground variance in time over the noise's: something crosses it
 constexpr double kFewer = 0.9;         ///< of the frames another candidate explains: too few to be chosen
+constexpr double kClearlyQuieter = 0.9;
 /// Of the pictures' noise: a template quieter than this is chosen. One that holds ground at its edge is held
 /// back by it, which makes it quieter by up to a third, and wrong.
 constexpr double kQuieter = 0.5;
@@ -30,6 +31,7 @@ struct Candidate {
   std::string name;
   LearntPart learnt;
   MeasuredFrames measured;
+  bool even_light = false;
   std::int64_t explained = 0;  ///< frames
   double noise = 0;            ///< from frame to frame, px
   double error() const { return std::hypot(noise, measured.slow_sd); }
@@ -52,6 +54,8 @@ class LayeredPass {
     keep_windows();
     std::vector<Candidate> candidates;
     candidates.push_back(tried("pictures that do not turn", {}));
+    if (candidates.front().learnt.light.known())
+      candidates.push_back(tried("in even light", {.even_light = true}));
     if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));
     Candidate* best = choose(candidates);
     if (best) take(*best);
@@ -103,7 +107,7 @@ bool LayeredPass::turns() const {
 }
 
 Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
-  Candidate out{.name = name, .learnt = {}, .measured = {}};
+  Candidate out{.name = name, .learnt = {}, .measured = {}, .even_light = learning.even_light};
   {
     const auto running = clock_.enter(Stage::layers_learning);
     std::vector<KeptWindow> windows = kept_;
@@ -124,7 +128,8 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
   return out;
 }
 
-/// By evidence: the track that is quietest, its slow error included; null for that of the first pass.
+/// By evidence: the track that is quietest, its slow error included; null for that of the first pass. Even
+/// light must be clearly quieter: what uneven light does to a track is slow.
 Candidate* LayeredPass::choose(std::vector<Candidate>& candidates) {
   std::vector<TimedPoint> first;
   for (const FirstPassFrame& f : frames_) first.push_back({f.index, f.centre});
@@ -136,7 +141,9 @@ Candidate* LayeredPass::choose(std::vector<Candidate>& candidates) {
     out_.candidates += fmt::format(", {} {:.4f} px and {:.4f} px slow", c.name, c.noise, c.measured.slow_sd);
     const bool fewer =
         best && static_cast<double>(c.explained) < kFewer * static_cast<double>(best->explained);
-    if (!best || (!fewer && c.error() < best->error())) best = &c;
+    const bool quieter =
+        best && (c.even_light ? c.noise < kClearlyQuieter * best->noise : c.error() < best->error());
+    if (!best || (!fewer && quieter)) best = &c;
   }
   if (!best) {
     out_.why_not = "the pictures learnt explain hardly any frame";
