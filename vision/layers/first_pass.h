@@ -31,6 +31,7 @@ struct LayeredOptions {
   Circle disc;                                      ///< in the first frame
   double blur = 1;                                  ///< of its rim, px
   bool turning = false;                             ///< the frames' angles are known
+  bool static_light = true;                         ///< look for it; a coder's errors look alike
   double noise_variance = 1;                        ///< a start
   std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known
   std::function<void(std::int64_t done)> progress;  ///< frames measured

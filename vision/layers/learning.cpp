@@ -13,6 +13,7 @@ namespace {
 constexpr int kMostRounds = 30;
 constexpr int kFirstFine =
     2;  ///< round from which the light's slope is looked for and strange pixels left out
+constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewestSlopes = 8;
 constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
@@ -50,17 +51,21 @@ class Learning {
       out_.texture =
           std::make_unique<TurningTexture>(half, options.radius, options.blur, turned_round(windows));
     prior_share_ = out_.part.share;
+    if (options.standing_light)
+      out_.standing = std::make_unique<StandingLight>(ground.region(), prior_share_);
   }
 
   LearntPart run() {
     for (out_.rounds = 1; out_.rounds <= kMostRounds; ++out_.rounds) {
       learn_pictures();
-      const bool look = !options_.even_light && (out_.rounds == kFirstFine + 1 ||
-                                                 (out_.rounds == kFirstFine + 3 && out_.light.known()));
+      const bool look =
+          !options_.even_light && !options_.standing_light &&
+          (out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known()));
       const double moved = measure_windows(look);
       if (out_.rounds >= kFirstFine)
         ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);
       if (look) learn_light();
+      if (out_.standing && out_.rounds > kFirstFine && out_.rounds % 2 == 0) learn_standing_light();
       if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
     }
     return std::move(out_);
@@ -70,6 +75,7 @@ class Learning {
   void learn_pictures();
   double measure_windows(bool look_for_light);
   void learn_light();
+  void learn_standing_light();
 
   std::vector<KeptWindow>& windows_;
   GroundPicture& ground_;
@@ -131,6 +137,11 @@ void Learning::learn_light() {
   for (const LayeredFix& f : fixes_)
     slopes.push_back({f.state.centre, f.state.slope_x, f.state.slope_y, f.slope_variance * out_.chi_squared});
   out_.light = IlluminationSlope(slopes);
+}
+
+void Learning::learn_standing_light() {
+  const double inside = options_.radius - kClearOfRim * options_.blur;
+  out_.standing->learn(windows_, explained_, out_.part, std::max(0.5 * options_.radius, inside));
 }
 
 }  // namespace

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "vision/layers/registration.h"
+#include "vision/layers/standing_light.h"
 
 namespace tribotrack::vision {
 
 struct LearntPart {
   PartPictures part;
   std::unique_ptr<TurningTexture> texture;  ///< null where nothing turns
+  std::unique_ptr<StandingLight> standing;  ///< null where none was looked for
   IlluminationSlope light;
   double chi_squared = 1;  ///< per pixel, of the usual window
   double sigma = 0;        ///< of a coordinate of the usual window, px
@@ -27,6 +29,7 @@ struct LearningOptions {
   double hidden = 0;            ///< px about the part within which no ground has been seen yet
   bool turning = false;         ///< the windows' angles are known and differ: learn what turns
   bool even_light = false;      ///< do not look for a slope of the light
+  bool standing_light = false;  ///< look for light that stands in the picture, in place of its slope
 };
 
 /// Changes the windows' states, and tells the ground what is seen of it beside the part. `registration` is

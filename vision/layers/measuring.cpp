@@ -8,6 +8,8 @@
 namespace tribotrack::vision {
 namespace {
 
+constexpr int kPasses = 3;
+constexpr double kClose = 0.02;    ///< px: a light known to a tenth of its slope per pixel then moves nothing
 constexpr std::size_t kRun = 128;  ///< frames over which a constant residual is an offset
 
 /// Gathers frames into runs, and gives each run's frames their covariance.
@@ -64,10 +66,30 @@ void Runs::end_run() {
   weight_ += n;
 }
 
+/// A standing light is taken out of the frame first, and again where the part lies elsewhere than thought.
+std::optional<LayeredFix> measure(const FirstPassFrame& f, const Rect& window, const Picture& picture,
+                                  LayeredRegistration& registration, const LearntPart& learnt) {
+  const LayeredState start{f.centre, f.theta, f.ground, 1, 0, 0, 1};
+  const LightPrior light = learnt.light.at(f.centre);
+  if (!learnt.standing) return registration.refine(picture, window.x, window.y, start, light);
+  std::optional<LayeredFix> fix;
+  Point centre = f.centre;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    Picture unlit = picture;
+    learnt.standing->take_out(unlit, window.x, window.y, centre);
+    fix = registration.refine(unlit, window.x, window.y, start, light);
+    if (!fix) return fix;
+    const double off = std::hypot(fix->state.centre.x - centre.x, fix->state.centre.y - centre.y);
+    centre = fix->state.centre;
+    if (off < kClose) break;
+  }
+  return fix;
+}
+
 }  // namespace
 
 MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                              LayeredRegistration& registration, const IlluminationSlope& light,
+                              LayeredRegistration& registration, const LearntPart& learnt,
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
   Runs runs(out, registration);
@@ -77,8 +99,7 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
   for (const FirstPassFrame& f : frames) {
     const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
     source.read(f.index, window, picture);
-    out.fixes.push_back(registration.refine(picture, window.x, window.y,
-                                            {f.centre, f.theta, f.ground, 1, 0, 0, 1}, light.at(f.centre)));
+    out.fixes.push_back(measure(f, window, picture, registration, learnt));
     if (out.fixes.back()) {
       if (in_audit(wanted, done))
         if (const auto halves = registration.halves())

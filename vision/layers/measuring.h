@@ -23,9 +23,9 @@ struct MeasuredFrames {
   std::vector<AuditFrame> audited;  ///< of some of the frames, their halves compared
 };
 
-/// `registration` holds the pictures learnt, `light` what was learnt of the light. `progress` may be empty.
+/// `registration` holds the pictures learnt. `progress` may be empty.
 MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                              LayeredRegistration& registration, const IlluminationSlope& light,
+                              LayeredRegistration& registration, const LearntPart& learnt,
                               const std::function<void(std::int64_t done)>& progress);
 
 }  // namespace tribotrack::vision

@@ -56,6 +56,10 @@ class LayeredPass {
     candidates.push_back(tried("pictures that do not turn", {}));
     if (candidates.front().learnt.light.known())
       candidates.push_back(tried("in even light", {.even_light = true}));
+    if (options_.static_light) {
+      Candidate lit = tried("with light that stands in the picture", {.standing_light = true});
+      if (lit.learnt.standing->evidence() > 0) candidates.push_back(std::move(lit));
+    }
     if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));
     Candidate* best = choose(candidates);
     if (best) take(*best);
@@ -119,7 +123,7 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
   }
   if (out.learnt.explained < kFewest) return out;
   const auto running = clock_.enter(Stage::layers_measuring);
-  out.measured = measure_frames(source_, frames_, registration_, out.learnt.light, options_.progress);
+  out.measured = measure_frames(source_, frames_, registration_, out.learnt, options_.progress);
   std::vector<TimedPoint> track;
   for (std::size_t k = 0; k < frames_.size(); ++k)
     if (const auto& fix = out.measured.fixes[k]) track.push_back({frames_[k].index, fix->state.centre});

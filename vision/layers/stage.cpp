@@ -60,13 +60,14 @@ SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
   return seen;
 }
 
-LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& options,
-                          const std::vector<ShownFrame>& shown) {
+LayeredOptions options_of(const FrameSource& source, const FirstPassResult& first,
+                          const TrackOptions& options, const std::vector<ShownFrame>& shown) {
   LayeredOptions out;
   out.disc = first.disc;
   out.blur = first.blur;
   // Where the rim alone was seen the angle is only predicted.
   out.turning = first.turning && std::ranges::none_of(first.by_rim, std::identity());
+  out.static_light = !source.info().decoded;
   out.noise_variance = first.noise_variance;
   out.first_index = first.first_index;
   out.total = first.total;
@@ -167,7 +168,8 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto reason = reason_against(first, options.layers)) return left_out(std::move(*reason));
   const SeenFrames seen = seen_frames(track, first);
-  const LayeredResult result = layered_pass(source, seen.frames, options_of(first, options, shown), clock);
+  const LayeredResult result =
+      layered_pass(source, seen.frames, options_of(source, first, options, shown), clock);
   if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
   const Change change = replace_positions(track, seen.places, result.fixes);
   if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
