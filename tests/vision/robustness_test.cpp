@@ -131,8 +131,6 @@ Outcome followed(const char* name, const Recording& r, const std::function<Point
   std::printf("%s: ok %d, lost %lld, rms %.4f px = %.2f bound, standardised %.2f, worst %.1f sd%s\n", name,
               out.errors.ok, static_cast<long long>(s.lost), out.errors.rms, out.errors.rms / out.bound,
               out.errors.standardised, out.errors.worst, s.layered ? ", layered" : "");
-  if (getenv("P"))
-    for (const PlanStage& st : s.plan) std::printf("PLAN %s %d %s\n", st.name.c_str(), st.on, st.reason.c_str());
   return out;
 }
 

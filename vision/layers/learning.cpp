@@ -36,6 +36,11 @@ bool turned_round(const std::vector<KeptWindow>& windows) {
   return high->state.theta - low->state.theta > 2 * std::numbers::pi;
 }
 
+/// Px about the centre within which the part shows its face alone.
+double face_of(const LearningOptions& options) {
+  return std::max(0.5 * options.radius, options.radius - kClearOfRim * options.blur);
+}
+
 class Learning {
  public:
   Learning(std::vector<KeptWindow>& windows, GroundPicture& ground, LayeredRegistration& registration,
@@ -65,9 +70,13 @@ class Learning {
       if (out_.rounds >= kFirstFine)
         ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);
       if (look) learn_light();
-      if (out_.standing && out_.rounds > kFirstFine && out_.rounds % 2 == 0) learn_standing_light();
+      if (out_.standing && out_.rounds > kFirstFine && out_.rounds % 2 == 0)
+        out_.standing->learn(windows_, out_.part, face_of(options_));
       if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
     }
+    StandingLight look(ground_.region(), prior_share_);
+    look.look(windows_, out_.part, face_of(options_));
+    out_.standing_evidence = look.evidence();
     return std::move(out_);
   }
 
@@ -75,7 +84,6 @@ class Learning {
   void learn_pictures();
   double measure_windows(bool look_for_light);
   void learn_light();
-  void learn_standing_light();
 
   std::vector<KeptWindow>& windows_;
   GroundPicture& ground_;
@@ -137,11 +145,6 @@ void Learning::learn_light() {
   for (const LayeredFix& f : fixes_)
     slopes.push_back({f.state.centre, f.state.slope_x, f.state.slope_y, f.slope_variance * out_.chi_squared});
   out_.light = IlluminationSlope(slopes);
-}
-
-void Learning::learn_standing_light() {
-  const double inside = options_.radius - kClearOfRim * options_.blur;
-  out_.standing->learn(windows_, explained_, out_.part, std::max(0.5 * options_.radius, inside));
 }
 
 }  // namespace

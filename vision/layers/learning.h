@@ -17,8 +17,9 @@ struct LearntPart {
   std::unique_ptr<TurningTexture> texture;  ///< null where nothing turns
   std::unique_ptr<StandingLight> standing;  ///< null where none was looked for
   IlluminationSlope light;
-  double chi_squared = 1;  ///< per pixel, of the usual window
-  double sigma = 0;        ///< of a coordinate of the usual window, px
+  double standing_evidence = 1;  ///< that light stands in the picture yet, StandingLight::evidence()
+  double chi_squared = 1;        ///< per pixel, of the usual window
+  double sigma = 0;              ///< of a coordinate of the usual window, px
   int rounds = 0;
   std::size_t explained = 0;  ///< windows
 };

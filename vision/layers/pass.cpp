@@ -19,8 +19,10 @@ constexpr std::size_t kFewest = 12;    ///< frames to learn from
 constexpr int kContext = 6;            ///< px kept beyond the part's grid
 constexpr int kTaper = 4;              ///< px of the grid in which ground is taken to be uncovered
 constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
-constexpr double kRestless = 2;        ///< ground variance in time over the noise's: something crosses it
-constexpr double kFewer = 0.9;         ///< of the frames another candidate explains: too few to be chosen
+/// Times what changes at a pixel from frame to frame: less may be the part's own picture, not known well.
+constexpr double kStands = 2;
+constexpr double kRestless = 2;  ///< ground variance in time over the noise's: something crosses it
+constexpr double kFewer = 0.9;   ///< of the frames another candidate explains: too few to be chosen
 constexpr double kClearlyQuieter = 0.9;
 /// Of the pictures' noise: a template quieter than this is chosen. One that holds ground at its edge is held
 /// back by it, which makes it quieter by up to a third, and wrong.
@@ -56,10 +58,8 @@ class LayeredPass {
     candidates.push_back(tried("pictures that do not turn", {}));
     if (candidates.front().learnt.light.known())
       candidates.push_back(tried("in even light", {.even_light = true}));
-    if (options_.static_light) {
-      Candidate lit = tried("with light that stands in the picture", {.standing_light = true});
-      if (lit.learnt.standing->evidence() > 0) candidates.push_back(std::move(lit));
-    }
+    if (options_.static_light && candidates.front().learnt.standing_evidence > kStands)
+      candidates.push_back(tried("with light that stands in the picture", {.standing_light = true}));
     if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));
     Candidate* best = choose(candidates);
     if (best) take(*best);

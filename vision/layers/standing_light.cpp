@@ -1,22 +1,25 @@
 #include "vision/layers/standing_light.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kSmooth = 3;    ///< px: the least width of a light that is learnt at once
-constexpr float kHalfKnown = 1;  ///< frames: a place seen less often is held to no light
-constexpr double kFewest = 3;    ///< frames that tell what changes at a pixel
+constexpr double kSmooth = 4;        ///< px: the least width of a light that is learnt at once
+constexpr double kLeastSeen = 0.01;  ///< frames in the surroundings: beyond, there is no light
+constexpr double kHeld = 0.1;        ///< frames: what a level of 0 counts as
+constexpr double kFewest = 3;        ///< frames that tell what changes at a pixel
 
 /// A Gaussian, both ways.
-Picture blurred(const Picture& in) {
-  const int reach = static_cast<int>(std::ceil(3 * kSmooth));
+Picture blurred(const Picture& in, double sd) {
+  const int reach = static_cast<int>(std::ceil(3 * sd));
   std::vector<float> weight;
   float total = 0;
   for (int i = -reach; i <= reach; ++i) {
-    weight.push_back(static_cast<float>(std::exp(-0.5 * i * i / (kSmooth * kSmooth))));
+    weight.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sd * sd))));
     total += weight.back();
   }
   Picture rows(in.width(), in.height()), out(in.width(), in.height());
@@ -28,6 +31,42 @@ Picture blurred(const Picture& in) {
   for (int y = 0; y < in.height(); ++y)
     for (int j = std::max(-reach, -y); j <= std::min(reach, in.height() - 1 - y); ++j)
       for (int x = 0; x < in.width(); ++x) out.at(x, y) += at(j) * rows.at(x, y + j);
+  return out;
+}
+
+/// sum / count, each place by the plane that fits its surroundings: continued by a few pixels beyond what was
+/// seen.
+Picture smooth_plane(const Picture& sum, const Picture& count) {
+  const int width = sum.width(), height = sum.height();
+  const auto moment = [&](const Picture& of, int p, int q) {
+    Picture out(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        out.at(x, y) =
+            static_cast<float>(std::pow(x - 0.5 * width, p) * std::pow(y - 0.5 * height, q)) * of.at(x, y);
+    return blurred(out, kSmooth);
+  };
+  const std::array<Picture, 6> weights{moment(count, 0, 0), moment(count, 1, 0), moment(count, 0, 1),
+                                       moment(count, 2, 0), moment(count, 1, 1), moment(count, 0, 2)};
+  const std::array<Picture, 3> levels{moment(sum, 0, 0), moment(sum, 1, 0), moment(sum, 0, 1)};
+  Picture out(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto w = [&](std::size_t k) { return static_cast<double>(weights[k].at(x, y)); };
+      const auto l = [&](std::size_t k) { return static_cast<double>(levels[k].at(x, y)); };
+      const double n = w(0), cx = x - 0.5 * width, cy = y - 0.5 * height;
+      if (!(n > kLeastSeen)) continue;
+      // About the place itself.
+      const double mx = w(1) - cx * n, my = w(2) - cy * n;
+      Eigen::Matrix3d normal;
+      normal << n, mx, my, mx, w(3) - 2 * cx * w(1) + cx * cx * n, w(4) - cx * w(2) - cy * w(1) + cx * cy * n,
+          my, w(4) - cx * w(2) - cy * w(1) + cx * cy * n, w(5) - 2 * cy * w(2) + cy * cy * n;
+      // A slope must be seen over some pixels.
+      normal.diagonal().tail<2>().array() += kHeld * kSmooth * kSmooth;
+      normal(0, 0) += kHeld;
+      const Eigen::Vector3d right(l(0), l(1) - cx * l(0), l(2) - cy * l(0));
+      out.at(x, y) = static_cast<float>(normal.ldlt().solve(right).x());
+    }
   return out;
 }
 
@@ -45,14 +84,13 @@ Rect about(const Point& centre, double reach, int x, int y, const Picture& windo
 StandingLight::StandingLight(const Rect& region, const Picture& share)
     : region_(region), half_(share.width() / 2), share_(share), level_(region.width, region.height) {}
 
-void StandingLight::learn(std::vector<KeptWindow>& windows, const std::vector<bool>& explained,
-                          const PartPictures& part, double inside) {
-  Picture sum(region_.width, region_.height), squares = sum, count = sum;
+/// Sums over the windows of what is left unexplained at each pixel; sets the evidence.
+void StandingLight::look(const std::vector<KeptWindow>& windows, const PartPictures& part, double inside) {
+  sum_ = count_ = Picture(region_.width, region_.height);
+  Picture squares = sum_;
   const QuinticSpline level(part.level);
   std::vector<float> shown;
-  for (std::size_t k = 0; k < windows.size(); ++k) {
-    if (!explained[k]) continue;
-    const KeptWindow& w = windows[k];
+  for (const KeptWindow& w : windows) {
     const LayeredState& s = w.state;
     const Rect face = about(s.centre, inside, w.x, w.y, w.picture);
     if (face.width == 0 || face.height == 0) continue;
@@ -70,28 +108,28 @@ void StandingLight::learn(std::vector<KeptWindow>& windows, const std::vector<bo
         const float left = w.picture.at(face.x + i - w.x, face.y + j - w.y) -
                            gain * shown[static_cast<std::size_t>(j) * static_cast<std::size_t>(face.width) +
                                         static_cast<std::size_t>(i)];
-        sum.at(x, y) += left;
+        sum_.at(x, y) += left;
         squares.at(x, y) += left * left;
-        count.at(x, y) += 1;
+        count_.at(x, y) += 1;
       }
   }
   double between = 0, places = 0, within = 0, frames = 0;
-  for (std::size_t i = 0; i < sum.levels().size(); ++i) {
-    const double n = count.levels()[i];
+  for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
+    const double n = count_.levels()[i];
     if (n < kFewest) continue;
-    const double stands = static_cast<double>(sum.levels()[i]) * sum.levels()[i] / n;
+    const double stands = static_cast<double>(sum_.levels()[i]) * sum_.levels()[i] / n;
     between += stands;
     within += squares.levels()[i] - stands;
     ++places;
     frames += n - 1;
   }
   evidence_ = within > 0 ? (between / places) / (within / frames) : 1;
-  const Picture smooth_sum = blurred(sum), smooth_count = blurred(count);
-  Picture more(region_.width, region_.height);
-  for (std::size_t i = 0; i < more.levels().size(); ++i) {
-    more.levels()[i] = smooth_sum.levels()[i] / (smooth_count.levels()[i] + kHalfKnown);
-    level_.levels()[i] += more.levels()[i];
-  }
+}
+
+void StandingLight::learn(std::vector<KeptWindow>& windows, const PartPictures& part, double inside) {
+  look(windows, part, inside);
+  const Picture more = smooth_plane(sum_, count_);
+  for (std::size_t i = 0; i < more.levels().size(); ++i) level_.levels()[i] += more.levels()[i];
   for (KeptWindow& w : windows) {
     take_out(more, w.picture, w.x, w.y, w.state.centre);
     w.spline = QuinticSpline(w.picture);

@@ -5,7 +5,6 @@
 
 #include "vision/layers/part.h"
 #include "vision/layers/state.h"
-#include "vision/layers/texture.h"
 
 namespace tribotrack::vision {
 
@@ -17,12 +16,13 @@ class StandingLight {
   /// The region that windows lie in, and what shows of the ground on the part's grid.
   StandingLight(const Rect& region, const Picture& share);
 
-  /// What the windows leave unexplained within `inside` px of the part's centre adds to L, and is taken out
-  /// of the windows.
-  void learn(std::vector<KeptWindow>& windows, const std::vector<bool>& explained, const PartPictures& part,
-             double inside);
-  /// Of the last learn(): mean square of what stands at a pixel over what changes there from frame to frame,
-  /// both per frame: 1 where nothing stands in the picture.
+  /// What the windows leave unexplained within `inside` px of the part's centre, in their present states:
+  /// sets the evidence.
+  void look(const std::vector<KeptWindow>& windows, const PartPictures& part, double inside);
+  /// And it adds to L, and is taken out of the windows.
+  void learn(std::vector<KeptWindow>& windows, const PartPictures& part, double inside);
+  /// Mean square of what stands at a pixel over what changes there from frame to frame, both per frame: 1
+  /// where nothing stands in the picture.
   double evidence() const { return evidence_; }
 
   /// Takes (1 - alpha) L out of a window whose first pixel is pixel (x, y), the part being at `centre`.
@@ -37,6 +37,7 @@ class StandingLight {
   int half_;
   QuinticSpline share_;
   Picture level_;
+  Picture sum_, count_;  ///< of the last look
   double evidence_ = 1;
 };
 
