@@ -204,7 +204,8 @@ FramesForLayers::FramesForLayers(KeptFrames& frames, const FirstPassResult& firs
       total_(first.total),
       wanted_(layers != Layers::off && first.blur > 0),
       whole_(layers_wanted(first, layers)),
-      reach_(wanted_ ? layered_reach(first.disc.radius, first.blur) : 0) {}
+      // The second pass may round the centre otherwise.
+      reach_(wanted_ ? layered_reach(first.disc.radius, first.blur) + 1 : 0) {}
 
 void FramesForLayers::seen(std::int64_t index, const Point& centre) {
   if (!wanted_) return;

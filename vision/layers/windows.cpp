@@ -13,6 +13,7 @@ namespace {
 constexpr double kKeptBytes = 140e6;   ///< of memory for the windows and the pictures learnt
 constexpr double kGroundPixels = 4e6;  ///< of all frames the platform's picture is averaged from
 constexpr double kGroundFrames = 40;   ///< and no fewer frames than these
+constexpr double kFewestGround = 12;   ///< frames spread over the recording
 constexpr double kStep = 0.5;          ///< px: the least step of a part that moves
 constexpr double kGroundBytes = 40;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kFewestWindows = 16;
@@ -20,11 +21,17 @@ constexpr double kUsualBytes = 24e6;  ///< of frames that tell what a place usua
 constexpr double kFewestUsual = 7, kMostUsual = 15;
 constexpr double kHeldSd = 5;  ///< what is further off crosses the ground
 
-Picture cut(const Picture& picture, const Rect& from, const Rect& part) {
-  Picture out(part.width, part.height);
-  for (int y = 0; y < part.height; ++y)
-    std::copy_n(picture.row(part.y - from.y + y).begin() + (part.x - from.x), part.width, out.row(y).begin());
-  return out;
+/// Places in `frames` of those that are spread over the whole recording, and read whole by the first pass
+/// where it is decoded; all where too few of them show the part.
+std::vector<std::size_t> spread_in_time(const std::vector<FirstPassFrame>& frames,
+                                        const LayeredOptions& options) {
+  std::vector<std::size_t> spread;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (is_learning_frame(frames[k].index - options.first_index, options.total)) spread.push_back(k);
+  if (static_cast<double>(spread.size()) >= kFewestGround) return spread;
+  spread.resize(frames.size());
+  std::iota(spread.begin(), spread.end(), std::size_t{0});
+  return spread;
 }
 
 /// How far the part has gone by each frame, px: standing still counts nothing, noise neither.
@@ -53,8 +60,7 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
     std::iota(spread.begin(), spread.end(), std::size_t{0});
     return spread;
   }
-  for (std::size_t k = 0; k < frames.size(); ++k)
-    if (is_learning_frame(frames[k].index - options.first_index, options.total)) spread.push_back(k);
+  spread = spread_in_time(frames, options);
   const std::vector<double> gone = way(frames);
   std::vector<bool> taken(frames.size(), false);
   const auto in_time = std::min(most / 2, spread.size());
@@ -111,47 +117,48 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
   const double most = std::min<double>(kLearningFrames, room / window_bytes);
   chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)), options);
   const double averaged = std::max(kGroundFrames, kGroundPixels / area);
-  ground_stride_ =
-      static_cast<std::size_t>(std::max(1.0, std::ceil(static_cast<double>(count()) / averaged)));
+  const std::vector<std::size_t> spread = spread_in_time(frames, options);
+  const auto stride =
+      static_cast<std::size_t>(std::max(1.0, std::ceil(static_cast<double>(spread.size()) / averaged)));
+  for (std::size_t k = 0; k < spread.size(); k += stride) ground_frames_.push_back(spread[k]);
 }
 
 std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
+  read_ground(ground);
   std::vector<KeptWindow> kept;
-  Picture wide;
-  for (std::size_t k = 0; k < count(); ++k) {
-    const FirstPassFrame& f = frame(k);
+  for (const std::size_t k : chosen_) {
+    const FirstPassFrame& f = frames_[k];
     const Rect about = window_about(f.centre, reach_, source_.bounds());
     KeptWindow window{{}, about.x, about.y, {f.centre, f.theta, f.ground, 1, 0, 0, 1}, {}, f.index};
-    if (k % ground_stride_ == 0) {
-      source_.read(f.index, region_, wide);
-      window.picture = cut(wide, region_, about);
-      ground.add(wide, region_.x, region_.y, f.ground, part_in(f));
-    } else {
-      source_.read(f.index, about, window.picture);
-    }
+    source_.read(f.index, about, window.picture);
     window.spline = QuinticSpline(window.picture);
     kept.push_back(std::move(window));
   }
-  ground.finish(options_.noise_variance);
   return kept;
+}
+
+void LearningFrames::read_ground(GroundPicture& ground) {
+  Picture wide;
+  for (const std::size_t k : ground_frames_) {
+    source_.read(frames_[k].index, region_, wide);
+    ground.add(wide, region_.x, region_.y, frames_[k].ground, part_in(frames_[k]));
+  }
+  ground.finish(options_.noise_variance);
 }
 
 void LearningFrames::read_uncrossed(GroundPicture& ground) {
   const double area = static_cast<double>(region_.width) * region_.height;
   const auto looks = static_cast<std::size_t>(std::clamp(kUsualBytes / (4 * area), kFewestUsual, kMostUsual));
-  const std::size_t apart = std::max<std::size_t>(1, count() / looks);
+  const std::size_t apart = std::max<std::size_t>(1, ground_frames_.size() / looks);
   Picture wide;
   UsualGround usual(region_);
-  for (std::size_t k = 0; k < count(); k += apart) {
-    source_.read(frame(k).index, region_, wide);
-    usual.add(wide, part_in(frame(k)));
+  for (std::size_t k = 0; k < ground_frames_.size(); k += apart) {
+    const FirstPassFrame& f = frames_[ground_frames_[k]];
+    source_.read(f.index, region_, wide);
+    usual.add(wide, part_in(f));
   }
   ground.hold_to(usual.median(), kHeldSd * std::sqrt(options_.noise_variance));
-  for (std::size_t k = 0; k < count(); k += ground_stride_) {
-    source_.read(frame(k).index, region_, wide);
-    ground.add(wide, region_.x, region_.y, frame(k).ground, part_in(frame(k)));
-  }
-  ground.finish(options_.noise_variance);
+  read_ground(ground);
 }
 
 }  // namespace tribotrack::vision

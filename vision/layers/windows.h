@@ -24,13 +24,13 @@ class LearningFrames {
   const Rect& region() const { return region_; }
   std::size_t count() const { return chosen_.size(); }
 
-  /// Their windows, in the order of time; the ground is averaged from some of them on the way.
+  /// Their windows, in the order of time; and the ground, averaged from frames spread over the recording.
   std::vector<KeptWindow> read(GroundPicture& ground);
   /// Ground that something crossed: averaged again from what most frames show.
   void read_uncrossed(GroundPicture& ground);
 
  private:
-  const FirstPassFrame& frame(std::size_t k) const { return frames_[chosen_[k]]; }
+  void read_ground(GroundPicture& ground);
   Circle part_in(const FirstPassFrame& f) const { return {f.centre.x, f.centre.y, hidden_}; }
 
   FrameSource& source_;
@@ -38,8 +38,7 @@ class LearningFrames {
   const LayeredOptions& options_;
   double reach_, hidden_;
   Rect region_;
-  std::vector<std::size_t> chosen_;  ///< of frames_
-  std::size_t ground_stride_ = 1;
+  std::vector<std::size_t> chosen_, ground_frames_;  ///< of frames_
 };
 
 }  // namespace tribotrack::vision

@@ -90,10 +90,8 @@ TEST(LayeredStage, HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
   EXPECT_LT(e.rms, 1.15 * s.bound());
   EXPECT_GT(e.standardised, 0.9);
   EXPECT_LT(e.standardised, 1.1);
-  // What frames share is part of what each point is told, and lasts longer than a frame.
-  EXPECT_GT(result.summary.slow_sd, 0);
+  // Nothing in this scene changes slowly.
   EXPECT_LT(result.summary.slow_sd, 0.5 * s.bound());
-  EXPECT_GT(result.summary.slow_time, 1.0 / 250);
 }
 
 // The light's slope over the disc changes along the path, which no frame by itself sees well: taken for one
@@ -141,39 +139,43 @@ TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
   EXPECT_LT(e.drift, 0.005);
 }
 
-TEST(LayeredStage, MovingPlatformWithoutMarkerIsLeftToTheFirstPassAndSaidSo) {
+TEST(LayeredStage, MovingPlatformWithoutMarkerIsFollowedByItsGround) {
   SlidingScene s;
-  s.frames = 60;
   s.scene.marker.reset();
   SceneSource source(s);
   const TrackResult result = track(source, {});
-  EXPECT_FALSE(result.summary.layered);
-  EXPECT_NE(stage(result.summary).reason.find("no marker"), std::string::npos);
-  TrackOptions off;
-  off.layers = Layers::off;
-  const TrackResult single = track(source, off);
-  for (std::size_t k = 0; k < single.track.points.size(); ++k)
-    EXPECT_EQ(result.track.points[k].x, single.track.points[k].x);
+  EXPECT_TRUE(result.track.has_marker);
+  EXPECT_TRUE(result.summary.layered);
+  const TrackErrors e = report("no marker", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.25 * s.bound());
+  EXPECT_LT(e.standardised, 1.2);
 }
 
-TEST(LayeredStage, PlainPlatformIsLeftAsItWas) {
+// The ground then stands in what the pictures leave unexplained: wider, and said so.
+TEST(LayeredStage, MovingGroundThatNobodyFollowsWidensTheStandardDeviations) {
   SlidingScene s;
-  s.frames = 60;
+  s.scene.marker.reset();
+  SceneSource source(s);
+  TrackOptions options;
+  options.marker.kind = MarkerChoice::Kind::none;
+  const TrackResult result = track(source, options);
+  EXPECT_TRUE(result.summary.layered);
+  const TrackErrors e = report("not followed", result, s, s.bound());
+  EXPECT_GT(e.rms, 1.5 * s.bound());
+  EXPECT_GT(e.standardised, 0.8);
+  EXPECT_LT(e.standardised, 1.2);
+}
+
+TEST(LayeredStage, PlainPlatformIsAtTheBound) {
+  SlidingScene s;
   s.scene.platform.texture_rms = 0;
   SceneSource source(s);
-  const TrackResult automatic = track(source, with_marker(s));
-  const std::int64_t reads = source.reads();
-  EXPECT_FALSE(automatic.summary.layered);
-  EXPECT_FALSE(stage(automatic.summary).on);
-  TrackOptions options = with_marker(s);
-  options.layers = Layers::off;
-  const TrackResult off = track(source, options);
-  EXPECT_EQ(source.reads(), 2 * reads);
-  for (std::size_t k = 0; k < off.track.points.size(); ++k) {
-    EXPECT_EQ(automatic.track.points[k].x, off.track.points[k].x);
-    EXPECT_EQ(automatic.track.points[k].y, off.track.points[k].y);
-    EXPECT_EQ(automatic.track.points[k].sigma_x, off.track.points[k].sigma_x);
-  }
+  const TrackResult result = track(source, with_marker(s));
+  EXPECT_TRUE(result.summary.layered);
+  const TrackErrors e = report("plain", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.1 * s.bound());
+  EXPECT_GT(e.standardised, 0.9);
+  EXPECT_LT(e.standardised, 1.1);
 }
 
 TEST(LayeredStage, RecordingIsReadAtMostTwiceMore) {

@@ -113,14 +113,20 @@ TEST_F(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
   EXPECT_GE(frames, 3);
 }
 
-TEST_F(DebugPictures, TheRimGoesFromAllToNothingAtTheDiscsRadius) {
+TEST_F(DebugPictures, TheGroundShowsFromTheRimOn) {
   track_and_show();
-  const StageCurve& rim = shown_.curves.at("layers_rim_profile");
-  EXPECT_NEAR(rim.points.front().y, 1, 1e-9);
-  EXPECT_NEAR(rim.points.back().y, 0, 1e-9);
-  for (const Point& p : rim.points)
-    if (std::abs(p.x - scene_.scene.disc.radius_px) < 0.13) {
-      EXPECT_NEAR(p.y, 0.5, 0.15);
+  const StagePicture& share = shown_.pictures.at("layers_share");
+  const double radius = scene_.scene.disc.radius_px;
+  for (int y = 0; y < share.levels.height(); ++y)
+    for (int x = 0; x < share.levels.width(); ++x) {
+      const double rho = std::hypot(x + share.first.x, y + share.first.y);
+      if (rho < radius - 5) {
+        EXPECT_NEAR(share.levels.at(x, y), 0, 0.01) << x << ", " << y;
+      } else if (std::abs(rho - radius) < 0.13) {
+        EXPECT_NEAR(share.levels.at(x, y), 0.5, 0.2) << x << ", " << y;
+      } else if (rho > radius + 5 && rho < -share.first.x - 3) {
+        EXPECT_NEAR(share.levels.at(x, y), 1, 0.25) << x << ", " << y;
+      }
     }
 }
 
@@ -167,7 +173,7 @@ TEST_F(DebugPictures, ARestingPlatformWithoutMarkerIsShownAsWell) {
   options_.marker = {};
   track_and_show();
   for (const char* name :
-       {"first_pass_template", "first_pass_weights", "layers_disc", "layers_ground_sd", "layers_weights"})
+       {"first_pass_template", "first_pass_weights", "layers_part", "layers_share", "layers_part_sd", "layers_ground_sd", "layers_weights"})
     EXPECT_TRUE(shown_.pictures.contains(name)) << name;
 }
 
