@@ -91,6 +91,7 @@ void LayeredPass::keep_windows() {
   if (ground_.unrest() > kRestless * options_.noise_variance) {
     learning_frames_.read_uncrossed(ground_);
     out_.crossed_share = 1 - ground_.held_share();
+    out_.ground_known = ground_.unrest() <= kRestless * options_.noise_variance;
   }
   out_.windows = static_cast<int>(kept_.size());
   out_.ground_texture = ground_.texture();

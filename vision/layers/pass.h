@@ -2,8 +2,9 @@
 //
 // To a first pass with a single template the ground seen through the rim, the part's shadow and whatever
 // turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
-// from them the ground's picture and the part's (see state.h), and then measures every frame again. Reads the
-// recording at most twice, forwards; of a decoded recording mostly what the first pass has cached
+// from them the ground's picture and the part's (see state.h), and then measures every frame again, with
+// every candidate that the windows call for: the quietest is kept. Reads the recording forwards, once for
+// what is learnt and once for each candidate; of a decoded recording mostly what the first pass has cached
 // (FramesForLayers). Memory does not grow with its length.
 #pragma once
 
@@ -29,6 +30,7 @@ struct LayeredResult {
   bool turning = false;       ///< a texture that turns with the part was learnt, too
   std::string candidates;     ///< what was tried, with the noise of each
   double ground_texture = 0;  ///< of the platform's picture, grey levels rms
+  bool ground_known = true;   ///< it shows the same in most frames, displacements taken into account
   double crossed_share = 0;   ///< of the ground: showed something else than usual
   /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
   /// over how many frames they stay alike.

@@ -177,6 +177,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   LayeredOutcome outcome;
   outcome.done = true;
   outcome.limit_px = change.median_sd;
+  outcome.ground_known = result.ground_known;
   outcome.slow_sd = result.slow_sd;
   outcome.audited = result.audited;
   outcome.slow_time = correlation_time(result.slow_frames, track);
@@ -191,7 +192,7 @@ void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_e
   const std::string figures =
       fmt::format("predicted errors: {:.2g} px by the rim alone, {:.2g} px by the pictures learnt", rim_error,
                   layered_error);
-  if (rim_error < layered_error) {
+  if (outcome.ground_known && rim_error < layered_error) {
     outcome = left_out(figures + "; " + outcome.plan.front().reason);
   } else {
     outcome.plan.front().reason += "; " + figures;

@@ -15,7 +15,8 @@ namespace tribotrack::vision {
 
 /// What the stage found out, for the track's summary.
 struct LayeredOutcome {
-  bool done = false;  ///< else the track is as it was, and only the plan is filled
+  bool ground_known = true;  ///< else what the rim borders on changes from frame to frame
+  bool done = false;         ///< else the track is as it was, and only the plan is filled
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
   double limit_px = 0;                         ///< median standard deviation of a coordinate
@@ -31,7 +32,8 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
 /// The part was measured by its rim alone, and is known better by it: what turns in it, or glints, spoils its
-/// pictures. Errors in px; nothing changes where the second pass is the better one.
+/// pictures. Errors in px; nothing changes where the second pass is the better one, or where the ground moves
+/// unfollowed: what it does to the rim, the rim does not tell.
 void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_error);
 
 /// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.

@@ -109,7 +109,10 @@ TEST(LayeredStage, VignettingAlongAShortPathDrawsNothing) {
   ASSERT_TRUE(result.summary.layered);
   const TrackErrors e = report("vignetting", result, s, s.bound());
   EXPECT_LT(e.rms, 1.15 * s.bound());
-  EXPECT_LT(e.drift, 3.5 * s.bound() * std::sqrt(2.0 / 60));
+  EXPECT_LT(e.standardised, 1.15);
+  // Uncorrected it is 0.03 px. On so short a path a strip of the ground is never uncovered, and is not told
+  // from the light on it.
+  EXPECT_LT(e.drift, 0.01);
 }
 
 TEST(LayeredStage, TurningScratchesInNoiseLeaveNoDrift) {
@@ -141,14 +144,16 @@ TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
 
 TEST(LayeredStage, MovingPlatformWithoutMarkerIsFollowedByItsGround) {
   SlidingScene s;
+  s.scene.height = 320;  // ground enough to be seen
   s.scene.marker.reset();
   SceneSource source(s);
   const TrackResult result = track(source, {});
   EXPECT_TRUE(result.track.has_marker);
   EXPECT_TRUE(result.summary.layered);
   const TrackErrors e = report("no marker", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.25 * s.bound());
-  EXPECT_LT(e.standardised, 1.2);
+  EXPECT_LT(e.rms, 1.1 * s.bound());
+  EXPECT_GT(e.standardised, 0.9);
+  EXPECT_LT(e.standardised, 1.1);
 }
 
 // The ground then stands in what the pictures leave unexplained: wider, and said so.
@@ -178,7 +183,7 @@ TEST(LayeredStage, PlainPlatformIsAtTheBound) {
   EXPECT_LT(e.standardised, 1.1);
 }
 
-TEST(LayeredStage, RecordingIsReadAtMostTwiceMore) {
+TEST(LayeredStage, RecordingIsReadAtMostThriceMore) {
   SlidingScene s;
   s.frames = 60;
   SceneSource source(s);
@@ -188,7 +193,7 @@ TEST(LayeredStage, RecordingIsReadAtMostTwiceMore) {
   const std::int64_t first_pass = source.reads();
   options.layers = Layers::on;
   track(source, options);
-  EXPECT_LE(source.reads() - first_pass, first_pass + 2 * s.frames);
+  EXPECT_LE(source.reads() - first_pass, first_pass + 3 * s.frames);
 }
 
 TEST(LayeredStage, MarkerIsNotTakenForTheDisc) {
