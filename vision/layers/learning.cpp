@@ -103,7 +103,7 @@ void Learning::learn_pictures() {
     if (out_.texture) turned = out_.texture->at(windows_[k].state.theta);
     regression.add(windows_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
   }
-  out_.part = regression.solve(options_.noise_variance, prior_share_);
+  out_.part = regression.solve(options_.noise_variance, prior_share_, options_.standing_light);
   if (out_.texture) out_.texture->learn(windows_, explained_, out_.part);
   registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get());
 }

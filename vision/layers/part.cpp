@@ -15,9 +15,8 @@ constexpr double kTrim = 5;  ///< sd: further off is something else
 constexpr double kShadow = 0.2;
 /// And of a place about what its ring says: an even shadow has none, a place's own estimate scatters by more.
 constexpr double kPriorShare = 0.05;
-/// Inside the rim's blur no ground shows, whatever light falls on both alike.
-constexpr float kInside = 1e-3F;
-constexpr double kOpaque = 1e-3;
+constexpr float kInside = 1e-3F;  ///< share of the ground: less is inside the rim's blur
+constexpr double kOpaque = 1e-3;  ///< sd of alpha there
 constexpr double kBlendEvidence =
     100;                          ///< px^-4: sd of kappa 0.1 px^2 about that of a pixel, as lenses have it
 constexpr double kMostBlend = 9;  ///< px^2
@@ -167,10 +166,10 @@ void PartRegression::add(const KeptWindow& window, bool trim, const Picture* tur
 }
 
 /// alpha as the rings have it: what each place says of it, F being free, smoothed along them.
-Picture PartRegression::share_of_rings(double noise_variance, const Picture& prior_share) const {
+Picture PartRegression::share_of_rings(double noise_variance, const Picture& prior_share, bool opaque) const {
   Picture off(prior_share.width(), prior_share.height()), weight = off;
   for (std::size_t i = 0; i < count_.levels().size(); ++i) {
-    if (count_.levels()[i] < kFewest || prior_share.levels()[i] < kInside) continue;
+    if (count_.levels()[i] < kFewest || (opaque && prior_share.levels()[i] < kInside)) continue;
     const double aa = aa_.levels()[i], ag = ag_.levels()[i];
     const double information = gg_.levels()[i] - ag * ag / aa;
     if (!(information > 0)) continue;
@@ -183,9 +182,9 @@ Picture PartRegression::share_of_rings(double noise_variance, const Picture& pri
   return out;
 }
 
-PartPictures PartRegression::solve(double noise_variance, const Picture& prior_share) const {
+PartPictures PartRegression::solve(double noise_variance, const Picture& prior_share, bool opaque) const {
   PartPictures out = before_;
-  const Picture smooth_share = share_of_rings(noise_variance, prior_share);
+  const Picture smooth_share = share_of_rings(noise_variance, prior_share, opaque);
   double widest = noise_variance;
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < count_.levels().size(); ++i) {
@@ -198,7 +197,7 @@ PartPictures PartRegression::solve(double noise_variance, const Picture& prior_s
     const double aa = aa_.levels()[i], ag = ag_.levels()[i], gg = gg_.levels()[i];
     const double ay = ay_.levels()[i], gy = gy_.levels()[i], yy = yy_.levels()[i];
     const double prior =
-        noise_variance / std::pow(prior_share.levels()[i] < kInside ? kOpaque : kPriorShare, 2);
+        noise_variance / std::pow(opaque && prior_share.levels()[i] < kInside ? kOpaque : kPriorShare, 2);
     const double held = gg + prior, pulled = gy + prior * smooth_share.levels()[i];
     const double det = aa * held - ag * ag;
     const double level = (held * ay - ag * pulled) / det, share = (aa * pulled - ag * ay) / det;

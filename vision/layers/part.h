@@ -32,10 +32,12 @@ class PartRegression {
   /// belong to something else (a hand, a lamp) and are left out if `trim`.
   /// `turned`, if any, is what turns with the part, at the window's angle.
   void add(const KeptWindow& window, bool trim, const Picture* turned = nullptr);
-  PartPictures solve(double noise_variance, const Picture& prior_share) const;
+  /// `opaque`: no ground shows inside the rim's blur, whatever light falls on part and ground alike; where
+  /// that is not looked for, alpha may take it up there.
+  PartPictures solve(double noise_variance, const Picture& prior_share, bool opaque) const;
 
  private:
-  Picture share_of_rings(double noise_variance, const Picture& prior_share) const;
+  Picture share_of_rings(double noise_variance, const Picture& prior_share, bool opaque) const;
 
   const PartPictures& before_;
   const GroundPicture& ground_;
