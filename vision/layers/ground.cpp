@@ -13,7 +13,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr float kLeastShare = 0.5F;  ///< of the ground that shows: less would lean on the part's own picture
+constexpr float kLeastShare = 0.1F;  ///< of the ground that shows: less would lean on the part's own picture
 constexpr float kFramesNeeded = 3;   ///< fewer do not tell how a place's level scatters
 
 /// The mean over 3 x 3 places: the interpolation leans on the neighbours.
@@ -49,6 +49,10 @@ GroundPicture::GroundPicture(const Rect& region)
 void GroundPicture::hold_to(Picture usual, double tolerance) {
   usual_ = std::move(usual);
   tolerance_ = static_cast<float>(tolerance);
+  forget();
+}
+
+void GroundPicture::forget() {
   held_ = looked_at_ = 0;
   for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
 }
@@ -159,6 +163,7 @@ void GroundPicture::summarise(double noise_variance) {
   }
   if (variances.empty()) return;
   const auto places = static_cast<double>(variances.size());
+  known_share_ = places / static_cast<double>(sum_.levels().size());
   mean_ = sum / places;
   texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_));
   unrest_ = median(variances);

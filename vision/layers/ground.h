@@ -27,6 +27,10 @@ class GroundPicture {
   /// Forgets the frames; of those added from now on only what lies within `tolerance` grey levels of `usual`
   /// (over the region, in any light) is the ground: the rest is something that crosses it.
   void hold_to(Picture usual, double tolerance);
+  /// Forgets the frames.
+  void forget();
+  /// Share of the region that was uncovered in enough frames; after finish().
+  double known_share() const { return known_share_; }
   /// Share of what was uncovered that was the ground.
   double held_share() const { return looked_at_ > 0 ? held_ / looked_at_ : 1; }
 
@@ -66,7 +70,7 @@ class GroundPicture {
   double held_ = 0, looked_at_ = 0;
   Picture sum_, squares_, count_, variance_;
   Picture sum_beside_, squares_beside_, count_beside_;
-  double mean_ = 0, unrest_ = 0, texture_ = 0;
+  double mean_ = 0, unrest_ = 0, texture_ = 0, known_share_ = 0;
   QuinticSpline spline_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "vision/kernels/median.h"
 #include "vision/layers/first_pass.h"
@@ -10,7 +11,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kMostRounds = 30;
+constexpr std::size_t kEarly = 64;  ///< windows of most rounds
+constexpr int kLastRounds = 10;     ///< over all of them
+constexpr int kMostRounds = 8;
 constexpr int kFirstFine =
     2;  ///< round from which the light's slope is looked for and strange pixels left out
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
@@ -61,18 +64,13 @@ class Learning {
   }
 
   LearntPart run() {
-    for (out_.rounds = 1; out_.rounds <= kMostRounds; ++out_.rounds) {
-      learn_pictures();
-      const bool look =
-          !options_.even_light && !options_.standing_light &&
-          (out_.rounds == kFirstFine + 1 || (out_.rounds == kFirstFine + 3 && out_.light.known()));
-      const double moved = measure_windows(look);
-      if (out_.rounds >= kFirstFine)
-        ground_.see_beside(windows_, out_.part, options_.hidden, options_.noise_variance);
-      if (look) learn_light();
-      if (out_.standing && out_.rounds > kFirstFine && out_.rounds % 2 == 0)
-        out_.standing->learn(windows_, out_.part, face_of(options_));
-      if (out_.rounds > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
+    // A part of the windows finds the pictures, all of them then make them quiet.
+    active_ = std::span(windows_).first(options_.standing_light ? windows_.size() : spread_first());
+    rounds(kMostRounds);
+    if (active_.size() < windows_.size()) {
+      active_ = windows_;
+      measure_windows(false);
+      rounds(kLastRounds);
     }
     StandingLight look(ground_.region(), prior_share_);
     look.look(windows_, out_.part, face_of(options_));
@@ -81,11 +79,14 @@ class Learning {
   }
 
  private:
+  std::size_t spread_first();
+  void rounds(int most);
   void learn_pictures();
   double measure_windows(bool look_for_light);
   void learn_light();
 
   std::vector<KeptWindow>& windows_;
+  std::span<KeptWindow> active_;  ///< those at work
   GroundPicture& ground_;
   LayeredRegistration& registration_;
   const LearningOptions& options_;
@@ -95,17 +96,43 @@ class Learning {
   LearntPart out_;
 };
 
+/// Brings some windows, spread over all, to the front. How many.
+std::size_t Learning::spread_first() {
+  const std::size_t windows = windows_.size(), few = std::min(kEarly, windows);
+  std::stable_partition(windows_.begin(), windows_.end(), [&, n = std::size_t{0}](const KeptWindow&) mutable {
+    const std::size_t k = n++;
+    return k * few / windows != (k + 1) * few / windows;
+  });
+  return few;
+}
+
+void Learning::rounds(int most) {
+  for (int round = 1; round <= most; ++round) {
+    ++out_.rounds;
+    learn_pictures();
+    const bool look = !options_.even_light && !options_.standing_light &&
+                      (round == kFirstFine + 1 || (round == kFirstFine + 3 && out_.light.known()));
+    const double moved = measure_windows(look);
+    if (out_.rounds >= kFirstFine)
+      ground_.see_beside(active_, out_.part, options_.hidden, options_.noise_variance);
+    if (look) learn_light();
+    if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
+      out_.standing->learn(windows_, out_.part, face_of(options_));
+    if (round > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
+  }
+}
+
 void Learning::learn_pictures() {
   PartRegression regression(out_.part, ground_);
-  for (std::size_t k = 0; k < windows_.size(); ++k) {
+  for (std::size_t k = 0; k < active_.size(); ++k) {
     if (!explained_[k]) continue;
     Picture turned;
-    if (out_.texture) turned = out_.texture->at(windows_[k].state.theta);
-    regression.add(windows_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
+    if (out_.texture) turned = out_.texture->at(active_[k].state.theta);
+    regression.add(active_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
   }
   out_.part = regression.solve(options_.noise_variance, prior_share_, options_.standing_light);
-  if (out_.texture) out_.texture->learn(windows_, explained_, out_.part);
-  registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get());
+  if (out_.texture) out_.texture->learn(active_, explained_, out_.part);
+  registration_.set_part(out_.part, static_cast<double>(active_.size()), out_.texture.get());
 }
 
 /// Px rms by which the windows moved, without the mean.
@@ -114,8 +141,8 @@ double Learning::measure_windows(bool look_for_light) {
   std::vector<double> chi_squared, sigma;
   double square = 0;
   Point sum;
-  for (std::size_t k = 0; k < windows_.size(); ++k) {
-    KeptWindow& w = windows_[k];
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    KeptWindow& w = active_[k];
     const LightPrior light =
         look_for_light ? LightPrior{0, 0, kWeakSlope / options_.radius} : out_.light.at(w.state.centre);
     const auto fix = registration_.refine(w.picture, w.x, w.y, w.state, light);

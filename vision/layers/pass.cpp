@@ -21,8 +21,10 @@ constexpr int kTaper = 4;              ///< px of the grid in which ground is ta
 constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
 /// Times what changes at a pixel from frame to frame: less may be the part's own picture, not known well.
 constexpr double kStands = 2;
-constexpr double kRestless = 2;  ///< ground variance in time over the noise's: something crosses it
-constexpr double kFewer = 0.9;   ///< of the frames another candidate explains: too few to be chosen
+constexpr double kFewestKnown = 0.2;  ///< share of the ground that must be seen beside the part's grid
+constexpr double kClear = 6;          ///< blurs beside the rim
+constexpr double kRestless = 2;       ///< ground variance in time over the noise's: something crosses it
+constexpr double kFewer = 0.9;        ///< of the frames another candidate explains: too few to be chosen
 constexpr double kClearlyQuieter = 0.9;
 /// Of the pictures' noise: a template quieter than this is chosen. One that holds ground at its edge is held
 /// back by it, which makes it quieter by up to a third, and wrong.
@@ -83,11 +85,18 @@ class LayeredPass {
   GroundPicture ground_;
   std::vector<KeptWindow> kept_;
   LayeredRegistration registration_;
+  double hidden_ = 0;  ///< px about the part within which there is no ground
 };
 
 void LayeredPass::keep_windows() {
   const auto running = clock_.enter(Stage::layers_learning);
   kept_ = learning_frames_.read(ground_);
+  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
+  hidden_ = layered_half(options_.disc.radius, options_.blur) - kTaper;
+  if (ground_.known_share() < kFewestKnown) {
+    hidden_ = options_.disc.radius + kClear * options_.blur;
+    learning_frames_.read_ground(ground_, hidden_);
+  }
   if (ground_.unrest() > kRestless * options_.noise_variance) {
     learning_frames_.read_uncrossed(ground_);
     out_.crossed_share = 1 - ground_.held_share();
@@ -119,7 +128,7 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
     learning.radius = options_.disc.radius;
     learning.blur = options_.blur;
     learning.noise_variance = options_.noise_variance;
-    learning.hidden = layered_half(options_.disc.radius, options_.blur) - kTaper;
+    learning.hidden = hidden_;
     out.learnt = learn_part(windows, ground_, registration_, learning);
   }
   if (out.learnt.explained < kFewest) return out;

@@ -39,7 +39,7 @@ TurningTexture::Places TurningTexture::face_turned(double theta) const {
   return out;
 }
 
-void TurningTexture::learn(const std::vector<KeptWindow>& windows, const std::vector<bool>& explained,
+void TurningTexture::learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
                            const PartPictures& part) {
   const QuinticSpline level(part.level);
   std::vector<float> sum(face_.size(), 0), weight(face_.size(), 0);

@@ -1,6 +1,7 @@
 // What turns with the part: scratches and marks on it, on a grid of its own.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "vision/layers/part.h"
@@ -18,7 +19,7 @@ class TurningTexture {
   TurningTexture(int half, double radius, double blur, bool turned_round);
 
   /// From the windows in their present states over the part as it stands.
-  void learn(const std::vector<KeptWindow>& windows, const std::vector<bool>& explained,
+  void learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
              const PartPictures& part);
 
   /// T(R(-theta) u) on the part's grid. `slope`, if wanted, receives its derivative by theta.

@@ -137,6 +137,12 @@ std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
   return kept;
 }
 
+void LearningFrames::read_ground(GroundPicture& ground, double hidden) {
+  hidden_ = hidden;
+  ground.forget();
+  read_ground(ground);
+}
+
 void LearningFrames::read_ground(GroundPicture& ground) {
   Picture wide;
   for (const std::size_t k : ground_frames_) {

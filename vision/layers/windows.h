@@ -26,6 +26,8 @@ class LearningFrames {
 
   /// Their windows, in the order of time; and the ground, averaged from frames spread over the recording.
   std::vector<KeptWindow> read(GroundPicture& ground);
+  /// The ground alone, again, seen from so near to the part.
+  void read_ground(GroundPicture& ground, double hidden);
   /// Ground that something crossed: averaged again from what most frames show.
   void read_uncrossed(GroundPicture& ground);
 
