@@ -104,7 +104,7 @@ void Learning::learn_pictures() {
     regression.add(windows_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
   }
   out_.part = regression.solve(options_.noise_variance, prior_share_);
-  if (out_.texture) out_.texture->learn(windows_, explained_, out_.part);
+  if (out_.texture) out_.texture->learn(windows_, explained_, out_.part, ground_);
   registration_.set_part(out_.part, static_cast<double>(windows_.size()), out_.texture.get());
 }
 
