@@ -3,7 +3,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "vision/kernels/bspline.h"
 #include "vision/layers/state.h"

@@ -33,8 +33,8 @@ struct LayerArrays {
   std::size_t tiles = 0;
 };
 
-/// Columns of the Jacobian of M = (gain + slope . u) F + ground (alpha (G - mean G) + kappa grad alpha . grad
-/// G), in this order.
+/// Columns of the Jacobian of M = (gain + slope . u) (F - alpha mean G) + ground (alpha G + kappa grad alpha
+/// . grad G), in this order.
 enum LayerColumn { kStepX, kStepY, kGain, kSlopeX, kSlopeY, kGround, kTurn, kLayerColumns };
 
 /// With r = I - M: sums of weight J r and weight r^2, the largest weight r^2; and, over what counts, of M and

@@ -131,7 +131,7 @@ void Learning::learn_pictures() {
     regression.add(active_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
   }
   out_.part = regression.solve(options_.noise_variance, prior_share_, options_.standing_light);
-  if (out_.texture) out_.texture->learn(active_, explained_, out_.part);
+  if (out_.texture) out_.texture->learn(active_, explained_, out_.part, ground_);
   registration_.set_part(out_.part, static_cast<double>(active_.size()), out_.texture.get());
 }
 

@@ -45,7 +45,8 @@ void add_row(const RowOfWindow& w, const RowOfSums& s) {
     const float a = w.gain, lit = w.side + w.slope * static_cast<float>(w.first + i), g = w.below[i];
     const float part = turns ? w.part[i] + w.turned[i] : w.part[i];
     const float q = w.share_x[i] * w.below_x[i] + w.share_y[i] * w.below_y[i];
-    const float y = w.level[i] - a * part - lit * (part - w.mean * w.share[i]) - w.blend * q,
+    const float y = w.level[i] - a * part - lit * (part - w.mean * w.share[i]) - w.darker * w.share[i] -
+                    w.blend * q,
                 r = y - w.share[i] * g;
     const float more = w.unsure[i] > w.usual[i] ? w.unsure[i] - w.usual[i] : 0.0F;
     const float sd2 = w.variance[i] + w.share[i] * w.share[i] * more;

@@ -21,8 +21,9 @@ struct PartPictures {
 /// One regression over the kept windows: at every place u of the grid the frames' levels against the
 /// ground's,
 ///   I_k(c_k + u) = a_k F(u) + b_k alpha(u) g(c_k + u - p_k),   g = G - mean G
-/// two unknowns and the variance that is left. Where the ground shows no texture a weak prior keeps alpha
-/// what a blurred rim lets through.
+/// two unknowns and the variance that is left; what `before` says of a slope of the light, of gains of part
+/// and ground that differ and of kappa is taken out first. Where the ground shows no texture a weak prior
+/// keeps alpha what a blurred rim lets through.
 class PartRegression {
  public:
   /// Residuals are taken from `before`, whose levels are also what the sums are formed about.
@@ -34,7 +35,7 @@ class PartRegression {
   void add(const KeptWindow& window, bool trim, const Picture* turned = nullptr);
   /// `opaque`: no ground shows inside the rim's blur, whatever light falls on part and ground alike; where
   /// that is not looked for, alpha may take it up there.
-  PartPictures solve(double noise_variance, const Picture& prior_share, bool opaque) const;
+  PartPictures solve(double noise_variance, const Picture& prior_share, bool opaque = false) const;
 
  private:
   Picture share_of_rings(double noise_variance, const Picture& prior_share, bool opaque) const;

@@ -1,5 +1,6 @@
 #include "vision/layers/registration.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

@@ -2,12 +2,11 @@
 //
 // Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in state.h, over c, a,
 // s, b and, where a texture turns with the part, theta. The gradient with respect to c is
-// -(a (1 + s . u) grad F + b (G - mean G) grad alpha). Pictures are quintic splines shifted against the
+// -(a (1 + s . u) grad (F - alpha mean G) + b G grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
 // 8 x 8 (informative_pixels.h).
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <vector>

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tribotrack::vision {
 namespace {

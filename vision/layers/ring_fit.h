@@ -1,8 +1,6 @@
 // What is smooth along the rings about the part's centre: the blurred rim is, and a shadow.
 #pragma once
 
-#include <vector>
-
 #include "vision/picture.h"
 
 namespace tribotrack::vision {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "vision/io/window.h"
 #include "vision/layers/pass.h"
@@ -203,14 +204,13 @@ FramesForLayers::FramesForLayers(KeptFrames& frames, const FirstPassResult& firs
     : frames_(frames),
       first_index_(first.first_index),
       total_(first.total),
-      wanted_(layers != Layers::off && first.blur > 0),
-      whole_(layers_wanted(first, layers)),
+      wanted_(layers_wanted(first, layers)),
       // The second pass may round the centre otherwise.
       reach_(wanted_ ? layered_reach(first.disc.radius, first.blur) + 1 : 0) {}
 
 void FramesForLayers::seen(std::int64_t index, const Point& centre) {
   if (!wanted_) return;
-  const bool whole = whole_ && is_learning_frame(index - first_index_, total_);
+  const bool whole = is_learning_frame(index - first_index_, total_);
   frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_, frames_.bounds()));
 }
 

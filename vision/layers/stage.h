@@ -1,7 +1,6 @@
 // The layered second pass as a stage of tracking: whether it pays, and what it changes in a track.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +49,7 @@ class FramesForLayers {
  private:
   KeptFrames& frames_;
   std::int64_t first_index_, total_;
-  bool wanted_, whole_;
+  bool wanted_;
   double reach_;
 };
 

@@ -40,31 +40,36 @@ TurningTexture::Places TurningTexture::face_turned(double theta) const {
 }
 
 void TurningTexture::learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
-                           const PartPictures& part) {
-  const QuinticSpline level(part.level);
+                           const PartPictures& part, const GroundPicture& ground) {
+  const QuinticSpline level(part.level), share(part.share);
+  const auto mean = static_cast<float>(ground.mean());
   std::vector<float> sum(face_.size(), 0), weight(face_.size(), 0);
-  std::vector<float> seen, shown, in_x, in_y;
+  std::vector<float> seen, shown, through, below, in_x, in_y, on_x, on_y;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     if (!explained[k]) continue;
     const KeptWindow& w = windows[k];
     const LayeredState& s = w.state;
     const Places places = face_turned(s.theta);
     const std::size_t n = places.pixel.size();
-    seen.resize(n);
-    shown.resize(n);
-    in_x.resize(n);
-    in_y.resize(n);
+    for (auto* of : {&seen, &shown, &through, &below, &in_x, &in_y, &on_x, &on_y}) of->resize(n);
     const auto left = static_cast<float>(s.centre.x - half_ - w.x),
                top = static_cast<float>(s.centre.y - half_ - w.y);
+    // On the ground's picture.
+    const auto before_x = static_cast<float>(w.x - s.ground.x - ground.region().x),
+               before_y = static_cast<float>(w.y - s.ground.y - ground.region().y);
     for (std::size_t i = 0; i < n; ++i) {
       in_x[i] = places.x[i] + left;
       in_y[i] = places.y[i] + top;
+      on_x[i] = in_x[i] + before_x;
+      on_y[i] = in_y[i] + before_y;
     }
     w.spline.sample_places(in_x, in_y, seen.data(), nullptr, nullptr);
     level.sample_places(places.x, places.y, shown.data(), nullptr, nullptr);
+    share.sample_places(places.x, places.y, through.data(), nullptr, nullptr);
+    ground.spline().sample_places(on_x, on_y, below.data(), nullptr, nullptr);
     const auto gain = static_cast<float>(s.gain), slope_x = static_cast<float>(s.gain * s.slope_x),
                slope_y = static_cast<float>(s.gain * s.slope_y);
-    const auto middle = static_cast<float>(half_);
+    const auto middle = static_cast<float>(half_), under = static_cast<float>(s.ground_gain);
     for (std::size_t i = 0; i < n; ++i) {
       const bool inside = in_x[i] >= 0 && in_y[i] >= 0 &&
                           in_x[i] <= static_cast<float>(w.picture.width() - 1) &&
@@ -72,7 +77,7 @@ void TurningTexture::learn(std::span<const KeptWindow> windows, const std::vecto
       if (!inside) continue;
       const float a = gain + slope_x * (places.x[i] - middle) + slope_y * (places.y[i] - middle);
       const std::size_t at = places.pixel[i];
-      sum[at] += a * (seen[i] - a * shown[i]);
+      sum[at] += a * (seen[i] - a * (shown[i] - through[i] * mean) - under * through[i] * (below[i] + mean));
       weight[at] += a * a;
     }
   }

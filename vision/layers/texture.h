@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "vision/layers/ground.h"
 #include "vision/layers/part.h"
 #include "vision/layers/state.h"
 
@@ -18,9 +19,9 @@ class TurningTexture {
  public:
   TurningTexture(int half, double radius, double blur, bool turned_round);
 
-  /// From the windows in their present states over the part as it stands.
+  /// From the windows in their present states: what part and ground as they stand leave unexplained.
   void learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
-             const PartPictures& part);
+             const PartPictures& part, const GroundPicture& ground);
 
   /// T(R(-theta) u) on the part's grid. `slope`, if wanted, receives its derivative by theta.
   Picture at(double theta, Picture* slope = nullptr) const;

@@ -1,0 +1,248 @@
+#include "vision/layers/registration.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "vision/layers/part_by_hand.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::PartByHand;
+using test::state_of;
+
+constexpr double kFrames = 100;  ///< that the pictures are said to be learnt from
+
+/// A registration that knows the pictures, and the ground, without noise.
+struct Known {
+  PartByHand part;
+  double noise;
+  GroundPicture ground;
+  LayeredRegistration registration;
+
+  explicit Known(double with_noise, const PartByHand& of = PartByHand(),
+                 const LayerKernels& layers = layer_kernels(), const TileKernels& tiles = tile_kernels())
+      : part(of),
+        noise(with_noise),
+        ground(part.ground(1e-4 * noise * noise)),
+        registration(ground, layers, tiles) {
+    registration.set_part(part.pictures(noise * noise), kFrames);
+  }
+  KeptWindow window(const LayeredState& s, std::mt19937& random) const {
+    return part.window(s, part.half + 4, noise, random);
+  }
+  std::optional<LayeredFix> measured(const KeptWindow& w, Point off = {}, const LightPrior& prior = {}) {
+    LayeredState start;
+    start.centre = {w.state.centre.x + off.x, w.state.centre.y + off.y};
+    start.ground = w.state.ground;
+    start.theta = w.state.theta;
+    return registration.refine(w.picture, w.x, w.y, start, prior);
+  }
+};
+
+/// Levels at the places of a window for which `there`, from the part's centre, is true.
+template <class There>
+void cover(KeptWindow& w, float level, const There& there) {
+  for (int y = 0; y < w.picture.height(); ++y)
+    for (int x = 0; x < w.picture.width(); ++x)
+      if (there(w.x + x - w.state.centre.x, w.y + y - w.state.centre.y)) w.picture.at(x, y) = level;
+}
+
+TEST(LayeredRegistration, PlaceIsFoundExactlyWithoutNoise) {
+  PartByHand part;
+  part.kappa = 0.5;
+  Known known(0.03, part);
+  std::mt19937 random(1);
+  for (int k = 0; k < 40; ++k) {
+    LayeredState s = state_of(k);
+    s.gain = 1 + 0.1 * std::sin(k);
+    s.ground_gain = 1 + 0.05 * std::cos(k);
+    const KeptWindow w = part.window(s, part.half + 4, 0, random);
+    const auto fix = known.measured(w, {0.6 * std::sin(2.0 * k), 0.6 * std::cos(3.0 * k)});
+    ASSERT_TRUE(fix.has_value()) << k;
+    EXPECT_NEAR(fix->state.centre.x, s.centre.x, 1e-3) << k;
+    EXPECT_NEAR(fix->state.centre.y, s.centre.y, 1e-3) << k;
+    EXPECT_NEAR(fix->state.gain, s.gain, 1e-4) << k;
+    EXPECT_NEAR(fix->state.ground_gain, s.ground_gain, 1e-4) << k;
+    EXPECT_GT(fix->ncc, 0.9999) << k;
+  }
+}
+
+TEST(LayeredRegistration, SlopeOfTheLightIsFoundWhereItIsNotHeld) {
+  Known known(0.03);
+  std::mt19937 random(1);
+  LayeredState s = state_of(3);
+  s.slope_x = 2e-3;
+  s.slope_y = -1e-3;
+  const KeptWindow w = known.part.window(s, known.part.half + 4, 0, random);
+  const auto open = known.measured(w, {0.3, -0.2}, {0, 0, 0.02});
+  ASSERT_TRUE(open.has_value());
+  EXPECT_NEAR(open->state.slope_x, s.slope_x, 1e-5);
+  EXPECT_NEAR(open->state.slope_y, s.slope_y, 1e-5);
+  EXPECT_NEAR(open->state.centre.x, s.centre.x, 1e-3);
+  const auto held = known.measured(w, {0.3, -0.2}, {2e-3, -1e-3, 0});
+  ASSERT_TRUE(held.has_value());
+  EXPECT_NEAR(held->state.centre.x, s.centre.x, 1e-3);
+  EXPECT_NEAR(held->state.slope_x, 2e-3, 1e-6);
+  EXPECT_LT(held->covariance.trace(), open->covariance.trace());
+}
+
+// Over noisy frames: errors as large as the covariance says, chi^2 of 1, pulls of the clusters that add up to
+// nothing and whose squares are the errors', halves that disagree as much as the covariance says.
+TEST(LayeredRegistration, WhatItSaysOfItsErrorIsTrueOfWhiteNoise) {
+  Known known(1.5);
+  std::mt19937 random(2);
+  constexpr int kTrials = 400;
+  double errors = 0, chi_squared = 0, slope_x = 0, left_right = 0, top_bottom = 0, checkerboard = 0;
+  Eigen::Matrix2d told = Eigen::Matrix2d::Zero();
+  std::vector<ClusterPulls> pulls;
+  for (int k = 0; k < kTrials; ++k) {
+    const KeptWindow w = known.window(state_of(k), random);
+    const auto fix = known.measured(w, {0.1, -0.1});
+    ASSERT_TRUE(fix.has_value()) << k;
+    const Eigen::Vector2d error(fix->state.centre.x - w.state.centre.x,
+                                fix->state.centre.y - w.state.centre.y);
+    const Eigen::Matrix2d inverse = fix->covariance.inverse();
+    const auto square = [&](const Eigen::Vector2d& e) { return e.dot(inverse * e) / (2 * kTrials); };
+    errors += square(error);
+    told += fix->covariance / kTrials;
+    chi_squared += fix->chi_squared / kTrials;
+    slope_x += fix->state.slope_x;
+    pulls.push_back(known.registration.cluster_pulls());
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    for (const Eigen::Vector2f& pull : pulls.back()) sum += pull;
+    // The last step, of less than a tenth of a standard deviation, which is taken without another look.
+    EXPECT_LT(sum.norm(), 0.11 * std::sqrt(0.5 * fix->covariance.trace()));
+    const auto halves = known.registration.halves();
+    ASSERT_TRUE(halves.has_value());
+    left_right += square(halves->left_right);
+    top_bottom += square(halves->top_bottom);
+    checkerboard += square(halves->checkerboard);
+  }
+  // 800 squares scatter by 5 %.
+  EXPECT_NEAR(errors, 1, 0.15);
+  EXPECT_NEAR(chi_squared, 1, 0.02);
+  EXPECT_NEAR(left_right, 1, 0.15);
+  EXPECT_NEAR(top_bottom, 1, 0.15);
+  EXPECT_NEAR(checkerboard, 1, 0.15);
+  EXPECT_NEAR(slope_x, 0, 1e-5);
+  const RunScatter scatter = run_scatter(pulls, known.registration.share_taken());
+  EXPECT_NEAR(scatter.covariance.trace(), told.trace(), 0.1 * told.trace());
+  EXPECT_LT(scatter.slow, 0.1 * scatter.white);
+}
+
+TEST(LayeredRegistration, FrameThatEndsWithinThePartTellsAsMuchAsItShows) {
+  Known known(0.5);
+  std::mt19937 random(4);
+  for (int k = 0; k < 5; ++k) {
+    const KeptWindow w = known.window(state_of(k), random);
+    const auto cut = [&](int beside) {
+      KeptWindow out = w;
+      const int first = static_cast<int>(std::lround(w.state.centre.x)) + beside;
+      out.picture = Picture(w.x + w.picture.width() - first, w.picture.height());
+      for (int y = 0; y < out.picture.height(); ++y)
+        for (int x = 0; x < out.picture.width(); ++x) out.picture.at(x, y) = w.picture.at(first - w.x + x, y);
+      out.x = first;
+      return out;
+    };
+    const auto whole = known.measured(w), some = known.measured(cut(-14)), half = known.measured(cut(0));
+    ASSERT_TRUE(whole.has_value());
+    ASSERT_TRUE(some.has_value());
+    EXPECT_FALSE(half.has_value());
+    EXPECT_GT(some->covariance(0, 0), whole->covariance(0, 0));
+    EXPECT_LT(some->pixels, whole->pixels);
+    EXPECT_NEAR(some->state.centre.x, w.state.centre.x, 4 * std::sqrt(some->covariance(0, 0)));
+    EXPECT_NEAR(some->state.centre.y, w.state.centre.y, 4 * std::sqrt(some->covariance(1, 1)));
+  }
+}
+
+TEST(LayeredRegistration, WhatCoversALittleOfThePartIsLeftOut) {
+  Known known(0.5);
+  std::mt19937 random(5);
+  for (int k = 0; k < 10; ++k) {
+    KeptWindow w = known.window(state_of(k), random);
+    const auto before = known.measured(w);
+    cover(w, 130, [](double u, double v) { return u > 13 && std::abs(v) < 5; });
+    const auto fix = known.measured(w);
+    ASSERT_TRUE(before.has_value());
+    ASSERT_TRUE(fix.has_value()) << k;
+    EXPECT_LT(fix->pixels, before->pixels - 80);
+    EXPECT_NEAR(fix->state.centre.x, w.state.centre.x, 4 * std::sqrt(fix->covariance(0, 0))) << k;
+    EXPECT_NEAR(fix->state.centre.y, w.state.centre.y, 4 * std::sqrt(fix->covariance(1, 1))) << k;
+  }
+}
+
+TEST(LayeredRegistration, CoveredPartIsNotMeasured) {
+  Known known(0.5);
+  std::mt19937 random(6);
+  for (int k = 0; k < 10; ++k) {
+    KeptWindow w = known.window(state_of(k), random);
+    cover(w, 200, [](double u, double v) { return u + v > -8; });
+    EXPECT_FALSE(known.measured(w).has_value()) << k;
+  }
+}
+
+TEST(LayeredRegistration, PartFartherAwayThanTwoPixelsIsNotTaken) {
+  Known known(0.1);
+  std::mt19937 random(7);
+  const KeptWindow w = known.window(state_of(0), random);
+  EXPECT_TRUE(known.measured(w, {1.5, 0}).has_value());
+  EXPECT_FALSE(known.measured(w, {3, 0}).has_value());
+}
+
+TEST(LayeredRegistration, AngleIsFoundByWhatTurns) {
+  PartByHand part;
+  part.turning = [](double u, double v) { return 0.8 * (u * u - v * v) * std::exp(-(u * u + v * v) / 20); };
+  std::mt19937 random(8);
+  std::vector<KeptWindow> windows;
+  for (int k = 0; k < 24; ++k) {
+    LayeredState s = state_of(k);
+    s.theta = 0.3 * k;
+    windows.push_back(part.window(s, part.half + 4, 0, random));
+  }
+  Known known(0.05, part);
+  TurningTexture texture(part.half, part.radius, part.blur, false);
+  texture.learn(windows, std::vector<bool>(windows.size(), true), part.pictures(1), known.ground);
+  known.registration.set_part(part.pictures(0.0025), kFrames, &texture);
+  for (const KeptWindow& w : windows) {
+    KeptWindow turned = w;
+    turned.state.theta -= 0.03;
+    const auto fix = known.measured(turned, {0.3, 0.3});
+    ASSERT_TRUE(fix.has_value());
+    EXPECT_NEAR(fix->state.theta, w.state.theta, 2e-3);
+    EXPECT_NEAR(fix->state.centre.x, w.state.centre.x, 2e-3);
+    EXPECT_NEAR(fix->state.centre.y, w.state.centre.y, 2e-3);
+  }
+}
+
+TEST(LayeredRegistration, EveryInstructionSetFindsTheSamePlace) {
+  const auto layers = all_layer_kernels();
+  const auto tiles = all_tile_kernels();
+  ASSERT_EQ(layers.size(), tiles.size());
+  Known slow(1, PartByHand(), layers.front(), tiles.front());
+  for (std::size_t set = 1; set < layers.size(); ++set) {
+    SCOPED_TRACE(layers[set].name);
+    Known fast(1, PartByHand(), layers[set], tiles[set]);
+    std::mt19937 random(9);
+    for (int k = 0; k < 20; ++k) {
+      const KeptWindow w = slow.window(state_of(k), random);
+      const auto a = slow.measured(w, {0.05, 0}), b = fast.measured(w, {0.05, 0});
+      ASSERT_TRUE(a && b);
+      // Sums of thousands of floats in another order.
+      const double sd = std::sqrt(0.5 * a->covariance.trace());
+      EXPECT_NEAR(b->state.centre.x, a->state.centre.x, 0.01 * sd);
+      EXPECT_NEAR(b->state.centre.y, a->state.centre.y, 0.01 * sd);
+      EXPECT_LT((b->covariance - a->covariance).norm(), 1e-3 * a->covariance.norm());
+      EXPECT_NEAR(b->chi_squared, a->chi_squared, 1e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::vision
