@@ -19,6 +19,7 @@ struct PartByHand {
   double radius = 20, blur = 1.5;
   int half = 32;
   double shadow = 0;  ///< of the ground's light that it takes, to the right of the part
+  double sheen = 0;   ///< share of the ground that shows on the face
   double kappa = 0;   ///< px^2
   static constexpr Rect region{0, 0, 180, 130};        ///< of the platform
   std::function<double(double u, double v)> turning;   ///< T, empty where nothing turns
@@ -38,7 +39,8 @@ struct PartByHand {
   double ground_level(double x, double y) const { return 70 + waves(x, y); }
   double share(double u, double v) const {
     const double beside = 0.5 * std::erfc((radius - std::hypot(u, v)) / (blur * std::numbers::sqrt2));
-    return beside * (1 - shadow * std::exp(-0.5 * (std::pow(u - radius - 2, 2) + v * v) / 25));
+    return sheen * (1 - beside) +
+           beside * (1 - shadow * std::exp(-0.5 * (std::pow(u - radius - 2, 2) + v * v) / 25));
   }
   double face(double u, double v) const {
     return 120 + 25 * std::exp(-0.5 * (std::pow(u - 7, 2) + std::pow(v + 5, 2)) / 6);

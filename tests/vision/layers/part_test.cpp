@@ -42,11 +42,12 @@ PartPictures nothing_known(const PartByHand& part) {
 }
 
 PartPictures learnt(const std::vector<KeptWindow>& windows, const GroundPicture& ground, PartPictures part,
-                    const Picture& prior, double noise_variance, int rounds, bool trim = false) {
+                    const Picture& prior, double noise_variance, int rounds, bool trim = false,
+                    bool opaque = true) {
   for (int round = 0; round < rounds; ++round) {
     PartRegression regression(part, ground);
     for (const KeptWindow& w : windows) regression.add(w, trim);
-    part = regression.solve(noise_variance, prior);
+    part = regression.solve(noise_variance, prior, opaque);
   }
   return part;
 }
@@ -74,12 +75,14 @@ TEST(PartRegression, FindsBothPicturesWhateverTheLight) {
   part.shadow = 0.15;
   const GroundPicture ground = part.ground(1e-4);
   const Picture prior = blurred_rim(part.half, part.radius, part.blur);
-  const PartPictures found =
-      learnt(windows_of(part, 96, 0, true), ground, nothing_known(part), prior, 0.01, 6);
+  const std::vector<KeptWindow> windows = windows_of(part, 96, 0, true);
   const PartPictures exact = part.pictures(1);
-  for (std::size_t i = 0; i < exact.level.levels().size(); ++i) {
-    ASSERT_NEAR(found.level.levels()[i], exact.level.levels()[i], 0.05) << i;
-    ASSERT_NEAR(found.share.levels()[i], exact.share.levels()[i], 0.01) << i;
+  for (const bool opaque : {true, false}) {
+    const PartPictures found = learnt(windows, ground, nothing_known(part), prior, 0.01, 6, false, opaque);
+    for (std::size_t i = 0; i < exact.level.levels().size(); ++i) {
+      ASSERT_NEAR(found.level.levels()[i], exact.level.levels()[i], 0.05) << i;
+      ASSERT_NEAR(found.share.levels()[i], exact.share.levels()[i], 0.01) << i;
+    }
   }
   EXPECT_LT(exact.share.at(2 * part.half - 10, part.half), 0.87);  // the shadow is not in the prior
 }
@@ -103,6 +106,24 @@ TEST(PartRegression, WhatIsLeftIsTheNoise) {
   about_centre(part, 0, part.radius - 4 * part.blur, [&](int u, int v, std::size_t at) {
     ASSERT_NEAR(found.share.levels()[at], 0, 1e-3) << u << " " << v;
   });
+}
+
+// A sheen of the ground's own pattern on the part, as a twentieth of the ground below showed through it: a
+// picture may take it up only where it is not held to be opaque.
+TEST(PartRegression, AlphaTakesUpASheenUnlessThePartIsOpaque) {
+  constexpr double kNoise = 0.5, kSheen = 0.05;
+  PartByHand part;
+  part.sheen = kSheen;
+  const GroundPicture ground = part.ground(1e-4);
+  const Picture prior = blurred_rim(part.half, part.radius, part.blur);
+  const std::vector<KeptWindow> windows = windows_of(part, 96, kNoise);
+  const auto inside = [&](bool opaque) {
+    const PartPictures found =
+        learnt(windows, ground, nothing_known(part), prior, kNoise * kNoise, 4, false, opaque);
+    return mean_over(part, found.share, 2, part.radius - 4 * part.blur);
+  };
+  EXPECT_NEAR(inside(true), 0, 5e-3);
+  EXPECT_NEAR(inside(false), kSheen, 2e-3);
 }
 
 TEST(PartRegression, WhatCoversThePartIsTrimmed) {
