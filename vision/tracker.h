@@ -7,8 +7,13 @@
 // by Gauss-Newton from a prediction; a lost part is searched for by correlation. The covariance of d is the
 // Cramer-Rao bound of T in the measured noise, widened where the residual exceeds the noise.
 //
-// Second pass (Layers), where the platform's texture or a change of light affects that single template: each
-// frame is modelled as a disc over a background, both learnt from the recording itself, and measured again.
+// Where T no longer looks like the part (brushed metal that turns under a lamp), the part's rim alone is
+// measured.
+//
+// Second pass (Layers), for discs: what the part shows at every place of its own grid, how much of the
+// platform shows there and what the platform looks like are learnt from the recording itself, and every frame
+// is measured again over these pictures, each place weighed by what it leaves unexplained. In the end an
+// audit asks the recording itself whether the standard deviations hold, and widens them where they do not.
 //
 //   const auto source = open_source("slide.mp4", {.frame_rate_hz = 240});
 //   TrackOptions options;
@@ -46,9 +51,8 @@ struct MarkerChoice {
   Circle circle;
 };
 
-/// Whether every frame is measured a second time by the layered model. Automatic: where the background's
-/// texture or a change of light exceeds a share of the noise, and the platform rests or has a marker. On:
-/// also where it does not.
+/// Whether every frame is measured a second time over pictures learnt from the recording. Automatic and on:
+/// where the part is a disc whose rim is seen; kept where it does better than the first pass.
 enum class Layers { automatic, off, on };
 
 /// A picture of one stage of the tracking, for debugging.

@@ -317,16 +317,17 @@ void add_track(CLI::App& app, Context& context) {
   add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
-      .add_option("--layers", options->layers,
-                  "Second pass that also models the platform seen through the disc's rim (default auto: "
-                  "where it matters)")
+      .add_option(
+          "--layers", options->layers,
+          "Second pass over pictures of disc and platform learnt from the recording (default auto: for "
+          "discs, kept where it does better)")
       ->type_name("auto|on|off");
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");
   command
       .add_option("--debug", options->debug,
                   "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
-                  "background, rim and illumination of the second pass) and index.txt into this folder")
+                  "share of the ground, and ground of the second pass) and index.txt into this folder")
       ->type_name("DIR");
   command
       .add_option(
