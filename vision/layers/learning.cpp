@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "vision/kernels/median.h"
 #include "vision/layers/first_pass.h"
@@ -99,10 +100,12 @@ class Learning {
 /// Brings some windows, spread over all, to the front. How many.
 std::size_t Learning::spread_first() {
   const std::size_t windows = windows_.size(), few = std::min(kEarly, windows);
-  std::stable_partition(windows_.begin(), windows_.end(), [&, n = std::size_t{0}](const KeptWindow&) mutable {
-    const std::size_t k = n++;
-    return k * few / windows != (k + 1) * few / windows;
-  });
+  std::vector<KeptWindow> first, rest;
+  for (std::size_t k = 0; k < windows; ++k) {
+    const bool taken = k * few / windows != (k + 1) * few / windows;
+    (taken ? first : rest).push_back(std::move(windows_[k]));
+  }
+  std::ranges::move(rest, std::ranges::move(first, windows_.begin()).out);
   return few;
 }
 
