@@ -44,7 +44,8 @@ GroundPicture::GroundPicture(const Rect& region)
       variance_(region.width, region.height),
       sum_beside_(region.width, region.height),
       squares_beside_(region.width, region.height),
-      count_beside_(region.width, region.height) {}
+      count_beside_(region.width, region.height),
+      frames_beside_(region.width, region.height) {}
 
 void GroundPicture::hold_to(Picture usual, double tolerance) {
   usual_ = std::move(usual);
@@ -185,7 +186,9 @@ void GroundPicture::form(double noise_variance) {
     const float mean = (sum_.levels()[i] + sum_beside_.levels()[i]) / n;
     const float square = (squares_.levels()[i] + squares_beside_.levels()[i]) / n;
     level.levels()[i] = mean - static_cast<float>(mean_);
-    in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (n - 1));
+    // What is seen through little of the share scatters by more, and weighs less: by the number of frames.
+    const float frames = count_.levels()[i] + frames_beside_.levels()[i];
+    in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (frames - 1));
   }
   const Picture around = box_mean(in_time);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
@@ -198,7 +201,8 @@ void GroundPicture::form(double noise_variance) {
 
 void GroundPicture::see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
                                double noise_variance) {
-  for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_}) std::ranges::fill(p->levels(), 0.0F);
+  for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_, &frames_beside_})
+    std::ranges::fill(p->levels(), 0.0F);
   const int half = part.half - 1;
   const QuinticSpline level(part.level), share(part.share);
   const auto mean = static_cast<float>(mean_);
@@ -236,6 +240,7 @@ void GroundPicture::see_beside(std::span<const KeptWindow> windows, const PartPi
         sum_beside_.at(at_x, at_y) += weight * ground;
         squares_beside_.at(at_x, at_y) += weight * ground * ground;
         count_beside_.at(at_x, at_y) += weight;
+        frames_beside_.at(at_x, at_y) += 1;
       }
   }
   form(noise_variance);

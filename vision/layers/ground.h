@@ -68,7 +68,7 @@ class GroundPicture {
   float tolerance_ = 0;
   double held_ = 0, looked_at_ = 0;
   Picture sum_, squares_, count_, variance_;
-  Picture sum_beside_, squares_beside_, count_beside_;
+  Picture sum_beside_, squares_beside_, count_beside_, frames_beside_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, known_share_ = 0;
   QuinticSpline spline_;
 };
