@@ -106,7 +106,7 @@ class PatternFollower {
   State before_state_ = State::lost;
   std::vector<std::pair<std::int64_t, double>> angles_;  ///< last two
   double reference_ncc_ = 1;
-  bool audited_ = false;             ///< the frame at hand
+  bool audited_ = false;  ///< the frame at hand
   std::optional<RimShape> rim_;
   int template_rest_ = 0,
       template_pause_ = 0;           ///< frames until the template is tried again; the last such pause

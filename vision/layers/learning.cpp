@@ -67,8 +67,9 @@ class Learning {
   LearntPart run() {
     // A part of the windows finds the pictures, all of them then make them quiet.
     active_ = std::span(windows_).first(options_.standing_light ? windows_.size() : spread_first());
-    rounds(kMostRounds);
-    if (active_.size() < windows_.size()) {
+    const bool all = active_.size() == windows_.size();
+    rounds(all ? kMostRounds + kLastRounds : kMostRounds);
+    if (!all) {
       active_ = windows_;
       measure_windows(false);
       rounds(kLastRounds);

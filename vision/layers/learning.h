@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "vision/layers/registration.h"
-#include "vision/layers/standing_light.h"
+#include "vision/layers/model/standing_light.h"
+#include "vision/layers/registration/registration.h"
 
 namespace tribotrack::vision {
 

@@ -9,7 +9,7 @@
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 #include "vision/layers/learning.h"
-#include "vision/layers/registration.h"
+#include "vision/layers/registration/registration.h"
 
 namespace tribotrack::vision {
 

@@ -15,7 +15,7 @@
 #include "vision/audit/split.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
-#include "vision/layers/registration.h"
+#include "vision/layers/registration/registration.h"
 #include "vision/stages/stage_clock.h"
 
 namespace tribotrack::vision {

@@ -1,10 +1,10 @@
 // Pictures of the learnt layers for debugging.
 #pragma once
 
-#include "vision/layers/ground.h"
-#include "vision/layers/part.h"
-#include "vision/layers/state.h"
-#include "vision/layers/texture.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/part.h"
+#include "vision/layers/model/state.h"
+#include "vision/layers/model/texture.h"
 #include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {

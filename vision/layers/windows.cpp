@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "vision/io/window.h"
-#include "vision/layers/median_ground.h"
+#include "vision/layers/model/median_ground.h"
 
 namespace tribotrack::vision {
 namespace {

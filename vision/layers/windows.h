@@ -5,8 +5,8 @@
 
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
-#include "vision/layers/ground.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision {
 

@@ -7,7 +7,7 @@
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/spline_kernels.h"
 #include "vision/kernels/tile_kernels.h"
-#include "vision/layers/kernels.h"
+#include "vision/layers/registration/kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -158,11 +158,12 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
         // step: M moves with the part's centre, the platform stays.
         EXPECT_NEAR(formed.step_x[i],
                     -here * a.part.slope_x[i] -
-                        (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) * double{a.share.slope_x[i]},
+                        (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) *
+                            double{a.share.slope_x[i]},
                     1e-4 * (1 + std::abs(formed.step_x[i])))
             << i;
-        const std::array<double, 7> jacobian = {formed.step_x[i], formed.step_y[i], own, own * a.u[i],
-                                                own * a.v[i], ground,           here * turn};
+        const std::array<double, 7> jacobian = {formed.step_x[i], formed.step_y[i], own,        own * a.u[i],
+                                                own * a.v[i],     ground,           here * turn};
         for (int j = 0, at = 0; j < columns; ++j) {
           const auto sj = static_cast<std::size_t>(j);
           slow_force[sj].add(w * jacobian[sj] * r);

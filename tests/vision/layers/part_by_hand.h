@@ -1,5 +1,5 @@
-// The model of vision/layers/state.h written out: a disc with a blurred rim, marks and a shadow over a ground
-// of waves, all known at every place, so that windows of it owe nothing to interpolation.
+// The model of vision/layers/model/state.h written out: a disc with a blurred rim, marks and a shadow over a
+// ground of waves, all known at every place, so that windows of it owe nothing to interpolation.
 #pragma once
 
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/layers/ground.h"
-#include "vision/layers/part.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/part.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision::test {
 

@@ -1,8 +1,8 @@
 // The part's two pictures and what they leave unexplained, by regression at every place of its grid.
 #pragma once
 
-#include "vision/layers/ground.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision {
 

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "vision/audit/halves.h"
-#include "vision/layers/ground.h"
-#include "vision/layers/illumination_slope.h"
-#include "vision/layers/kernels.h"
-#include "vision/layers/part.h"
-#include "vision/layers/scatter.h"
-#include "vision/layers/state.h"
-#include "vision/layers/texture.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/illumination_slope.h"
+#include "vision/layers/model/part.h"
+#include "vision/layers/model/state.h"
+#include "vision/layers/model/texture.h"
+#include "vision/layers/registration/kernels.h"
+#include "vision/layers/registration/scatter.h"
 
 namespace tribotrack::vision {
 

@@ -1,4 +1,4 @@
-#include "vision/layers/ground.h"
+#include "vision/layers/model/ground.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/layers/median_ground.h"
+#include "vision/layers/model/median_ground.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "vision/layers/part.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/part.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision {
 

@@ -1,11 +1,11 @@
-#include "vision/layers/part.h"
+#include "vision/layers/model/part.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "vision/kernels/vector_kernels.h"
-#include "vision/layers/ring_fit.h"
+#include "vision/layers/model/ring_fit.h"
 
 namespace tribotrack::vision {
 namespace {

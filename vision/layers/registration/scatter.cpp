@@ -1,4 +1,4 @@
-#include "vision/layers/scatter.h"
+#include "vision/layers/registration/scatter.h"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "vision/kernels/bspline.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/state.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {

@@ -1,4 +1,4 @@
-#include "vision/layers/ground.h"
+#include "vision/layers/model/ground.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "vision/kernels/median.h"
-#include "vision/layers/part.h"
+#include "vision/layers/model/part.h"
 
 namespace tribotrack::vision {
 namespace {

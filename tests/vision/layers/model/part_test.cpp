@@ -1,4 +1,4 @@
-#include "vision/layers/part.h"
+#include "vision/layers/model/part.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/layers/kernels.h"
+#include "vision/layers/registration/kernels.h"
 
 #include <cmath>
 

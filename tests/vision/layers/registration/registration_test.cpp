@@ -1,4 +1,4 @@
-#include "vision/layers/registration.h"
+#include "vision/layers/registration/registration.h"
 
 #include <gtest/gtest.h>
 

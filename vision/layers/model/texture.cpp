@@ -1,4 +1,4 @@
-#include "vision/layers/texture.h"
+#include "vision/layers/model/texture.h"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "vision/layers/ground.h"
-#include "vision/layers/part.h"
-#include "vision/layers/state.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/part.h"
+#include "vision/layers/model/state.h"
 
 namespace tribotrack::vision {
 

@@ -1,4 +1,4 @@
-#include "vision/layers/ring_fit.h"
+#include "vision/layers/model/ring_fit.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-#include "vision/layers/illumination_slope.h"
+#include "vision/layers/model/illumination_slope.h"
 
 #include <Eigen/LU>
 #include <algorithm>
