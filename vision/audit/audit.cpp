@@ -17,6 +17,8 @@ double time_step(const Track& track) {
          static_cast<double>(track.points.size() - 1);
 }
 
+constexpr double kMotion = 0.95;  ///< lag-1 correlation
+
 void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit& out) {
   const auto found = halves_found(frames);
   if (!found) return;
@@ -42,7 +44,8 @@ void audit_coordinate(const std::vector<Stretch>& parts, const Axis& axis, Audit
   if (!fast) return;
   const LocalPolynomial fit(fast->order);
   MeanSquare noise = fast->noise;
-  if (const auto lag1 = lag1_correlation(parts, axis, fit)) {
+  // A residual that hardly changes from frame to frame is what the polynomial leaves of the motion.
+  if (const auto lag1 = lag1_correlation(parts, axis, fit); lag1 && lag1->value < kMotion) {
     take_larger(out.lag1, lag1->value);
     noise = without_alternation(*fast, lag1->value + 2 * lag1->scatter);  // as far as it is beyond doubt
   }

@@ -8,8 +8,9 @@ namespace {
 
 constexpr std::size_t kLeastDifferences = 24;  ///< a ratio of standard deviations to 20 %
 constexpr int kHighestOrder = 6;
-/// Standard deviations by which orders must differ: estimates of a variance are skewed.
-constexpr double kCertain = 4;
+/// Standard deviations by which orders must differ: fewer, and white noise is often taken for a motion; more,
+/// and a motion passes for noise.
+constexpr double kCertain = 3;
 
 double choose(int n, int k) {
   double out = 1;

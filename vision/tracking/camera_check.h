@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "vision/camera/bad_pixels.h"
-#include "vision/tracking/frame_range.h"
+#include "vision/stages/frame_range.h"
 
 namespace tribotrack::vision {
 

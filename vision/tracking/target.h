@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/tracking/frame_range.h"
+#include "vision/stages/frame_range.h"
 
 namespace tribotrack::vision {
 

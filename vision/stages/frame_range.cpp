@@ -1,4 +1,4 @@
-#include "vision/tracking/frame_range.h"
+#include "vision/stages/frame_range.h"
 
 #include <fmt/format.h>
 
