@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kEarly = 64;  ///< windows of most rounds
 constexpr int kLastRounds = 10;     ///< over all of them
 constexpr int kMostRounds = 8;
-constexpr int kFirstFine =
-    2;  ///< round from which the light's slope is looked for and strange pixels left out
+/// Rounds without a look for the light's slope, and with all pixels, however strange.
+constexpr int kFirstFine = 2;
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewestSlopes = 8;

@@ -85,7 +85,8 @@ class LayeredPass {
   GroundPicture ground_;
   std::vector<KeptWindow> kept_;
   LayeredRegistration registration_;
-  double hidden_ = 0;  ///< px about the part within which there is no ground
+  bool measured_once_ = false;  ///< progress is told of once
+  double hidden_ = 0;           ///< px about the part within which there is no ground
 };
 
 void LayeredPass::keep_windows() {
@@ -133,7 +134,9 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
   }
   if (out.learnt.explained < kFewest) return out;
   const auto running = clock_.enter(Stage::layers_measuring);
-  out.measured = measure_frames(source_, frames_, registration_, out.learnt, options_.progress);
+  out.measured = measure_frames(source_, frames_, registration_, out.learnt,
+                                measured_once_ ? nullptr : options_.progress);
+  measured_once_ = true;
   std::vector<TimedPoint> track;
   for (std::size_t k = 0; k < frames_.size(); ++k)
     if (const auto& fix = out.measured.fixes[k]) track.push_back({frames_[k].index, fix->state.centre});
@@ -171,7 +174,6 @@ Candidate* LayeredPass::choose(std::vector<Candidate>& candidates) {
 /// Positions are those of the rim's centre, and the radius is that of the averaged picture.
 void LayeredPass::take(Candidate& candidate) {
   out_.rounds = candidate.learnt.rounds;
-  out_.turning = candidate.learnt.texture != nullptr;
   out_.slow_sd = candidate.measured.slow_sd;
   out_.slow_frames = candidate.measured.slow_frames;
   out_.audited = std::move(candidate.measured.audited);

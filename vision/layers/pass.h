@@ -27,7 +27,6 @@ struct LayeredResult {
   std::string why_not;
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0, rounds = 0;
-  bool turning = false;       ///< a texture that turns with the part was learnt, too
   std::string candidates;     ///< what was tried, with the noise of each
   double ground_texture = 0;  ///< of the platform's picture, grey levels rms
   bool ground_known = true;   ///< it shows the same in most frames, displacements taken into account

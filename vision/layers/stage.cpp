@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "vision/io/window.h"
+#include "vision/kernels/median.h"
 #include "vision/layers/pass.h"
 
 namespace tribotrack::vision {
@@ -128,9 +129,7 @@ Change replace_positions(Track& track, const std::vector<std::size_t>& places,
   out.measured = static_cast<std::int64_t>(sds.size());
   out.moved =
       std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
-  const auto middle = sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2);
-  std::nth_element(sds.begin(), middle, sds.end());
-  out.median_sd = *middle;
+  out.median_sd = median(sds);
   return out;
 }
 

@@ -22,8 +22,6 @@ const char* to_string(Stage stage) {
       return "first pass: disc radius";
     case Stage::layers_learning:
       return "layers: learning";
-    case Stage::layers_illumination:
-      return "layers: static illumination";
     case Stage::layers_measuring:
       return "layers: measuring";
     case Stage::audit:

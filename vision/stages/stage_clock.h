@@ -20,7 +20,6 @@ enum class Stage {
   lamp,
   radius,
   layers_learning,
-  layers_illumination,
   layers_measuring,
   audit,
   debug_pictures,

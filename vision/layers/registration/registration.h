@@ -38,7 +38,7 @@ class LayeredRegistration {
                                const TileKernels& tiles = tile_kernels());
 
   /// Pictures learnt from so many frames: their noise is not information. Keeps the pointer to what turns
-  /// with the part; null where nothing does. `blur` of the rim, px, blurs part and ground together (state.h).
+  /// with the part; null where nothing does.
   void set_part(const PartPictures& part, double frames, const TurningTexture* texture = nullptr);
 
   /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the
