@@ -43,15 +43,17 @@ Picture predicted(const LearntLayers& layers, const LayeredState& state, const R
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
       const double u = window.x + x - state.centre.x, v = window.y + y - state.centre.y;
-      const double ground = layers.ground.spline().value(window.x + x - state.ground.x - region.x,
-                                                         window.y + y - state.ground.y - region.y);
+      const SplineSample ground = layers.ground.spline().sample(window.x + x - state.ground.x - region.x,
+                                                                window.y + y - state.ground.y - region.y);
       const bool on_grid = std::abs(u) <= half && std::abs(v) <= half;
       const double part = on_grid ? level.value(half + u, half + v) : layers.ground.mean();
-      const double shows = on_grid ? share.value(half + u, half + v) : 1;
+      const SplineSample shows = on_grid ? share.sample(half + u, half + v) : SplineSample{1, 0, 0};
+      const double blended =
+          layers.part.blend * (shows.slope_x * ground.slope_x + shows.slope_y * ground.slope_y);
       const double shine = state.gain * (1 + state.slope_x * u + state.slope_y * v),
                    mean = layers.ground.mean();
-      out.at(x, y) =
-          static_cast<float>(shine * (part - shows * mean) + state.ground_gain * shows * (ground + mean));
+      out.at(x, y) = static_cast<float>(shine * (part - shows.value * mean) +
+                                        state.ground_gain * (shows.value * (ground.value + mean) + blended));
     }
   return out;
 }
