@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace tribotrack::vision {
 namespace {
@@ -13,25 +15,11 @@ constexpr double kLeastSeen = 0.01;  ///< frames in the surroundings: beyond, th
 constexpr double kHeld = 0.1;        ///< frames: what a level of 0 counts as
 constexpr double kFewest = 3;        ///< frames that tell what changes at a pixel
 
-/// A Gaussian, both ways.
-Picture blurred(const Picture& in, double sd) {
-  const int reach = static_cast<int>(std::ceil(3 * sd));
-  std::vector<float> weight;
-  float total = 0;
-  for (int i = -reach; i <= reach; ++i) {
-    weight.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sd * sd))));
-    total += weight.back();
-  }
-  Picture rows(in.width(), in.height()), out(in.width(), in.height());
-  const auto at = [&](int i) { return weight[static_cast<std::size_t>(i + reach)] / total; };
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      for (int i = std::max(-reach, -x); i <= std::min(reach, in.width() - 1 - x); ++i)
-        rows.at(x, y) += at(i) * in.at(x + i, y);
-  for (int y = 0; y < in.height(); ++y)
-    for (int j = std::max(-reach, -y); j <= std::min(reach, in.height() - 1 - y); ++j)
-      for (int x = 0; x < in.width(); ++x) out.at(x, y) += at(j) * rows.at(x, y + j);
-  return out;
+/// A Gaussian; beyond the border nothing was seen.
+Picture blurred(Picture picture) {
+  const cv::Mat levels(picture.height(), picture.width(), CV_32F, picture.levels().data());
+  cv::GaussianBlur(levels, levels, {}, kSmooth, kSmooth, cv::BORDER_CONSTANT);
+  return picture;
 }
 
 /// sum / count, each place by the plane that fits its surroundings: continued by a few pixels beyond what was
@@ -44,7 +32,7 @@ Picture smooth_plane(const Picture& sum, const Picture& count) {
       for (int x = 0; x < width; ++x)
         out.at(x, y) =
             static_cast<float>(std::pow(x - 0.5 * width, p) * std::pow(y - 0.5 * height, q)) * of.at(x, y);
-    return blurred(out, kSmooth);
+    return blurred(std::move(out));
   };
   const std::array<Picture, 6> weights{moment(count, 0, 0), moment(count, 1, 0), moment(count, 0, 1),
                                        moment(count, 2, 0), moment(count, 1, 1), moment(count, 0, 2)};
