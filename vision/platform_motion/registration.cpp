@@ -61,6 +61,14 @@ GroundRegistration::GroundRegistration(const Ground& ground, double share) : gro
   texture_ = weight > 0 ? std::sqrt(std::max(0.0, squares / weight)) : 0;
 }
 
+void GroundRegistration::Block::make_room() {
+  corners.resize(tiles.size());
+  arrays.tiles = tiles.size();
+  for (auto* v : {&arrays.value, &arrays.slope_x, &arrays.slope_y, &arrays.slope_theta, &arrays.level})
+    v->resize(weight.size());
+  shown = arrays.weight = weight;
+}
+
 void GroundRegistration::add_blocks(std::size_t field) {
   const GroundField& f = ground_.fields[field];
   for (int top = 0; top < f.place.height; top += kBlock)
@@ -75,12 +83,7 @@ void GroundRegistration::add_blocks(std::size_t field) {
             const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) > 0;
             b.weight.push_back(known ? 1 / f.variance.at(x, y) : 0);
           }
-      b.corners.resize(b.tiles.size());
-      b.arrays.tiles = b.tiles.size();
-      for (auto* v :
-           {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
-        v->resize(b.weight.size());
-      b.shown = b.arrays.weight = b.weight;
+      b.make_room();
       blocks_.push_back(std::move(b));
     }
 }
@@ -125,14 +128,7 @@ void GroundRegistration::keep_informative(double share) {
     const auto first = from.weight.begin() + static_cast<std::ptrdiff_t>(e.tile * kTilePixels);
     to.weight.insert(to.weight.end(), first, first + kTilePixels);
   }
-  for (Block& b : chosen) {
-    b.corners.resize(b.tiles.size());
-    b.arrays.tiles = b.tiles.size();
-    for (auto* v :
-         {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
-      v->resize(b.weight.size());
-    b.shown = b.arrays.weight = b.weight;
-  }
+  for (Block& b : chosen) b.make_room();
   blocks_ = std::move(chosen);
   sample({0, 0});
 }

@@ -48,6 +48,8 @@ class GroundRegistration {
     std::vector<float> shown;   ///< weight of what the frame shows of it
     std::vector<const float*> corners;
     NormalSums sums{};
+    /// For a frame, once tiles and weight are known.
+    void make_room();
   };
   /// Of the columns -a slope_x, -a slope_y, value, offsets taken out.
   struct Fit {
