@@ -1,6 +1,7 @@
 // Grey pictures and the places in them: the types that everything else in vision/ is written in.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <stdexcept>
@@ -38,6 +39,12 @@ struct Rect {
            other.y + other.height <= y + height;
   }
 };
+
+/// What lies in both; width or height <= 0 where nothing does.
+inline Rect common(const Rect& a, const Rect& b) {
+  const int x0 = std::max(a.x, b.x), y0 = std::max(a.y, b.y);
+  return {x0, y0, std::min(a.x + a.width, b.x + b.width) - x0, std::min(a.y + a.height, b.y + b.height) - y0};
+}
 
 /// A grey picture (or a window of one) in linear grey levels at the recording's own depth: 0 .. 2^bits - 1.
 class Picture {

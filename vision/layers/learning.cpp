@@ -15,22 +15,27 @@ namespace {
 constexpr std::size_t kEarly = 64;  ///< windows of most rounds
 constexpr int kLastRounds = 10;     ///< over all of them
 constexpr int kMostRounds = 8;
-/// Rounds without a look for the light's slope, and with all pixels, however strange.
-constexpr int kFirstFine = 2;
+constexpr int kFirstFine = 2;      ///< rounds with all pixels, however strange
+constexpr int kLook = 2;           ///< round over all windows in which a slope of the light is looked for
+constexpr double kInsideRim = 3;   ///< blurs of the rim inside which it does not show
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
 constexpr std::size_t kFewestSlopes = 8;
 constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
 
-/// The part as the first window shows it: a start.
-PartPictures as_shown(const KeptWindow& window, int half, double radius, double blur) {
+/// The part as a window shows it inside its rim, without a shadow: a start.
+PartPictures as_shown(const KeptWindow& window, int half, double radius, double blur, double ground) {
   const int size = 2 * half + 1;
-  PartPictures part{half, Picture(size, size), blurred_rim(half, radius, blur), Picture(size, size, 1e20F),
-                    Picture(size, size)};
+  PartPictures part{half, Picture(size, size), blurred_rim(half, radius, blur), Picture(size, size, 1e20F)};
+  const double inside = std::max(0.0, radius - kInsideRim * blur);
   for (int j = 0; j < size; ++j)
-    for (int i = 0; i < size; ++i)
-      part.level.at(i, j) = static_cast<float>(window.spline.value(
-          window.state.centre.x - half + i - window.x, window.state.centre.y - half + j - window.y));
+    for (int i = 0; i < size; ++i) {
+      const double rho = std::hypot(i - half, j - half), pull = rho > inside ? inside / rho : 1;
+      const double shown = window.spline.value(window.state.centre.x + pull * (i - half) - window.x,
+                                               window.state.centre.y + pull * (j - half) - window.y);
+      const double share = part.share.at(i, j);
+      part.level.at(i, j) = static_cast<float>((1 - share) * shown + share * ground);
+    }
   return part;
 }
 
@@ -55,7 +60,8 @@ class Learning {
         options_(options),
         explained_(windows.size(), true) {
     const int half = layered_half(options.radius, options.blur);
-    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur);
+    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur, ground.mean());
+    ground.see_beside(windows, out_.part, options.hidden, options.noise_variance);
     if (options.turning)
       out_.texture =
           std::make_unique<TurningTexture>(half, options.radius, options.blur, turned_round(windows));
@@ -68,12 +74,13 @@ class Learning {
     // A part of the windows finds the pictures, all of them then make them quiet.
     active_ = std::span(windows_).first(options_.standing_light ? windows_.size() : spread_first());
     const bool all = active_.size() == windows_.size();
-    rounds(all ? kMostRounds + kLastRounds : kMostRounds);
+    rounds(kMostRounds, false);
     if (!all) {
       active_ = windows_;
       measure_windows(false);
-      rounds(kLastRounds);
     }
+    // Pictures far from the truth would show a slope of the light where there is none.
+    rounds(kLastRounds, !options_.even_light && !options_.standing_light);
     StandingLight look(ground_.region(), prior_share_);
     look.look(windows_, out_.part, face_of(options_));
     out_.standing_evidence = look.evidence();
@@ -82,7 +89,7 @@ class Learning {
 
  private:
   std::size_t spread_first();
-  void rounds(int most);
+  void rounds(int most, bool look_for_light);
   void learn_pictures();
   double measure_windows(bool look_for_light);
   void learn_light();
@@ -110,19 +117,18 @@ std::size_t Learning::spread_first() {
   return few;
 }
 
-void Learning::rounds(int most) {
+void Learning::rounds(int most, bool look_for_light) {
   for (int round = 1; round <= most; ++round) {
     ++out_.rounds;
     learn_pictures();
-    const bool look = !options_.even_light && !options_.standing_light &&
-                      (round == kFirstFine + 1 || (round == kFirstFine + 3 && out_.light.known()));
+    const bool look = look_for_light && (round == kLook || (round == kLook + 2 && out_.light.known()));
     const double moved = measure_windows(look);
     if (out_.rounds >= kFirstFine)
       ground_.see_beside(active_, out_.part, options_.hidden, options_.noise_variance);
     if (look) learn_light();
     if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
       out_.standing->learn(windows_, out_.part, face_of(options_));
-    if (round > kFirstFine + 3 && moved < kSettled * out_.sigma) break;
+    if (round > kLook + 2 && moved < kSettled * out_.sigma) break;
   }
 }
 

@@ -86,6 +86,16 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
   return chosen;
 }
 
+/// As at the border, beyond it.
+Picture beyond_border(const Picture& picture, const Rect& here, const Rect& wider) {
+  Picture out(wider.width, wider.height);
+  for (int y = 0; y < wider.height; ++y)
+    for (int x = 0; x < wider.width; ++x)
+      out.at(x, y) = picture.at(std::clamp(wider.x + x - here.x, 0, here.width - 1),
+                                std::clamp(wider.y + y - here.y, 0, here.height - 1));
+  return out;
+}
+
 }  // namespace
 
 Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds) {
@@ -97,8 +107,12 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
     y1 = std::max(y1, f.centre.y);
     away = std::max(away, std::hypot(f.ground.x, f.ground.y));
   }
+  // Platform that moves brings places into the picture that lie outside it at first.
+  const int beyond = static_cast<int>(std::ceil(away));
+  const Rect places = {bounds.x - beyond, bounds.y - beyond, bounds.width + 2 * beyond,
+                       bounds.height + 2 * beyond};
   const double margin = reach + 2 * away + 4;
-  return touched_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, bounds);
+  return touched_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, places);
 }
 
 LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
@@ -108,7 +122,8 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
       options_(options),
       reach_(reach),
       hidden_(hidden),
-      region_(swath(frames, reach, source.bounds())) {
+      region_(swath(frames, reach, source.bounds())),
+      read_(common(region_, source.bounds())) {
   const double window_bytes =
       4 * (std::pow(2 * reach + 2, 2) + std::pow(2 * (reach + QuinticSpline::kPad) + 2, 2));
   const double area = static_cast<double>(region_.width) * region_.height;
@@ -146,8 +161,8 @@ void LearningFrames::read_ground(GroundPicture& ground, double hidden) {
 void LearningFrames::read_ground(GroundPicture& ground) {
   Picture wide;
   for (const std::size_t k : ground_frames_) {
-    source_.read(frames_[k].index, region_, wide);
-    ground.add(wide, region_.x, region_.y, frames_[k].ground, part_in(frames_[k]));
+    source_.read(frames_[k].index, read_, wide);
+    ground.add(wide, read_.x, read_.y, frames_[k].ground, part_in(frames_[k]));
   }
   ground.finish(options_.noise_variance);
 }
@@ -157,13 +172,13 @@ void LearningFrames::read_uncrossed(GroundPicture& ground) {
   const auto looks = static_cast<std::size_t>(std::clamp(kUsualBytes / (4 * area), kFewestUsual, kMostUsual));
   const std::size_t apart = std::max<std::size_t>(1, ground_frames_.size() / looks);
   Picture wide;
-  UsualGround usual(region_);
+  UsualGround usual(read_);
   for (std::size_t k = 0; k < ground_frames_.size(); k += apart) {
     const FirstPassFrame& f = frames_[ground_frames_[k]];
-    source_.read(f.index, region_, wide);
+    source_.read(f.index, read_, wide);
     usual.add(wide, part_in(f));
   }
-  ground.hold_to(usual.median(), kHeldSd * std::sqrt(options_.noise_variance));
+  ground.hold_to(beyond_border(usual.median(), read_, region_), kHeldSd * std::sqrt(options_.noise_variance));
   read_ground(ground);
 }
 

@@ -10,7 +10,7 @@
 
 namespace tribotrack::vision {
 
-/// What is read of every kept frame: the part's path with a margin.
+/// Places of the platform, in its frame, that are seen about the part's path.
 Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds);
 
 /// Frames spread over the recording, as many as memory has room for.
@@ -39,7 +39,7 @@ class LearningFrames {
   const std::vector<FirstPassFrame>& frames_;
   const LayeredOptions& options_;
   double reach_, hidden_;
-  Rect region_;
+  Rect region_, read_;                               ///< the latter of every frame
   std::vector<std::size_t> chosen_, ground_frames_;  ///< of frames_
 };
 

@@ -100,8 +100,7 @@ struct PartByHand {
   PartPictures pictures(double variance) const {
     const int size = 2 * half + 1;
     const auto v = static_cast<float>(variance);
-    PartPictures out{
-        half, Picture(size, size), Picture(size, size), Picture(size, size, v), Picture(size, size), kappa};
+    PartPictures out{half, Picture(size, size), Picture(size, size), Picture(size, size, v), kappa};
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         out.level.at(i, j) = static_cast<float>(level(i - half, j - half));

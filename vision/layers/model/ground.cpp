@@ -29,11 +29,6 @@ Picture box_mean(const Picture& in) {
   return out;
 }
 
-Rect common(const Rect& a, const Rect& b) {
-  const int x0 = std::max(a.x, b.x), y0 = std::max(a.y, b.y);
-  return {x0, y0, std::min(a.x + a.width, b.x + b.width) - x0, std::min(a.y + a.height, b.y + b.height) - y0};
-}
-
 }  // namespace
 
 GroundPicture::GroundPicture(const Rect& region)
@@ -178,23 +173,26 @@ void GroundPicture::finish(double noise_variance) {
 /// The picture and its variance from the sums.
 void GroundPicture::form(double noise_variance) {
   const auto least = static_cast<float>(noise_variance), unseen = static_cast<float>(texture_ * texture_);
-  Picture level(region_.width, region_.height), in_time(region_.width, region_.height);
+  Picture level(region_.width, region_.height),
+      in_time(region_.width, region_.height, static_cast<float>(std::max(noise_variance, unrest_)));
   const auto seen = [&](std::size_t i) { return count_.levels()[i] + count_beside_.levels()[i]; };
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
     const float n = seen(i);
-    if (n < kFramesNeeded) continue;
+    if (!(n > 0)) continue;
     const float mean = (sum_.levels()[i] + sum_beside_.levels()[i]) / n;
     const float square = (squares_.levels()[i] + squares_beside_.levels()[i]) / n;
     level.levels()[i] = mean - static_cast<float>(mean_);
     // What is seen through little of the share scatters by more, and weighs less: by the number of frames.
     const float frames = count_.levels()[i] + frames_beside_.levels()[i];
-    in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (frames - 1));
+    if (frames >= kFramesNeeded)
+      in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (frames - 1));
   }
+  // Before it is seen, a place is of mean level and uncertain by the texture.
   const Picture around = box_mean(in_time);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float n = seen(i);
-    variance_.levels()[i] =
-        n < kFramesNeeded ? unseen : std::max(around.levels()[i], in_time.levels()[i]) / n;
+    const float once = std::max(around.levels()[i], in_time.levels()[i]), known = seen(i) * unseen;
+    level.levels()[i] *= known / (known + once);
+    variance_.levels()[i] = unseen * once / (known + once);
   }
   spline_ = QuinticSpline(level);
 }

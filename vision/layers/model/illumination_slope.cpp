@@ -38,8 +38,9 @@ IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
   for (const MeasuredSlope& s : slopes) even += s.slope_x * s.slope_x + s.slope_y * s.slope_y;
   for (const MeasuredSlope& s : slopes)
     square += (Eigen::Vector2d(s.slope_x, s.slope_y) - field_.transpose() * terms(s.place)).squaredNorm();
-  // Even light leaves chi^2 with two degrees of freedom a slope: five times its scatter are no chance.
-  known_ = even > noise_ * (2 * n + 5 * std::sqrt(4 * n));
+  // Even light leaves chi^2 with two degrees of freedom a slope: five times its scatter are no chance. Nor is
+  // a field that explains more than five times what as many parts of the scatter about it would.
+  known_ = even > noise_ * (2 * n + 5 * std::sqrt(4 * n)) && (even - square) / 6 > 5 * square / (2 * (n - 3));
   scatter_ = std::max(0.0, square / (2 * (n - 3)) - noise_) + kUnknownScatter * noise_;
 }
 

@@ -26,7 +26,7 @@ constexpr float kFewest = 4;      ///< windows at a place, of which two unknowns
 struct RowOfWindow {
   const float *level, *below, *below_x, *below_y;  ///< I, b (G - mean G) and its slopes
   const float *share_x, *share_y, *unsure;         ///< grad alpha, b^2 var G
-  const float *part, *share, *variance, *usual;    ///< of before
+  const float *part, *share, *variance;            ///< of before
   const float* turned;                             ///< null where nothing turns
   float gain, side, slope, mean, darker;           ///< a, a s_y v, a s_x, mean G, (b - a) mean G
   float passed, trim, blend;                       ///< of white noise, squared sd, kappa
@@ -35,7 +35,7 @@ struct RowOfWindow {
 };
 
 struct RowOfSums {
-  float *count, *passed, *aa, *ag, *gg, *ay, *gy, *yy, *unsure, *qr, *qq;
+  float *count, *passed, *aa, *ag, *gg, *ay, *gy, *yy, *qr, *qq;
 };
 
 TRIBOTRACK_CLONES
@@ -48,18 +48,16 @@ void add_row(const RowOfWindow& w, const RowOfSums& s) {
     const float y = w.level[i] - a * part - lit * (part - w.mean * w.share[i]) - w.darker * w.share[i] -
                     w.blend * q,
                 r = y - w.share[i] * g;
-    const float more = w.unsure[i] > w.usual[i] ? w.unsure[i] - w.usual[i] : 0.0F;
-    const float sd2 = w.variance[i] + w.share[i] * w.share[i] * more;
-    const float ok = r * r > w.trim * sd2 ? 0.0F : 1.0F;
+    const float sd2 = w.variance[i] + w.share[i] * w.share[i] * w.unsure[i];
+    const float ok = r * r > w.trim * sd2 ? 0.0F : 1.0F, weight = ok * w.variance[i] / sd2;
     s.count[i] += ok;
     s.passed[i] += ok * w.passed;
-    s.aa[i] += ok * a * a;
-    s.ag[i] += ok * a * g;
-    s.gg[i] += ok * g * g;
-    s.ay[i] += ok * a * y;
-    s.gy[i] += ok * g * y;
-    s.yy[i] += ok * y * y;
-    s.unsure[i] += ok * w.unsure[i];
+    s.aa[i] += weight * a * a;
+    s.ag[i] += weight * a * g;
+    s.gg[i] += weight * g * g;
+    s.ay[i] += weight * a * y;
+    s.gy[i] += weight * g * y;
+    s.yy[i] += weight * y * y;
     s.qr[i] += ok * q * r / sd2;
     s.qq[i] += ok * q * q / sd2;
   }
@@ -103,8 +101,8 @@ PartRegression::PartRegression(const PartPictures& before, const GroundPicture& 
   QuinticSpline(before.share)
       .sample_window(0, 0, size, size, value.levels().data(), share_x_.levels().data(),
                      share_y_.levels().data());
-  for (Picture* p : {&count_, &passed_, &aa_, &ag_, &gg_, &ay_, &gy_, &yy_, &unsure_, &qr_, &qq_, &level_,
-                     &below_, &below_x_, &below_y_, &unsure_here_})
+  for (Picture* p : {&count_, &passed_, &aa_, &ag_, &gg_, &ay_, &gy_, &yy_, &qr_, &qq_, &level_, &below_,
+                     &below_x_, &below_y_, &unsure_here_})
     *p = Picture(size, size);
 }
 
@@ -147,7 +145,6 @@ void PartRegression::add(const KeptWindow& window, bool trim, const Picture* tur
                           before_.level.levels().data() + at,
                           before_.share.levels().data() + at,
                           before_.variance.levels().data() + at,
-                          before_.unsure.levels().data() + at,
                           turned ? turned->levels().data() + at : nullptr,
                           static_cast<float>(s.gain),
                           static_cast<float>(s.gain * s.slope_y * v),
@@ -161,8 +158,8 @@ void PartRegression::add(const KeptWindow& window, bool trim, const Picture* tur
                           width};
     add_row(row, {count_.levels().data() + at, passed_.levels().data() + at, aa_.levels().data() + at,
                   ag_.levels().data() + at, gg_.levels().data() + at, ay_.levels().data() + at,
-                  gy_.levels().data() + at, yy_.levels().data() + at, unsure_.levels().data() + at,
-                  qr_.levels().data() + at, qq_.levels().data() + at});
+                  gy_.levels().data() + at, yy_.levels().data() + at, qr_.levels().data() + at,
+                  qq_.levels().data() + at});
   }
 }
 
@@ -208,7 +205,6 @@ PartPictures PartRegression::solve(double noise_variance, const Picture& prior_s
     const double left = std::max(0.0, squares) / passed_.levels()[i] * n / (n - 2);
     out.level.levels()[i] += static_cast<float>(level);
     out.share.levels()[i] = static_cast<float>(share);
-    out.unsure.levels()[i] = unsure_.levels()[i] / static_cast<float>(n);
     out.variance.levels()[i] = static_cast<float>(std::max(left, 1.0 / 12));
     widest = std::max(widest, left);
   }

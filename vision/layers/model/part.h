@@ -13,17 +13,17 @@ struct PartPictures {
   int half = 0;
   Picture level;     ///< F, grey levels
   Picture share;     ///< alpha: how much of the ground shows; 1 outside, 0 inside, less than 1 in the shadow
-  Picture variance;  ///< V, grey levels^2
-  Picture unsure;    ///< mean of b^2 var G over the frames: alpha^2 times it is in V, grey levels^2
+  Picture variance;  ///< V, grey levels^2, beside what is unsure of the ground
   double blend = kPixelBlend;  ///< kappa, px^2: of a square pixel, until the rim tells more
 };
 
 /// One regression over the kept windows: at every place u of the grid the frames' levels against the
 /// ground's,
 ///   I_k(c_k + u) = a_k F(u) + b_k alpha(u) g(c_k + u - p_k),   g = G - mean G
-/// two unknowns and the variance that is left; what `before` says of a slope of the light, of gains of part
-/// and ground that differ and of kappa is taken out first. Where the ground shows no texture a weak prior
-/// keeps alpha what a blurred rim lets through.
+/// two unknowns and the variance that is left. A frame weighs less where its ground is hardly known, by V
+/// over V + alpha^2 b^2 var G. What `before` says of a slope of the light, of gains of part and ground that
+/// differ and of kappa is taken out first. Where the ground shows no texture a weak prior keeps alpha what a
+/// blurred rim lets through.
 class PartRegression {
  public:
   /// Residuals are taken from `before`, whose levels are also what the sums are formed about.
@@ -44,8 +44,8 @@ class PartRegression {
   const GroundPicture& ground_;
   Picture share_x_, share_y_;  ///< grad alpha of before
   /// Sums over the windows at every place, with y = I less what before says and g = b (G - mean G):
-  /// of 1, the interpolation's share of white noise, a^2, a g, g^2, a y, g y, y^2 and b^2 var G.
-  Picture count_, passed_, aa_, ag_, gg_, ay_, gy_, yy_, unsure_;
+  /// of 1, the interpolation's share of white noise and, weighted, a^2, a g, g^2, a y, g y, y^2.
+  Picture count_, passed_, aa_, ag_, gg_, ay_, gy_, yy_;
   Picture qr_,
       qq_;  ///< with q = b grad alpha . grad g and the residual r of before: of q r and q^2 over its variance
   Picture level_, below_, below_x_, below_y_, unsure_here_;  ///< work space

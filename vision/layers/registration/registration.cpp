@@ -49,7 +49,6 @@ void LayeredRegistration::set_part(const PartPictures& part, double frames, cons
   turn_to(0);
   share_ = QuinticSpline(part.share);
   variance_ = part.variance;
-  unsure_ = part.unsure;
   choose_pixels(part, frames);
 }
 
@@ -195,8 +194,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   return true;
 }
 
-/// V under the tiles for a centre, between its places linearly, and what is less known of the ground than
-/// usual.
+/// V under the tiles for a centre, between its places linearly.
 void LayeredRegistration::take_variance(const Point& centre) {
   const double x = half_ + x0_ - centre.x, y = half_ + y0_ - centre.y;
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
@@ -210,8 +208,6 @@ void LayeredRegistration::take_variance(const Point& centre) {
         arrays_.variance[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] =
             (1 - fy) * ((1 - fx) * upper[left] + fx * upper[left + 1]) +
             fy * ((1 - fx) * lower[left] + fx * lower[left + 1]);
-        float& unsure = arrays_.ground_variance[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)];
-        unsure = std::max(0.0F, unsure - unsure_.at(left + (fx > 0.5F), top + (fy > 0.5F)));
       }
     }
 }

@@ -84,7 +84,7 @@ class LayeredRegistration {
   double formed_theta_ = 1e9;  ///< at which level_ and slope_theta_ were formed
   Picture standing_;           ///< F
   QuinticSpline level_, slope_theta_, share_;
-  Picture variance_, unsure_;
+  Picture variance_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
   Picture chosen_;

@@ -38,7 +38,7 @@ std::vector<KeptWindow> windows_of(const PartByHand& part, int count, double noi
 PartPictures nothing_known(const PartByHand& part) {
   const int size = 2 * part.half + 1;
   return {part.half, Picture(size, size), blurred_rim(part.half, part.radius, part.blur),
-          Picture(size, size, 1e20F), Picture(size, size)};
+          Picture(size, size, 1e20F)};
 }
 
 PartPictures learnt(const std::vector<KeptWindow>& windows, const GroundPicture& ground, PartPictures part,
