@@ -270,8 +270,8 @@ TEST_P(Robustness, LampThatCoversPartOfThePath) {
     const Outcome o = followed("lamp over the path", r);
     // Known limit: a lamp as small as this stands in the picture of a ground at rest, and seems to shine
     // through the part as well; a circle fitted to the rim is four times the bound off.
-    EXPECT_LT(o.errors.rms, 2.2 * o.bound);
-    EXPECT_LT(o.errors.standardised, 1.5);
+    EXPECT_LT(o.errors.rms, 1.6 * o.bound);
+    EXPECT_LT(o.errors.standardised, 1.2);
     EXPECT_LT(o.errors.worst, 5);
     for (const TrackPoint& p : o.result.track.points) {
       const double gap = std::hypot(r.truth(p.frame).x - 130, r.truth(p.frame).y - 80) - 24 - radius;
@@ -311,16 +311,19 @@ class BrightGlare : public Glare {};
 TEST_P(FaintGlare, IsLearntAndTakenOut) {
   const Outcome o = tracked();
   EXPECT_EQ(o.errors.ok, 200);
-  EXPECT_LT(o.errors.rms, 1.4 * o.bound);
-  EXPECT_LT(o.errors.standardised, 1.3);
+  EXPECT_LT(o.errors.rms, 1.2 * o.bound);
+  EXPECT_LT(o.errors.standardised, 1.15);
 }
 
-// Known limit: over a texture a bright or broad light is told from the ground only in part. A single template
+// Known limit: over a texture a bright or broad light is told from the ground only in part: the narrow one
+// leaves 1.5 times the bound, the broad one, on which the rim is the better choice, 4 times. A single template
 // is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times.
 TEST_P(BrightGlare, IsTakenOutInPart) {
   const Outcome o = tracked();
   EXPECT_EQ(o.errors.ok, 200);
-  EXPECT_LT(o.errors.rms, (std::get<0>(GetParam()) > 0 ? 8 : 1.25) * o.bound);
+  const auto& [texture, spot] = GetParam();
+  EXPECT_LT(o.errors.rms, (texture == 0 ? 1.25 : spot.sd < 15 ? 1.8 : spot.sd < 30 ? 2.5 : 4.5) * o.bound);
+  EXPECT_LT(o.errors.standardised, texture > 0 && spot.sd > 30 ? 2.2 : 1.25);
 }
 
 std::string spot_name(const testing::TestParamInfo<std::tuple<double, GlareSpot>>& p) {
@@ -381,8 +384,7 @@ TEST_P(Robustness, DiscsOf8And400Pixels) {
     };
     const Outcome o = followed(radius < 10 ? "8 px across" : "400 px across", r);
     EXPECT_EQ(o.errors.ok, r.frames);
-    // Known limit: sixty frames teach the texture beside a disc of 400 px, never uncovered, only so well.
-    EXPECT_LT(o.errors.rms, (radius > 100 && GetParam() > 0 ? 2.2 : 1.2) * o.bound);
+    EXPECT_LT(o.errors.rms, 1.2 * o.bound);
   }
 }
 

@@ -80,7 +80,7 @@ class Learning {
       measure_windows(false);
     }
     // Pictures far from the truth would show a slope of the light where there is none.
-    rounds(kLastRounds, !options_.even_light && !options_.standing_light);
+    rounds(kLastRounds, !options_.even_light);
     StandingLight look(ground_.region(), prior_share_);
     look.look(windows_, out_.part, face_of(options_));
     out_.standing_evidence = look.evidence();

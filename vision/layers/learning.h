@@ -30,7 +30,7 @@ struct LearningOptions {
   double hidden = 0;            ///< px about the part within which no ground has been seen yet
   bool turning = false;         ///< the windows' angles are known and differ: learn what turns
   bool even_light = false;      ///< do not look for a slope of the light
-  bool standing_light = false;  ///< look for light that stands in the picture, in place of its slope
+  bool standing_light = false;  ///< look for light that stands in the picture, beside its slope
 };
 
 /// Changes the windows' states, and tells the ground what is seen of it beside the part. `registration` is
