@@ -177,7 +177,8 @@ TEST(LearningFrames, GroundIsWhatMostFramesShow) {
   EXPECT_LT(ground.held_share(), 0.95);
 }
 
-TEST(Swath, HoldsThePathWithItsMarginInsideThePicture) {
+// Ground that has moved by 5 px shows places that lay so far outside the picture.
+TEST(Swath, HoldsThePathWithItsMarginAndWhatThePictureShowsOfThePlatform) {
   std::vector<FirstPassFrame> frames(2);
   frames[0].centre = {50, 40};
   frames[1].centre = {70, 44};
@@ -188,7 +189,9 @@ TEST(Swath, HoldsThePathWithItsMarginInsideThePicture) {
   const Rect moved = swath(frames, 10, {0, 0, 100, 90});
   EXPECT_EQ(moved.x, still.x - 10);  // twice the 5 px
   EXPECT_EQ(moved.x + moved.width, 95);
-  EXPECT_TRUE((Rect{0, 0, 100, 90}).contains(swath(frames, 60, {0, 0, 100, 90})));
+  const Rect wide = swath(frames, 60, {0, 0, 100, 90});
+  EXPECT_TRUE(wide.contains({-5, -5, 110, 100}));
+  EXPECT_TRUE((Rect{-5, -5, 110, 100}).contains(wide));
 }
 
 }  // namespace

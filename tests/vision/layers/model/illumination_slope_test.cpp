@@ -71,6 +71,18 @@ TEST(IlluminationSlope, SlopesThatAreNoiseOnlyAreNotKnown) {
   }
 }
 
+// Nor are slopes that scatter by more than is said of them, whose mean and trend are chance: what pictures
+// not yet right leave.
+TEST(IlluminationSlope, ScatterWithoutAFieldIsNotKnown) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> error(0, 3e-4);
+    std::vector<MeasuredSlope> slopes = slopes_of_parabola(40, 0, random);
+    for (MeasuredSlope& s : slopes) s = {s.place, error(random), error(random), 1e-8};
+    ASSERT_FALSE(IlluminationSlope(slopes).known()) << seed;
+  }
+}
+
 TEST(IlluminationSlope, ClearFieldIsKnown) {
   for (unsigned seed = 0; seed < 500; ++seed) {
     std::mt19937 random(seed);

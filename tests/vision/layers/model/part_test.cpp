@@ -126,6 +126,31 @@ TEST(PartRegression, AlphaTakesUpASheenUnlessThePartIsOpaque) {
   EXPECT_NEAR(inside(false), kSheen, 2e-3);
 }
 
+// Ground that is not known in some of the frames is no noise of the part's, and does not disturb its
+// pictures.
+TEST(PartRegression, GroundThatIsHardlyKnownWeighsLittle) {
+  constexpr double kNoise = 1;
+  const PartByHand part;
+  Picture shown(PartByHand::region.width, PartByHand::region.height);
+  for (int y = 0; y < shown.height(); ++y)
+    for (int x = 0; x < shown.width(); ++x) shown.at(x, y) = static_cast<float>(part.ground_level(x, y));
+  GroundPicture ground(PartByHand::region);
+  for (int k = 0; k < 50; ++k) ground.add(shown, 0, 0, {}, {90, 65, 12});
+  ground.finish(kNoise * kNoise);
+  const PartPictures found = learnt(windows_of(part, 160, kNoise), ground, part.pictures(kNoise * kNoise),
+                                    part.pictures(1).share, kNoise * kNoise, 4);
+  const PartPictures exact = part.pictures(1);
+  double rms = 0, n = 0;
+  about_centre(part, 0, part.half - 1.0, [&](int, int, std::size_t at) {
+    rms += std::pow(static_cast<double>(found.level.levels()[at] - exact.level.levels()[at]), 2);
+    ++n;
+  });
+  EXPECT_LT(std::sqrt(rms / n), 0.3);
+  const double v = mean_over(part, found.variance, part.radius - 3, part.half - 1.0) / (kNoise * kNoise);
+  EXPECT_GT(v, 0.95);
+  EXPECT_LT(v, 1.25);
+}
+
 TEST(PartRegression, WhatCoversThePartIsTrimmed) {
   constexpr double kNoise = 1;
   const PartByHand part;
