@@ -10,6 +10,7 @@
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/layers/stage.h"
+#include "vision/rotation/rotation_stage.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/camera_check.h"
 #include "vision/tracking/first_pass.h"
@@ -61,6 +62,7 @@ class Tracking {
     find_first_frame();
     follow();
     measure_layers();
+    follow_rotation();
     audit_track();
     refine_radius();
     prepend_absence();
@@ -74,6 +76,7 @@ class Tracking {
   void find_first_frame();
   void follow();
   void measure_layers();
+  void follow_rotation();
   void audit_track();
   void refine_radius();
   void prepend_absence();
@@ -151,6 +154,12 @@ void Tracking::measure_layers() {
     summary.disc.radius = layers.disc_radius;
     summary.disc_radius_sd = layers.disc_radius_sd;
   }
+}
+
+/// At the final centres.
+void Tracking::follow_rotation() {
+  const auto running = clock_.enter(Stage::rotation);
+  measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan);
 }
 
 /// Of the pass that the positions are from.

@@ -163,6 +163,7 @@ std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& 
   s.position = {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy};
   s.pose = r.pose;
   s.covariance = r.covariance;
+  s.sigma_theta = r.sigma_theta;
   s.ncc = r.ncc;
   s.residual_rms = r.residual_rms;
   s.excess_rms = r.excess_rms;

@@ -84,6 +84,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
   result_.disc = setup_.disc;
   result_.blur = rim_ ? rim_->blur : 0;
   result_.turning = setup_.follow.rotation;
+  result_.texture_seen = setup_.texture_seen;
   result_.noise_variance = noise_variance_;
   result_.ground_texture = setup_.ground_texture;
   track_.has_marker = marker_.follower.has_value();
@@ -110,6 +111,7 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
+    result_.sigma_theta.back() = tentative_->sigma_theta;
     result_.residual.back() = tentative_->residual_rms;
     rim_track_.see(source_, index - 1, track_.points.size() - 1, *tentative_);
     ++refound_;
@@ -118,6 +120,7 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   point.status = step.status;
   const bool ok = step.status == TrackStatus::ok;
   result_.theta.push_back(ok ? step.sighting->pose.theta : 0);
+  result_.sigma_theta.push_back(ok ? step.sighting->sigma_theta : 0);
   result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
   if (!ok) return step;
   fill(point, *step.sighting);

@@ -85,6 +85,7 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
                      FrameSource& source, const FrameRange& range) {
   const bool visible = trial.limit_theta() < kRotationLimit;
+  setup.texture_seen = visible;
   setup.follow.rotation =
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
