@@ -110,7 +110,9 @@ void Tracking::check_camera_and_mend() {
 
 void Tracking::find_first_frame() {
   const auto running = clock_.enter(Stage::finding);
-  start_ = first_appearance(frames(), range_, options_);
+  const Appearance seen = first_appearance(frames(), range_, options_);
+  start_ = seen.index;
+  add(result_.summary.warnings, seen.warning);
 }
 
 /// The first pass.
@@ -124,6 +126,7 @@ void Tracking::follow() {
     if (options_.progress) options_.progress(k + 1, total);
   }
   result_.track = first_pass_->finish(result_.summary);
+  ask_if_it_rests(frames(), start_, result_.track, options_);
 }
 
 /// The second pass, kept where it does better than the first.
@@ -139,6 +142,9 @@ void Tracking::measure_layers() {
     decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
+  if (!layers.done && options_.layers == Layers::on)
+    summary.warnings.push_back("the second pass that was asked for (--layers on) is not used: " +
+                               layers.plan.front().reason);
   if (!layers.done) {
     if (!by_rim) audited_ = first.audited;  // they are the template's
     add(summary.warnings, excess_warning(first.excess, summary.noise_levels));

@@ -49,8 +49,8 @@ constexpr std::array<Column, 22> kColumns = {
 
 bool holds(const TrackRows& rows, Group group) {
   return group == Group::always || (group == Group::rotation && rows.has_rotation) ||
-         (group == Group::marker && rows.has_marker) ||
-         (group == Group::gate && rows.has_gate) || (group == Group::planes && rows.has_planes);
+         (group == Group::marker && rows.has_marker) || (group == Group::gate && rows.has_gate) ||
+         (group == Group::planes && rows.has_planes);
 }
 
 std::string header_of(const TrackRows& rows) {

@@ -29,9 +29,9 @@ struct TrackRow {
 
 struct TrackRows {
   bool has_rotation = false;  ///< theta_rad, sigma_theta_rad
-  bool has_marker = false;  ///< marker_x_px .. marker_ncc
-  bool has_gate = false;    ///< gate
-  bool has_planes = false;  ///< rho_xy_mm .. marker_sigma_mm
+  bool has_marker = false;    ///< marker_x_px .. marker_ncc
+  bool has_gate = false;      ///< gate
+  bool has_planes = false;    ///< rho_xy_mm .. marker_sigma_mm
   std::vector<TrackRow> rows;
 };
 

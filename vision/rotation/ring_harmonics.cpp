@@ -17,9 +17,9 @@ using std::numbers::pi;
 /// Px: a disc is reduced to between this and twice this radius. Its rotation is then known far better than
 /// its position whatever it shows, so that nothing is gained by more pixels.
 constexpr double kRadius = 32;
-constexpr double kInnermost = 2;                      ///< px: rings within hold hardly a harmonic
+constexpr double kInnermost = 2;                       ///< px: rings within hold hardly a harmonic
 constexpr double kRimBlurs = 2.5, kLeastMargin = 1.5;  ///< of the rim: blurs, px
-constexpr double kLongest = 40;  ///< px: longer waves are reflections and shading as much as texture
+constexpr double kLongest = 40;   ///< px: longer waves are reflections and shading as much as texture
 constexpr double kShortest = pi;  ///< px: just longer than two pixels, which is all that a picture resolves
 constexpr int kBorder = 8;        ///< px for the spline
 
@@ -27,8 +27,7 @@ constexpr int kBorder = 8;        ///< px for the spline
 
 RingHarmonics::RingHarmonics(double radius, double blur)
     : reduction_(std::max(1, static_cast<int>(radius / kRadius))), radius_(radius) {
-  const double outermost =
-      (radius - std::max(kLeastMargin, kRimBlurs * blur)) / reduction_;
+  const double outermost = (radius - std::max(kLeastMargin, kRimBlurs * blur)) / reduction_;
   const int count = static_cast<int>(std::floor(outermost - kInnermost)) + 1;
   if (count < 2) return;
   rings_ = Eigen::ArrayXd::LinSpaced(count, kInnermost, kInnermost + count - 1);

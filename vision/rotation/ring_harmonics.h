@@ -1,4 +1,5 @@
-// What turns with a disc, ring by ring: the Fourier coefficients of its levels along circles about its centre.
+// What turns with a disc, ring by ring: the Fourier coefficients of its levels along circles about its
+// centre.
 //
 //   P_m(r) = (1 / N) sum_j I(c + r e(phi_j)) exp(-i m phi_j),   phi counter-clockwise with y up.
 // A part turned by theta shows P_m exp(-i m theta): a rotation is a phase. Left out are the slow harmonics,

@@ -44,8 +44,14 @@ RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXd
 }
 
 double RotationFollower::information() const {
-  return (weights_ * mean_.abs2()).matrix().colwise().sum().transpose().array().matrix().dot(
-      orders_.square().matrix());
+  return (weights_ * mean_.abs2())
+      .matrix()
+      .colwise()
+      .sum()
+      .transpose()
+      .array()
+      .matrix()
+      .dot(orders_.square().matrix());
 }
 
 double RotationFollower::predicted(std::int64_t frame) const {
@@ -53,8 +59,7 @@ double RotationFollower::predicted(std::int64_t frame) const {
 }
 
 std::optional<Turn> RotationFollower::step(const Harmonics& seen, std::int64_t frame) {
-  const Eigen::ArrayXcd correlation =
-      (weights_ * (mean_.conjugate() * seen)).colwise().sum().transpose();
+  const Eigen::ArrayXcd correlation = (weights_ * (mean_.conjugate() * seen)).colwise().sum().transpose();
   const double expected = predicted(frame);
   double theta = climb(correlation, expected);
   if (correlation_at(seen, theta) < kConfirms * usual_)
@@ -113,8 +118,7 @@ double RotationFollower::correlation_at(const Harmonics& seen, double theta) con
 
 /// Rings of one harmonic err together, harmonics each for itself.
 Turn RotationFollower::judged(const Harmonics& back, double theta) const {
-  const double gain =
-      (weights_ * (mean_.conjugate() * back).real()).sum() / (weights_ * mean_.abs2()).sum();
+  const double gain = (weights_ * (mean_.conjugate() * back).real()).sum() / (weights_ * mean_.abs2()).sum();
   const Eigen::ArrayXd pulls =
       orders_ * (gain * weights_ * (mean_.conjugate() * back).imag()).colwise().sum().transpose();
   const auto used = static_cast<double>((weights_.colwise().sum() > 0).count());

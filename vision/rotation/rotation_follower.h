@@ -40,9 +40,9 @@ class RotationFollower {
   Eigen::ArrayXXd weights_;
   Eigen::ArrayXd orders_;  ///< m
   Harmonics mean_;
-  double chance_ = 0;       ///< correlation that noise reaches
-  double usual_ = 1;        ///< correlation of the recent frames
-  double share_ = 1;        ///< of the newest frame in the mean
+  double chance_ = 0;  ///< correlation that noise reaches
+  double usual_ = 1;   ///< correlation of the recent frames
+  double share_ = 1;   ///< of the newest frame in the mean
   double theta_ = 0, rate_ = 0;
   std::int64_t frame_ = 0;
 };

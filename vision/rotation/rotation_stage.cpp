@@ -51,8 +51,8 @@ PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& tra
   std::vector<std::size_t> places;
   for (std::size_t k = 0; k < track.points.size(); ++k)
     if (track.points[k].status == TrackStatus::ok) {
-      frames.push_back({first.first_index + static_cast<std::int64_t>(k),
-                        {track.points[k].x, track.points[k].y}});
+      frames.push_back(
+          {first.first_index + static_cast<std::int64_t>(k), {track.points[k].x, track.points[k].y}});
       places.push_back(k);
     }
   const auto seen = follow_rotation(source, frames, first.disc.radius, first.blur);

@@ -9,16 +9,15 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kTrial = 16;   ///< frames after which it is given up where nothing is seen
-constexpr double kFewest = 0.5;      ///< of the frames must show the rotation
-constexpr double kLargestSd = 0.2;   ///< rad: known less well than that it is not seen
+constexpr std::size_t kTrial = 16;  ///< frames after which it is given up where nothing is seen
+constexpr double kFewest = 0.5;     ///< of the frames must show the rotation
+constexpr double kLargestSd = 0.2;  ///< rad: known less well than that it is not seen
 
 /// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
 Eigen::ArrayXXd inner_half(const Harmonics& first, const Eigen::ArrayXXd& weights) {
   const Eigen::ArrayXd orders =
       Eigen::ArrayXd::LinSpaced(first.cols(), 0, static_cast<double>(first.cols() - 1));
-  const Eigen::ArrayXd of_ring =
-      ((weights * first.abs2()).matrix() * orders.square().matrix()).array();
+  const Eigen::ArrayXd of_ring = ((weights * first.abs2()).matrix() * orders.square().matrix()).array();
   Eigen::ArrayXXd inner = Eigen::ArrayXXd::Zero(weights.rows(), weights.cols());
   double sum = 0;
   for (Eigen::Index k = 0; k + 1 < weights.rows() && (k == 0 || sum < 0.5 * of_ring.sum()); ++k) {

@@ -115,6 +115,7 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
     result_.residual.back() = tentative_->residual_rms;
     rim_track_.see(source_, index - 1, track_.points.size() - 1, *tentative_);
     ++refound_;
+    if (step.came_back) came_back_.push_back(track_.points.size() - 1);
   }
   tentative_ = step.tentative ? step.sighting : std::nullopt;
   point.status = step.status;
@@ -176,6 +177,7 @@ void FirstPass::follow_ground(TrackSummary& summary) {
 }
 
 Track FirstPass::finish(TrackSummary& summary) {
+  for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
   const RimEvidence rim =
       timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
   summary.disc = setup_.disc;
@@ -195,6 +197,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
+  if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
   if (rim_shape_) summary.plan.push_back(rim_stage(rim));
   if (options_.target.kind == Target::Kind::find_disc)
     add(summary.warnings, stillness_warning(track_, summary.disc));

@@ -169,6 +169,28 @@ std::optional<std::string> stillness_warning(const Track& track, const Circle& d
       disc.x, disc.y, range);
 }
 
+std::string alike_warning(std::int64_t frame) {
+  return fmt::format(
+      "the track ends before frame {}: from there on others that look like the part may have come to where "
+      "it "
+      "is seen; record at a higher rate, or mark the part",
+      frame);
+}
+
+std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {
+  constexpr double kStill = 0.5;  // px
+  auto& points = track.points;
+  const TrackPoint start = points[begin];
+  std::size_t end = begin;
+  for (; end < points.size() && points[end].status == TrackStatus::ok; ++end)
+    if (std::hypot(points[end].x - start.x, points[end].y - start.y) > kStill) return std::nullopt;
+  for (std::size_t k = begin; k < end; ++k) points[k].status = TrackStatus::lost;
+  return fmt::format(
+      "the part had left the picture; what looks like it at ({:.1f}, {:.1f}) px in frames {} to {} does not "
+      "move: it is taken for a mark on the ground",
+      start.x, start.y, start.frame, points[end - 1].frame);
+}
+
 void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages) {
   std::ranges::move(stages, std::back_inserter(plan));
 }
