@@ -12,6 +12,7 @@ constexpr double kNccDrop = 0.8;          ///< of the usual score: a match below
 constexpr double kRefoundNccDrop = 0.88;  ///< the same for a part found far from where it was expected
 /// Correlations that differ by less may be those of two pictures of the same part.
 constexpr double kSameLook = 0.05;
+constexpr int kMostAlike = 100;  ///< things that look like the part, in a whole frame
 constexpr int kAngles = 24;
 constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
 constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
@@ -292,7 +293,8 @@ std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t
 std::vector<Point> PatternFollower::candidates() {
   ++effort_.whole_frame_searches;
   std::vector<Point> out;
-  for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), 12))
+  for (const Match& m :
+       matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), kMostAlike))
     out.push_back({m.x + matcher_offset_x_, m.y + matcher_offset_y_});
   return out;
 }

@@ -22,15 +22,16 @@ constexpr double kGround = 60, kLevel = 160, kBlur = 0.8, kNoise = 1.5;
 
 Picture pictured(int width, int height, const std::vector<Circle>& discs, std::mt19937& random) {
   std::normal_distribution<float> noise(0, kNoise);
-  Picture picture(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      double share = 0;
-      for (const Circle& c : discs)
-        share += 0.5 * std::erfc((std::hypot(x - c.x, y - c.y) - c.radius) / (std::numbers::sqrt2 * kBlur));
-      picture.at(x, y) =
-          std::round(static_cast<float>(kGround + (kLevel - kGround) * share) + noise(random));
-    }
+  Picture picture(width, height, kGround);
+  for (const Circle& c : discs)
+    for (int y = std::max(0, static_cast<int>(c.y - c.radius - 5));
+         y < std::min<double>(height, c.y + c.radius + 5); ++y)
+      for (int x = std::max(0, static_cast<int>(c.x - c.radius - 5));
+           x < std::min<double>(width, c.x + c.radius + 5); ++x)
+        picture.at(x, y) += static_cast<float>(
+            (kLevel - kGround) * 0.5 *
+            std::erfc((std::hypot(x - c.x, y - c.y) - c.radius) / (std::numbers::sqrt2 * kBlur)));
+  for (float& level : picture.levels()) level = std::round(level + noise(random));
   return picture;
 }
 
@@ -46,6 +47,7 @@ TrackOptions given(const Circle& disc) {
   TrackOptions options;
   options.target = {Target::Kind::disc, disc, {}};
   options.layers = Layers::off;
+  options.marker.kind = MarkerChoice::Kind::none;
   return options;
 }
 
@@ -98,9 +100,7 @@ TEST(LookAlikes, AJumpByHalfTheirDistanceEndsTheTrackAndIsSaid) {
 }
 
 TEST(LookAlikes, CarriedSlowlyAreToldApart) {
-  const Dots dots{[](int k) {
-    return Point{8 * std::sin(0.5 * k), 8 * std::cos(0.5 * k)};
-  }};
+  const Dots dots{[](int k) { return Point{8 * std::sin(0.5 * k), 8 * std::cos(0.5 * k)}; }};
   MemorySource source = dots.recording(30);
   const Circle start{170.3, 98.6, 7};
   const TrackResult result = track(source, given(start));
@@ -125,8 +125,9 @@ TEST(Question, SeveralDiscsOfEqualRightAreNumbered) {
 }
 
 TEST(Question, OneDiscIsNone) {
-  MemorySource source =
-      recorded(200, 120, 40, [](int k) { return std::vector<Circle>{{50.5 + k, 40.3, 10.4}}; });
+  MemorySource source = recorded(200, 120, 40, [](int k) {
+    return std::vector<Circle>{{50.5 + k, 40.3, 10.4}};
+  });
   EXPECT_EQ(track(source, {}).summary.ok, 40);
 }
 
@@ -154,8 +155,9 @@ TEST(Question, ADiscThatRestsWhileAnotherComesInIsOne) {
 
 /// A disc sliding past the place that was given for it.
 TEST(GivenDisc, ThatIsNotThereIsSaidAtOnceWithTheNearest) {
-  MemorySource source =
-      recorded(240, 120, 100, [](int k) { return std::vector<Circle>{{60.4 + 0.5 * k, 60.2, 10}}; });
+  MemorySource source = recorded(240, 120, 100, [](int k) {
+    return std::vector<Circle>{{60.4 + 0.5 * k, 60.2, 10}};
+  });
   for (const Circle& wrong : {Circle{67.4, 60.2, 10}, Circle{60.4, 97.2, 10}}) {
     try {
       track(source, given(wrong));
@@ -180,8 +182,7 @@ TEST(GivenDisc, ThatArrivesLaterIsAwaitedAndThatIsSaid) {
 }
 
 TEST(Layers, ThatAreAskedForAndNotUsedAreSaid) {
-  MemorySource source =
-      recorded(120, 80, 8, [](int k) { return std::vector<Circle>{{40.4 + k, 40.2, 10}}; });
+  MemorySource source = recorded(120, 80, 8, [](int k) { return std::vector<Circle>{{40.4 + k, 40.2, 10}}; });
   TrackOptions options = given({40.4, 40.2, 10});
   options.layers = Layers::on;
   EXPECT_THAT(track(source, options).summary.warnings, Contains(HasSubstr("--layers on")));
