@@ -85,17 +85,16 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
                       const std::filesystem::path& picture) {
   const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
   write_file(picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
-  std::string text =
-      fmt::format("{}; look at {} and give the part with one of", question.what(), picture.string());
+  std::string text = fmt::format("{}: look at {} and give the part, ", question.what(), picture.string());
   const std::string frames = question.first ? "" : fmt::format(" --frames {}:", question.frame);
   for (std::size_t k = 0; k < question.discs.size(); ++k) {
     const vision::Circle& c = question.discs[k];
-    text += fmt::format("\n  {}: --disc {:.1f},{:.1f},{:.1f}{}", k + 1, c.x, c.y, c.radius, frames);
+    text += fmt::format("{}{}: --disc {:.1f},{:.1f},{:.1f}{}", k > 0 ? ", " : "", k + 1, c.x, c.y, c.radius,
+                        frames);
   }
-  text += question.first
-              ? "\n  (campaign: disc_px = [X, Y, R] in its [[run]])"
-              : fmt::format("\n  (campaign: disc_px = [X, Y, R] and frames = [{}, LAST] in its [[run]])",
-                            question.frame);
+  text += question.first ? " (campaign: disc_px = [X, Y, R] in the run)"
+                         : fmt::format(" (campaign: disc_px = [X, Y, R], frames = [{}, LAST] in the run)",
+                                       question.frame);
   throw InvalidInput(text);
 }
 

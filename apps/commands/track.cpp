@@ -306,7 +306,8 @@ void add_track(CLI::App& app, Context& context) {
              "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
-                  "The disc in the first analysed frame, or where it is first seen there (default: found)")
+                  "The disc in the first analysed frame, or where it is first seen there (default: found; "
+                  "where several may be it, a picture numbers them)")
       ->type_name("X,Y,R");
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");

@@ -123,6 +123,11 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
     file.x_mm.push_back(row.x_mm);
     file.y_mm.push_back(row.y_mm);
     file.sigma_px.push_back(row.sigma_x_px);
+    if (rows.has_rotation) {
+      file.time_s.push_back(row.time_s);
+      file.theta_rad.push_back(row.theta_rad);
+      file.sigma_theta_rad.push_back(row.sigma_theta_rad);
+    }
     if (!std::isnan(row.gate)) {
       file.lamp.time.push_back(row.time_s);
       file.lamp.level.push_back(row.gate);

@@ -54,6 +54,8 @@ struct TrackFile {
   std::size_t frames = 0, lost = 0, edge = 0;
   /// For pictures of the path: one per row, NaN where the part was not measured.
   std::vector<double> x_px, y_px, x_mm, y_mm, sigma_px;
+  /// The part's rotation, one per row, NaN where it is not seen; all empty where it is nowhere.
+  std::vector<double> time_s, theta_rad, sigma_theta_rad;
   bool has_marker_columns = false;
   bool platform_from_texture = false;  ///< the marker's columns follow a patch of the platform's own texture
   std::optional<double> mm_per_px;     ///< in use; without it the marker's motion stays unknown

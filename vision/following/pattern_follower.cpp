@@ -67,7 +67,6 @@ PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const
 
 FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool audited) {
   audited_ = audited;
-  source_ = &source;
   const Rect bounds = source.bounds();
   FollowStep out;
   if (effort_.ended) return out;
@@ -227,11 +226,17 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
     }
     return s;
   };
+  const auto itself = [&](std::optional<Sighting> s) {
+    if (!s || distance(s->position, predicted) <= own_radius() || !may_be_another(source, index, s->position))
+      return within(s);
+    effort_.ended = index;
+    return std::optional<Sighting>();
+  };
   if (rim_first())
-    if (auto s = by_rim(window, index, predicted, reach)) return within(s);
+    if (auto s = by_rim(window, index, predicted, reach)) return itself(s);
   Point place = predicted;
-  if (auto s = by_template(window, index, predicted, reach, place)) return within(s);
-  return rim_ ? within(by_rim(window, index, place, reach)) : std::nullopt;
+  if (auto s = by_template(window, index, predicted, reach, place)) return itself(s);
+  return rim_ ? itself(by_rim(window, index, place, reach)) : std::nullopt;
 }
 
 /// `place` becomes that of the best correlation, where the prediction is not confirmed.
@@ -246,12 +251,7 @@ std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::in
   const auto match = best_match(window);
   if (!match) return refine(window, start, reach);  // perhaps half out of the picture
   place = *match;
-  auto s = refine_any_angle(window, pose_at(place, index), kCandidateReach);
-  if (s && distance(place, predicted) > own_radius() && may_be_another(*source_, index, place)) {
-    effort_.ended = index;
-    s.reset();
-  }
-  return s;
+  return refine_any_angle(window, pose_at(place, index), kCandidateReach);
 }
 
 /// Where the search template fits best in the window; whole positions only.
@@ -317,11 +317,10 @@ double PatternFollower::own_radius() const {
 
 /// Whether something that looked like the part when the part was last seen is nearly as likely to have come
 /// to a place: by less than twice the way, from where it was or from where the part's motion would take it.
-/// `picture_` is read anew.
 bool PatternFollower::may_be_another(FrameSource& source, std::int64_t index, const Point& place) {
-  const Picture kept = std::move(picture_);
+  Picture window = std::move(picture_);
   remember_distractors(source);
-  picture_ = kept;
+  picture_ = std::move(window);
   distractors_known_ = false;
   const Point predicted = motion_.at(index), last = motion_.last();
   const double way = distance(place, predicted);

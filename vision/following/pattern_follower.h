@@ -124,7 +124,6 @@ class PatternFollower {
   double area_ = 0, contrast_ = 0;  ///< of the template's mask, px; standard deviation of its levels
   Picture fruitless_;               ///< the last frame in which a search of it all found nothing
   Picture picture_;                 ///< work space
-  FrameSource* source_ = nullptr;   ///< during step()
 };
 
 }  // namespace tribotrack::vision
