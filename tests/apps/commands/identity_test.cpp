@@ -69,13 +69,13 @@ TEST_F(Identity, TwoDiscsAreAQuestionWithAPictureAndWhatToPaste) {
   EXPECT_EQ(run("track two.cine --mm-per-px 0.1 --disc 40.4,30.2,11.0 -o t.csv -q").exit_code, 0);
 }
 
-TEST_F(Identity, InACampaignTheQuestionNamesTheRun) {
+TEST_F(Identity, InACampaignThePictureLiesAmongTheTracks) {
   record_two("two.cine");
   const std::string head =
       "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = [\"mu1\"]\n";
   put(in_folder("c.toml"), head + "[[run]]\nvideo = \"two.cine\"\nkind = \"free_slide\"\n");
   const Outcome asked = run("run c.toml -o out -q");
-  expect_refused(asked, 3, {"c.toml", "out/tracks/two.discs.png", "2: --disc 120.2,60.3,11", "disc_px"});
+  expect_refused(asked, 3, {"two.cine", "out/tracks/two.discs.png", "2: --disc 120.2,60.3,11", "disc_px"});
   EXPECT_TRUE(std::filesystem::exists(in_folder("out/tracks/two.discs.png")));
 }
 
