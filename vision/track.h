@@ -85,7 +85,9 @@ struct FrameCounts {
   std::int64_t absent_at_first = 0;  ///< frames before the part was there; counted in `lost`, too
   /// Lost frames, without those before the part was there and after it had left the picture for good.
   std::int64_t lost_counted = 0;
-  bool gate_passed = true;  ///< quality: lost_counted / frames <= TrackOptions::max_lost_share
+  /// Quality: lost_counted / frames <= TrackOptions::max_lost_share, and not rests_for_ever.
+  bool gate_passed = true;
+  bool rests_for_ever = false;  ///< a disc that was found by itself and never moves is no moving part
   bool left_for_good = false;
 };
 

@@ -145,7 +145,7 @@ void Tracking::follow_from(const BetterStart& better) {
 /// Where most frames are lost once the part has been lost for the first time.
 std::optional<BetterStart> Tracking::better_start() {
   const auto running = clock_.enter(Stage::finding);
-  if (result_.summary.gate_passed) return std::nullopt;
+  if (result_.summary.gate_passed || result_.summary.rests_for_ever) return std::nullopt;
   return start_after_loss(frames(), start_, result_.track, first_pass_->result().disc, options_);
 }
 

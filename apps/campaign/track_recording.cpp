@@ -174,6 +174,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.frames = summary.frames;
   facts.lost_counted = summary.lost_counted;
   facts.accepted = summary.gate_passed;
+  facts.rests_for_ever = summary.rests_for_ever;
   facts.platform_from_texture = recording.result.track.has_marker && summary.ground_is_marker;
   facts.recorded_in = prepared.inputs;
   facts.frame_rate_hz = info.time_base.rate_hz;
@@ -199,6 +200,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"absent_at_first", s.absent_at_first},
                {"left_for_good", s.left_for_good},
                {"gate_passed", s.gate_passed},
+               {"rests_for_ever", s.rests_for_ever},
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
                {"disc_radius_common_sd_px", s.disc_radius_common_sd},

@@ -268,7 +268,13 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  if (!summary.gate_passed) {
+  if (summary.rests_for_ever) {
+    complain(fmt::format(
+        "{}: the disc that was found by itself never moves: give the part with --disc X,Y,R; should it be "
+        "this one, --disc {:.1f},{:.1f},{:.1f}",
+        options.input, summary.disc.x, summary.disc.y, summary.disc.radius));
+    context.exit_code = kQualityGate;
+  } else if (!summary.gate_passed) {
     complain(fmt::format(
         "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
         "--disc, or leave frames out with --frames",

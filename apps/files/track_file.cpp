@@ -167,6 +167,7 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.frames = summary.value("frames", std::int64_t{0});
     facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
     facts.accepted = summary.value("gate_passed", true);
+    facts.rests_for_ever = summary.value("rests_for_ever", false);
     facts.platform_from_texture = meta.value("platform_seen_by", "") == "texture";
     facts.frame_rate_hz = number_at(object_at("time_base"), "rate_hz");
     facts.time_base = object_at("time_base").value("source", "");

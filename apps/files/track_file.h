@@ -33,7 +33,8 @@ struct TrackFacts {
   bool platform_from_texture = false;
   double disc_radius_px = 0, disc_radius_common_sd_px = 0;
   std::int64_t frames = 0, lost_counted = 0;
-  bool accepted = true;                  ///< the part was lost in no more frames than allowed
+  bool accepted = true;         ///< the part was lost in no more frames than allowed, and is no mark at rest
+  bool rests_for_ever = false;  ///< the disc was found by itself and never moves
   std::optional<double> trigger_time_s;  ///< of a recording that numbers its images from the trigger
   std::vector<Input> recorded_in;        ///< the recording and, where there is one, the calibration
   std::optional<double> frame_rate_hz;

@@ -199,8 +199,12 @@ Track FirstPass::finish(TrackSummary& summary) {
   add(summary.plan, search_stages(part_.effort(), summary.frames));
   if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
   if (rim_shape_) summary.plan.push_back(rim_stage(rim));
-  if (options_.target.kind == Target::Kind::find_disc)
-    add(summary.warnings, stillness_warning(track_, summary.disc));
+  if (options_.target.kind == Target::Kind::find_disc) {
+    const auto still = stillness_warning(track_, summary.disc);
+    add(summary.warnings, still);
+    summary.rests_for_ever = still.has_value();
+    if (still) summary.gate_passed = false;
+  }
   result_.excess = median(excess_);
   result_.audited = audited_.frames();
   return std::move(track_);

@@ -164,7 +164,7 @@ std::optional<std::string> stillness_warning(const Track& track, const Circle& d
   const double range = std::hypot(right - left, bottom - top);
   if (seen < 2 || range > kStill) return std::nullopt;
   return fmt::format(
-      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px: if that is not the part, give "
+      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px and is no moving part: give "
       "the part with --disc X,Y,R",
       disc.x, disc.y, range);
 }
@@ -211,7 +211,10 @@ std::string TrackSummary::brief_report() const {
   text += fmt::format("; noise {:.2f} grey levels, limit {:.4f} px", noise_levels, limit_px);
   if (disc.radius > 0)
     text += fmt::format("; disc at ({:.2f}, {:.2f}), radius {:.3f} px", disc.x, disc.y, disc.radius);
-  if (!gate_passed) text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
+  if (rests_for_ever)
+    text += "; NOT ACCEPTED: what was found by itself never moves";
+  else if (!gate_passed)
+    text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
   return text;
 }
 

@@ -13,7 +13,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kWhole = 0.9;       ///< of the rim is seen: nothing covers the disc any more
+constexpr double kWhole = 0.85;      ///< of the rim is seen: nothing covers the disc
 constexpr int kMostDiscs = 30;       ///< looked for in a picture
 constexpr double kGivenCapture = 3;  ///< px a user's click may be wrong
 
@@ -87,7 +87,8 @@ Appearance appearance_of_given(FrameSource& source, const FrameRange& range, con
   const auto others = find_discs(source.read(range.first), {}, kMostDiscs);
   const DiscFit* nearest = nearest_like(others, given);
   const double away = nearest ? std::hypot(nearest->circle.x - given.x, nearest->circle.y - given.y) : 0;
-  if (nearest && away > capture && away < given.radius + capture)
+  // One that is covered in part may be the given one, whose rim pulls the circle away.
+  if (nearest && nearest->coverage > kWhole && away > capture && away < given.radius + capture)
     refuse_misplaced(source, range.first, given, nearest->circle);
   const auto arrival = arrival_at(source, range.first, range.last, given, capture);
   if (!arrival && nearest && away > capture) refuse_misplaced(source, range.first, given, nearest->circle);
@@ -174,7 +175,8 @@ std::optional<BetterStart> start_after_loss(FrameSource& source, std::int64_t st
   for (std::int64_t after = 1; 2 * (first_lost + after) <= total; after *= 2) {
     const std::int64_t index = start + first_lost + after;
     const auto found = discs_in(source.read(index), options);
-    const DiscFit* part = nearest_like(found, disc);
+    const bool any = options.target.kind == Target::Kind::find_disc;
+    const DiscFit* part = any && !found.empty() ? &found.front() : nearest_like(found, disc);
     if (!part) continue;
     if (discs_alike(found, *part).size() > 1) return std::nullopt;
     if (part->coverage < kWhole) continue;

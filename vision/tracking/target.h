@@ -46,9 +46,9 @@ struct BetterStart {
   std::string warning;
 };
 
-/// The first of the frames 1, 2, 4, ... after the part is first lost that shows one disc of its size, and one
-/// only; that frame at the latest that lies half of the recording after the first. `track` begins with frame
-/// `start`; `disc` is the part in it.
+/// The first of the frames 1, 2, 4, ... after the part is first lost that shows one disc of its size (any,
+/// where the part is to be found), and one only; that frame at the latest that lies half of the recording
+/// after the first. `track` begins with frame `start`; `disc` is the part in it.
 std::optional<BetterStart> start_after_loss(FrameSource& source, std::int64_t start, const Track& track,
                                             const Circle& disc, const TrackOptions& options);
 

@@ -85,6 +85,18 @@ TEST_F(Identity, ADiscThatIsNotThereIsExit3WithTheNearest) {
                  {"frame 0", "--disc 47.4,30.2,11", "--disc 40.4,30.2,11", "7.0 px"});
 }
 
+TEST_F(Identity, ADiscThatNeverMovesIsNoPartUnlessItIsSaidToBe) {
+  record("still.cine", 500, [](int) { return std::vector<vision::Circle>{{40.4, 30.2, 11}}; });
+  const Outcome found = run("track still.cine --mm-per-px 0.1 -o t.csv -q");
+  expect_refused(found, 4, {"never moves", "--disc 40.4,30.2,11"});
+  EXPECT_TRUE(std::filesystem::exists(in_folder("t.csv")));
+  EXPECT_EQ(run("track still.cine --mm-per-px 0.1 --disc 40.4,30.2,11 -o t.csv -q").exit_code, 0);
+  put(in_folder("c.toml"),
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = "
+      "[\"mu1\"]\n[[run]]\nvideo = \"still.cine\"\nkind = \"free_slide\"\n");
+  expect_refused(run("run c.toml -o out -q"), 3, {"still", "never moves", "disc_px"});
+}
+
 TEST_F(Identity, APlaybackRateNeedsAReason) {
   record("slow.avi", 30, [](int k) { return std::vector<vision::Circle>{{40.4 + k, 30.2, 11}}; });
   const std::string track = "track slow.avi --mm-per-px 0.1 -o t.csv -q";
