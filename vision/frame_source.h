@@ -103,6 +103,8 @@ class MemorySource : public FrameSource {
 
 struct SourceOptions {
   std::optional<double> frame_rate_hz;  ///< given by the user: overrides what the file states
+  /// How the user knows. Without it a rate is refused that is only what the file says of its playback.
+  std::string frame_rate_reason = {};
 };
 
 /// Opens a Phantom .cine, anything libav decodes, a multi-page TIFF, a directory of pictures (natural sort),

@@ -43,4 +43,8 @@ class DebugFolder : public DebugSink {
 /// range.
 std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number);
 
+/// A frame with numbered circles, as a PNG in memory: the question which of them is the part.
+std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,
+                                              const std::vector<Circle>& discs);
+
 }  // namespace tribotrack::vision

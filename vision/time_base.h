@@ -77,8 +77,13 @@ struct TimeBase {
 /// 1000 and 65535, within 0.15 % (which takes in 23.976). The nominal rate, or nothing.
 std::optional<double> usual_playback_rate(double rate_hz);
 
-/// The rate given by the user. Throws InputError unless it is a positive finite number.
-TimeBaseCandidate user_rate(double rate_hz);
+/// The rate given by the user, and how the user knows. Throws InputError unless it is a positive finite
+/// number.
+TimeBaseCandidate user_rate(double rate_hz, const std::string& reason = {});
+
+/// Throws InputError where the user gives, without a reason, the very playback rate (24 to 60 Hz) that
+/// `stated`, the container's, was rejected for: it is no evidence of the rate of recording.
+void require_reason(double user_rate_hz, const std::string& reason, const TimeBaseCandidate& stated);
 
 /// Takes the first candidate marked accepted, in the order given (the most trusted first); marks later ones
 /// rejected, with the reason.

@@ -27,6 +27,12 @@ struct MarkerPoint {
   double sigma_x = 0, sigma_y = 0, rho_xy = 0;
 };
 
+/// How far the part has turned since the first frame in which that is seen.
+struct Rotation {
+  double theta = 0;  ///< rad, counter-clockwise as seen (y up); not wrapped
+  double sigma = 0;  ///< standard deviation, rad
+};
+
 /// One frame. Positions are meaningful only for status ok.
 struct TrackPoint {
   std::int64_t frame = 0;                       ///< the recording's own number
@@ -36,6 +42,7 @@ struct TrackPoint {
   double ncc = 0;                               ///< normalised cross-correlation with the template, -1 .. 1
   TrackStatus status = TrackStatus::lost;
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
+  std::optional<Rotation> rotation;   ///< where it is seen
   std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
 };
 
@@ -50,6 +57,7 @@ struct Track {
   std::vector<TrackPoint> points;  ///< one per analysed frame, in order
   bool has_marker = false;
   bool has_gate = false;
+  bool has_rotation = false;  ///< the part's texture shows how it turns
   /// Frame of the first point that is ok; of the first of all where none is. Not for an empty track.
   std::int64_t first_seen() const;
 };
@@ -77,7 +85,9 @@ struct FrameCounts {
   std::int64_t absent_at_first = 0;  ///< frames before the part was there; counted in `lost`, too
   /// Lost frames, without those before the part was there and after it had left the picture for good.
   std::int64_t lost_counted = 0;
-  bool gate_passed = true;  ///< quality: lost_counted / frames <= TrackOptions::max_lost_share
+  /// Quality: lost_counted / frames <= TrackOptions::max_lost_share, and not rests_for_ever.
+  bool gate_passed = true;
+  bool rests_for_ever = false;  ///< a disc that was found by itself and never moves is no moving part
   bool left_for_good = false;
 };
 

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "vision/audit/audit.h"
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/layers/stage.h"
+#include "vision/rotation/rotation_stage.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/camera_check.h"
 #include "vision/tracking/first_pass.h"
@@ -61,6 +64,7 @@ class Tracking {
     find_first_frame();
     follow();
     measure_layers();
+    follow_rotation();
     audit_track();
     refine_radius();
     prepend_absence();
@@ -73,13 +77,17 @@ class Tracking {
   void check_camera_and_mend();
   void find_first_frame();
   void follow();
+  void follow_from_start();
+  void follow_from(const BetterStart& better);
+  std::optional<BetterStart> better_start();
   void measure_layers();
+  void follow_rotation();
   void audit_track();
   void refine_radius();
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
-  const TrackOptions& options_;
+  TrackOptions options_;
   StageClock clock_;
   TimedSource timed_;
   KeptFrames cache_;
@@ -87,7 +95,7 @@ class Tracking {
   Camera camera_;
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
-  std::optional<FirstPass> first_pass_;
+  std::unique_ptr<FirstPass> first_pass_;
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -107,13 +115,44 @@ void Tracking::check_camera_and_mend() {
 
 void Tracking::find_first_frame() {
   const auto running = clock_.enter(Stage::finding);
-  start_ = first_appearance(frames(), range_, options_);
+  const Appearance seen = first_appearance(frames(), range_, options_);
+  start_ = seen.index;
+  add(result_.summary.warnings, seen.warning);
 }
 
-/// The first pass.
+/// The first pass; again from a later frame where the first ones show the part covered.
 void Tracking::follow() {
+  follow_from_start();
+  if (const auto better = better_start(); better) follow_from(*better);
+  ask_if_it_rests(frames(), start_, result_.track, options_);
+}
+
+/// Kept where the part is seen in more frames.
+void Tracking::follow_from(const BetterStart& better) {
+  const Target target = std::exchange(options_.target, {Target::Kind::disc, better.disc, {}});
+  const std::int64_t start = std::exchange(start_, better.index);
+  TrackResult before = std::exchange(result_, {});
+  std::unique_ptr<FirstPass> pass = std::move(first_pass_);
+  result_.summary.warnings = {better.warning};
+  follow_from_start();
+  if (result_.summary.ok > before.summary.ok) return;
+  options_.target = target;
+  start_ = start;
+  result_ = std::move(before);
+  first_pass_ = std::move(pass);
+}
+
+/// Where most frames are lost once the part has been lost for the first time.
+std::optional<BetterStart> Tracking::better_start() {
+  const auto running = clock_.enter(Stage::finding);
+  if (result_.summary.gate_passed || result_.summary.rests_for_ever) return std::nullopt;
+  return start_after_loss(frames(), start_, result_.track, first_pass_->result().disc, options_);
+}
+
+void Tracking::follow_from_start() {
   cache_first_frames(start_);
-  first_pass_.emplace(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
+  first_pass_ =
+      std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
   FramesForLayers for_layers(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
   for (std::int64_t k = 0; k < total; ++k) {
@@ -136,6 +175,9 @@ void Tracking::measure_layers() {
     decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
+  if (!layers.done && options_.layers == Layers::on)
+    summary.warnings.push_back("the second pass that was asked for (--layers on) is not used: " +
+                               layers.plan.front().reason);
   if (!layers.done) {
     if (!by_rim) audited_ = first.audited;  // they are the template's
     add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
@@ -151,6 +193,12 @@ void Tracking::measure_layers() {
     summary.disc.radius = layers.disc_radius;
     summary.disc_radius_sd = layers.disc_radius_sd;
   }
+}
+
+/// At the final centres.
+void Tracking::follow_rotation() {
+  const auto running = clock_.enter(Stage::rotation);
+  measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan);
 }
 
 /// Of the pass that the positions are from.

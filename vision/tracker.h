@@ -29,12 +29,23 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vision/frame_source.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {
+
+/// Several discs have an equal right to be the part: the user must say which it is.
+class AmbiguousTarget : public InputError {
+ public:
+  AmbiguousTarget(const std::string& what, std::int64_t in_frame, bool at_the_start, std::vector<Circle> all)
+      : InputError(what), frame(in_frame), first(at_the_start), discs(std::move(all)) {}
+  std::int64_t frame;         ///< the recording's own number: where all of them are seen
+  bool first;                 ///< it is the first analysed frame
+  std::vector<Circle> discs;  ///< numbered from 1 in this order
+};
 
 /// What to follow: a disc (template masked by its circle), any rectangle, or the disc found in the first
 /// analysed frame. Pixel coordinates, see Point.
@@ -105,7 +116,8 @@ struct TrackOptions {
 /// Follows the target from the first analysed frame, or from that in which a disc is first seen there. The
 /// template is taken there and never replaced (a replaced template drifts). Where the plan includes it, a
 /// second pass measures every frame again (Layers). Throws InputError (target outside the picture, frames not
-/// in the recording, no disc found, no time base).
+/// in the recording, no disc found, a given disc
+/// not there, no time base), AmbiguousTarget where the part is to be found and several discs may be it.
 TrackResult track(FrameSource& source, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

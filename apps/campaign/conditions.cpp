@@ -116,7 +116,7 @@ void use_measured_gate(AnalysedRun& analysed) {
   fit::derive_alpha_and_v(analysed.displacement);
 }
 
-/// A track that lost its part too often measures nothing, whoever made it and when.
+/// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
 void require_accepted(const CampaignRun& run, const TrackFile& track) {
   if (track.facts.accepted) return;
   std::string look;
@@ -125,6 +125,10 @@ void require_accepted(const CampaignRun& run, const TrackFile& track) {
     overlay.replace_extension(".png");
     if (std::filesystem::exists(overlay)) look = fmt::format("look at {}; ", overlay.string());
   }
+  if (track.facts.rests_for_ever)
+    throw InvalidInput(fmt::format(
+        "{}: run \"{}\": the disc that was found by itself never moves; {}give disc_px = [X, Y, R]",
+        run.place, run.name, look));
   throw InvalidInput(fmt::format(
       "{}: run \"{}\": the part was lost in {} of {} frames, more than allowed; {}give disc_px, or leave "
       "frames out with `frames`",

@@ -13,6 +13,7 @@ vision::MarkerChoice marker_of(const CameraSection& camera) {
 
 void apply(const PartSection& part, const CameraSection& camera, RecordingJob& job) {
   job.frame_rate_hz = camera.frame_rate_hz;
+  job.frame_rate_reason = camera.frame_rate_reason;
   job.mm_per_px = camera.mm_per_px;
   job.mm_per_px_sd = camera.mm_per_px_sd;
   job.calibration = camera.calibration;

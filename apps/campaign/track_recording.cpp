@@ -7,6 +7,8 @@
 #include "apps/files/calibration_file.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
+#include "apps/text/output_file.h"
+#include "vision/overlay.h"
 
 namespace tribotrack::apps {
 
@@ -54,29 +56,56 @@ std::optional<vision::PlaneGeometry> geometry_of(const RecordingJob& job, const 
 }
 
 Json configuration_of(const RecordingJob& job, const std::optional<Input>& calibration) {
-  return {{"frame_rate_hz", optional_json(job.frame_rate_hz)},
-          {"mm_per_px", optional_json(job.mm_per_px)},
-          {"mm_per_px_sd", job.mm_per_px_sd},
-          {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
-          {"diameter_mm", optional_json(job.diameter_mm)},
-          {"diameter_sd_mm", job.diameter_sd_mm},
-          {"height_mm", optional_json(job.height_mm)},
-          {"working_distance_mm", optional_json(job.working_distance_mm)},
-          {"xi_axis_rad", job.xi_axis_rad},
-          {"target", target_json(job.track.target)},
-          {"marker", marker_json(job.track.marker)},
-          {"gate", circle_json(job.track.gate)},
-          {"first_frame", optional_json(job.track.first_frame)},
-          {"last_frame", optional_json(job.track.last_frame)},
-          {"min_ncc", job.track.min_ncc},
-          {"max_lost_share", job.track.max_lost_share},
-          {"search_margin_px", job.track.search_margin_px},
-          {"layers", job.track.layers == vision::Layers::automatic ? "auto"
-                     : job.track.layers == vision::Layers::on      ? "on"
-                                                                   : "off"}};
+  Json json = {{"frame_rate_hz", optional_json(job.frame_rate_hz)},
+               {"mm_per_px", optional_json(job.mm_per_px)},
+               {"mm_per_px_sd", job.mm_per_px_sd},
+               {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
+               {"diameter_mm", optional_json(job.diameter_mm)},
+               {"diameter_sd_mm", job.diameter_sd_mm},
+               {"height_mm", optional_json(job.height_mm)},
+               {"working_distance_mm", optional_json(job.working_distance_mm)},
+               {"xi_axis_rad", job.xi_axis_rad},
+               {"target", target_json(job.track.target)},
+               {"marker", marker_json(job.track.marker)},
+               {"gate", circle_json(job.track.gate)},
+               {"first_frame", optional_json(job.track.first_frame)},
+               {"last_frame", optional_json(job.track.last_frame)},
+               {"min_ncc", job.track.min_ncc},
+               {"max_lost_share", job.track.max_lost_share},
+               {"search_margin_px", job.track.search_margin_px},
+               {"layers", job.track.layers == vision::Layers::automatic ? "auto"
+                          : job.track.layers == vision::Layers::on      ? "on"
+                                                                        : "off"}};
+  if (!job.frame_rate_reason.empty()) json["frame_rate_reason"] = job.frame_rate_reason;
+  return json;
+}
+
+/// The question as the user sees it: what to look at, and what to paste.
+[[noreturn]] void ask(vision::FrameSource& source, const vision::AmbiguousTarget& question,
+                      const std::filesystem::path& picture) {
+  const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
+  write_file(picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
+  std::string text = fmt::format("{}: look at {} and give the part, ", question.what(), picture.string());
+  const std::string frames = question.first ? "" : fmt::format(" --frames {}:", question.frame);
+  for (std::size_t k = 0; k < question.discs.size(); ++k) {
+    const vision::Circle& c = question.discs[k];
+    text += fmt::format("{}{}: --disc {:.1f},{:.1f},{:.1f}{}", k > 0 ? ", " : "", k + 1, c.x, c.y, c.radius,
+                        frames);
+  }
+  text += question.first ? " (campaign: disc_px = [X, Y, R] in the run)"
+                         : fmt::format(" (campaign: disc_px = [X, Y, R], frames = [{}, LAST] in the run)",
+                                       question.frame);
+  throw InvalidInput(text);
 }
 
 }  // namespace
+
+std::filesystem::path question_picture(const std::filesystem::path& beside,
+                                       const std::filesystem::path& recording) {
+  std::filesystem::path name = beside.empty() || is_standard_output(beside) ? recording.filename() : beside;
+  if (name.empty()) name = recording.parent_path().filename();  // a folder's name with a slash
+  return name.replace_extension(".discs.png");
+}
 
 PreparedJob prepare(RecordingJob job) {
   PreparedJob prepared;
@@ -93,10 +122,10 @@ PreparedJob prepare(RecordingJob job) {
   return prepared;
 }
 
-TrackedRecording track_recording(const PreparedJob& prepared) {
+TrackedRecording track_recording(const PreparedJob& prepared, const std::filesystem::path& beside) {
   const RecordingJob& job = prepared.job;
   TrackedRecording recording;
-  recording.source = vision::open_source(job.video, {job.frame_rate_hz});
+  recording.source = vision::open_source(job.video, {job.frame_rate_hz, job.frame_rate_reason});
   const vision::SourceInfo& info = recording.info();
   if (!info.time_base.known())
     throw vision::InputError(fmt::format("{}: {}", job.video.string(), info.time_base.why_unknown()));
@@ -104,7 +133,11 @@ TrackedRecording track_recording(const PreparedJob& prepared) {
       job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
-  recording.result = vision::track(*recording.source, job.track);
+  try {
+    recording.result = vision::track(*recording.source, job.track);
+  } catch (const vision::AmbiguousTarget& question) {
+    ask(*recording.source, question, question_picture(beside, job.video));
+  }
   prepared.state.require_unchanged();
   vision::TrackSummary& summary = recording.result.summary;
   try {
@@ -141,6 +174,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.frames = summary.frames;
   facts.lost_counted = summary.lost_counted;
   facts.accepted = summary.gate_passed;
+  facts.rests_for_ever = summary.rests_for_ever;
   facts.platform_from_texture = recording.result.track.has_marker && summary.ground_is_marker;
   facts.recorded_in = prepared.inputs;
   facts.frame_rate_hz = info.time_base.rate_hz;
@@ -166,6 +200,7 @@ Json summary_json(const TrackedRecording& recording) {
                {"absent_at_first", s.absent_at_first},
                {"left_for_good", s.left_for_good},
                {"gate_passed", s.gate_passed},
+               {"rests_for_ever", s.rests_for_ever},
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
                {"disc_radius_common_sd_px", s.disc_radius_common_sd},

@@ -20,6 +20,7 @@ namespace tribotrack::apps {
 struct RecordingJob {
   std::filesystem::path video;
   std::optional<double> frame_rate_hz;
+  std::string frame_rate_reason;    ///< how the user knows it
   std::optional<double> mm_per_px;  ///< of the platform's plane; beats diameter_mm
   double mm_per_px_sd = 0;
   std::optional<std::filesystem::path> calibration;  ///< of the camera; beats diameter_mm
@@ -56,8 +57,13 @@ struct TrackedRecording {
 };
 
 /// Throws vision::InputError where the recording cannot be tracked, with the flag to give where its frame
-/// rate is unknown; InvalidInput where it has changed since it was prepared.
-TrackedRecording track_recording(const PreparedJob& prepared);
+/// rate is unknown; InvalidInput where it has changed since it was prepared, and where several discs may be
+/// the part: then a picture that numbers them lies beside the result `beside` (question_picture()).
+TrackedRecording track_recording(const PreparedJob& prepared, const std::filesystem::path& beside);
+
+/// OUT/x.csv -> OUT/x.discs.png; of standard output, x.discs.png for a recording x.mp4.
+std::filesystem::path question_picture(const std::filesystem::path& beside,
+                                       const std::filesystem::path& recording);
 
 /// The track as measuring takes it, the same to the last bit as read back from the files of write_track().
 /// `inputs` stay empty.

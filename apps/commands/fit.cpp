@@ -31,7 +31,8 @@ std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& r
   if (!run.video) return std::nullopt;
   if (!options.tracks.empty()) return read_track_file(RunFolder::track_in(options.tracks, run.name));
   const PreparedJob job = prepare(job_for(campaign, run));
-  TrackFile track = track_file_of(job, track_recording(job));
+  TrackFile track =
+      track_file_of(job, track_recording(job, fs::path(options.output).parent_path() / (run.name + ".csv")));
   track.inputs = job.inputs;
   return track;
 }

@@ -27,6 +27,7 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 
 [camera]
 # frame_rate_hz = 1000.0        # only where the recording does not give it (see `tribotrack probe VIDEO`)
+# frame_rate_reason = "..."     # how you know it, where it is but the playback rate the file states
 # mm_per_px = 0.02
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found

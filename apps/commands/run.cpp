@@ -155,7 +155,7 @@ TrackFile CampaignRunner::track_of(const CampaignRun& run, RunLog& log) const {
   log.skipped = is_complete(run, job.key);
   if (log.skipped) return read_track_file(folder_.track(run.name));
   const auto begun = std::chrono::steady_clock::now();
-  TrackedRecording recording = track_recording(job);
+  TrackedRecording recording = track_recording(job, folder_.track(run.name));
   log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
   for (const auto& stage : recording.result.stage_times) log.stage_seconds[stage.name] = stage.seconds;
   write_pictures(run, recording);  // first: the track's meta file marks the run as done

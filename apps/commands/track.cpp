@@ -22,7 +22,8 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration;
+  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration,
+      fps_reason;
   std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
   std::string debug, debug_frames;
   bool json = false;
@@ -116,7 +117,12 @@ RecordingJob job_of(const TrackCommandOptions& options) {
       throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *value));
     return value;
   };
-  if (positive("--fps", options.fps)) job.frame_rate_hz = options.fps;
+  if (positive("--fps", options.fps)) {
+    job.frame_rate_hz = options.fps;
+    job.frame_rate_reason.clear();
+  }
+  if (!options.fps_reason.empty() && !job.frame_rate_hz) throw UsageError("--fps-reason needs --fps");
+  if (!options.fps_reason.empty()) job.frame_rate_reason = options.fps_reason;
   if (options.mm_per_px && options.diameter_mm)
     throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
   if (!options.calibration.empty() && (options.mm_per_px || options.diameter_mm))
@@ -167,6 +173,8 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.layers = vision::Layers::on;
   else if (!options.layers.empty() && options.layers != "auto")
     throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
+  if (job.track.layers == vision::Layers::on && job.track.target.kind == vision::Target::Kind::rectangle)
+    throw UsageError("--layers on needs a disc with a round rim, and --template follows a rectangle");
   if (!options.debug_frames.empty() && options.debug.empty())
     throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
   if (!options.debug_frames.empty())
@@ -241,7 +249,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   std::optional<Progress> progress(std::in_place, "track", context.quiet);
   job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
   const PreparedJob prepared = prepare(job);
-  TrackedRecording recording = track_recording(prepared);
+  TrackedRecording recording = track_recording(prepared, options.output);
   progress.reset();
   if (!options.overlay.empty()) {
     TemporaryFile file(options.overlay, Content::pictures);
@@ -260,7 +268,13 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  if (!summary.gate_passed) {
+  if (summary.rests_for_ever) {
+    complain(fmt::format(
+        "{}: the disc that was found by itself never moves: give the part with --disc X,Y,R; should it be "
+        "this one, --disc {:.1f},{:.1f},{:.1f}",
+        options.input, summary.disc.x, summary.disc.y, summary.disc.radius));
+    context.exit_code = kQualityGate;
+  } else if (!summary.gate_passed) {
     complain(fmt::format(
         "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
         "--disc, or leave frames out with --frames",
@@ -282,6 +296,11 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->fps,
              "Rate of recording, frames/s, where the file does not give it reliably");
+  command
+      .add_option("--fps-reason", options->fps_reason,
+                  "How you know that the camera recorded at --fps: demanded where that is but the playback "
+                  "rate the file states, and kept in the meta file")
+      ->type_name("TEXT");
   add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
   command
@@ -293,7 +312,8 @@ void add_track(CLI::App& app, Context& context) {
              "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
-                  "The disc in the first analysed frame, or where it is first seen there (default: found)")
+                  "The disc in the first analysed frame, or where it is first seen there (default: found; "
+                  "where several may be it, a picture numbers them)")
       ->type_name("X,Y,R");
   command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");

@@ -19,6 +19,9 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
 CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   CameraSection camera;
   camera.frame_rate_hz = table.positive("frame_rate_hz");
+  camera.frame_rate_reason = table.text("frame_rate_reason").value_or("");
+  if (!camera.frame_rate_reason.empty() && !camera.frame_rate_hz)
+    table.fail("frame_rate_reason", "needs frame_rate_hz");
   camera.mm_per_px = table.positive("mm_per_px");
   camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
   if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "apps/text/strict_toml.h"
 #include "vision/picture.h"
@@ -17,6 +18,7 @@ struct PartSection {
 
 struct CameraSection {
   std::optional<double> frame_rate_hz;
+  std::string frame_rate_reason;  ///< how the user knows it
   std::optional<double> mm_per_px;
   double mm_per_px_sd = 0;
   std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder

@@ -123,6 +123,11 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
     file.x_mm.push_back(row.x_mm);
     file.y_mm.push_back(row.y_mm);
     file.sigma_px.push_back(row.sigma_x_px);
+    if (rows.has_rotation) {
+      file.time_s.push_back(row.time_s);
+      file.theta_rad.push_back(row.theta_rad);
+      file.sigma_theta_rad.push_back(row.sigma_theta_rad);
+    }
     if (!std::isnan(row.gate)) {
       file.lamp.time.push_back(row.time_s);
       file.lamp.level.push_back(row.gate);
@@ -162,6 +167,7 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.frames = summary.value("frames", std::int64_t{0});
     facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
     facts.accepted = summary.value("gate_passed", true);
+    facts.rests_for_ever = summary.value("rests_for_ever", false);
     facts.platform_from_texture = meta.value("platform_seen_by", "") == "texture";
     facts.frame_rate_hz = number_at(object_at("time_base"), "rate_hz");
     facts.time_base = object_at("time_base").value("source", "");

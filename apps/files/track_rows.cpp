@@ -14,7 +14,7 @@ namespace tribotrack::apps {
 
 namespace {
 
-enum class Group { always, marker, gate, planes };
+enum class Group { always, rotation, marker, gate, planes };
 
 struct Column {
   const char* name;
@@ -23,7 +23,7 @@ struct Column {
 };
 
 /// After `frame` and `time_s`, in the file's order.
-constexpr std::array<Column, 20> kColumns = {
+constexpr std::array<Column, 22> kColumns = {
     {{"x_px", &TrackRow::x_px},
      {"y_px", &TrackRow::y_px},
      {"sigma_x_px", &TrackRow::sigma_x_px},
@@ -35,6 +35,8 @@ constexpr std::array<Column, 20> kColumns = {
      {"y_mm", &TrackRow::y_mm},
      {"sigma_x_mm", &TrackRow::sigma_x_mm},
      {"sigma_y_mm", &TrackRow::sigma_y_mm},
+     {"theta_rad", &TrackRow::theta_rad, Group::rotation},
+     {"sigma_theta_rad", &TrackRow::sigma_theta_rad, Group::rotation},
      {"marker_x_px", &TrackRow::marker_x_px, Group::marker},
      {"marker_y_px", &TrackRow::marker_y_px, Group::marker},
      {"marker_sigma_px", &TrackRow::marker_sigma_px, Group::marker},
@@ -46,8 +48,9 @@ constexpr std::array<Column, 20> kColumns = {
      {"marker_sigma_mm", &TrackRow::marker_sigma_mm, Group::planes}}};
 
 bool holds(const TrackRows& rows, Group group) {
-  return group == Group::always || (group == Group::marker && rows.has_marker) ||
-         (group == Group::gate && rows.has_gate) || (group == Group::planes && rows.has_planes);
+  return group == Group::always || (group == Group::rotation && rows.has_rotation) ||
+         (group == Group::marker && rows.has_marker) || (group == Group::gate && rows.has_gate) ||
+         (group == Group::planes && rows.has_planes);
 }
 
 std::string header_of(const TrackRows& rows) {
@@ -147,6 +150,7 @@ TrackRows track_rows(const vision::Track& track, const std::optional<vision::Pla
   std::vector<std::optional<vision::PlacedPoint>> millimetres(track.points.size());
   if (geometry) millimetres = vision::place_track(track, *geometry, xi_axis_rad);
   TrackRows table;
+  table.has_rotation = track.has_rotation;
   table.has_marker = track.has_marker;
   table.has_gate = track.has_gate;
   table.has_planes = geometry && !geometry->plain();
@@ -165,6 +169,10 @@ TrackRows track_rows(const vision::Track& track, const std::optional<vision::Pla
       row.ncc = as_written(p.ncc);
     }
     if (millimetres[k]) put_millimetres(row, *millimetres[k], table.has_planes);
+    if (p.rotation) {
+      row.theta_rad = as_written(p.rotation->theta);
+      row.sigma_theta_rad = as_written(p.rotation->sigma);
+    }
     if (p.marker) {
       row.marker_x_px = as_written(p.marker->x);
       row.marker_y_px = as_written(p.marker->y);
@@ -198,6 +206,7 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
         fmt::format("{}: is not a track: it is empty; make one with `tribotrack track`", path.string()));
   const Places places(csv);
   TrackRows table;
+  table.has_rotation = places.has("theta_rad");
   table.has_marker = places.has("marker_x_px");
   table.has_gate = places.has("gate");
   table.has_planes = places.has("rho_xy_mm");

@@ -316,8 +316,8 @@ TEST_P(FaintGlare, IsLearntAndTakenOut) {
 }
 
 // Known limit: over a texture a bright or broad light is told from the ground only in part: the narrow one
-// leaves 1.5 times the bound, the broad one, on which the rim is the better choice, 4 times. A single template
-// is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times.
+// leaves 1.5 times the bound, the broad one, on which the rim is the better choice, 4 times. A single
+// template is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times.
 TEST_P(BrightGlare, IsTakenOutInPart) {
   const Outcome o = tracked();
   EXPECT_EQ(o.errors.ok, 200);
@@ -418,7 +418,9 @@ TEST(FoundByItself, AndNeverMovingIsSaid) {
     r.frames = 40;
     if (!moves) r.pose = [](double) { return ScenePose{{60.3, 60.2}, 0, {0, 0}}; };
     RenderedSource source = r.source();
-    const auto warnings = track(source, {}).summary.warnings;
+    const TrackSummary summary = track(source, {}).summary;
+    const auto& warnings = summary.warnings;
+    EXPECT_EQ(summary.gate_passed, moves);
     const bool said = std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
       return w.find("stays within") != std::string::npos;
     });

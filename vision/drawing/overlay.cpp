@@ -76,6 +76,19 @@ class Canvas {
     line({c.x - arm, c.y}, {c.x + arm, c.y}, colour);
     line({c.x, c.y - arm}, {c.x, c.y + arm}, colour);
   }
+  /// A number beside a circle, on the side where the picture has room.
+  void number(const Circle& c, int value, const cv::Scalar& colour) {
+    const std::string words = std::to_string(value);
+    const double size = std::max(0.6, image_.cols / 1200.0);
+    int base = 0;
+    const cv::Size box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 2, &base);
+    const auto place = [&](double v) { return static_cast<int>((v + 0.5) * scale_); };
+    int x = place(c.x + c.radius) + 3;
+    if (x + box.width > image_.cols) x = place(c.x - c.radius) - 3 - box.width;
+    const int y = std::clamp(place(c.y) + box.height / 2, box.height + 2, image_.rows - 3);
+    cv::putText(image_, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 5, cv::LINE_AA);
+    cv::putText(image_, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, size, colour, 2, cv::LINE_AA);
+  }
   /// One line of text in the top left corner, line 0, 1, ...; dark behind so that it reads on any ground.
   void text(int row, const std::string& words, const cv::Scalar& colour) {
     const double size = std::max(0.45, image_.cols / 1600.0);
@@ -223,6 +236,20 @@ std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t fra
   const Picture first = source.read(frame_number - source.info().first_number);
   std::vector<unsigned char> bytes;
   cv::imencode(".png", Stretch(first)(first), bytes);
+  return bytes;
+}
+
+std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,
+                                              const std::vector<Circle>& discs) {
+  const Picture frame = source.read(frame_number - source.info().first_number);
+  Canvas canvas(Stretch(frame)(frame), enlargement_for(source.info()));
+  for (std::size_t k = 0; k < discs.size(); ++k) {
+    canvas.circle({discs[k].x, discs[k].y}, discs[k].radius, kOutline);
+    canvas.number(discs[k], static_cast<int>(k) + 1, kOutline);
+  }
+  canvas.text(0, "frame " + std::to_string(frame_number) + ": which of these is the part?", kText);
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", canvas.image(), bytes);
   return bytes;
 }
 

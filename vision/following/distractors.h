@@ -21,10 +21,14 @@ class Distractors {
   /// pairs first, one each), and returns those that are left: things not seen before. A distractor that is
   /// not seen (a hand covers it) keeps its place.
   std::vector<Point> unexplained(const std::vector<Point>& candidates);
+  /// Whether most of them, two at least, were last given candidates further off than a quarter of the way to
+  /// their nearest neighbour: then the whole scene has jumped, and which is which is a guess.
+  bool all_moved() const { return all_moved_; }
 
  private:
   double reach_;
   std::vector<Point> places_;
+  bool all_moved_ = false;
 };
 
 }  // namespace tribotrack::vision

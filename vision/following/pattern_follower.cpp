@@ -10,6 +10,9 @@ namespace {
 constexpr double kEdgeMargin = 1.0;       ///< px around the part that must be in the picture
 constexpr double kNccDrop = 0.8;          ///< of the usual score: a match below it is rejected
 constexpr double kRefoundNccDrop = 0.88;  ///< the same for a part found far from where it was expected
+/// Correlations that differ by less may be those of two pictures of the same part.
+constexpr double kSameLook = 0.05;
+constexpr int kMostAlike = 100;  ///< things that look like the part, in a whole frame
 constexpr int kAngles = 24;
 constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
 constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
@@ -66,6 +69,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
   audited_ = audited;
   const Rect bounds = source.bounds();
   FollowStep out;
+  if (effort_.ended) return out;
   outside_.reset();
   if (state_ == State::following || state_ == State::tentative) {
     const Point predicted = motion_.at(index);
@@ -76,12 +80,14 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
       out.sighting = near(source, index, predicted, reach);
       if (out.sighting) {
         out.confirms_previous = state_ == State::tentative;
+        out.came_back = out.confirms_previous && before_state_ == State::left;
         accept(index, *out.sighting);
         state_ = State::following;
         out.status = TrackStatus::ok;
         return out;
       }
     }
+    if (effort_.ended) return out;
     if (state_ == State::tentative) {
       motion_ = *before_tentative_;
       state_ = before_state_;
@@ -99,6 +105,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
   }
   if (options_.search_whole_frame) {
     out.sighting = search(source, index);
+    if (effort_.ended) return out;
     if (out.sighting) {
       before_tentative_ = motion_;
       before_state_ = state_;
@@ -163,6 +170,7 @@ std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& 
   s.position = {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy};
   s.pose = r.pose;
   s.covariance = r.covariance;
+  s.sigma_theta = r.sigma_theta;
   s.ncc = r.ncc;
   s.residual_rms = r.residual_rms;
   s.excess_rms = r.excess_rms;
@@ -218,11 +226,17 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
     }
     return s;
   };
+  const auto itself = [&](std::optional<Sighting> s) {
+    if (!s || distance(s->position, predicted) <= own_radius() || !may_be_another(source, index, s->position))
+      return within(s);
+    effort_.ended = index;
+    return std::optional<Sighting>();
+  };
   if (rim_first())
-    if (auto s = by_rim(window, index, predicted, reach)) return within(s);
+    if (auto s = by_rim(window, index, predicted, reach)) return itself(s);
   Point place = predicted;
-  if (auto s = by_template(window, index, predicted, reach, place)) return within(s);
-  return rim_ ? within(by_rim(window, index, place, reach)) : std::nullopt;
+  if (auto s = by_template(window, index, predicted, reach, place)) return itself(s);
+  return rim_ ? itself(by_rim(window, index, place, reach)) : std::nullopt;
 }
 
 /// `place` becomes that of the best correlation, where the prediction is not confirmed.
@@ -279,7 +293,8 @@ std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t
 std::vector<Point> PatternFollower::candidates() {
   ++effort_.whole_frame_searches;
   std::vector<Point> out;
-  for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), 12))
+  for (const Match& m :
+       matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), kMostAlike))
     out.push_back({m.x + matcher_offset_x_, m.y + matcher_offset_y_});
   return out;
 }
@@ -292,6 +307,27 @@ void PatternFollower::remember_distractors(FrameSource& source) {
   for (const Point& c : candidates())
     if (distance(c, motion_.last()) > 0.6 * pattern_.reach()) distractors_.add(c);
   distractors_known_ = true;
+}
+
+/// Two of the kind lie at least twice this apart: within it of its prediction the part is itself.
+double PatternFollower::own_radius() const {
+  return pattern_.radius > 0 ? pattern_.radius
+                             : 0.5 * std::min(pattern_.window.width, pattern_.window.height);
+}
+
+/// Whether something that looked like the part when the part was last seen is nearly as likely to have come
+/// to a place: by less than twice the way, from where it was or from where the part's motion would take it.
+bool PatternFollower::may_be_another(FrameSource& source, std::int64_t index, const Point& place) {
+  Picture window = std::move(picture_);
+  remember_distractors(source);
+  picture_ = std::move(window);
+  distractors_known_ = false;
+  const Point predicted = motion_.at(index), last = motion_.last();
+  const double way = distance(place, predicted);
+  return std::ranges::any_of(distractors_.places(), [&](const Point& other) {
+    const Point carried{other.x + predicted.x - last.x, other.y + predicted.y - last.y};
+    return std::min(distance(place, other), distance(place, carried)) < 2 * way;
+  });
 }
 
 /// By its template, or by its rim where that was last seen alone.
@@ -319,12 +355,13 @@ std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_
   const Rect bounds = source.bounds();
   source.read(index, bounds, picture_);
   if (state_ == State::left && !may_be_back()) return std::nullopt;
-  std::optional<Sighting> best;
+  const std::vector<Point> unexplained = distractors_.unexplained(candidates());
+  std::vector<Sighting> found;
   const auto gap = static_cast<double>(index - motion_.last_frame());
   const double reachable = std::max(64.0, 2 * pattern_.reach()) + 2 * motion_.top_speed() * gap;
   // What has left the picture comes back through its border.
   const double band = kEdgeMargin + std::max(pattern_.reach(), 2 * motion_.top_speed());
-  for (const Point& c : distractors_.unexplained(candidates())) {
+  for (const Point& c : unexplained) {
     const bool possible =
         distance(c, motion_.at(index)) <= reachable || distance(c, motion_.last()) <= reachable;
     const bool entered = state_ != State::left || !pattern_.inside(bounds, c, band);
@@ -335,9 +372,18 @@ std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_
       if (!(possible && entered)) distractors_.add(c);
       continue;
     }
-    if (!best || s->ncc > best->ncc) best = s;
+    found.push_back(*s);
   }
-  fruitless_ = best ? Picture() : picture_;
+  fruitless_ = found.empty() ? picture_ : Picture();
+  if (found.empty()) return std::nullopt;
+  const Sighting best = *std::ranges::max_element(found, {}, &Sighting::ncc);
+  const bool others = std::ranges::any_of(found, [&](const Sighting& s) {
+    return s.ncc > best.ncc - kSameLook && distance(s.position, best.position) > own_radius();
+  });
+  if (others || distractors_.all_moved()) {
+    effort_.ended = index;
+    return std::nullopt;
+  }
   return best;
 }
 

@@ -3,7 +3,9 @@
 // Each frame: predict, refine from the prediction; if the score does not confirm the match, correlate over a
 // window about the prediction; if that fails too the part is lost and the whole frame is searched. A part
 // found again far from where it was expected counts only once a second frame confirms it, and never where a
-// known distractor is.
+// known distractor is. Where it may as well be another thing that looks alike - the part has jumped further
+// than its own radius, or was lost, and more than one of its kind may have come to where it is found - the
+// track ends: nothing tells them apart any more.
 //
 // A round part may change its look (metal that turns under a lamp): where its template no longer confirms the
 // match, its rim does (rim_sectors.h). While that goes on the rim comes first, and the template is tried
@@ -38,6 +40,7 @@ struct FollowOptions {
 struct Sighting {
   Point position;
   Pose pose;                                             ///< theta as predicted where the rim alone was seen
+  double sigma_theta = 0;                                ///< rad; 0 where theta was not measured
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< zero of a rim: rim_series.h
   double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
   double residual_rms = 0;
@@ -52,6 +55,7 @@ struct FollowStep {
   std::optional<Sighting> sighting;
   bool tentative = false;          ///< sighting awaits confirmation by the next frame; status is lost
   bool confirms_previous = false;  ///< the previous frame's tentative sighting was right
+  bool came_back = false;          ///< so it was, of a part that had left the picture
 };
 
 /// What it took, for the plan.
@@ -59,7 +63,8 @@ struct FollowEffort {
   std::int64_t proved_by_refinement = 0;
   std::int64_t window_searches = 0;
   std::int64_t whole_frame_searches = 0;
-  std::int64_t proved_by_rim = 0;  ///< where the template was not confirmed, or not tried
+  std::int64_t proved_by_rim = 0;     ///< where the template was not confirmed, or not tried
+  std::optional<std::int64_t> ended;  ///< index of the frame since which the part cannot be told from others
 };
 
 class PatternFollower {
@@ -81,6 +86,7 @@ class PatternFollower {
                                       double reach, Point& place);
   std::optional<Sighting> by_rim(const Rect& window, std::int64_t index, const Point& place, double reach);
   std::optional<Point> best_match(const Rect& window);
+  double own_radius() const;
   bool rim_first() const { return rim_ && template_rest_ > 0; }
   std::optional<Sighting> refine(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> refine_any_angle(const Rect& window, const Pose& start, double max_distance);
@@ -89,6 +95,7 @@ class PatternFollower {
   bool may_be_back() const;
   std::vector<Point> candidates();
   void remember_distractors(FrameSource& source);
+  bool may_be_another(FrameSource& source, std::int64_t index, const Point& place);
   std::optional<HalvesError> halves();
   void accept(std::int64_t index, const Sighting& sighting);
   Pose pose_at(const Point& position, std::int64_t index) const;
@@ -112,7 +119,7 @@ class PatternFollower {
       template_pause_ = 0;           ///< frames until the template is tried again; the last such pause
   std::optional<Sighting> outside_;  ///< seen, but reaching out of the picture
   Distractors distractors_;
-  bool distractors_known_ = false;
+  bool distractors_known_ = false;  ///< those of the last frame in which the part was seen
   FollowEffort effort_;
   double area_ = 0, contrast_ = 0;  ///< of the template's mask, px; standard deviation of its levels
   Picture fruitless_;               ///< the last frame in which a search of it all found nothing

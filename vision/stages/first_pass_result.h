@@ -15,7 +15,9 @@ struct FirstPassResult {
   Circle disc;                   ///< in the first frame
   double blur = 0;               ///< of its rim, px; 0 where the part is not a disc
   bool turning = false;          ///< the part's texture shows its rotation
+  bool texture_seen = false;     ///< in the first frame there is a texture that would show it
   std::vector<double> theta;     ///< that rotation, rad, one per point; 0 where not ok
+  std::vector<double> sigma_theta;  ///< its standard deviation; 0 where it was not measured
   std::vector<bool> by_rim;      ///< measured by the rim alone: where the template was not confirmed theta is
                                  ///< as predicted; complete after the last frame
   std::vector<AuditFrame> audited;  ///< frames whose halves were compared

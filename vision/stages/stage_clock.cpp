@@ -24,6 +24,8 @@ const char* to_string(Stage stage) {
       return "layers: learning";
     case Stage::layers_measuring:
       return "layers: measuring";
+    case Stage::rotation:
+      return "rotation by rings";
     case Stage::audit:
       return "audit";
     case Stage::debug_pictures:

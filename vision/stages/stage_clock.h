@@ -21,6 +21,7 @@ enum class Stage {
   radius,
   layers_learning,
   layers_measuring,
+  rotation,
   audit,
   debug_pictures,
   other,

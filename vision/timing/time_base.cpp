@@ -44,11 +44,24 @@ std::optional<double> usual_playback_rate(double rate_hz) {
   return nearest;
 }
 
-TimeBaseCandidate user_rate(double rate_hz) {
+TimeBaseCandidate user_rate(double rate_hz, const std::string& reason) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz))
     throw InputError("the frame rate given (--fps, frame_rate_hz) is " + std::to_string(rate_hz) +
                      " but must be a positive number of frames per second");
-  return {"--fps", rate_hz, true, "given by the user"};
+  return {"--fps", rate_hz, true, "given by the user" + (reason.empty() ? "" : ": " + reason)};
+}
+
+void require_reason(double user_rate_hz, const std::string& reason, const TimeBaseCandidate& stated) {
+  constexpr double kFastestPlayback = 60.1;  // faster ones are the cameras' own, or a container's ticks
+  if (!reason.empty() || stated.accepted || stated.rate_hz > kFastestPlayback) return;
+  const auto playback = usual_playback_rate(stated.rate_hz);
+  if (!playback || usual_playback_rate(user_rate_hz) != playback) return;
+  throw InputError(fmt::format(
+      "the frame rate given (--fps, frame_rate_hz), {}, is the playback rate that {} state: players set it "
+      "whatever the camera did. Give the rate of recording or, if this is it, how you know: --fps-reason "
+      "TEXT "
+      "(campaign: frame_rate_reason = \"TEXT\")",
+      in_hz(user_rate_hz), stated.source));
 }
 
 TimeBase choose_time_base(std::vector<TimeBaseCandidate> candidates) {

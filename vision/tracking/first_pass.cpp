@@ -84,6 +84,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
   result_.disc = setup_.disc;
   result_.blur = rim_ ? rim_->blur : 0;
   result_.turning = setup_.follow.rotation;
+  result_.texture_seen = setup_.texture_seen;
   result_.noise_variance = noise_variance_;
   result_.ground_texture = setup_.ground_texture;
   track_.has_marker = marker_.follower.has_value();
@@ -110,14 +111,17 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
+    result_.sigma_theta.back() = tentative_->sigma_theta;
     result_.residual.back() = tentative_->residual_rms;
     rim_track_.see(source_, index - 1, track_.points.size() - 1, *tentative_);
     ++refound_;
+    if (step.came_back) came_back_.push_back(track_.points.size() - 1);
   }
   tentative_ = step.tentative ? step.sighting : std::nullopt;
   point.status = step.status;
   const bool ok = step.status == TrackStatus::ok;
   result_.theta.push_back(ok ? step.sighting->pose.theta : 0);
+  result_.sigma_theta.push_back(ok ? step.sighting->sigma_theta : 0);
   result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
   if (!ok) return step;
   fill(point, *step.sighting);
@@ -173,6 +177,7 @@ void FirstPass::follow_ground(TrackSummary& summary) {
 }
 
 Track FirstPass::finish(TrackSummary& summary) {
+  for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
   const RimEvidence rim =
       timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
   summary.disc = setup_.disc;
@@ -192,9 +197,14 @@ Track FirstPass::finish(TrackSummary& summary) {
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
+  if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
   if (rim_shape_) summary.plan.push_back(rim_stage(rim));
-  if (options_.target.kind == Target::Kind::find_disc)
-    add(summary.warnings, stillness_warning(track_, summary.disc));
+  if (options_.target.kind == Target::Kind::find_disc) {
+    const auto still = stillness_warning(track_, summary.disc);
+    add(summary.warnings, still);
+    summary.rests_for_ever = still.has_value();
+    if (still) summary.gate_passed = false;
+  }
   result_.excess = median(excess_);
   result_.audited = audited_.frames();
   return std::move(track_);

@@ -71,6 +71,7 @@ class FirstPass {
   std::optional<Sighting> tentative_;  ///< in the last frame, to be confirmed by the next
   std::vector<double> excess_;
   std::int64_t refound_ = 0;
+  std::vector<std::size_t> came_back_;  ///< points at which a part that had left was found again
   double clipped_share_ = 0;
 };
 

@@ -164,9 +164,31 @@ std::optional<std::string> stillness_warning(const Track& track, const Circle& d
   const double range = std::hypot(right - left, bottom - top);
   if (seen < 2 || range > kStill) return std::nullopt;
   return fmt::format(
-      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px: if that is not the part, give "
+      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px and is no moving part: give "
       "the part with --disc X,Y,R",
       disc.x, disc.y, range);
+}
+
+std::string alike_warning(std::int64_t frame) {
+  return fmt::format(
+      "the track ends before frame {}: from there on others that look like the part may have come to where "
+      "it "
+      "is seen; record at a higher rate, or mark the part",
+      frame);
+}
+
+std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {
+  constexpr double kStill = 0.5;  // px
+  auto& points = track.points;
+  const TrackPoint start = points[begin];
+  std::size_t end = begin;
+  for (; end < points.size() && points[end].status == TrackStatus::ok; ++end)
+    if (std::hypot(points[end].x - start.x, points[end].y - start.y) > kStill) return std::nullopt;
+  for (std::size_t k = begin; k < end; ++k) points[k].status = TrackStatus::lost;
+  return fmt::format(
+      "the part had left the picture; what looks like it at ({:.1f}, {:.1f}) px in frames {} to {} does not "
+      "move: it is taken for a mark on the ground",
+      start.x, start.y, start.frame, points[end - 1].frame);
 }
 
 void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages) {
@@ -189,7 +211,10 @@ std::string TrackSummary::brief_report() const {
   text += fmt::format("; noise {:.2f} grey levels, limit {:.4f} px", noise_levels, limit_px);
   if (disc.radius > 0)
     text += fmt::format("; disc at ({:.2f}, {:.2f}), radius {:.3f} px", disc.x, disc.y, disc.radius);
-  if (!gate_passed) text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
+  if (rests_for_ever)
+    text += "; NOT ACCEPTED: what was found by itself never moves";
+  else if (!gate_passed)
+    text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
   return text;
 }
 

@@ -40,6 +40,12 @@ std::optional<std::string> excess_warning(double excess, double noise);
 /// A disc that was found, not given, and never moves may be a mark on the table.
 std::optional<std::string> stillness_warning(const Track& track, const Circle& disc);
 
+/// Which of several that look alike is the part cannot be told since this frame.
+std::string alike_warning(std::int64_t frame);
+/// What is taken for a part that has left and come back, from point number `begin` until it is lost again,
+/// must move, or else it is a mark on the ground: then those points become lost, and it is said.
+std::optional<std::string> without_a_mark(Track& track, std::size_t begin);
+
 /// Appends.
 void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages);
 void add(std::vector<std::string>& warnings, std::vector<std::string> more);

@@ -57,14 +57,14 @@ void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource&
   setup.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
 }
 
-void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source,
+void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, std::int64_t index,
                  const TrackOptions& options) {
   if (options.target.kind == Target::Kind::disc) {
     check_whole(first, options.target.disc, source, "disc");
     setup.rim = refined(first, options.target.disc);
     if (!setup.rim) setup.warnings.push_back(no_rim_warning("disc", options.target.disc));
   } else {
-    setup.rim = find_part(first, source, options);
+    setup.rim = find_part(first, source, index, options);
   }
   setup.disc = setup.rim ? setup.rim->circle : options.target.disc;
   setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
@@ -85,6 +85,7 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
                      FrameSource& source, const FrameRange& range) {
   const bool visible = trial.limit_theta() < kRotationLimit;
+  setup.texture_seen = visible;
   setup.follow.rotation =
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
@@ -115,7 +116,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   if (options.target.kind == Target::Kind::rectangle) {
     set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
-    locate_disc(setup, first, source, options);
+    locate_disc(setup, first, source, range.first, options);
     mask_disc(setup, first, noise_variance);
   }
   RegistrationOptions registration;

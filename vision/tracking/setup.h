@@ -19,6 +19,7 @@ struct PartSetup {
   std::optional<DiscFit> rim;  ///< of the disc in the first frame, where it is seen
   double disc_radius_sd = 0, disc_blur = 0;
   double ground_texture = 0;  ///< around the disc, grey levels rms beyond the noise
+  bool texture_seen = false;  ///< that would show a rotation
   Pattern pattern;
   FollowOptions follow;
   double limit_px = 0;  ///< Cramer-Rao bound of a coordinate

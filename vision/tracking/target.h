@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
@@ -16,11 +17,39 @@ std::optional<DiscFit> refined(const Picture& first, const Circle& given);
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what);
 /// The gate's lamp is round and bright, too.
 void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options);
-/// The frame in which the part is first seen, where the recording starts before that. Range.first where it is
-/// not seen at all, or need not be a disc.
-std::int64_t first_appearance(FrameSource& source, const FrameRange& range, const TrackOptions& options);
+/// The frame in which the part is first seen.
+struct Appearance {
+  std::int64_t index = 0;
+  std::optional<std::string> warning;  ///< a given disc is not there at first
+};
+/// Range.first where it is not seen at all, or need not be a disc. Throws InputError for a given disc that is
+/// not there while another one is.
+Appearance first_appearance(FrameSource& source, const FrameRange& range, const TrackOptions& options);
+/// All that may be the part, best first.
+std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& options);
 /// The part, where its place is not given: away from a given marker, which is round too, and the largest of
-/// the discs that are supported nearly as well as the best. Throws InputError where no disc is found.
-DiscFit find_part(const Picture& first, const FrameSource& source, const TrackOptions& options);
+/// the discs that are supported nearly as well as the best. `first` is frame `index`. Throws InputError where
+/// no disc is found, AmbiguousTarget where others are like it.
+DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t index,
+                  const TrackOptions& options);
+
+/// Throws AmbiguousTarget where the part was found by itself and rests while others move (at_rest.h). `track`
+/// begins with frame `start` of the source.
+void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track,
+                     const TrackOptions& options);
+
+/// Another start for a track that loses the part early and for most of its frames: a hand lay over it, and
+/// the template shows the hand.
+struct BetterStart {
+  std::int64_t index = 0;
+  Circle disc;  ///< in that frame
+  std::string warning;
+};
+
+/// The first of the frames 1, 2, 4, ... after the part is first lost that shows one disc of its size (any,
+/// where the part is to be found), and one only; that frame at the latest that lies half of the recording
+/// after the first. `track` begins with frame `start`; `disc` is the part in it.
+std::optional<BetterStart> start_after_loss(FrameSource& source, std::int64_t start, const Track& track,
+                                            const Circle& disc, const TrackOptions& options);
 
 }  // namespace tribotrack::vision

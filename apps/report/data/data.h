@@ -113,6 +113,10 @@ struct ReportRun {
   /// Path in the platform's frame (or the camera's, see notes), y up; NaN where not measured.
   std::vector<double> x_mm, y_mm;
 
+  /// The part's rotation over time, NaN where it is not seen; empty where it is nowhere.
+  std::vector<double> time_s, theta_rad;
+  double sigma_theta_rad = no_value;  ///< median sd
+
   std::vector<ReportResidual> residuals;
   std::size_t points = 0, outlying_points = 0;  ///< trajectory fits: used, and of them beyond 6 sigma
   std::vector<ReportStage> plan;

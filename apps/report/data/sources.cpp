@@ -71,6 +71,9 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
   run.y_px = track.y_px;
   run.x_mm = track.x_mm;
   run.y_mm = track.y_mm;
+  run.time_s = track.time_s;
+  run.theta_rad = track.theta_rad;
+  run.sigma_theta_rad = median_of_finite(track.sigma_theta_rad);
   run.frames_ok = track.frames - track.lost - track.edge;
   run.frames_lost = track.lost;
   run.frames_edge = track.edge;

@@ -11,6 +11,7 @@
 #include "apps/report/page/figures.h"
 #include "apps/report/page/next.h"
 #include "apps/report/page/platform.h"
+#include "apps/report/page/rotation.h"
 #include "apps/report/page/runs.h"
 #include "apps/report/page/sections.h"
 #include "apps/report/text/text.h"
@@ -62,8 +63,8 @@ std::string page_of(const ReportData& data) {
   const std::string body = verdict_section(data) + parameter_section(data) + check_section(data) +
                            next_section(data) + dependence_section(data) + trajectory_section(data) +
                            platform_section(data) + residual_section(data) + slide_section(data) +
-                           run_section(data) + audit_section(data) + plan_section(data) +
-                           provenance_section(data);
+                           run_section(data) + rotation_section(data) + audit_section(data) +
+                           plan_section(data) + provenance_section(data);
   const std::string subtitle = subtitle_of(data);
   const std::string figures = figures_json(data);
   const EmbeddedAssets& assets = embedded_assets();

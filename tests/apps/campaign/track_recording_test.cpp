@@ -31,12 +31,12 @@ TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
   job_.track.progress = [&](std::int64_t, std::int64_t) {
     std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
   };
-  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_)); }), HasSubstr("a.cine: changed while"));
+  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_), "t.csv"); }), HasSubstr("a.cine: changed while"));
 }
 
 TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
   const PreparedJob prepared = prepare(job_);
-  const TrackedRecording recording = track_recording(prepared);
+  const TrackedRecording recording = track_recording(prepared, "t.csv");
   std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
   write_track(in_folder("a.csv"), prepared, recording);
   EXPECT_TRUE(is_current(in_folder("a.csv"), prepared.key));
@@ -59,7 +59,7 @@ TEST_F(TrackRecording, ANoteBesideThePicturesChangesNothing) {
 
 TEST_F(TrackRecording, MemoryAndFilesGiveOneTrack) {
   const PreparedJob prepared = prepare(job_);
-  const TrackedRecording recording = track_recording(prepared);
+  const TrackedRecording recording = track_recording(prepared, "t.csv");
   const TrackFile memory = track_file_of(prepared, recording);
   const Input csv = write_track(in_folder("a.csv"), prepared, recording);
   const TrackFile disk = read_track_file(in_folder("a.csv"));

@@ -36,6 +36,7 @@ vision::Track noisy_track(bool marker) {
   vision::Track track;
   track.has_marker = marker;
   track.has_gate = true;
+  track.has_rotation = marker;
   for (int k = 0; k < 200; ++k) {
     vision::TrackPoint p;
     p.frame = k - 17;
@@ -48,6 +49,7 @@ vision::Track noisy_track(bool marker) {
     p.rho_xy = 0.1 * normal(random);
     p.ncc = 0.99;
     if (marker) p.marker = vision::MarkerPoint{normal(random), normal(random), 0.003, 0.98};
+    if (marker && k % 7) p.rotation = vision::Rotation{0.01 * k + 0.001 * normal(random), 0.002};
     p.gate = 100 + normal(random);
     track.points.push_back(p);
   }
@@ -84,6 +86,9 @@ TEST_F(TrackFiles, ATrackInMemoryIsTheTrackReadBack) {
       EXPECT_TRUE(same_bits(memory.table.time, disk.table.time));
       EXPECT_TRUE(same_bits(memory.x_px, disk.x_px));
       EXPECT_TRUE(same_bits(memory.sigma_px, disk.sigma_px));
+      EXPECT_EQ(memory.theta_rad.size(), marker ? 200U : 0U);
+      EXPECT_TRUE(same_bits(memory.theta_rad, disk.theta_rad));
+      EXPECT_TRUE(same_bits(memory.sigma_theta_rad, disk.sigma_theta_rad));
       EXPECT_TRUE(same_bits(memory.lamp.level, disk.lamp.level));
       EXPECT_EQ(memory.table.position, disk.table.position);
       EXPECT_EQ(memory.table.covariance, disk.table.covariance);

@@ -27,5 +27,18 @@ TEST(Distractors, CoveredOneKeepsItsPlace) {
   EXPECT_TRUE(others.unexplained({{51, 50}}).empty());
 }
 
+TEST(Distractors, ThatAllJumpByMoreThanAQuarterOfTheirDistanceAreSaidTo) {
+  for (const double jump : {2.0, 9.0}) {
+    Distractors others(15);
+    std::vector<Point> seen;
+    for (int k = 0; k < 5; ++k) {
+      others.add({20.0 * k, 0});
+      seen.push_back({20 * k + jump, 0});
+    }
+    EXPECT_TRUE(others.unexplained(seen).empty());
+    EXPECT_EQ(others.all_moved(), jump > 5);
+  }
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

@@ -54,6 +54,23 @@ TEST(TimeBase, UsualPlaybackRates) {
   EXPECT_EQ(usual_playback_rate(30000.0 / 1001), 29.97);
 }
 
+TEST(TimeBase, APlaybackRateIsNoEvidenceWithoutAReason) {
+  const TimeBaseCandidate played{"container time stamps", 30000.0 / 1001, false, "a playback rate"};
+  const auto refused = [](double rate, const std::string& reason, const TimeBaseCandidate& stated) {
+    try {
+      require_reason(rate, reason, stated);
+    } catch (const InputError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(29.97, "", played));
+  EXPECT_FALSE(refused(29.97, "set on the camera", played));
+  EXPECT_FALSE(refused(240, "", played));
+  EXPECT_FALSE(refused(30, "", {"container time stamps", 240, true, "uniform"}));
+  EXPECT_FALSE(refused(1000, "", {"container time stamps", 1000, false, "a container's ticks"}));
+}
+
 TEST(TimeBase, TheUsersRateMustBeAPositiveNumber) {
   EXPECT_EQ(user_rate(240).rate_hz, 240);
   for (const double rate :

@@ -64,5 +64,27 @@ TEST(FrameCounts, LostBeforeItLeftForGoodCount) {
   EXPECT_FALSE(count(track, 0.04).gate_passed);
 }
 
+/// Ten frames, gone, and then what `later` makes of frames 20 to 39.
+Track left_and_back(double step) {
+  Track track;
+  for (int k = 0; k < 40; ++k) {
+    TrackPoint& p = track.points.emplace_back();
+    p.frame = k;
+    p.status = k < 10 || k >= 20 ? TrackStatus::ok : TrackStatus::lost;
+    p.x = 5 + step * k;
+  }
+  return track;
+}
+
+TEST(AMarkOnTheGround, DoesNotReplaceAPartThatHasLeft) {
+  Track still = left_and_back(0.01), moving = left_and_back(0.1);
+  const auto said = without_a_mark(still, 20);
+  ASSERT_TRUE(said);
+  EXPECT_NE(said->find("frames 20 to 39"), std::string::npos);
+  EXPECT_EQ(count(still, 0.1).ok, 10);
+  EXPECT_FALSE(without_a_mark(moving, 20));
+  EXPECT_EQ(count(moving, 0.1).ok, 30);
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

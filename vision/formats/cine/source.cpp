@@ -89,7 +89,8 @@ double linear_level(const CineHeader& header, int stored) {
 std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, double stamped_rate,
                                                const SourceOptions& options) {
   std::vector<TimeBaseCandidate> candidates;
-  if (options.frame_rate_hz) candidates.push_back(user_rate(*options.frame_rate_hz));
+  if (options.frame_rate_hz)
+    candidates.push_back(user_rate(*options.frame_rate_hz, options.frame_rate_reason));
   if (header.integer_rate > 0)
     candidates.push_back({"cine header", static_cast<double>(header.integer_rate), true,
                           "FrameRateInt, written by the camera"});

@@ -336,7 +336,8 @@ class LibavSource : public FrameSource {
 
   void describe_time(const SourceOptions& options) {
     std::vector<TimeBaseCandidate> candidates;
-    if (options.frame_rate_hz) candidates.push_back(user_rate(*options.frame_rate_hz));
+    if (options.frame_rate_hz)
+      candidates.push_back(user_rate(*options.frame_rate_hz, options.frame_rate_reason));
     if (auto sidecar = photron_sidecar_rate(info_.path)) candidates.push_back(*sidecar);
     if (auto tag = capture_tag()) candidates.push_back(*tag);
 
@@ -348,6 +349,8 @@ class LibavSource : public FrameSource {
     ContainerTimestamps stamps = judge_container_timestamps(ticks, av_q2d(stream().time_base),
                                                             av_q2d_or_zero(stream().avg_frame_rate));
     candidates.push_back(stamps.candidate);
+    if (options.frame_rate_hz && candidates.size() == 2)  // no camera's own statement between the two
+      require_reason(*options.frame_rate_hz, options.frame_rate_reason, stamps.candidate);
     info_.time_base = choose_time_base(std::move(candidates));
     info_.time_base.stamps_s = frame_times(stamps, info_.time_base);
     for (std::string& finding : findings(stamps.check, info_.first_number))

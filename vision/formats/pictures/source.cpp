@@ -73,7 +73,8 @@ class DecodedPictures : public FrameSource {
     info_.colour = first.channels() > 1;
     info_.codec = std::to_string(info_.bits) + " bit " + (info_.colour ? "colour" : "grey");
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
-    if (options.frame_rate_hz) info_.time_base = choose_time_base({user_rate(*options.frame_rate_hz)});
+    if (options.frame_rate_hz)
+      info_.time_base = choose_time_base({user_rate(*options.frame_rate_hz, options.frame_rate_reason)});
   }
 
  private:

@@ -1,0 +1,137 @@
+// What the program answers where it cannot know which disc is the part, or at which rate was recorded.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "apps/program.h"
+#include "vision/frame_sink.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Identity : public ProgramTest {
+ protected:
+  /// Bright discs on a dark ground, 20 frames of 160 x 100 px.
+  void record(const std::string& name, double rate_hz,
+              const std::function<std::vector<vision::Circle>(int frame)>& discs) {
+    vision::SinkOptions options;
+    options.width = 160;
+    options.height = 100;
+    options.frame_rate_hz = rate_hz;
+    const auto sink = vision::create_sink(in_folder(name), options);
+    for (int k = 0; k < 20; ++k) {
+      vision::Picture picture(160, 100);
+      for (int y = 0; y < 100; ++y)
+        for (int x = 0; x < 160; ++x) {
+          double level = 50 + (7 * x + 13 * y + 5 * k) % 3;
+          for (const vision::Circle& c : discs(k))
+            level += 55 * std::erfc(std::hypot(x - c.x, y - c.y) - c.radius);
+          picture.at(x, y) = static_cast<float>(std::round(level));
+        }
+      sink->write(picture);
+    }
+    sink->close();
+  }
+  /// Of the last row; the first row's is 0 in both kinds of table.
+  double last_theta(const std::string& csv) const {
+    std::istringstream text(content_of(in_folder(csv)));
+    std::string line, cell;
+    std::getline(text, line);
+    const auto place =
+        std::count(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(line.find("theta_rad")), ',');
+    while (std::getline(text, line)) cell = line;
+    std::istringstream cells(cell);
+    for (std::ptrdiff_t k = 0; k <= place; ++k) std::getline(cells, cell, ',');
+    return std::stod(cell);
+  }
+  void record_two(const std::string& name) {
+    record(name, 500, [](int k) {
+      return std::vector<vision::Circle>{{40.4 + k, 30.2, 11}, {120.2, 60.3 - 0.5 * k, 11.2}};
+    });
+  }
+};
+
+TEST_F(Identity, TwoDiscsAreAQuestionWithAPictureAndWhatToPaste) {
+  record_two("two.cine");
+  const Outcome asked = run("track two.cine --mm-per-px 0.1 -o t.csv -q");
+  expect_refused(asked, 3,
+                 {"2 discs in frame 0", "t.discs.png", "1: --disc 40.4,30.2,11", "2: --disc 120.2,60.3,11"});
+  EXPECT_EQ(content_of(in_folder("t.discs.png")).substr(1, 3), "PNG");
+  EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv")));
+  EXPECT_EQ(run("track two.cine --mm-per-px 0.1 --disc 40.4,30.2,11.0 -o t.csv -q").exit_code, 0);
+}
+
+TEST_F(Identity, InACampaignThePictureLiesAmongTheTracks) {
+  record_two("two.cine");
+  const std::string head =
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = [\"mu1\"]\n";
+  put(in_folder("c.toml"), head + "[[run]]\nvideo = \"two.cine\"\nkind = \"free_slide\"\n");
+  const Outcome asked = run("run c.toml -o out -q");
+  expect_refused(asked, 3, {"two.cine", "out/tracks/two.discs.png", "2: --disc 120.2,60.3,11", "disc_px"});
+  EXPECT_TRUE(std::filesystem::exists(in_folder("out/tracks/two.discs.png")));
+}
+
+TEST_F(Identity, ADiscThatIsNotThereIsExit3WithTheNearest) {
+  record_two("two.cine");
+  expect_refused(run("track two.cine --disc 47.4,30.2,11 --mm-per-px 1 -o t.csv -q"), 3,
+                 {"frame 0", "--disc 47.4,30.2,11", "--disc 40.4,30.2,11", "7.0 px"});
+}
+
+TEST_F(Identity, ADiscThatNeverMovesIsNoPartUnlessItIsSaidToBe) {
+  record("still.cine", 500, [](int) { return std::vector<vision::Circle>{{40.4, 30.2, 11}}; });
+  const Outcome found = run("track still.cine --mm-per-px 0.1 -o t.csv -q");
+  expect_refused(found, 4, {"never moves", "--disc 40.4,30.2,11"});
+  EXPECT_TRUE(std::filesystem::exists(in_folder("t.csv")));
+  EXPECT_EQ(run("track still.cine --mm-per-px 0.1 --disc 40.4,30.2,11 -o t.csv -q").exit_code, 0);
+  put(in_folder("c.toml"),
+      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = "
+      "[\"mu1\"]\n[[run]]\nvideo = \"still.cine\"\nkind = \"free_slide\"\n");
+  expect_refused(run("run c.toml -o out -q"), 3, {"still", "never moves", "disc_px"});
+}
+
+TEST_F(Identity, APlaybackRateNeedsAReason) {
+  record("slow.avi", 30, [](int k) { return std::vector<vision::Circle>{{40.4 + k, 30.2, 11}}; });
+  const std::string track = "track slow.avi --mm-per-px 0.1 -o t.csv -q";
+  expect_refused(run(track), 3, {"--fps"});
+  expect_refused(run(track + " --fps 30"), 3, {"playback rate", "--fps-reason"});
+  EXPECT_EQ(run(track + " --fps 240").exit_code, 0);
+  ASSERT_EQ(run(track + " --fps 30 --fps-reason 'set on the camera'").exit_code, 0);
+  EXPECT_THAT(content_of(in_folder("t.csv.meta.json")), HasSubstr("given by the user: set on the camera"));
+  expect_refused(run(track + " --fps-reason x"), 2, {"--fps"});
+}
+
+TEST_F(Identity, LayersThatCannotBeAreRefused) {
+  record_two("two.cine");
+  expect_refused(run("track two.cine --template 30,20,21,21 --layers on -o t.csv"), 2,
+                 {"--layers", "--template"});
+  const Outcome few =
+      run("track two.cine --disc 40.4,30.2,11 --frames :7 --layers on --mm-per-px 1 -o t.csv");
+  EXPECT_EQ(few.exit_code, 0);
+  EXPECT_THAT(few.err, HasSubstr("--layers on"));
+}
+
+TEST_F(Identity, RotationHasItsColumnsWhereItIsSeen) {
+  put(in_folder("scene.toml"),
+      "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 60\n[video]\nwidth = "
+      "160\nheight = 120\nframe_rate_hz = 1000\nframes = 30\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = "
+      "20\nspin_rad_s = -40\nscratches = 30\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
+  ASSERT_EQ(run("synth scene.toml -o s.cine -q").exit_code, 0);
+  ASSERT_EQ(run("track s.cine --mm-per-px 0.05 -o t.csv -q").exit_code, 0);
+  EXPECT_THAT(content_of(in_folder("t.csv")), HasSubstr("sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n"));
+  EXPECT_NEAR(last_theta("t.csv"), last_theta("s.cine.truth.csv"), 0.02);
+  EXPECT_NEAR(last_theta("t.csv"), -40 * 0.029, 0.02);
+  record_two("two.cine");
+  ASSERT_EQ(run("track two.cine --disc 40.4,30.2,11 --mm-per-px 1 -o p.csv -q").exit_code, 0);
+  EXPECT_THAT(content_of(in_folder("p.csv")), Not(HasSubstr("theta_rad")));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps

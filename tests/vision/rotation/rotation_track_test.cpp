@@ -1,0 +1,136 @@
+// The rotation of rendered discs against the renderer's own.
+#include "vision/rotation/rotation_track.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <vector>
+
+#include "vision/analytic_scene.h"
+#include "vision/rotation/ring_harmonics.h"
+#include "vision/scene.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using test::RenderedSource;
+
+constexpr double kFps = 500;
+
+struct Spinning {
+  Scene scene;
+  int frames = 60;
+  std::function<double(double frame)> theta;
+  std::function<Point(double frame)> centre = [](double k) { return Point{50.3 + 0.31 * k, 48.7 - 0.1 * k}; };
+
+  Spinning() {
+    scene.width = 120;
+    scene.height = 100;
+    scene.disc.radius_px = 22;
+    scene.disc.scratches = 30;
+    scene.disc.highlight = 0;
+    scene.platform.texture_rms = 4;
+    scene.read_noise = 2;
+    scene.seed = 11;
+  }
+  RenderedSource source() const {
+    const auto renderer = std::make_shared<SceneRenderer>(scene);
+    return RenderedSource(scene.width, scene.height, frames, [this, renderer](std::int64_t k) {
+      const auto at = [&](double t) { return ScenePose{centre(t * kFps), theta(t * kFps), {0, 0}}; };
+      return renderer->render(static_cast<int>(k), static_cast<double>(k) / kFps, 0, at, 1);
+    });
+  }
+  std::vector<PlacedFrame> placed() const {
+    std::vector<PlacedFrame> out;
+    for (int k = 0; k < frames; ++k) out.push_back({k, centre(k)});
+    return out;
+  }
+};
+
+/// Rms of the error over what is told, all relative to the first frame.
+double standardised(const Spinning& s, const std::vector<std::optional<Rotation>>& seen) {
+  double square = 0;
+  int count = 0;
+  for (std::size_t k = 1; k < seen.size(); ++k)
+    if (seen[k]) {
+      const double truth = s.theta(static_cast<double>(k)) - s.theta(0);
+      square += std::pow((seen[k]->theta - truth) / seen[k]->sigma, 2);
+      ++count;
+    }
+  EXPECT_EQ(count, s.frames - 1);
+  return std::sqrt(square / count);
+}
+
+TEST(RotationTrack, FollowsASpinThroughSeveralTurnsToItsSd) {
+  for (const double rate : {0.23, -0.05, 0.004}) {
+    Spinning s;
+    s.theta = [rate](double k) { return 0.4 + rate * k; };
+    RenderedSource source = s.source();
+    const auto seen = follow_rotation(source, s.placed(), 22, 0.8);
+    ASSERT_EQ(seen.size(), 60U);
+    const double ratio = standardised(s, seen);
+    std::printf("%.3f rad a frame: sd %.5f rad, error over sd %.2f\n", rate, seen.back()->sigma, ratio);
+    EXPECT_LT(ratio, 2);
+    EXPECT_GT(ratio, 0.2);
+    EXPECT_LT(seen.back()->sigma, 0.03);
+  }
+}
+
+TEST(RotationTrack, OfADiscThatDoesNotTurnDoesNotDrift) {
+  Spinning s;
+  s.theta = [](double) { return 0.4; };
+  RenderedSource source = s.source();
+  const auto seen = follow_rotation(source, s.placed(), 22, 0.8);
+  EXPECT_LT(standardised(s, seen), 2);
+  EXPECT_LT(seen.back()->sigma, 0.01);
+}
+
+TEST(RotationTrack, WithoutTextureSeesNothing) {
+  Spinning s;
+  s.scene.disc.scratches = 0;
+  s.theta = [](double k) { return 0.05 * k; };
+  RenderedSource source = s.source();
+  EXPECT_TRUE(follow_rotation(source, s.placed(), 22, 0.8).empty());
+}
+
+TEST(RotationTrack, StandsInTheTrackWhereATextureShowsIt) {
+  for (const int scratches : {30, 0}) {
+    Spinning s;
+    s.scene.disc.scratches = scratches;
+    s.theta = [](double k) { return -0.03 * k; };
+    RenderedSource source = s.source();
+    TrackOptions options;
+    options.target = {Target::Kind::disc, {50.3, 48.7, 22}, {}};
+    options.layers = Layers::off;
+    const Track track = vision::track(source, options).track;
+    EXPECT_EQ(track.has_rotation, scratches > 0);
+    EXPECT_EQ(track.points.back().rotation.has_value(), scratches > 0);
+    if (scratches > 0) {
+      EXPECT_NEAR(track.points.back().rotation->theta, -0.03 * 59, 0.03);
+    }
+  }
+}
+
+/// P_m of cos(m0 (phi - theta)) is exp(-i m0 theta) / 2 at m0 and 0 elsewhere.
+TEST(RingHarmonics, ARotationIsAPhase) {
+  const RingHarmonics rings(20, 0.8);
+  const auto drawn = [](double theta) {
+    Picture p(64, 64);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        p.at(x, y) = static_cast<float>(std::cos(5 * (std::atan2(31.4 - y, x - 30.8) - theta)));
+    return p;
+  };
+  const Harmonics still = rings.of(drawn(0), {30.8, 31.4}), turned = rings.of(drawn(0.3), {30.8, 31.4});
+  for (Eigen::Index ring = 6; ring < still.rows(); ++ring) {
+    EXPECT_NEAR(std::abs(still(ring, 5) - 0.5), 0, 2e-3) << ring;
+    EXPECT_NEAR(std::abs(turned(ring, 5) - 0.5 * std::polar(1.0, -1.5)), 0, 2e-3) << ring;
+    EXPECT_NEAR(std::abs(still(ring, 4)), 0, 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,50 @@
+// How far a disc has turned since the first frame, from the harmonics of its rings.
+//
+// A turning mean T is learnt on the way: in each frame theta maximises the correlation
+//   C(theta) = Re sum_m exp(i m theta) sum_r w conj(T_m(r)) P_m(r),
+// by Newton from the predicted angle, from the best of all angles where that does not do; then the frame,
+// turned back, joins the mean. The mean forgets with the angle turned, since metal under a lamp looks
+// different from every side; of a part that does not turn it is the mean of all frames, without drift.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "vision/rotation/ring_harmonics.h"
+
+namespace tribotrack::vision {
+
+struct Turn {
+  double theta = 0;        ///< rad, counter-clockwise as seen (y up); not wrapped
+  double information = 0;  ///< curvature of the criterion
+  double scatter = 0;      ///< sum of the squared pulls of the harmonics: variance of the criterion's slope
+};
+
+class RotationFollower {
+ public:
+  RotationFollower(const Harmonics& first, const Eigen::ArrayXXd& weights, std::int64_t frame);
+
+  /// Frames must come in order. Nothing where the part does not look like what was seen so far.
+  std::optional<Turn> step(const Harmonics& seen, std::int64_t frame);
+  /// Of the first frame, which has turned by nothing.
+  double information() const;
+
+ private:
+  double predicted(std::int64_t frame) const;
+  double climb(const Eigen::ArrayXcd& correlation, double theta) const;
+  double best_angle(const Eigen::ArrayXcd& correlation, double near) const;
+  double correlation_at(const Harmonics& seen, double theta) const;
+  Turn judged(const Harmonics& turned_back, double theta) const;
+  void learn(const Harmonics& turned_back, double theta, std::int64_t frame);
+
+  Eigen::ArrayXXd weights_;
+  Eigen::ArrayXd orders_;  ///< m
+  Harmonics mean_;
+  double chance_ = 0;  ///< correlation that noise reaches
+  double usual_ = 1;   ///< correlation of the recent frames
+  double share_ = 1;   ///< of the newest frame in the mean
+  double theta_ = 0, rate_ = 0;
+  std::int64_t frame_ = 0;
+};
+
+}  // namespace tribotrack::vision

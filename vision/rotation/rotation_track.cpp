@@ -1,0 +1,128 @@
+#include "vision/rotation/rotation_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/io/window.h"
+#include "vision/rotation/rotation_follower.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr std::size_t kTrial = 16;  ///< frames after which it is given up where nothing is seen
+constexpr double kFewest = 0.5;     ///< of the frames must show the rotation
+constexpr double kLargestSd = 0.2;  ///< rad: known less well than that it is not seen
+
+/// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
+Eigen::ArrayXXd inner_half(const Harmonics& first, const Eigen::ArrayXXd& weights) {
+  const Eigen::ArrayXd orders =
+      Eigen::ArrayXd::LinSpaced(first.cols(), 0, static_cast<double>(first.cols() - 1));
+  const Eigen::ArrayXd of_ring = ((weights * first.abs2()).matrix() * orders.square().matrix()).array();
+  Eigen::ArrayXXd inner = Eigen::ArrayXXd::Zero(weights.rows(), weights.cols());
+  double sum = 0;
+  for (Eigen::Index k = 0; k + 1 < weights.rows() && (k == 0 || sum < 0.5 * of_ring.sum()); ++k) {
+    inner.row(k) = weights.row(k);
+    sum += of_ring(k);
+  }
+  return inner;
+}
+
+/// What was seen in all frames.
+struct Turns {
+  std::vector<std::optional<Turn>> all;
+  std::vector<std::optional<double>> apart;  ///< angle by the inner less that by the outer rings
+  std::size_t seen = 0;
+};
+
+Turns followed(FrameSource& source, const std::vector<PlacedFrame>& frames, const RingHarmonics& rings) {
+  Turns out;
+  Picture window;
+  std::optional<RotationFollower> all, inner, outer;
+  for (const PlacedFrame& f : frames) {
+    const Rect place = window_about(f.centre, rings.reach(), source.bounds());
+    source.read(f.index, place, window);
+    const Harmonics seen = rings.of(window, {f.centre.x - place.x, f.centre.y - place.y});
+    if (!all) {
+      const Eigen::ArrayXXd near_centre = inner_half(seen, rings.weights());
+      all.emplace(seen, rings.weights(), f.index);
+      inner.emplace(seen, near_centre, f.index);
+      outer.emplace(seen, rings.weights() - near_centre, f.index);
+      out.all.push_back(Turn{0, all->information(), 0});
+      out.apart.emplace_back(0.0);
+      continue;
+    }
+    out.all.push_back(all->step(seen, f.index));
+    const auto a = inner->step(seen, f.index), b = outer->step(seen, f.index);
+    out.apart.push_back(a && b ? std::optional(a->theta - b->theta) : std::nullopt);
+    out.seen += out.all.back().has_value();
+    if (out.all.size() == kTrial && static_cast<double>(out.seen) < kFewest * kTrial) break;
+  }
+  return out;
+}
+
+/// How the angles by both halves differ: a quarter of the difference's variance is that of the angle by both,
+/// if they err independently.
+struct Halves {
+  double white = 0;  ///< variance of the angle, rad^2, from one frame to the next
+  double drift = 0;  ///< variance that each radian turned adds, rad
+};
+
+Halves halves_of(const Turns& turns) {
+  double turned = 0, of_turned = 0, square = 0, step = 0, count = 0, last = 0, before = 0;
+  for (std::size_t k = 1; k < turns.all.size(); ++k) {
+    if (!turns.all[k] || !turns.apart[k]) continue;
+    turned += std::abs(turns.all[k]->theta - last);
+    last = turns.all[k]->theta;
+    of_turned += turned;
+    square += *turns.apart[k] * *turns.apart[k];
+    step += std::pow(*turns.apart[k] - before, 2);
+    before = *turns.apart[k];
+    ++count;
+  }
+  if (count == 0) return {};
+  const double white = 0.5 * step;
+  return {0.25 * white / count, of_turned > 0 ? std::max(0.0, 0.25 * (square - white) / of_turned) : 0};
+}
+
+/// Variance of an angle times its information: by the pulls of the harmonics or by the halves, whichever is
+/// larger. Either misses errors: those that harmonics, or halves, have in common.
+double white_ratio(const Turns& turns, double by_halves) {
+  double scatter = 0, information = 0, of_unit = 0, count = 0;
+  for (const auto& turn : turns.all)
+    if (turn && turn->scatter > 0) {
+      scatter += turn->scatter;
+      information += turn->information;
+      of_unit += 1 / turn->information;
+      ++count;
+    }
+  if (count == 0) return 0;
+  return std::max(scatter / information, by_halves * count / of_unit);
+}
+
+}  // namespace
+
+std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
+                                                     const std::vector<PlacedFrame>& frames, double radius,
+                                                     double blur) {
+  const RingHarmonics rings(radius, blur);
+  if (!rings.usable() || frames.size() < 2) return {};
+  const Turns turns = followed(source, frames, rings);
+  if (turns.all.size() < frames.size() ||
+      static_cast<double>(turns.seen) < kFewest * static_cast<double>(frames.size() - 1))
+    return {};
+  const Halves halves = halves_of(turns);
+  const double ratio = white_ratio(turns, halves.white);
+  std::vector<std::optional<Rotation>> out(frames.size());
+  double turned = 0, last = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto& turn = turns.all[k];
+    if (!turn || !(turn->information > 0)) continue;
+    turned += std::abs(turn->theta - last);
+    last = turn->theta;
+    const double sigma = std::sqrt(ratio / turn->information + halves.drift * turned);
+    if (sigma < kLargestSd) out[k] = Rotation{turn->theta, sigma};
+  }
+  return out;
+}
+
+}  // namespace tribotrack::vision
