@@ -14,7 +14,7 @@ namespace tribotrack::apps {
 
 namespace {
 
-enum class Group { always, marker, gate, planes };
+enum class Group { always, theta, marker, gate, planes };
 
 struct Column {
   const char* name;
@@ -23,7 +23,7 @@ struct Column {
 };
 
 /// After `frame` and `time_s`, in the file's order.
-constexpr std::array<Column, 20> kColumns = {
+constexpr std::array<Column, 22> kColumns = {
     {{"x_px", &TrackRow::x_px},
      {"y_px", &TrackRow::y_px},
      {"sigma_x_px", &TrackRow::sigma_x_px},
@@ -35,6 +35,8 @@ constexpr std::array<Column, 20> kColumns = {
      {"y_mm", &TrackRow::y_mm},
      {"sigma_x_mm", &TrackRow::sigma_x_mm},
      {"sigma_y_mm", &TrackRow::sigma_y_mm},
+     {"theta_rad", &TrackRow::theta_rad, Group::theta},
+     {"sigma_theta_rad", &TrackRow::sigma_theta_rad, Group::theta},
      {"marker_x_px", &TrackRow::marker_x_px, Group::marker},
      {"marker_y_px", &TrackRow::marker_y_px, Group::marker},
      {"marker_sigma_px", &TrackRow::marker_sigma_px, Group::marker},
@@ -46,8 +48,9 @@ constexpr std::array<Column, 20> kColumns = {
      {"marker_sigma_mm", &TrackRow::marker_sigma_mm, Group::planes}}};
 
 bool holds(const TrackRows& rows, Group group) {
-  return group == Group::always || (group == Group::marker && rows.has_marker) ||
-         (group == Group::gate && rows.has_gate) || (group == Group::planes && rows.has_planes);
+  return group == Group::always || (group == Group::theta && rows.has_theta) ||
+         (group == Group::marker && rows.has_marker) || (group == Group::gate && rows.has_gate) ||
+         (group == Group::planes && rows.has_planes);
 }
 
 std::string header_of(const TrackRows& rows) {
@@ -198,6 +201,10 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
         fmt::format("{}: is not a track: it is empty; make one with `tribotrack track`", path.string()));
   const Places places(csv);
   TrackRows table;
+  table.has_theta = places.has("theta_rad");
+  if (table.has_theta != places.has("sigma_theta_rad"))
+    csv.fail(
+        fmt::format("has only one of the columns `theta_rad` and `sigma_theta_rad`; they belong together"));
   table.has_marker = places.has("marker_x_px");
   table.has_gate = places.has("gate");
   table.has_planes = places.has("rho_xy_mm");

@@ -21,12 +21,14 @@ struct TrackRow {
   double x_px = kNone, y_px = kNone, sigma_x_px = kNone, sigma_y_px = kNone, rho_xy = kNone, ncc = kNone;
   vision::TrackStatus status = vision::TrackStatus::lost;
   double x_mm = kNone, y_mm = kNone, sigma_x_mm = kNone, sigma_y_mm = kNone;
+  double theta_rad = kNone, sigma_theta_rad = kNone;
   double marker_x_px = kNone, marker_y_px = kNone, marker_sigma_px = kNone, marker_ncc = kNone;
   double gate = kNone;
   double rho_xy_mm = kNone, marker_x_mm = kNone, marker_y_mm = kNone, marker_sigma_mm = kNone;
 };
 
 struct TrackRows {
+  bool has_theta = false;   ///< theta_rad, sigma_theta_rad
   bool has_marker = false;  ///< marker_x_px .. marker_ncc
   bool has_gate = false;    ///< gate
   bool has_planes = false;  ///< rho_xy_mm .. marker_sigma_mm

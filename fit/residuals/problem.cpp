@@ -46,7 +46,14 @@ void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
+  if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !(run.spin->rate.sd > 0) ||
+                   !std::isfinite(run.spin->rate.value) || !(run.spin->inertia > 0)))
+    throw DataError("Run '" + run.name +
+                    "': a spin belongs to a free slide, with its sd and the part's radius.");
   const auto& track = run.track;
+  if (track.angle.size() != track.angle_sigma.size() ||
+      (!track.angle.empty() && track.angle.size() != track.time.size()))
+    throw DataError("Run '" + run.name + "': the track has angles for some of its rows only.");
   const std::size_t n = track.time.size();
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)
     throw DataError("Run '" + run.name + "': " + std::to_string(n) +
@@ -100,6 +107,8 @@ void Problem::validate() const {
       throw DataError(std::string("fit.prior ") + to_string(parameter) + ": sd must be positive.");
   }
   if (!(scale_sd >= 0) || !std::isfinite(scale_sd)) throw DataError("The scale's sd must not be negative.");
+  if (!(between_slides >= 0) || !std::isfinite(between_slides))
+    throw DataError("The sd of mu1 between slides must not be negative.");
 
   bool pulses = false;
   for (const auto& run : summary_runs) {

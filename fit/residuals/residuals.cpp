@@ -29,6 +29,13 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
     if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
+  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run) {
+    if (const Eigen::Index spin = unknowns.spin_index(run); spin >= 0)
+      priors_.emplace_back(spin, Prior{problem.trajectory_runs[run].spin->rate.value,
+                                       problem.trajectory_runs[run].spin->rate.sd});
+    if (const Eigen::Index deviation = unknowns.deviation_index(run); deviation >= 0)
+      priors_.emplace_back(deviation, Prior{0, problem.between_slides});
+  }
   rows_ += static_cast<Eigen::Index>(priors_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
   prepared_.resize(problem.trajectory_runs.size());

@@ -73,6 +73,7 @@ const std::map<std::string, Rooms> kMayUse = {
     {"fit/tools", {}},
     {"fit/measuring", {"fit/tools"}},
     {"fit/residuals", {"fit/tools"}},
+    {"fit/slides", {"fit/residuals", "fit/tools"}},
     {"fit/minimum", {"fit/residuals", "fit/tools"}},
     {"fit/variances", {"fit/minimum", "fit/residuals", "fit/tools"}},
     {"fit/uncertainty", {"fit/variances", "fit/minimum", "fit/residuals", "fit/tools"}},
@@ -80,7 +81,7 @@ const std::map<std::string, Rooms> kMayUse = {
     {"fit/design", {"fit/uncertainty", "fit/residuals", "fit/tools"}},
     {"fit/report", {"fit/uncertainty", "fit/variances", "fit/minimum", "fit/residuals", "fit/tools"}},
     {"fit/estimate.cpp",
-     {"fit/report", "fit/design", "fit/checks", "fit/uncertainty", "fit/variances", "fit/minimum",
+     {"fit/slides", "fit/report", "fit/design", "fit/checks", "fit/uncertainty", "fit/variances", "fit/minimum",
       "fit/residuals", "fit/tools"}},
 
     {"apps/program", {}},
