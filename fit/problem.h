@@ -47,11 +47,13 @@ struct SummaryRun {
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
 };
 
-/// How fast the part of a free slide turns at its first point: a nuisance with this prior, rad/s, and the
-/// k = I/(m R^2) by which its turning slows down.
+/// How fast the part of a free slide turns at its first point, and how that fades: nuisances with this prior.
+/// Angles tell the torque per inertia, mu g/k with k = I/(m R^2), and not mu: known is `fading` = ln(k/mu).
 struct DiscSpin {
-  Estimate rate;
-  double inertia = 0.5;
+  double rate = 0;  ///< rad/s
+  double fading = 0;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, fading)
+  double rate_sd() const;
 };
 
 /// A run fitted point by point: the model's trajectory and nuisance parameters (start point; the platform's
@@ -68,7 +70,7 @@ struct TrajectoryRun {
   /// sd of the platform's phase at the start, rad: where above 0, a nuisance with scenario.start_phase as its
   /// prior mean. It moves drive and pulses alike.
   double start_phase_sd = 0;
-  std::optional<DiscSpin> spin;  ///< of a free slide; needs track.radius
+  std::optional<DiscSpin> spin = std::nullopt;  ///< of a free slide; needs track.radius
 };
 
 struct Problem {

@@ -46,7 +46,8 @@ enum class Parameter {
   velocity_x,
   velocity_y,  ///< components of the initial velocity
   start_phase,
-  spin,  ///< of a free slide: initial rate of turning
+  spin,     ///< of a free slide: initial rate of turning
+  inertia,  ///< and I/(m R^2)
 };
 
 /// A parameter out of its range or not a number. `what()` names parameter, value and range.

@@ -46,10 +46,11 @@ void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
-  if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !(run.spin->rate.sd > 0) ||
-                   !std::isfinite(run.spin->rate.value) || !(run.spin->inertia > 0)))
+  if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !std::isfinite(run.spin->rate) ||
+                   !std::isfinite(run.spin->fading) ||
+                   Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))
     throw DataError("Run '" + run.name +
-                    "': a spin belongs to a free slide, with its sd and the part's radius.");
+                    "': a spin belongs to a free slide, with its covariance and the part's radius.");
   const auto& track = run.track;
   if (track.angle.size() != track.angle_sigma.size() ||
       (!track.angle.empty() && track.angle.size() != track.time.size()))
@@ -89,6 +90,10 @@ const char* to_string(FitParameter parameter) {
       return "tilt_y_rad";
   }
   return "?";
+}
+
+double DiscSpin::rate_sd() const {
+  return std::sqrt(covariance(0, 0));
 }
 
 void Problem::validate() const {

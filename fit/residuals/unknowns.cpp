@@ -79,6 +79,7 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     if (run.spin) {
       spin_.back() = size();
       transforms_.emplace_back(Transform::Kind::linear, speed / run.track.radius);
+      transforms_.emplace_back(Transform::Kind::linear, 1);
     }
     if (problem.between_slides > 0 && find(FitParameter::mu1)) {
       deviation_.back() = size();
@@ -142,7 +143,7 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
     if (v >= 0) units.segment<2>(v).setConstant(std::max(values.segment<2>(v).norm(), 1e-9));
   for (std::size_t run = 0; run < spin_.size(); ++run) {
     if (spin_[run] >= 0)
-      units(spin_[run]) = units(velocity_[run]) / problem_->trajectory_runs[run].track.radius;
+      units.segment<2>(spin_[run]) << units(velocity_[run]) / problem_->trajectory_runs[run].track.radius, 1;
     if (deviation_[run] >= 0) units(deviation_[run]) = mu1;
   }
   for (const Eigen::Index phase : phase_)
@@ -188,7 +189,9 @@ Eigen::VectorXd Unknowns::first_guess() const {
   for (std::size_t run = 0, slide = 0; run < velocity_.size(); ++run)
     if (velocity_[run] >= 0) guess.segment<2>(velocity_[run]) = slide_velocity_[slide++];
   for (std::size_t run = 0; run < spin_.size(); ++run)
-    if (spin_[run] >= 0) guess(spin_[run]) = problem_->trajectory_runs[run].spin->rate.value;
+    if (spin_[run] >= 0)
+      guess.segment<2>(spin_[run]) << problem_->trajectory_runs[run].spin->rate,
+          problem_->trajectory_runs[run].spin->fading;
   return guess;
 }
 
@@ -290,20 +293,24 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   const Eigen::Index v = velocity_[run];
   result.scenario.initial_velocity = values.segment<2>(v);
   const Eigen::Index spin = spin_[run], deviation = deviation_[run];
-  if (spin >= 0) {
-    // The radius was measured in the same picture.
-    result.scenario.spin = {values(spin), slide.track.radius * result.scale, slide.spin->inertia};
-  }
-  if (deviation >= 0) result.scenario.friction.nominal += values(deviation);
+  auto& friction = result.scenario.friction;
+  if (deviation >= 0) friction.nominal += values(deviation);
+  // The radius was measured in the same picture; k = mu e^fading.
+  const double per_mu = spin >= 0 ? std::exp(values(spin + 1)) : 0;
+  if (spin >= 0)
+    result.scenario.spin = {values(spin), slide.track.radius * result.scale, friction.nominal * per_mu};
   if (derivatives) {
     Chain chain(result, size());
     chain.add(model::Parameter::velocity_x, v, 1);
     chain.add(model::Parameter::velocity_y, v + 1, 1);
+    if (deviation >= 0) chain.add(model::Parameter::mu1, deviation, 1);
     if (spin >= 0) {
       chain.add(model::Parameter::spin, spin, 1);
       chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin) / result.scale);
+      chain.add(model::Parameter::inertia, spin + 1, result.scenario.spin.inertia);
+      chain.add(model::Parameter::inertia, find(FitParameter::mu1), per_mu);
+      if (deviation >= 0) chain.add(model::Parameter::inertia, deviation, per_mu);
     }
-    if (deviation >= 0) chain.add(model::Parameter::mu1, deviation, 1);
     // The platform rests: its frequency is only the clock of the model.
     if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
   }

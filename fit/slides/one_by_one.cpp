@@ -49,10 +49,10 @@ FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
     const Eigen::Vector2d velocity(found.at("velocity_x_mm_s"), found.at("velocity_y_mm_s"));
     const auto spin = slide_spin(run, fit.parameters.front().estimate, 1e-3 * velocity);
     if (!spin) break;
-    const double moved = std::abs(spin->rate.value - run.spin->rate.value);
+    const double moved = std::abs(spin->rate - run.spin->rate);
     run.spin = spin;
     fit = fit_alone(alone);
-    if (moved < kSettled * spin->rate.sd) break;
+    if (moved < kSettled * spin->rate_sd()) break;
   }
   return fit;
 }
@@ -61,9 +61,14 @@ FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
 double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlone& fit_alone) {
   TrajectoryRun& run = alone.trajectory_runs.front();
   if (!(run.track.radius > 0)) run.track.radius = 1;  // only the rim's speed counts
-  const double rate = 0.5 * slide.speed / run.track.radius;
-  run.spin = DiscSpin{{rate, 1e-3 * rate}, 0.5};
-  return fit_alone(alone).parameters.front().estimate / slide.mu1.value - 1;
+  const double rate = 0.5 * slide.speed / run.track.radius, sure = 1e-4;
+  double mu1 = slide.mu1.value;
+  for (int round = 0; round < 2; ++round) {  // an even disc's k is a half at the mu1 found
+    run.spin = DiscSpin{rate, std::log(0.5 / mu1),
+                        Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
+    mu1 = fit_alone(alone).parameters.front().estimate;
+  }
+  return mu1 / slide.mu1.value - 1;
 }
 
 void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
@@ -97,8 +102,8 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
     Problem alone = problem_of_one(problem, *runs[i], together);
     const FitResult fit = fit_with_spin(alone, fit_alone);
     runs[i]->spin = alone.trajectory_runs.front().spin;
-    if (runs[i]->spin) slides[i].inertia = runs[i]->spin->inertia;
-    take_result(fit, runs[i]->spin ? runs[i]->spin->rate.sd : 0, slides[i]);
+    slides[i].inertia = fit.runs.front().fitted.spin.inertia;
+    take_result(fit, runs[i]->spin ? runs[i]->spin->rate_sd() : 0, slides[i]);
     const auto& frame = runs[i]->track.frame;
     if (const auto onset = fit.runs.front().nuisance.find("onset_frame");
         onset != fit.runs.front().nuisance.end())

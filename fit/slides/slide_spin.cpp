@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "fit/residuals/free_slide.h"
@@ -49,38 +50,29 @@ double first_rate(const Angles& seen) {
   return a.colPivHouseholderQr().solve(b)(1);
 }
 
-class SpinFit {
- public:
-  SpinFit(const Angles& seen, const model::Scenario& scenario) : seen_(seen), scenario_(scenario) {}
-
-  /// Residuals over their sds, the prior of ln k last; `at` = (theta_0, omega, ln k).
-  Eigen::VectorXd residuals(const Eigen::Vector3d& at) const {
-    model::Scenario scenario = scenario_;
-    scenario.spin.rate = at(1);
-    scenario.spin.inertia = std::exp(at(2));
-    const model::Trajectory run = model::integrate(scenario, {.tolerance = 1e-10, .derivatives = {}});
-    const std::size_t n = seen_.time.size();
-    Eigen::VectorXd r(static_cast<Eigen::Index>(n) + 1);
-    for (std::size_t i = 0; i < n; ++i)
-      r(static_cast<Eigen::Index>(i)) =
-          (at(0) + run.at(seen_.time[i]).angle - seen_.angle[i]) / seen_.sigma[i];
-    r(r.size() - 1) = (at(2) - std::log(kEvenDisc)) / kSpread;
-    return r;
-  }
-  Eigen::MatrixX3d jacobian(const Eigen::Vector3d& at) const {
-    const Eigen::Vector3d steps(1e-4, 1e-4 * std::max(1.0, std::abs(at(1))), 1e-4);
-    Eigen::MatrixX3d result(static_cast<Eigen::Index>(seen_.time.size()) + 1, 3);
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      const Eigen::Vector3d step = steps(j) * Eigen::Vector3d::Unit(j);
-      result.col(j) = (residuals(at + step) - residuals(at - step)) / (2 * steps(j));
-    }
-    return result;
-  }
-
- private:
-  const Angles& seen_;
-  model::Scenario scenario_;
+struct Linearised {
+  Eigen::VectorXd residuals;  ///< over their sds, the prior of ln k last
+  Eigen::MatrixX3d jacobian;  ///< by theta_0, omega, ln k
 };
+
+Linearised residuals_at(const Angles& seen, model::Scenario scenario, const Eigen::Vector3d& at) {
+  scenario.spin.rate = at(1);
+  scenario.spin.inertia = std::exp(at(2));
+  const model::Trajectory run = model::integrate(
+      scenario, {.tolerance = 1e-10, .derivatives = {model::Parameter::spin, model::Parameter::inertia}});
+  const auto n = static_cast<Eigen::Index>(seen.time.size());
+  Linearised result{Eigen::VectorXd(n + 1), Eigen::MatrixX3d(n + 1, 3)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const model::SensitiveSample there = run.sensitive_at(seen.time[k]);
+    result.residuals(i) = (at(0) + there.sample.angle - seen.angle[k]) / seen.sigma[k];
+    result.jacobian.row(i) << 1, there.angle_jacobian(0), scenario.spin.inertia * there.angle_jacobian(1);
+    result.jacobian.row(i) /= seen.sigma[k];
+  }
+  result.residuals(n) = (at(2) - std::log(kEvenDisc)) / kSpread;
+  result.jacobian.row(n) << 0, 0, 1 / kSpread;
+  return result;
+}
 
 }  // namespace
 
@@ -96,30 +88,27 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
   scenario.initial_velocity = velocity;
   scenario.spin.radius = run.track.radius;
   scenario.duration = seen.time.back();
-  const SpinFit fit(seen, scenario);
 
   Eigen::Vector3d at(seen.angle.front(), first_rate(seen), std::log(kEvenDisc));
-  Eigen::VectorXd r = fit.residuals(at);
-  Eigen::MatrixX3d jacobian = fit.jacobian(at);
+  Linearised here = residuals_at(seen, scenario, at);
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::Vector3d step = jacobian.colPivHouseholderQr().solve(-r);
+    const Eigen::Vector3d step = here.jacobian.colPivHouseholderQr().solve(-here.residuals);
     double share = 1;
-    Eigen::VectorXd there = fit.residuals(at + step);
-    while (!(there.squaredNorm() <= r.squaredNorm()) && share > 1e-4) {
+    Linearised there = residuals_at(seen, scenario, at + step);
+    while (!(there.residuals.squaredNorm() <= here.residuals.squaredNorm()) && share > 1e-4) {
       share /= 2;
-      there = fit.residuals(at + share * step);
+      there = residuals_at(seen, scenario, at + share * step);
     }
-    const double gained = r.squaredNorm() - there.squaredNorm();
+    const double gained = here.residuals.squaredNorm() - there.residuals.squaredNorm();
     if (!(gained >= 0)) break;
     at += share * step;
-    r = there;
-    jacobian = fit.jacobian(at);
-    if (gained < 1e-6 * (1 + r.squaredNorm())) break;
+    here = std::move(there);
+    if (gained < 1e-6 * (1 + here.residuals.squaredNorm())) break;
   }
-  const Eigen::Matrix3d covariance = (jacobian.transpose() * jacobian).inverse();
+  const Eigen::Matrix3d covariance = (here.jacobian.transpose() * here.jacobian).inverse();
   const double dof = static_cast<double>(seen.time.size()) - 2;
-  const double excess = std::max(1.0, r.squaredNorm() / dof);
-  return DiscSpin{{at(1), std::sqrt(excess * covariance(1, 1))}, std::exp(at(2))};
+  const double excess = std::max(1.0, here.residuals.squaredNorm() / dof);
+  return DiscSpin{at(1), at(2) - std::log(mu), excess * covariance.bottomRightCorner<2, 2>()};
 }
 
 std::optional<DiscSpin> first_slide_spin(const TrajectoryRun& run) {

@@ -62,8 +62,12 @@ class Draw {
     auto& track = run.track;
     if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
-    if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0)
-      run.spin->rate.value = values(spin) + run.spin->rate.sd * normal_(random_);
+    if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
+      const Eigen::LLT<Eigen::Matrix2d> factor(run.spin->covariance);
+      const Eigen::Vector2d drawn = values.segment<2>(spin) + factor.matrixL() * pair();
+      run.spin->rate = drawn.x();
+      run.spin->fading = drawn.y();
+    }
     const PointResiduals points = residuals_.points(values, i);
     const auto& scatter = residuals_.excess_variance().trajectories[i];
     // A first-order process with the residuals' correlation time.

@@ -15,6 +15,7 @@ constexpr std::array kParameters = {
     Parameter::dtau,        Parameter::amplitude,  Parameter::amplitude_y, Parameter::angular_frequency,
     Parameter::phase_shift, Parameter::gravity,    Parameter::tilt_x,      Parameter::tilt_y,
     Parameter::velocity_x,  Parameter::velocity_y, Parameter::start_phase, Parameter::spin,
+    Parameter::inertia,
 };
 
 template <class Scenario_>
@@ -52,6 +53,8 @@ auto& reference(Scenario_& s, Parameter parameter) {
       return s.start_phase;
     case Parameter::spin:
       return s.spin.rate;
+    case Parameter::inertia:
+      return s.spin.inertia;
   }
   throw InvalidParameter("unknown model parameter");
 }
@@ -98,6 +101,8 @@ const char* to_string(Parameter parameter) {
       return "start_phase_rad";
     case Parameter::spin:
       return "spin_rad_s";
+    case Parameter::inertia:
+      return "inertia";
   }
   return "?";
 }

@@ -71,7 +71,7 @@ class SpinRun final : public Trajectory::Implementation {
     const T g = seed(Parameter::gravity);
     return {seed(Parameter::mu1) * g,
             {g * sin(seed(Parameter::tilt_x)), g * sin(seed(Parameter::tilt_y))},
-            scenario.spin.inertia};
+            seed(Parameter::inertia)};
   }
   State start() const {
     State state;

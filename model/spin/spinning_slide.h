@@ -27,19 +27,19 @@ struct SpinState {
 template <class T>
 struct SpinEquation {
   T mu_g;
-  Pair<T> tilt;          ///< d, m/s^2
-  double inertia = 0.5;  ///< k
+  Pair<T> tilt;    ///< d, m/s^2
+  T inertia{0.5};  ///< k
 
   SpinState<T> slope(const SpinState<T>& s) const {
     using S = SpinState<T>;
     const T &ux = s.of[S::ux], &uy = s.of[S::uy], &w = s.of[S::w];
     const Braking<T> by = braking<T>(ux * ux + uy * uy, w * w);
     const T drag = mu_g * by.drag;
-    return {{ux, uy, tilt.x - drag * ux, tilt.y - drag * uy, -1.0 * (mu_g * by.brake * w) / inertia, w}};
+    return {{ux, uy, tilt.x - drag * ux, tilt.y - drag * uy, -1.0 * (mu_g * by.brake * w / inertia), w}};
   }
   double tilt_size() const { return length(tilt); }
   /// The velocities change no faster than this, m/s^2.
-  double fastest() const { return value(mu_g) / std::sqrt(inertia) + tilt_size(); }
+  double fastest() const { return value(mu_g) / std::sqrt(value(inertia)) + tilt_size(); }
   bool stops() const { return value(mu_g) > tilt_size(); }
 };
 

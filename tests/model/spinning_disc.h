@@ -50,6 +50,30 @@ inline FaceForce face_force(double u, double w, double step = 0.06) {
   return sum;
 }
 
+/// The same as a sum over directions seen from the face's resting point (on the disc or beside it), about
+/// which it turns: friction along a ray has one direction, and only the chord's length counts. Spectral but
+/// for u near w. No spin, or w >= 0.05 u.
+inline FaceForce force_by_directions(double u, double w) {
+  if (w == 0) return {1, 0};
+  constexpr int kDirections = 96;
+  const double d = u / w, pi = std::numbers::pi;
+  double force = 0, dissipated = 0;  // <cos>, <|v|>/w
+  for (int k = 0; k < kDirections; ++k) {
+    if (d < 1) {
+      const double angle = 2 * pi * (k + 0.5) / kDirections, share = 2.0 / kDirections;
+      const double root = std::sqrt(1 - std::pow(d * std::sin(angle), 2)), chord = d * std::cos(angle) + root;
+      force += share * std::cos(angle) * chord * chord / 2;
+      dissipated += share * chord * chord * chord / 3;
+    } else {
+      const double psi = pi * (k + 0.5) / kDirections - pi / 2, share = 1.0 / kDirections;
+      const double half = std::cos(psi), cosine = std::sqrt(1 - std::pow(std::sin(psi) / d, 2));
+      force += share * 2 * cosine * half * half;
+      dissipated += share * 2 * half * half * (4 * d * d * cosine * cosine - d * d + 1) / (3 * d * cosine);
+    }
+  }
+  return {force, dissipated - d * force};
+}
+
 /// A slide from speed 1 and rim speed s0 with mu g = 1, every motion of that ratio but for its units: after
 /// the time t v0/(mu g) the way is x v0^2/(mu g) and the disc has turned by rim v0^2/(mu g R).
 class UnitSlide {
@@ -80,23 +104,9 @@ class UnitSlide {
   static State moved(const State& s, const State& by, double h) {
     return {s.x + h * by.x, s.u + h * by.u, s.w + h * by.w, s.rim + h * by.rim};
   }
-  /// Midpoints of 24 rings of equal area, 48 directions each.
   State slope(const State& s) const {
-    FaceForce sum;
-    constexpr int kRings = 40, kDirections = 64;
-    for (int i = 0; i < kRings; ++i) {
-      const double r = std::sqrt((i + 0.5) / kRings);
-      for (int k = 0; k < kDirections; ++k) {
-        const double angle = std::numbers::pi * (k + 0.5) / kDirections;
-        const double along = s.u + s.w * r * std::cos(angle), across = s.w * r * std::sin(angle);
-        const double speed = std::sqrt(along * along + across * across);
-        if (!(speed > 0)) continue;
-        sum.force += along / speed;
-        sum.torque += r * (s.w * r + s.u * std::cos(angle)) / speed;
-      }
-    }
-    const double share = 1.0 / (kRings * kDirections);
-    return {s.u, -share * sum.force, -share * sum.torque / inertia_, s.w};
+    const FaceForce by = force_by_directions(s.u, s.w);
+    return {s.u, -by.force, -by.torque / inertia_, s.w};
   }
   /// From the last state both speeds fall evenly.
   double left() const { return way_.back().u / std::max(1e-9, -slope(way_.back()).u); }

@@ -36,6 +36,14 @@ TEST(DiscFriction, IsTheMeanOverTheFace) {
   }
 }
 
+TEST(DiscFriction, IsTheSumOverDirectionsToo) {
+  for (const double ratio : {0.1, 0.5, 0.9, 1.2, 2.0, 5.0}) {
+    const test::FaceForce formula = by_formula(1, ratio), sum = test::force_by_directions(1, ratio);
+    EXPECT_NEAR(formula.force, sum.force, 1e-10) << ratio;
+    EXPECT_NEAR(formula.torque, sum.torque, 1e-9) << ratio;
+  }
+}
+
 TEST(DiscFriction, LimitsAreThoseOfPurePushAndPureTurn) {
   EXPECT_EQ(by_formula(2, 0).force, 1);
   EXPECT_EQ(by_formula(2, 0).torque, 0);

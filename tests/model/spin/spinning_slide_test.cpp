@@ -29,8 +29,8 @@ TEST(SpinningSlide, FollowsBruteForce) {
     const Trajectory run = integrate(slide(mu, speed, ratio));
     for (const double t : {0.1, 0.5, 0.9, 1.0, 1.4}) {
       const Sample at = run.at(t * time_unit);
-      EXPECT_NEAR(at.position.norm() / length_unit, truth.x(t), 3e-5) << t;
-      EXPECT_NEAR(at.angle * 0.0155 / length_unit, truth.rim(t), 1e-4) << t;
+      EXPECT_NEAR(at.position.norm() / length_unit, truth.x(t), 1e-6) << t;
+      EXPECT_NEAR(at.angle * 0.0155 / length_unit, truth.rim(t), 1e-5) << t;
       EXPECT_NEAR(0.8 * at.position.y(), 0.6 * at.position.x(), 1e-14) << "the path is straight";
     }
     EXPECT_EQ(run.summary().stops, 1);
@@ -102,8 +102,8 @@ TEST(SpinningSlide, SignOfTheSpinOnlyTurnsTheAngle) {
 
 TEST(SpinningSlide, DerivativesAreThoseOfTheMotion) {
   IntegrationOptions options;
-  options.derivatives = {Parameter::mu1,  Parameter::velocity_x, Parameter::velocity_y,
-                         Parameter::spin, Parameter::tilt_x,     Parameter::gravity};
+  options.derivatives = {Parameter::mu1,    Parameter::velocity_x, Parameter::velocity_y, Parameter::spin,
+                         Parameter::tilt_x, Parameter::gravity,    Parameter::inertia};
   for (const double ratio : {0.4, 0.9, 2.0}) {
     const Scenario base = slide(0.17, 0.6, ratio);
     const Trajectory run = integrate(base, options);
