@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "fit/checks/agreement.h"
 #include "fit/checks/model_check.h"
@@ -13,6 +15,10 @@
 #include "fit/report/error_text.h"
 #include "fit/report/fill_result.h"
 #include "fit/residuals/sticking.h"
+#include "fit/slides/between_slides.h"
+#include "fit/slides/describe.h"
+#include "fit/slides/one_by_one.h"
+#include "fit/slides/prepare.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/bootstrap.h"
@@ -34,8 +40,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A fit from its start to its result; the members are called in their order.
 class Estimation {
  public:
-  Estimation(const Problem& problem, const FitOptions& options)
+  /// `slides`: how the slides' mu1 differ; null where they do not count as a sample.
+  Estimation(const Problem& problem, const FitOptions& options, const BetweenSlides* slides = nullptr)
       : problem_(problem),
+        slides_(slides),
         options_(options),
         unknowns_(problem),
         residuals_(unknowns_, problem.trajectory_runs.empty() ? 1 : options.threads) {
@@ -58,8 +66,10 @@ class Estimation {
   void add_scatter_of_replicates();
   void evaluate_curvature(const Minimum& minimum);
   std::vector<double> quantiles() const;
+  double by_slides(Eigen::Index parameter) const;
 
   const Problem& problem_;
+  const BetweenSlides* slides_;
   const FitOptions& options_;
   Unknowns unknowns_;
   Residuals residuals_;
@@ -141,6 +151,14 @@ void Estimation::evaluate_curvature(const Minimum& minimum) {
   uncertainty_ = uncertainty(unknowns_, values_, jacobian / std::sqrt(factor));
 }
 
+/// Degrees of freedom that the scatter between slides leaves to a parameter (Satterthwaite): few slides know
+/// it badly, where the mean rests on them.
+double Estimation::by_slides(Eigen::Index parameter) const {
+  if (!slides_ || slides_->dof < 1 || unknowns_.parameter(parameter) != FitParameter::mu1) return kInfinity;
+  const double share = std::min(1.0, slides_->information * uncertainty_.covariance(parameter, parameter));
+  return slides_->dof / (share * share);
+}
+
 /// Student's t where a variance was estimated: by the degrees of freedom that it has, or Satterthwaite's.
 std::vector<double> Estimation::quantiles() const {
   const bool from_residuals = any(residuals_.excess_variance()) || options_.loss != Loss::squares;
@@ -151,7 +169,8 @@ std::vector<double> Estimation::quantiles() const {
   for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
     const double by_correlated =
         correlated_.degrees_of_freedom.size() > 0 ? correlated_.degrees_of_freedom(i) : kInfinity;
-    const double dof = std::max(1.0, std::min(from_residuals ? estimated_by : kInfinity, by_correlated));
+    const double dof =
+        std::max(1.0, std::min({from_residuals ? estimated_by : kInfinity, by_correlated, by_slides(i)}));
     t.push_back(two_sided_quantile(kConfidence, dof));
   }
   return t;
@@ -208,6 +227,21 @@ FitResult Estimation::report() {
   return std::move(result);
 }
 
+/// A slide by itself, without the checks and profiles of a whole campaign.
+FitResult fit_alone(const Problem& problem, const FitOptions& options) {
+  FitOptions quick;
+  quick.multi_starts = 1;
+  quick.profiles = quick.next_experiment = false;
+  quick.estimate_scatter = options.estimate_scatter;
+  quick.loss = options.loss;
+  Estimation fit(problem, quick);
+  fit.find_minimum();
+  fit.test_residuals();
+  fit.explain_excess_variance();
+  fit.quantify_uncertainty();
+  return fit.report();
+}
+
 }  // namespace
 
 void FitOptions::validate() const {
@@ -221,10 +255,17 @@ void FitOptions::validate() const {
   at_least("bootstrap", bootstrap, 0);
 }
 
-FitResult estimate(const Problem& problem, const FitOptions& options) {
+FitResult estimate(const Problem& given, const FitOptions& options) {
   options.validate();
-  problem.validate();
-  Estimation fit(problem, options);
+  given.validate();
+  Problem problem = given;
+  std::vector<SlideResult> slides = prepare_slides(problem);
+  fit_one_by_one(
+      problem, [&](const Problem& alone) { return fit_alone(alone, options); }, options.threads, slides);
+  const std::optional<BetweenSlides> between = compare_slides(problem, slides);
+  if (between && problem.between_slides == 0) problem.between_slides = between->sd;
+
+  Estimation fit(problem, options, between ? &*between : nullptr);
   fit.find_minimum();
   fit.test_residuals();
   // Tracks are compared with other models once their correlated errors are known.
@@ -233,7 +274,10 @@ FitResult estimate(const Problem& problem, const FitOptions& options) {
   fit.explain_excess_variance();
   if (tracks) fit.check_model();
   fit.quantify_uncertainty();
-  return fit.report();
+  FitResult result = fit.report();
+  result.slides = std::move(slides);
+  describe_slides(between ? &*between : nullptr, result);
+  return result;
 }
 
 }  // namespace tribotrack::fit

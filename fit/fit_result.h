@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -148,6 +149,37 @@ struct CorrelatedErrors {
   }
 };
 
+/// A blow or collision seen in the track of a free slide.
+struct Blow {
+  std::int64_t frame = 0;                    ///< the first one after it
+  double time = 0;                           ///< s
+  double speed_before = 0, speed_after = 0;  ///< m/s
+  double jump = 0;                           ///< m/s, length of the change of velocity
+};
+
+/// A free slide by itself: its own mu1, whatever the other runs say.
+struct SlideResult {
+  std::string run;
+  Estimate mu1;     ///< without the scale's error, which all slides share
+  Interval ci95;    ///< Student's t; of this slide alone
+  double chi2 = 0;  ///< with the data's own sigma
+  int dof = 0;
+  double p_value = 1;      ///< of chi2
+  double scatter = 0;      ///< m per axis, added because chi2 is more than chance allows
+  std::size_t points = 0;  ///< used
+  std::int64_t first_frame = 0, last_frame = 0;
+  double speed = 0;      ///< m/s at the first point
+  double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law
+  bool spin_seen = false;
+  Estimate spin;         ///< rad/s at the first point
+  Estimate spin_ratio;   ///< rim speed over slide speed there
+  double inertia = 0.5;  ///< k = I/(m R^2) by which the spin slows down
+  /// Where no spin was seen: relative change of mu1 if the rim moved half as fast as the part slides.
+  double change_by_half_spin = 0;
+  std::vector<Blow> blows;  ///< strikes from rest left out
+  std::string sentence;
+};
+
 struct FitResult {
   // The estimates.
   std::vector<ParameterEstimate> parameters;  ///< in the order of Problem::free
@@ -171,6 +203,9 @@ struct FitResult {
   double runs_test_p_value = 1;       ///< small: neighbouring runs err alike
   bool neighbours_err_alike = false;  ///< runs_test_p_value < 0.01, as under a wrong model
   std::vector<RunResult> runs;
+  std::vector<SlideResult> slides;      ///< free slides one by one
+  double between_slides = 0;            ///< sd of mu1 between slides, counted in the covariance
+  double between_slides_p_value = 1;    ///< that the slides' mu1 differ so much by chance
   std::vector<Outlier> outliers;        ///< farthest first
   std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
   std::vector<std::string> left_out;    ///< checks that the data did not require, with the reason

@@ -47,6 +47,15 @@ struct SummaryRun {
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
 };
 
+/// How fast the part of a free slide turns at its first point, and how that fades: nuisances with this prior.
+/// Angles tell the torque per inertia, mu g/k with k = I/(m R^2), and not mu: known is `fading` = ln(k/mu).
+struct DiscSpin {
+  double rate = 0;  ///< rad/s
+  double fading = 0;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, fading)
+  double rate_sd() const;
+};
+
 /// A run fitted point by point: the model's trajectory and nuisance parameters (start point; the platform's
 /// phase; initial velocity of a free slide). A track in the camera's frame is compared with the
 /// motion in the platform's frame plus the platform's own.
@@ -54,11 +63,14 @@ struct TrajectoryRun {
   std::string name;
   model::Scenario scenario;  ///< time 0 of the scenario is track.time.front()
   TrackTable track;
-  bool free_slide = false;  ///< platform at rest, initial velocity unknown, mu1 alone
+  /// Platform at rest, initial velocity unknown, mu1 alone. estimate() uses its longest stretch without a
+  /// blow and takes the spin from the track's angle where that is seen.
+  bool free_slide = false;
   bool amplitude_from_track = false;
   /// sd of the platform's phase at the start, rad: where above 0, a nuisance with scenario.start_phase as its
   /// prior mean. It moves drive and pulses alike.
   double start_phase_sd = 0;
+  std::optional<DiscSpin> spin = std::nullopt;  ///< of a free slide; needs track.radius
 };
 
 struct Problem {
@@ -66,6 +78,9 @@ struct Problem {
   std::map<FitParameter, double> fixed;  ///< values of mu1, mu2, lag, delay not fitted (lag, delay: 0)
   std::map<FitParameter, double> start;  ///< first guesses; missing ones are chosen
   std::map<FitParameter, Prior> prior;
+  /// sd of mu1 between free slides: each has its own, mu1 is their mean. 0: estimate() finds it from the
+  /// slides.
+  double between_slides = 0;
   double scale_sd = 0;  ///< relative sd of the scale common to all runs, a nuisance parameter with a prior
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;

@@ -26,7 +26,11 @@ struct TrackTable {
   bool platform_frame = false;              ///< true: platform's motion subtracted; false: camera's frame
   std::vector<Eigen::Vector2d> marker;      ///< m, the marker in the camera's frame; empty without a marker
   std::vector<double> marker_sigma;         ///< m, per axis
-  double exposure = 0;                      ///< s, of every frame, centred on its time; 0 where not known
+  /// rad, how far the part has turned (its sense does not matter), with sd; NaN where that is not seen, empty
+  /// in a track without.
+  std::vector<double> angle, angle_sigma;
+  double radius = 0;    ///< m, of the part's face; 0 where not known
+  double exposure = 0;  ///< s, of every frame, centred on its time; 0 where not known
 };
 
 }  // namespace tribotrack::fit

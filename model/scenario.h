@@ -46,12 +46,23 @@ enum class Parameter {
   velocity_x,
   velocity_y,  ///< components of the initial velocity
   start_phase,
+  spin,     ///< of a free slide: initial rate of turning
+  inertia,  ///< and I/(m R^2)
 };
 
 /// A parameter out of its range or not a number. `what()` names parameter, value and range.
 class InvalidParameter : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
+};
+
+/// How a part that slides freely also turns: an even disc braked by Coulomb friction over its whole face,
+/// evenly pressed. Friction then acts on each point against that point's own velocity, and a spinning disc is
+/// braked less: at a rim speed of half the speed of sliding by 3 %, at the same speed by 15 %.
+struct Spin {
+  double rate = 0;       ///< rad/s at the start, counter-clockwise (y up)
+  double radius = 0;     ///< of the face, m; needed where it spins
+  double inertia = 0.5;  ///< I/(m R^2): 1/2 for an even disc, 1 for a ring
 };
 
 /// One run. Time t is 0 at its start; the platform phase is wt = start_phase + w t.
@@ -62,6 +73,8 @@ struct Scenario {
   double start_phase = 0;  ///< rad
   Eigen::Vector2d initial_velocity =
       Eigen::Vector2d::Zero();  ///< m/s, relative to the platform; start = rest only
+  /// A spinning part: the platform rests (A = A_y = 0, no pulses, start = rest); only integrate() follows it.
+  Spin spin;
   /// The run ends after `duration` seconds or, where that is 0, after `cycles` platform periods, N 2 pi / w;
   /// then derivatives of the end point with respect to w count the end time's own dependence on w.
   double duration = 0;

@@ -1,10 +1,12 @@
 #include "model/trajectory.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
 #include "model/run/solved_run.h"
+#include "model/run/spin_run.h"
 
 namespace tribotrack::model {
 
@@ -48,25 +50,36 @@ SensitiveSample Trajectory::sensitive_end() const {
   return implementation_->sensitive_end();
 }
 
+namespace {
+
+using internal::Jet;
+
+template <template <class> class Solved>
+std::unique_ptr<Trajectory::Implementation> solve(const Scenario& scenario,
+                                                  const IntegrationOptions& options) {
+  const size_t n = options.derivatives.size();
+  if (n == 0) return std::make_unique<Solved<double>>(scenario, options);
+  if (n <= 4) return std::make_unique<Solved<Jet<4>>>(scenario, options);
+  if (n <= 8) return std::make_unique<Solved<Jet<8>>>(scenario, options);
+  if (n <= 16) return std::make_unique<Solved<Jet<16>>>(scenario, options);
+  throw std::invalid_argument("derivatives: at most 16 parameters at a time");
+}
+
+/// A disc at rest has no spin to follow, but its derivative by one may be asked for.
+bool spins(const Scenario& scenario, const IntegrationOptions& options) {
+  const auto& wanted = options.derivatives;
+  return scenario.spin.rate != 0 || (scenario.spin.radius > 0 && std::find(wanted.begin(), wanted.end(),
+                                                                           Parameter::spin) != wanted.end());
+}
+
+}  // namespace
+
 Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options) {
-  using internal::Jet;
-  using internal::Run;
   scenario.validate();
   if (!(options.tolerance > 0 && options.tolerance < 0.1))
     throw std::invalid_argument("tolerance = " + std::to_string(options.tolerance) + " must be in (0, 0.1)");
-  const size_t n = options.derivatives.size();
-  std::unique_ptr<Trajectory::Implementation> run;
-  if (n == 0)
-    run = std::make_unique<Run<double>>(scenario, options);
-  else if (n <= 4)
-    run = std::make_unique<Run<Jet<4>>>(scenario, options);
-  else if (n <= 8)
-    run = std::make_unique<Run<Jet<8>>>(scenario, options);
-  else if (n <= 16)
-    run = std::make_unique<Run<Jet<16>>>(scenario, options);
-  else
-    throw std::invalid_argument("derivatives: at most 16 parameters at a time");
-  return Trajectory(std::move(run));
+  return Trajectory(spins(scenario, options) ? solve<internal::SpinRun>(scenario, options)
+                                             : solve<internal::Run>(scenario, options));
 }
 
 }  // namespace tribotrack::model

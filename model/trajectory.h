@@ -28,6 +28,8 @@ struct Sample {
   double time = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+  double angle = 0;  ///< rad turned since the start; 0 for a run without spin
+  double spin = 0;   ///< rad/s
   double mu = 0;
   State state = State::slip;
 };
@@ -37,6 +39,7 @@ struct SensitiveSample {
   Sample sample;
   Eigen::Matrix2Xd position_jacobian;
   Eigen::Matrix2Xd velocity_jacobian;
+  Eigen::RowVectorXd angle_jacobian;  ///< empty for a run without spin
 };
 
 struct IntegrationOptions {
@@ -107,9 +110,10 @@ class StepLimitExceeded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Integrates a scenario. Throws InvalidParameter for a bad scenario, a tolerance outside (0, 0.1), more than
-/// 16 derivatives or a start on a periodic motion that does not exist, and StepLimitExceeded beyond
-/// max_steps.
+/// Integrates a scenario; a part that spins is followed where Scenario::spin says so or Parameter::spin is
+/// among the derivatives (tolerance 1e-13 at best, the end is good to some 1e-12 of the way). Throws
+/// InvalidParameter for a bad scenario, a tolerance outside (0, 0.1), more than 16 derivatives or a start on
+/// a periodic motion that does not exist, and StepLimitExceeded beyond max_steps.
 Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options = {});
 
 }  // namespace tribotrack::model

@@ -166,6 +166,8 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
     }
   }
   analysed.track = std::move(track);
+  if (analysed.track && campaign.part.diameter_mm)
+    analysed.track->table.radius = 0.5e-3 * *campaign.part.diameter_mm;
   measure_again(campaign, analysed);
   return analysed;
 }

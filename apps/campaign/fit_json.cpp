@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/campaign/measure_slide.h"
 #include "apps/campaign/problem.h"
 #include "apps/files/scenario_file.h"
 
@@ -243,6 +244,11 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
                              {"singular_values", result.identifiability.singular_values}};
   json["runs"] = Json::array();
   for (const AnalysedRun& run : runs) json["runs"].push_back(run_json(run, result));
+  json["slides"] = Json::array();
+  for (const fit::SlideResult& slide : result.slides) json["slides"].push_back(slide_result_json(slide));
+  if (result.slides.size() > 1)
+    json["between_slides"] = {{"sd", result.between_slides},
+                              {"p_value", finite(result.between_slides_p_value)}};
   const double mm_per_px = reference_mm_per_px(runs);
   json["next_experiment"] = result.next_experiment ? next_json(*result.next_experiment, mm_per_px) : Json();
   json["other_next_experiments"] = Json::array();
@@ -263,6 +269,21 @@ std::string parameter_table(const Json& fit) {
   for (const auto& [name, p] : fit.at("parameters").items())
     table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", name, number(p["estimate"]), number(p["sd"]),
                          number(p["ci95"][0]), number(p["ci95"][1]));
+  return table;
+}
+
+std::string slide_table(const Json& fit) {
+  if (fit.at("slides").empty()) return "";
+  std::string table = fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", "slide", "mu1", "sd",
+                                  "ci95_low", "ci95_high", "rim/speed", "chi2", "dof");
+  const auto number = [](const Json& value, int digits = 6) {
+    return value.is_number() ? fmt::format("{:.{}g}", value.get<double>(), digits) : std::string("open");
+  };
+  for (const Json& s : fit.at("slides"))
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", s["name"].get<std::string>(),
+                         number(s["mu1"]), number(s["mu1_sd"], 3), number(s["ci95"][0]), number(s["ci95"][1]),
+                         s["spin_seen"].get<bool>() ? number(s["spin_ratio"], 3) : std::string("unseen"),
+                         number(s["chi2"], 4), s["dof"].get<int>());
   return table;
 }
 

@@ -31,6 +31,10 @@ std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector
 /// blank-separated.
 std::string parameter_table(const Json& fit);
 
+/// One line per free slide: its own mu1, sd, interval, rim speed over slide speed ("unseen"), chi2, dof.
+/// Empty without slides.
+std::string slide_table(const Json& fit);
+
 /// Why a fit is unusable, and what to do: one sentence for each thing the data do not determine, and the run
 /// to film next. Empty for a usable one.
 std::vector<std::string> remedies(const fit::FitResult& result);

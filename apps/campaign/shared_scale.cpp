@@ -29,6 +29,7 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
   for (Eigen::Matrix2d& c : track.table.covariance) c *= factor * factor;
   for (auto* lengths : {&track.table.marker_sigma, &track.x_mm, &track.y_mm})
     for (double& x : *lengths) x *= factor;
+  track.table.radius *= factor;
   track.mm_per_px = scale.mm_per_px;
   track.mm_per_px_sd = scale.sd;
 }

@@ -85,7 +85,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   const FitStage stage = fit_runs(campaign, runs, shared, context, options.fit);
   write_fit(options.output, stage, meta_of_fit(campaign, runs));
   if (!is_standard_output(options.output))
-    print_text(options.json ? text_of(stage.json) : parameter_table(stage.json));
+    print_text(options.json ? text_of(stage.json) : parameter_table(stage.json) + slide_table(stage.json));
   report_fit(campaign, stage, options.explain, "identifiability and next_experiment in " + options.output,
              context);
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "apps/campaign/measure_run.h"
+#include "apps/campaign/measure_slide.h"
 #include "apps/campaign/measure_text.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
@@ -18,6 +19,8 @@ namespace {
 struct MeasureOptions {
   std::string track, output;
   std::optional<double> angular_frequency, phase_shift, cycles;
+  std::optional<double> gravity;
+  bool free_slide = false;
   bool json = false;
 };
 
@@ -28,6 +31,45 @@ void check_output(const MeasureOptions& options) {
     return;
   }
   require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
+}
+
+struct Printed {
+  Json json;
+  std::string text;
+  std::vector<std::string> warnings;
+};
+
+void write_and_print(const MeasureOptions& options, const TrackFile& track, const Json& configuration,
+                     const Printed& result, const Context& context) {
+  if (!options.output.empty()) {
+    MetaFile meta;
+    meta.command = "measure";
+    meta.inputs = track.inputs;
+    meta.configuration = configuration;
+    write_result(options.output, text_of(result.json), meta);
+  }
+  if (!is_standard_output(options.output)) print_text(options.json ? text_of(result.json) : result.text);
+  for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
+}
+
+/// A part that slides on the resting platform: no drive is given, none is seen.
+void measure_free_slide(const MeasureOptions& options, const TrackFile& track, const Context& context) {
+  const double gravity = options.gravity.value_or(9.81);
+  if (!(gravity > 0)) throw UsageError("--gravity-m-s2 must be greater than 0");
+  std::optional<SlideMeasurement> m;
+  try {
+    m = measure_slide(options.track, track, gravity);
+  } catch (const fit::DataError& no_slide) {
+    if (options.free_slide) throw;
+    throw InvalidInput(
+        fmt::format("{}: the platform's frequency is neither given nor seen in the track, and it is no free "
+                    "slide either ({}); "
+                    "give --omega-rad-s, or track with --marker",
+                    options.track, no_slide.what()));
+  }
+  write_and_print(options, track, {{"free_slide", true}, {"gravity_m_s2", gravity}},
+                  {slide_measurement_json(*m, track), slide_measurement_text(*m, track), m->warnings},
+                  context);
 }
 
 void measure_command(const MeasureOptions& options, const Context& context) {
@@ -43,31 +85,26 @@ void measure_command(const MeasureOptions& options, const Context& context) {
       throw UsageError("--cycles must be between 1 and 1000000");
     given.cycles = static_cast<int>(*options.cycles);
   }
+  if (options.free_slide && options.angular_frequency)
+    throw UsageError("--free-slide and --omega-rad-s contradict each other: a free slide's platform rests");
+  if (options.free_slide) return measure_free_slide(options, track, context);
   const RunMeasurement measurement = measure_run(options.track, track, given);
-  if (!measurement.displacement)
-    throw InvalidInput(
-        fmt::format("{}: the platform's frequency is neither given nor seen in the track; give "
-                    "--omega-rad-s, or track with --marker",
-                    options.track));
-  const Json json = measurement_json(measurement, track);
-  if (!options.output.empty()) {
-    MetaFile meta;
-    meta.command = "measure";
-    meta.inputs = track.inputs;
-    meta.configuration = {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}};
-    write_result(options.output, text_of(json), meta);
-  }
-  if (!is_standard_output(options.output))
-    print_text(options.json ? text_of(json) : measurement_text(measurement, track));
-  for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
+  if (!measurement.displacement) return measure_free_slide(options, track, context);
+  if (options.gravity)
+    throw UsageError("--gravity-m-s2 belongs to free slides; this track shows a moving platform");
+  write_and_print(
+      options, track, {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}},
+      {measurement_json(measurement, track), measurement_text(measurement, track), measurement.warnings},
+      context);
 }
 
 }  // namespace
 
 void add_measure(CLI::App& app, Context& context) {
   auto options = std::make_shared<MeasureOptions>();
-  CLI::App& command =
-      *app.add_subcommand("measure", "alpha, v and, where visible, the platform's motion, from a track");
+  CLI::App& command = *app.add_subcommand(
+      "measure",
+      "alpha, v and, where visible, the platform's motion, or a free slide's deceleration, from a track");
   command.add_option("TRACK", options->track, "A table written by `tribotrack track`")
       ->type_name("T.csv")
       ->required();
@@ -76,10 +113,18 @@ void add_measure(CLI::App& app, Context& context) {
   add_angle(command, "--epsilon-rad", options->phase_shift,
             "Phase shift the platform should have: its sense is checked");
   add_number(command, "--cycles", options->cycles, "Whole cycles to measure over, at most (default 20)");
+  command.add_flag(
+      "--free-slide", options->free_slide,
+      "The platform rests and the part slides: deceleration, stop and spin (also without this flag where "
+      "no drive is given or seen)");
+  add_number(command, "--gravity-m-s2", options->gravity,
+             "Of a free slide: mu1 = deceleration / g (default 9.81)");
   command.add_option("-o,--output", options->output, "Write the results as JSON")->type_name("M.json");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
   add_common(command, context,
-             "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8");
+             "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8\n  "
+             "tribotrack "
+             "measure slide.csv --free-slide");
   command.callback([options, &context] { measure_command(*options, context); });
 }
 

@@ -234,7 +234,7 @@ void CampaignRunner::write_log() const {
 }
 
 void CampaignRunner::print_result() const {
-  print("{}report {}\n", parameter_table(fit_.json), folder_.report().string());
+  print("{}{}report {}\n", parameter_table(fit_.json), slide_table(fit_.json), folder_.report().string());
   if (skipped() > 0)
     say(context_.quiet, fmt::format("{} of {} tracks were current and were kept", skipped(), runs_.size()));
   if (failed() > 0) {

@@ -46,10 +46,18 @@ class Motion {
     return trajectory_.at(std::min(t, trajectory_.end_time())).position;
   }
 
+  /// What friction leaves of the run's own spin, rad; before the run as it starts.
+  double turned(double t) const {
+    if (t < 0) return trajectory_.at(0).spin * t;
+    return trajectory_.at(std::min(t, trajectory_.end_time())).angle;
+  }
+
   vision::ScenePose pose(double t) const {
     const Eigen::Vector2d platform = pixels(shot_.motion.scenario.drive.displacement(phase(t)));
     const Eigen::Vector2d disc = start_px_ + pixels(part(t)) + platform - platform_at_start();
-    return {{disc.x(), disc.y()}, shot_.theta_rad + shot_.spin_rad_s * t, {platform.x(), platform.y()}};
+    return {{disc.x(), disc.y()},
+            shot_.theta_rad + shot_.spin_rad_s * t + turned(t),
+            {platform.x(), platform.y()}};
   }
 
  private:

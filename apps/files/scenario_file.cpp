@@ -39,6 +39,9 @@ const std::map<std::string, Setter>& setters() {
       {"tilt_y_rad", [](ScenarioFile& f, double v) { f.scenario.drive.tilt_y = v; }},
       {"velocity_x_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.x() = v * 1e-3; }},
       {"velocity_y_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.y() = v * 1e-3; }},
+      {"spin_rad_s", [](ScenarioFile& f, double v) { f.scenario.spin.rate = v; }},
+      {"radius_mm", [](ScenarioFile& f, double v) { f.scenario.spin.radius = v * 1e-3; }},
+      {"spin_inertia", [](ScenarioFile& f, double v) { f.scenario.spin.inertia = v; }},
       {"start_phase_rad", [](ScenarioFile& f, double v) { f.scenario.start_phase = v; }},
       {"cycles", [](ScenarioFile& f, double v) { f.scenario.cycles = v; }},
   };
@@ -111,6 +114,9 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     file.scenario.start_phase = table->angle("start_phase_rad").value_or(0);
     file.scenario.initial_velocity.x() = table->number("velocity_x_mm_s").value_or(0) * 1e-3;
     file.scenario.initial_velocity.y() = table->number("velocity_y_mm_s").value_or(0) * 1e-3;
+    file.scenario.spin.rate = table->number("spin_rad_s").value_or(0);
+    file.scenario.spin.radius = table->positive("radius_mm").value_or(0) * 1e-3;
+    file.scenario.spin.inertia = table->positive("spin_inertia").value_or(file.scenario.spin.inertia);
     const auto samples = table->integer("samples_per_cycle").value_or(file.samples_per_cycle);
     if (samples < 1 || samples > 1'000'000) table->fail("samples_per_cycle", "must be between 1 and 1000000");
     file.samples_per_cycle = static_cast<int>(samples);
@@ -147,7 +153,9 @@ model::Start parse_start(const std::string& word) {
   throw UsageError(fmt::format("the start must be one of {}, not \"{}\"", fmt::join(kStarts, ", "), word));
 }
 
-Json json_of(const model::Scenario& scenario) {
+namespace {
+
+Json without_spin(const model::Scenario& scenario) {
   const auto& d = scenario.drive;
   const auto& f = scenario.friction;
   return {{"amplitude_mm", d.amplitude * 1e3},
@@ -167,6 +175,17 @@ Json json_of(const model::Scenario& scenario) {
           {"velocity_x_mm_s", scenario.initial_velocity.x() * 1e3},
           {"velocity_y_mm_s", scenario.initial_velocity.y() * 1e3},
           {"cycles", scenario.cycles}};
+}
+
+}  // namespace
+
+Json json_of(const model::Scenario& scenario) {
+  Json json = without_spin(scenario);
+  if (scenario.spin.rate == 0) return json;
+  json["spin_rad_s"] = scenario.spin.rate;
+  json["radius_mm"] = scenario.spin.radius * 1e3;
+  json["spin_inertia"] = scenario.spin.inertia;
+  return json;
 }
 
 model::Scenario scenario_from(const Json& json) {

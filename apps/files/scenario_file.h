@@ -23,7 +23,8 @@ struct PlatformSection {
 PlatformSection read_platform(StrictTable& table);
 
 /// Keys: [platform]; [friction] mu1, mu2 or mu1_over_mu2, phi_rad, dtau_rad, lag_rad; [run] cycles, start,
-/// start_phase_rad, velocity_x_mm_s, velocity_y_mm_s, samples_per_cycle; [sweep] over =
+/// start_phase_rad, velocity_x_mm_s, velocity_y_mm_s, samples_per_cycle and, of a
+/// free slide, spin_rad_s, radius_mm, spin_inertia (1/2: an even disc); [sweep] over =
 /// ["NAME=FROM:TO:COUNT", ...].
 struct ScenarioFile {
   model::Scenario scenario;

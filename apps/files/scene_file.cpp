@@ -149,6 +149,8 @@ std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
   if (shots.empty()) shots.push_back(base);
   for (SceneShot& shot : shots) {
     shot.motion.settle();
+    if (double& radius = shot.motion.scenario.spin.radius; radius == 0)
+      radius = shot.scene.disc.radius_px * shot.mm_per_px * 1e-3;
     shot.motion.scenario.validate();
     shot.scene.validate();
   }

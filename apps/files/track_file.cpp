@@ -38,6 +38,12 @@ class FitTable {
     table.time.push_back(row.time_s);
     table.position.emplace_back(row.x_mm * 1e-3, present(row, row.y_mm, "y_mm") * 1e-3);
     table.covariance.push_back(covariance(row));
+    if (rows_.has_rotation) {
+      table.angle.push_back(row.theta_rad);
+      table.angle_sigma.push_back(std::isnan(row.theta_rad)
+                                      ? row.sigma_theta_rad
+                                      : positive(row, row.sigma_theta_rad, "sigma_theta_rad"));
+    }
     if (rows_.has_marker && rows_.has_planes) {
       table.marker.push_back(1e-3 * Eigen::Vector2d(present(row, row.marker_x_mm, "marker_x_mm"),
                                                     present(row, row.marker_y_mm, "marker_y_mm")));
@@ -71,6 +77,12 @@ class FitTable {
       throw InvalidInput(fmt::format("{}: frame {} is ok and has x_mm, but no number in column {}",
                                      path_.string(), row.frame, column));
     return value;
+  }
+
+  double positive(const TrackRow& row, double value, const char* column) const {
+    if (value > 0) return value;
+    throw InvalidInput(fmt::format("{}: frame {} has theta_rad, but no positive number in column {}",
+                                   path_.string(), row.frame, column));
   }
 
   const TrackRows& rows_;
@@ -111,6 +123,7 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
   file.has_marker_columns = rows.has_marker;
   file.table.platform_frame = rows.has_marker;
   file.table.exposure = facts.exposure_s.value_or(0);
+  file.table.radius = facts.disc_radius_px * facts.mm_per_px.value_or(0) * 1e-3;
   file.lamp.exposure = facts.exposure_s;
   file.lamp.clipped = facts.gate_clipped_share > kClippedShare;
   file.frames = rows.rows.size();

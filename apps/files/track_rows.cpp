@@ -207,6 +207,9 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
   const Places places(csv);
   TrackRows table;
   table.has_rotation = places.has("theta_rad");
+  if (table.has_rotation != places.has("sigma_theta_rad"))
+    csv.fail(
+        fmt::format("has only one of the columns `theta_rad` and `sigma_theta_rad`; they belong together"));
   table.has_marker = places.has("marker_x_px");
   table.has_gate = places.has("gate");
   table.has_planes = places.has("rho_xy_mm");

@@ -123,6 +123,8 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
   const double lowest = tilted ? std::min(best.chi2, tilted->chi2) : best.chi2;
   const double dof = residuals.degrees_of_freedom();
   const bool explained = !tracks && chi2_survival(lowest, dof - 2) >= kSurprise;
+  const bool spinning = std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
+                                    [](const auto& run) { return run.spin.has_value(); });
   const bool laws = options.rivals ||
                     (!tracks && !explained && result.runs_test_p_value < kAlike && result.outliers.empty());
   criteria.known_sigma = explained || !surprised || (tracks && chi2_survival(best.chi2, dof) >= kSurprise);
@@ -134,7 +136,7 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
   const auto at_rest = [](const auto& run) { return run.scenario.start == model::Start::rest; };
   const bool rest = std::all_of(problem.summary_runs.begin(), problem.summary_runs.end(), at_rest) &&
                     std::all_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(), at_rest);
-  if (laws && rest) {
+  if (laws && rest && !spinning) {
     for (const Kind kind : {Kind::stribeck, Kind::viscous, Kind::rise_time}) {
       if (kind == Kind::rise_time && !any_pulse(problem)) continue;
       const RivalFit rival = fit_rival(residuals, best, kind, options.threads);
@@ -148,7 +150,8 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
     }
   } else {
     result.left_out.push_back(
-        !rest       ? "Alternative friction laws are compared for runs that start at rest only."
+        spinning    ? "Alternative friction laws are not compared for parts that spin."
+        : !rest     ? "Alternative friction laws are compared for runs that start at rest only."
         : explained ? "Alternative friction laws were not tried: tilt explains the residuals."
         : tracks    ? "Alternative friction laws were not compared for tracks: that takes "
                       "seconds; --compare-models does it."

@@ -15,6 +15,7 @@ void thin(TrackTable& track, std::size_t every) {
   const std::size_t n = track.time.size();
   TrackTable few;
   few.platform_frame = track.platform_frame;
+  few.radius = track.radius;
   for (std::size_t i = 0; i < n; i += every) {
     if (i < track.frame.size()) few.frame.push_back(track.frame[i]);
     few.time.push_back(track.time[i]);

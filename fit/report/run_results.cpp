@@ -7,6 +7,7 @@
 #include "fit/report/fill_result.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -90,6 +91,16 @@ void fill_nuisances(const Residuals& residuals, const Eigen::VectorXd& values, s
   nuisance["end_time_s"] = run.track.time[points.row.back()];
 }
 
+/// Of a slide, s from its start.
+double stop_time(model::Scenario slide) {
+  const double speed = slide.initial_velocity.norm() + std::abs(slide.spin.rate) * slide.spin.radius;
+  slide.duration = 2 * speed / (slide.friction.nominal * slide.drive.gravity);
+  if (slide.spin.rate == 0 || !std::isfinite(slide.duration))
+    return slide.initial_velocity.norm() / (slide.friction.nominal * slide.drive.gravity);
+  const model::Trajectory run = model::integrate(slide, {.tolerance = 1e-9, .derivatives = {}});
+  return run.end_time() - run.summary().stick_time;
+}
+
 void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::size_t index,
                 const PointResiduals& points, RunResult& result) {
   const TrajectoryRun& run = unknowns.problem().trajectory_runs[index];
@@ -105,9 +116,13 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     result.slide.measured.push_back(measured_along);
     result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
   }
-  const double mu1 = unknowns.value_of(FitParameter::mu1, values);
-  nuisance["stop_time_s"] =
-      run.track.time[points.row.front()] + velocity.norm() / (mu1 * run.scenario.drive.gravity);
+  nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
+  if (const Eigen::Index deviation = unknowns.deviation_index(index); deviation >= 0)
+    nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation);
+  if (const Eigen::Index spin = unknowns.spin_index(index); spin >= 0) {
+    nuisance["spin_rad_s"] = values(spin);
+    nuisance["spin_ratio"] = std::abs(values(spin)) * result.fitted.spin.radius / velocity.norm();
+  }
 }
 
 /// Counts points far from the model against the median, which a few of them cannot move.

@@ -46,7 +46,15 @@ void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
+  if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !std::isfinite(run.spin->rate) ||
+                   !std::isfinite(run.spin->fading) ||
+                   Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))
+    throw DataError("Run '" + run.name +
+                    "': a spin belongs to a free slide, with its covariance and the part's radius.");
   const auto& track = run.track;
+  if (track.angle.size() != track.angle_sigma.size() ||
+      (!track.angle.empty() && track.angle.size() != track.time.size()))
+    throw DataError("Run '" + run.name + "': the track has angles for some of its rows only.");
   const std::size_t n = track.time.size();
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)
     throw DataError("Run '" + run.name + "': " + std::to_string(n) +
@@ -84,6 +92,10 @@ const char* to_string(FitParameter parameter) {
   return "?";
 }
 
+double DiscSpin::rate_sd() const {
+  return std::sqrt(covariance(0, 0));
+}
+
 void Problem::validate() const {
   if (free.empty()) throw DataError("Nothing to fit: [fit] parameters is empty.");
   if (std::set<FitParameter>(free.begin(), free.end()).size() != free.size())
@@ -100,6 +112,8 @@ void Problem::validate() const {
       throw DataError(std::string("fit.prior ") + to_string(parameter) + ": sd must be positive.");
   }
   if (!(scale_sd >= 0) || !std::isfinite(scale_sd)) throw DataError("The scale's sd must not be negative.");
+  if (!(between_slides >= 0) || !std::isfinite(between_slides))
+    throw DataError("The sd of mu1 between slides must not be negative.");
 
   bool pulses = false;
   for (const auto& run : summary_runs) {

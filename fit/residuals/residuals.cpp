@@ -1,5 +1,6 @@
 #include "fit/residuals/residuals.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,7 +30,17 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
     if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
-  rows_ += static_cast<Eigen::Index>(priors_.size());
+  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run) {
+    if (const Eigen::Index spin = unknowns.spin_index(run); spin >= 0) {
+      const DiscSpin& known = *problem.trajectory_runs[run].spin;
+      const Eigen::LLT<Eigen::Matrix2d> factor(known.covariance);
+      spins_.push_back(
+          {spin, {known.rate, known.fading}, factor.matrixL().solve(Eigen::Matrix2d::Identity())});
+    }
+    if (const Eigen::Index deviation = unknowns.deviation_index(run); deviation >= 0)
+      priors_.emplace_back(deviation, Prior{0, problem.between_slides});
+  }
+  rows_ += static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
   scatter_.trajectories.resize(problem.trajectory_runs.size());
   prepared_.resize(problem.trajectory_runs.size());
   for (const auto& run : problem.trajectory_runs)
@@ -60,7 +71,8 @@ Eigen::Index Residuals::trajectory_row(std::size_t run) const {
 
 double Residuals::degrees_of_freedom() const {
   double dof = 2.0 * static_cast<double>(problem_->summary_runs.size()) +
-               static_cast<double>(priors_.size()) - static_cast<double>(unknowns_->size());
+               static_cast<double>(priors_.size() + 2 * spins_.size()) -
+               static_cast<double>(unknowns_->size());
   for (std::size_t i = 0; i < first_point_.size(); ++i)
     dof += 2.0 * static_cast<double>(point_count(i)) / scatter_.trajectories[i].correlation_time - 2;
   return dof;
@@ -116,11 +128,16 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     if (jacobian)
       for (Eigen::Index j = 0; j < jacobian->cols(); ++j) whiten_common(jacobian->col(j));
   }
-  Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size());
+  Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
   for (const auto& [unknown, prior] : priors_) {
     residuals(row) = (values(unknown) - prior.mean) / prior.sd;
     if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
     ++row;
+  }
+  for (const SpinPrior& prior : spins_) {
+    residuals.segment<2>(row) = prior.white * (values.segment<2>(prior.unknown) - prior.mean);
+    if (jacobian) jacobian->block<2, 2>(row, prior.unknown) = prior.white;
+    row += 2;
   }
   if (residuals.allFinite() && (!jacobian || jacobian->allFinite())) return true;
   failures_->add(values, "the modelled motion is not finite");

@@ -42,8 +42,8 @@ struct PointResiduals {
 
 /// Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
 /// point, the run's unknown start point projected out and its correlated errors whitened, then those that all
-/// runs share; one a prior, (value - mean)/sd. Rows of data are multiplied by the root of their robust
-/// weight.
+/// runs share; one a prior, (value - mean)/sd, two a spin. Rows of data are multiplied by the root of their
+/// robust weight.
 class Residuals {
  public:
   /// Refers to the unknowns and their problem, which must outlive the residuals and all their copies.
@@ -124,6 +124,12 @@ class Residuals {
   int threads_;
   double tolerance_ = 1e-10;
   std::vector<std::pair<Eigen::Index, Prior>> priors_;
+  struct SpinPrior {
+    Eigen::Index unknown;
+    Eigen::Vector2d mean;
+    Eigen::Matrix2d white;  ///< L^-1
+  };
+  std::vector<SpinPrior> spins_;
   std::vector<std::size_t> first_point_;
   Weights weights_;
   Eigen::Index rows_ = 0;

@@ -68,12 +68,23 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     transforms_.push_back(transform_of(parameter, frequency_, sliding_threshold().value_or(0.2)));
   for (const auto& run : problem.trajectory_runs) {
     velocity_.push_back(run.free_slide ? size() : -1);
+    spin_.push_back(-1);
+    deviation_.push_back(-1);
     if (!run.free_slide) continue;
     const FreeSlideGuess guess = guess_free_slide(run);
     slide_velocity_.push_back(guess.velocity);
     if (!slide_mu_) slide_mu_ = guess.mu;
     const double speed = std::max(guess.velocity.norm(), 1e-6);
     transforms_.insert(transforms_.end(), 2, Transform(Transform::Kind::linear, speed));
+    if (run.spin) {
+      spin_.back() = size();
+      transforms_.emplace_back(Transform::Kind::linear, speed / run.track.radius);
+      transforms_.emplace_back(Transform::Kind::linear, 1);
+    }
+    if (problem.between_slides > 0 && find(FitParameter::mu1)) {
+      deviation_.back() = size();
+      transforms_.emplace_back(Transform::Kind::linear, problem.between_slides);
+    }
   }
   for (const auto& run : problem.trajectory_runs) {
     const bool unknown = !run.free_slide && run.start_phase_sd > 0;
@@ -130,6 +141,11 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   }
   for (const Eigen::Index v : velocity_)
     if (v >= 0) units.segment<2>(v).setConstant(std::max(values.segment<2>(v).norm(), 1e-9));
+  for (std::size_t run = 0; run < spin_.size(); ++run) {
+    if (spin_[run] >= 0)
+      units.segment<2>(spin_[run]) << units(velocity_[run]) / problem_->trajectory_runs[run].track.radius, 1;
+    if (deviation_[run] >= 0) units(deviation_[run]) = mu1;
+  }
   for (const Eigen::Index phase : phase_)
     if (phase >= 0) units(phase) = 1;
   return units;
@@ -172,6 +188,10 @@ Eigen::VectorXd Unknowns::first_guess() const {
   }
   for (std::size_t run = 0, slide = 0; run < velocity_.size(); ++run)
     if (velocity_[run] >= 0) guess.segment<2>(velocity_[run]) = slide_velocity_[slide++];
+  for (std::size_t run = 0; run < spin_.size(); ++run)
+    if (spin_[run] >= 0)
+      guess.segment<2>(spin_[run]) << problem_->trajectory_runs[run].spin->rate,
+          problem_->trajectory_runs[run].spin->fading;
   return guess;
 }
 
@@ -264,17 +284,33 @@ AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::s
 
 AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::size_t run,
                                            bool derivatives) const {
-  model::Scenario base = problem_->trajectory_runs[run].scenario;
+  const TrajectoryRun& slide = problem_->trajectory_runs[run];
+  model::Scenario base = slide.scenario;
   base.drive.amplitude = base.drive.amplitude_y = 0;
   base.friction.pulse_width = 0;
   base.start = model::Start::rest;
   AppliedScenario result = apply(values, base, false, derivatives);
   const Eigen::Index v = velocity_[run];
   result.scenario.initial_velocity = values.segment<2>(v);
+  const Eigen::Index spin = spin_[run], deviation = deviation_[run];
+  auto& friction = result.scenario.friction;
+  if (deviation >= 0) friction.nominal += values(deviation);
+  // The radius was measured in the same picture; k = mu e^fading.
+  const double per_mu = spin >= 0 ? std::exp(values(spin + 1)) : 0;
+  if (spin >= 0)
+    result.scenario.spin = {values(spin), slide.track.radius * result.scale, friction.nominal * per_mu};
   if (derivatives) {
     Chain chain(result, size());
     chain.add(model::Parameter::velocity_x, v, 1);
     chain.add(model::Parameter::velocity_y, v + 1, 1);
+    if (deviation >= 0) chain.add(model::Parameter::mu1, deviation, 1);
+    if (spin >= 0) {
+      chain.add(model::Parameter::spin, spin, 1);
+      chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin) / result.scale);
+      chain.add(model::Parameter::inertia, spin + 1, result.scenario.spin.inertia);
+      chain.add(model::Parameter::inertia, find(FitParameter::mu1), per_mu);
+      if (deviation >= 0) chain.add(model::Parameter::inertia, deviation, per_mu);
+    }
     // The platform rests: its frequency is only the clock of the model.
     if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
   }

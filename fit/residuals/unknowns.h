@@ -20,8 +20,9 @@ struct AppliedScenario {
 };
 
 /// Order: the parameters of Problem::free, then the scale where it is a nuisance, then the initial velocity
-/// (x, y) of each free slide and the shift of the platform's phase of each trajectory run whose phase has an
-/// sd. "Values" are physical (SI), "z" the optimiser's.
+/// (x, y) of each free slide, its spin where that is seen and the deviation of its mu1 from the mean where
+/// slides differ, and the shift of the platform's phase of each trajectory run whose phase has an sd.
+/// "Values" are physical (SI), "z" the optimiser's.
 class Unknowns {
  public:
   /// Refers to the problem, which must outlive the unknowns.
@@ -37,6 +38,12 @@ class Unknowns {
   std::optional<Eigen::Index> find(FitParameter parameter) const;
   /// Of the velocity of trajectory run `run`, -1 where it is no free slide.
   Eigen::Index velocity_index(std::size_t run) const { return velocity_[run]; }
+
+  /// Of the spin of trajectory run `run`, its fading behind it, -1 where it has none.
+  Eigen::Index spin_index(std::size_t run) const { return spin_[run]; }
+
+  /// Of the deviation of its mu1, -1 where all slides share mu1.
+  Eigen::Index deviation_index(std::size_t run) const { return deviation_[run]; }
 
   /// Of the phase shift of trajectory run `run`, -1 where its phase is taken as exact.
   Eigen::Index phase_index(std::size_t run) const { return phase_[run]; }
@@ -74,7 +81,7 @@ class Unknowns {
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;
-  std::vector<Eigen::Index> velocity_, phase_;
+  std::vector<Eigen::Index> velocity_, spin_, deviation_, phase_;
   std::vector<Eigen::Vector2d> slide_velocity_;  ///< first guesses
   std::optional<double> slide_mu_;
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run

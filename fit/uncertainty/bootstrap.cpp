@@ -28,7 +28,8 @@ class Draw {
         problem_(residuals.unknowns().problem()) {}
 
   Problem problem() {
-    const Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
+    Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
+    draw_deviations(values);
     for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) summary(i);
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) trajectory(i, values);
     for (auto& [parameter, prior] : problem_.prior)
@@ -39,6 +40,15 @@ class Draw {
 
  private:
   Eigen::Vector2d pair() { return {normal_(random_), normal_(random_)}; }
+
+  /// Slides of their own mu1 each, within what leaves friction.
+  void draw_deviations(Eigen::VectorXd& values) {
+    const Unknowns& unknowns = residuals_.unknowns();
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i)
+      if (const Eigen::Index deviation = unknowns.deviation_index(i); deviation >= 0)
+        values(deviation) = std::max(problem_.between_slides * normal_(random_),
+                                     -0.9 * unknowns.value_of(FitParameter::mu1, values));
+  }
 
   void summary(std::size_t i) {
     auto& measured = problem_.summary_runs[i].measured;
@@ -52,6 +62,12 @@ class Draw {
     auto& track = run.track;
     if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
+    if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
+      const Eigen::LLT<Eigen::Matrix2d> factor(run.spin->covariance);
+      const Eigen::Vector2d drawn = values.segment<2>(spin) + factor.matrixL() * pair();
+      run.spin->rate = drawn.x();
+      run.spin->fading = drawn.y();
+    }
     const PointResiduals points = residuals_.points(values, i);
     const auto& scatter = residuals_.excess_variance().trajectories[i];
     // A first-order process with the residuals' correlation time.

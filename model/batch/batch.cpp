@@ -128,6 +128,7 @@ class Crew {
       try {
         const Scenario scenario = work_.scenario_at(number);
         scenario.validate();
+        if (scenario.spin.rate != 0) return Need::scalar;  // lanes know no spin
         return run.begin(scenario, work_.options);
       } catch (const std::exception& invalid) {
         solutions_[number].status = BatchStatus::invalid;

@@ -14,7 +14,8 @@ constexpr std::array kParameters = {
     Parameter::mu1,         Parameter::mu2,        Parameter::lag,         Parameter::phi,
     Parameter::dtau,        Parameter::amplitude,  Parameter::amplitude_y, Parameter::angular_frequency,
     Parameter::phase_shift, Parameter::gravity,    Parameter::tilt_x,      Parameter::tilt_y,
-    Parameter::velocity_x,  Parameter::velocity_y, Parameter::start_phase,
+    Parameter::velocity_x,  Parameter::velocity_y, Parameter::start_phase, Parameter::spin,
+    Parameter::inertia,
 };
 
 template <class Scenario_>
@@ -50,6 +51,10 @@ auto& reference(Scenario_& s, Parameter parameter) {
       return s.initial_velocity.y();
     case Parameter::start_phase:
       return s.start_phase;
+    case Parameter::spin:
+      return s.spin.rate;
+    case Parameter::inertia:
+      return s.spin.inertia;
   }
   throw InvalidParameter("unknown model parameter");
 }
@@ -94,6 +99,10 @@ const char* to_string(Parameter parameter) {
       return "velocity_y_m_s";
     case Parameter::start_phase:
       return "start_phase_rad";
+    case Parameter::spin:
+      return "spin_rad_s";
+    case Parameter::inertia:
+      return "inertia";
   }
   return "?";
 }
@@ -139,6 +148,13 @@ void Scenario::validate() const {
   require(std::isfinite(cycles) && cycles >= 0, "cycles", cycles, ">= 0 and finite");
   require(start == Start::rest || start == Start::circling || start == Start::steady, "start",
           static_cast<double>(start), "rest, circling or steady");
+  require(std::isfinite(spin.radius) && spin.radius >= 0, "radius", spin.radius, ">= 0 and finite (m)");
+  require(std::isfinite(spin.inertia) && spin.inertia > 0, "inertia", spin.inertia, "> 0 and finite");
+  if (spin.rate == 0) return;
+  require(spin.radius > 0, "radius", spin.radius, "> 0 for a part that spins (m)");
+  require(drive.amplitude == 0 && drive.amplitude_y == 0 && start == Start::rest &&
+              friction.pulse_width * (friction.nominal - friction.reduced) == 0,
+          "spin_rad_s", spin.rate, "0 on a moving platform or with pulses: spin is part of free slides only");
 }
 
 }  // namespace tribotrack::model

@@ -217,6 +217,8 @@ Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
   scenario.validate();
   if (scenario.start != Start::rest)
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
+  if (scenario.spin.rate != 0)
+    throw InvalidParameter("rival friction laws are integrated for parts that do not spin");
   return Integration(scenario, law, tolerance).run(times);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -144,6 +145,21 @@ struct ReportSlide {
   std::string sentence;           ///< its result: "Initial speed 812 mm/s; ..."
 };
 
+/// A free slide by itself.
+struct ReportSlideResult {
+  std::string name;
+  double mu1 = no_value, mu1_sd = no_value;
+  ReportInterval ci95;
+  double chi2 = no_value, p_value = no_value;
+  int dof = 0;
+  std::int64_t first_frame = 0, last_frame = 0;
+  bool spin_seen = false;
+  double spin_rad_s = no_value, spin_rad_s_sd = no_value, spin_ratio = no_value, spin_ratio_sd = no_value;
+  double change_by_half_spin = no_value;  ///< of mu1, relative; where no spin was seen
+  std::vector<std::int64_t> blow_frames;
+  std::string sentence;
+};
+
 /// A run that contradicts the others.
 struct ReportOutlier {
   std::string run;
@@ -212,6 +228,9 @@ struct ReportData {
   std::vector<ReportGroup> over_phi;   ///< figures 9a and v against phi
   std::vector<ReportGroup> over_dtau;  ///< figures 9b and 10
   std::vector<ReportSlide> slides;
+  std::vector<ReportSlideResult> slide_results;  ///< mu1 slide by slide
+  double between_slides = 0;                     ///< sd of mu1 between them
+  double between_slides_p_value = no_value;      ///< that they differ so by chance; NaN for a single slide
 
   std::string program_version;
   std::vector<ReportSource> inputs;

@@ -102,6 +102,35 @@ void read_next_runs(const Json& fit, ReportData& data) {
     for (const Json& next : *others) data.next_runs.push_back(next_run(next, data.parameters));
 }
 
+void read_slides(const Json& fit, ReportData& data) {
+  for (const Json& s : fit.value("slides", Json::array())) {
+    ReportSlideResult slide{.name = text_at(s, "name"),
+                            .mu1 = number_at(s, "mu1"),
+                            .mu1_sd = number_at(s, "mu1_sd"),
+                            .ci95 = interval_at(s, "ci95"),
+                            .chi2 = number_at(s, "chi2"),
+                            .p_value = number_at(s, "p_value"),
+                            .dof = s.value("dof", 0),
+                            .first_frame = s.value("first_frame", std::int64_t{0}),
+                            .last_frame = s.value("last_frame", std::int64_t{0}),
+                            .spin_seen = s.value("spin_seen", false),
+                            .spin_rad_s = number_at(s, "spin_rad_s"),
+                            .spin_rad_s_sd = number_at(s, "spin_rad_s_sd"),
+                            .spin_ratio = number_at(s, "spin_ratio"),
+                            .spin_ratio_sd = number_at(s, "spin_ratio_sd"),
+                            .change_by_half_spin = number_at(s, "mu1_change_by_half_spin"),
+                            .blow_frames = {},
+                            .sentence = text_at(s, "sentence")};
+    for (const Json& blow : s.value("blows", Json::array()))
+      slide.blow_frames.push_back(blow.value("frame", std::int64_t{0}));
+    data.slide_results.push_back(std::move(slide));
+  }
+  if (const auto between = fit.find("between_slides"); between != fit.end()) {
+    data.between_slides = between->value("sd", 0.0);
+    data.between_slides_p_value = number_at(*between, "p_value");
+  }
+}
+
 }  // namespace
 
 void read_fit(const Json& fit, ReportData& data) {
@@ -116,6 +145,7 @@ void read_fit(const Json& fit, ReportData& data) {
   data.phase_reference = text_at(fit, "phase_reference");
   read_other_minima(fit, data);
   read_checks(fit, data);
+  read_slides(fit, data);
   read_next_runs(fit, data);
 }
 

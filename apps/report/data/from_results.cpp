@@ -78,6 +78,33 @@ void add_checks(const fit::FitResult& fit, ReportData& data) {
   if (fit.bootstrap > 0) data.bootstrap_seed = fit.bootstrap_seed;
 }
 
+void add_slide_results(const fit::FitResult& fit, ReportData& data) {
+  for (const fit::SlideResult& s : fit.slides) {
+    ReportSlideResult slide{.name = s.run,
+                            .mu1 = finite(s.mu1.value),
+                            .mu1_sd = finite(s.mu1.sd),
+                            .ci95 = interval(s.ci95, 1),
+                            .chi2 = finite(s.chi2),
+                            .p_value = finite(s.p_value),
+                            .dof = s.dof,
+                            .first_frame = s.first_frame,
+                            .last_frame = s.last_frame,
+                            .spin_seen = s.spin_seen,
+                            .blow_frames = {},
+                            .sentence = s.sentence};
+    if (s.spin_seen) {
+      take(s.spin, slide.spin_rad_s, slide.spin_rad_s_sd);
+      take(s.spin_ratio, slide.spin_ratio, slide.spin_ratio_sd);
+    } else {
+      slide.change_by_half_spin = finite(s.change_by_half_spin);
+    }
+    for (const fit::Blow& blow : s.blows) slide.blow_frames.push_back(blow.frame);
+    data.slide_results.push_back(std::move(slide));
+  }
+  data.between_slides = fit.between_slides;
+  if (fit.slides.size() > 1) data.between_slides_p_value = finite(fit.between_slides_p_value);
+}
+
 ReportNextRun next_run(const fit::NextExperiment& next, const fit::FitResult& fit, double mm_per_px) {
   ReportNextRun run{.phi_rad = finite(next.phi),
                     .dtau_rad = finite(next.dtau),
@@ -114,6 +141,7 @@ void add_fit(const ReportInput& input, ReportData& data) {
   }
   add_parameters(fit, mm_per_px, data);
   add_checks(fit, data);
+  add_slide_results(fit, data);
   if (fit.next_experiment) {
     data.next_experiment = fit.next_experiment->sentence;
     data.next_runs.push_back(next_run(*fit.next_experiment, fit, mm_per_px));

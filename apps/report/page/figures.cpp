@@ -266,19 +266,60 @@ std::string residual_section(const ReportData& data) {
          "</section>\n";
 }
 
+std::string slide_row(const ReportSlideResult& s) {
+  std::string blows;
+  for (const std::int64_t frame : s.blow_frames)
+    blows += fmt::format("{}{}", blows.empty() ? "" : ", ", frame);
+  std::string html = "<tr><th>" + escape_html(s.name) + "</th>";
+  html += number_cell(value_and_sd(s.mu1, s.mu1_sd));
+  html += number_cell(interval_text(s.ci95.low, s.ci95.high, s.mu1_sd));
+  html += number_cell(s.spin_seen
+                          ? value_and_sd(s.spin_ratio, s.spin_ratio_sd)
+                          : fmt::format("not seen (half: +{} %)", number(100 * s.change_by_half_spin, 2)));
+  html += number_cell(fmt::format("{} / {}", number(s.chi2, 3), s.dof));
+  html += number_cell(fmt::format("{}–{}", s.first_frame, s.last_frame));
+  return html + cell(blows.empty() ? "–" : "frame " + blows) + "</tr>";
+}
+
+/// mu1 slide by slide, and whether they differ by chance.
+std::string slide_table(const ReportData& data) {
+  if (data.slide_results.empty()) return "";
+  std::string html =
+      "<div class=\"wide\" tabindex=\"0\"><table class=\"compact\"><thead><tr><th>slide</th><th "
+      "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">rim speed / slide "
+      "speed</th><th class=\"n\">χ² / d.o.f.</th><th class=\"n\">frames used</th><th>blow or "
+      "collision</th></tr></thead><tbody>";
+  for (const ReportSlideResult& slide : data.slide_results) html += slide_row(slide);
+  html += "</tbody></table></div>\n";
+  html +=
+      "<p class=\"note\">A spinning disc is braked less; where its turning is seen, that is counted. Where "
+      "not, “half” says how much larger μ<sub>1</sub> would be had the rim moved half as fast as the part "
+      "slid.";
+  if (!std::isnan(data.between_slides_p_value))
+    html += fmt::format(
+        " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
+        "the mean counts it, by Student’s t of {} degrees of freedom.",
+        number(data.between_slides, 2),
+        data.between_slides_p_value < 0.05
+            ? "more than chance explains, p = " + number(data.between_slides_p_value, 2)
+            : "no more than chance explains",
+        data.slide_results.size() - 1);
+  return html + "</p>\n";
+}
+
 std::string slide_section(const ReportData& data) {
   std::string html;
   for (std::size_t i = 0; i < data.slides.size(); ++i)
     html += plot_box(
         fmt::format("slide-{}", i),
-        fmt::format(
-            "<b>{}.</b> Distance along the slide against time, with the parabola of constant friction "
-            "(deceleration μ<sub>1</sub> g); below, measured minus fitted. {}",
-            escape_html(data.slides[i].name), sentence_html(data.slides[i].sentence)),
+        fmt::format("<b>{}.</b> Distance along the slide against time, with the law of friction at its own "
+                    "μ<sub>1</sub> (without spin a parabola, deceleration μ<sub>1</sub> g); below, measured "
+                    "minus fitted. {}",
+                    escape_html(data.slides[i].name), sentence_html(data.slides[i].sentence)),
         "full");
   if (html.empty()) return "";
-  return "<section id=\"slides\"><h2>Free slides: friction on the resting platform</h2>\n" + html +
-         "</section>\n";
+  return "<section id=\"slides\"><h2>Free slides: friction on the resting platform</h2>\n" +
+         slide_table(data) + html + "</section>\n";
 }
 
 }  // namespace tribotrack::apps

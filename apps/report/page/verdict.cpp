@@ -84,6 +84,16 @@ std::string reasons_for_care(const ReportData& data) {
   if (data.agreement == Agreement::poor) reasons.push_back("the data contradict the model");
   if (data.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
   if (data.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
+  // The scatter that was added makes chi^2 agree: it must not pass for a test.
+  if (data.agreement == Agreement::only_with_scatter && !data.slide_results.empty())
+    reasons.push_back(
+        fmt::format("free slides deviate from the law of friction by more than their errors (p {})",
+                    data.p_value > 0 ? "= " + number(data.p_value, 2) : "below 1e-300"));
+  if (data.between_slides_p_value < 0.05)
+    reasons.push_back("μ<sub>1</sub> differs from slide to slide by more than chance");
+  if (std::any_of(data.slide_results.begin(), data.slide_results.end(),
+                  [](const ReportSlideResult& slide) { return !slide.blow_frames.empty(); }))
+    reasons.push_back("a slide was struck on its way");
   if (!data.outliers.empty())
     reasons.push_back(data.outliers.size() == 1
                           ? "one run contradicts the others"

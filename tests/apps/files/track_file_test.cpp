@@ -14,6 +14,7 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class TrackFiles : public ProgramTest {
  protected:
@@ -154,6 +155,38 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
                            "{\"summary\": {\"gate_passed\": 3}}", "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
+}
+
+TEST_F(TrackFiles, AnglesAreReadWhereTheyAre) {
+  const std::string with = "frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n";
+  const TrackFile track =
+      read(with + "0,0,ok,1,2,0.1,0.1,0.5,0.01\n1,0.1,ok,1,2,0.1,0.1,,\n2,0.2,lost,,,,,,\n",
+           R"({"scale": {"mm_per_px": 0.5}, "summary": {"disc_px": [10, 10, 8]}})");
+  ASSERT_EQ(track.table.angle.size(), 2u);
+  EXPECT_EQ(track.table.angle[0], 0.5);
+  EXPECT_EQ(track.table.angle_sigma[0], 0.01);
+  EXPECT_TRUE(std::isnan(track.table.angle[1]));
+  EXPECT_DOUBLE_EQ(track.table.radius, 4e-3);
+  EXPECT_TRUE(
+      read("frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm\n0,0,ok,1,2,0.1,0.1\n").table.angle.empty());
+  EXPECT_THAT(
+      complaint("frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,theta_rad\n0,0,ok,1,2,0.1,0.1,1\n"),
+      HasSubstr("sigma_theta_rad"));
+  EXPECT_THAT(complaint(with + "7,0,ok,1,2,0.1,0.1,0.5,\n"), HasSubstr("frame 7 has theta_rad"));
+}
+
+TEST_F(TrackFiles, AnglesAreWrittenBehindThePositions) {
+  TrackRows rows = track_rows(noisy_track(false), std::nullopt, 0);
+  EXPECT_THAT(track_csv(rows), Not(HasSubstr("theta")));
+  rows.has_rotation = true;
+  rows.rows[1].theta_rad = 0.25;
+  rows.rows[1].sigma_theta_rad = 0.002;
+  const std::string csv = track_csv(rows);
+  EXPECT_THAT(csv, HasSubstr("sigma_y_mm,theta_rad,sigma_theta_rad,gate"));
+  const TrackRows again = read_track_rows("t.csv", csv);
+  EXPECT_TRUE(again.has_rotation);
+  EXPECT_EQ(again.rows[1].theta_rad, 0.25);
+  EXPECT_EQ(track_csv(again), csv);
 }
 
 }  // namespace

@@ -128,5 +128,29 @@ TEST(FigureSections, AFigureWithoutDataIsLeftOutAndSaid) {
   EXPECT_EQ(slide_section(ReportData{}), "");
 }
 
+TEST(ReportFigures, SlidesStandOneByOneInATable) {
+  ReportData data = sample::campaign();
+  data.slide_results.push_back({.name = "man <1>",
+                                .mu1 = 0.1482,
+                                .mu1_sd = 0.0021,
+                                .ci95 = {0.144, 0.1524},
+                                .chi2 = 131,
+                                .dof = 152,
+                                .first_frame = 194,
+                                .last_frame = 272,
+                                .spin_seen = true,
+                                .spin_ratio = 0.731,
+                                .spin_ratio_sd = 0.012});
+  data.slide_results.push_back(
+      {.name = "man 2", .mu1 = 0.204, .mu1_sd = 0.003, .change_by_half_spin = 0.091, .blow_frames = {301}});
+  data.between_slides = 0.018;
+  data.between_slides_p_value = 1e-8;
+  const std::string html = slide_section(data);
+  for (const char* part : {"man &lt;1&gt;", "0.1482 ± 0.0021", "0.731 ± 0.012", "131 / 152", "194–272",
+                           "not seen (half: +9.1 %)", "frame 301", "standard deviation of 0.018",
+                           "more than chance explains, p = 1e-08"})
+    EXPECT_THAT(html, testing::HasSubstr(part));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

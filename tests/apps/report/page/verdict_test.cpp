@@ -82,5 +82,29 @@ TEST(ReportVerdict, WithoutAFitItSpeaksOfMeasurementsOnly) {
   EXPECT_EQ(verdict_of(ReportData{}).trust, Trust::no_fit);
 }
 
+TEST(ReportVerdict, SlidesThatNeededScatterAreNotPassedOver) {
+  ReportData data = all_well();
+  data.agreement = fit::Agreement::only_with_scatter;
+  data.scatter_mm = 0.01;
+  data.p_value = 0;
+  data.slide_results.push_back({.name = "head on", .mu1 = 0.16, .mu1_sd = 0.002});
+  const Verdict verdict = verdict_of(data);
+  EXPECT_EQ(verdict.trust, Trust::with_care);
+  EXPECT_THAT(verdict.heading, HasSubstr("free slides deviate from the law of friction"));
+  EXPECT_THAT(verdict.heading, HasSubstr("p below 1e-300"));
+}
+
+TEST(ReportVerdict, SlidesThatDifferOrWereStruckAreNamed) {
+  ReportData data = all_well();
+  data.slide_results.push_back({.name = "a", .mu1 = 0.148, .mu1_sd = 0.002});
+  data.slide_results.push_back({.name = "b", .mu1 = 0.204, .mu1_sd = 0.002});
+  data.between_slides_p_value = 0.2;
+  EXPECT_EQ(verdict_of(data).heading, "Can be used");
+  data.between_slides_p_value = 1e-9;
+  EXPECT_THAT(verdict_of(data).heading, HasSubstr("differs from slide to slide by more than chance"));
+  data.slide_results.front().blow_frames = {231};
+  EXPECT_THAT(verdict_of(data).heading, HasSubstr("a slide was struck on its way"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -1,0 +1,91 @@
+#include "fit/slides/describe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/tools/parameter_text.h"
+#include "fit/tools/thresholds.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+std::string pm(const Estimate& estimate, double unit = 1) {
+  return number(estimate.value * unit, 4) + " +- " + number(estimate.sd * unit, 2);
+}
+
+std::string spin_text(const SlideResult& slide) {
+  if (!slide.spin_seen)
+    return fmt::format(
+        "Spin was not seen: fitted without; a rim speed of half the slide's would make mu1 {} % larger.",
+        number(100 * slide.change_by_half_spin, 2));
+  return fmt::format("It spins at {} rad/s, rim speed over slide speed {}.", pm(slide.spin),
+                     pm(slide.spin_ratio));
+}
+
+std::string blow_text(const SlideResult& slide, const Blow& blow) {
+  return fmt::format(
+      "Slide '{}': at frame {} ({} s) its velocity jumps by {} mm/s (speed {} to {} mm/s), more than "
+      "friction can "
+      "do: a blow or a collision. Its longest stretch without one, frames {} to {}, was used.",
+      slide.run, blow.frame, number(blow.time, 4), number(1e3 * blow.jump, 3),
+      number(1e3 * blow.speed_before, 3), number(1e3 * blow.speed_after, 3), slide.first_frame,
+      slide.last_frame);
+}
+
+/// The sentence about slides whose spin was not seen; empty where there are none.
+std::string unseen_spins(const FitResult& result) {
+  std::string names;
+  std::size_t count = 0;
+  double change = 0;
+  for (const SlideResult& slide : result.slides)
+    if (!slide.spin_seen) {
+      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", slide.run);
+      change = std::max(change, slide.change_by_half_spin);
+      ++count;
+    }
+  if (count == 0) return "";
+  return fmt::format(
+      "Spin was not seen in {}: {} fitted without. If the rim moved half as fast as the part slides, "
+      "mu1 would be {} % larger.",
+      names, count == 1 ? "it was" : "they were", number(100 * change, 2));
+}
+
+void describe_scatter(const BetweenSlides& between, FitResult& result) {
+  result.between_slides = between.sd;
+  result.between_slides_p_value = between.p_value;
+  result.covariance_meaning += fmt::format(
+      " mu1 is the mean of {} slides of their own mu1 each, with an sd of {} between them (Paule and Mandel) "
+      "and an "
+      "interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
+      between.dof + 1, number(between.sd, 2), between.dof, between.dof == 1 ? "" : "s");
+  if (!(between.p_value < kDoubt)) return;
+  const auto [low, high] =
+      std::minmax_element(result.slides.begin(), result.slides.end(),
+                          [](const auto& a, const auto& b) { return a.mu1.value < b.mu1.value; });
+  result.warnings.push_back(fmt::format(
+      "mu1 differs from slide to slide by more than chance: {} ('{}') to {} ('{}'), chi2 {} at {} degrees of "
+      "freedom (p = {}), sd between slides {} ({} %). The mean's interval counts it; look for spin, tilt, "
+      "another "
+      "part or another place.",
+      number(low->mu1.value, 3), low->run, number(high->mu1.value, 3), high->run, number(between.chi2, 3),
+      between.dof, number(between.p_value, 2), number(between.sd, 2),
+      number(100 * between.sd / between.mean, 2)));
+}
+
+}  // namespace
+
+void describe_slides(const BetweenSlides* between, FitResult& result) {
+  for (SlideResult& slide : result.slides) {
+    for (const Blow& blow : slide.blows) result.warnings.push_back(blow_text(slide, blow));
+    slide.sentence =
+        fmt::format("mu1 = {}, chi2 {} at {} degrees of freedom (p = {}). {}", pm(slide.mu1),
+                    number(slide.chi2, 3), slide.dof, number(slide.p_value, 2), spin_text(slide));
+    for (const Blow& blow : slide.blows) slide.sentence.append(1, ' ').append(blow_text(slide, blow));
+  }
+  if (const std::string unseen = unseen_spins(result); !unseen.empty()) result.systematics.push_back(unseen);
+  if (between) describe_scatter(*between, result);
+}
+
+}  // namespace tribotrack::fit::internal

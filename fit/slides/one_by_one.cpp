@@ -1,0 +1,128 @@
+#include "fit/slides/one_by_one.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "fit/slides/slide_spin.h"
+#include "fit/tools/parallel.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+/// The problem of one slide: its mu1, all else as given. A tilt or scale that is fitted too is as all runs
+/// together have it.
+Problem problem_of_one(const Problem& problem, const TrajectoryRun& run,
+                       const std::map<FitParameter, double>& together) {
+  Problem alone;
+  alone.free = {FitParameter::mu1};
+  alone.fixed = problem.fixed;
+  alone.fixed.erase(FitParameter::mu1);
+  for (const auto& [parameter, value] : together) alone.fixed[parameter] = value;
+  alone.start = problem.start;
+  std::erase_if(alone.start, [](const auto& entry) { return entry.first != FitParameter::mu1; });
+  alone.trajectory_runs = {run};
+  return alone;
+}
+
+/// What all runs together say of the parameters that a slide depends on beside mu1.
+std::map<FitParameter, double> fitted_together(const Problem& problem, const FitAlone& fit_alone) {
+  std::map<FitParameter, double> values;
+  const auto of_slides = [](FitParameter p) {
+    return p == FitParameter::tilt_x || p == FitParameter::tilt_y || p == FitParameter::scale;
+  };
+  if (std::none_of(problem.free.begin(), problem.free.end(), of_slides)) return values;
+  for (const ParameterEstimate& p : fit_alone(problem).parameters)
+    if (of_slides(p.parameter)) values[p.parameter] = p.estimate;
+  return values;
+}
+
+/// Spin and friction in turn: each changes the other little, so that a few rounds settle both.
+FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
+  constexpr int kRounds = 12;
+  constexpr double kSettled = 0.05;  // of the spin's sd
+  FitResult fit = fit_alone(alone);
+  TrajectoryRun& run = alone.trajectory_runs.front();
+  for (int round = 0; run.spin && !run.track.angle.empty() && round < kRounds; ++round) {
+    const auto& found = fit.runs.front().nuisance;
+    const Eigen::Vector2d velocity(found.at("velocity_x_mm_s"), found.at("velocity_y_mm_s"));
+    const auto spin = slide_spin(run, fit.parameters.front().estimate, 1e-3 * velocity);
+    if (!spin) break;
+    const double moved = std::abs(spin->rate - run.spin->rate);
+    run.spin = spin;
+    fit = fit_alone(alone);
+    if (moved < kSettled * spin->rate_sd()) break;
+  }
+  return fit;
+}
+
+/// Relative change of the slide's mu1 if its rim moved half as fast as it slides.
+double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlone& fit_alone) {
+  TrajectoryRun& run = alone.trajectory_runs.front();
+  if (!(run.track.radius > 0)) run.track.radius = 1;  // only the rim's speed counts
+  const double rate = 0.5 * slide.speed / run.track.radius, sure = 1e-4;
+  double mu1 = slide.mu1.value;
+  for (int round = 0; round < 2; ++round) {  // an even disc's k is a half at the mu1 found
+    run.spin = DiscSpin{rate, std::log(0.5 / mu1),
+                        Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
+    mu1 = fit_alone(alone).parameters.front().estimate;
+  }
+  return mu1 / slide.mu1.value - 1;
+}
+
+void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
+  const ParameterEstimate& mu1 = fit.parameters.front();
+  const RunResult& run = fit.runs.front();
+  slide.mu1 = {mu1.estimate, mu1.sd};
+  slide.ci95 = mu1.ci95;
+  slide.chi2 = fit.chi2_before_scatter;
+  slide.p_value = fit.p_value;
+  slide.dof = 2 * static_cast<int>(run.points) - 5;
+  slide.scatter = fit.scatter;
+  slide.points = run.points;
+  slide.speed = 1e-3 * run.nuisance.at("initial_speed_mm_s");
+  slide.stop_time = run.nuisance.at("stop_time_s");
+  if (!slide.spin_seen) return;
+  slide.spin = {run.nuisance.at("spin_rad_s"), spin_sd};
+  const double per_rate = run.nuisance.at("spin_ratio") / std::abs(slide.spin.value);
+  slide.spin_ratio = {run.nuisance.at("spin_ratio"), per_rate * slide.spin.sd};
+}
+
+}  // namespace
+
+void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
+                    std::vector<SlideResult>& slides) {
+  if (slides.empty()) return;
+  const std::map<FitParameter, double> together = fitted_together(problem, fit_alone);
+  std::vector<TrajectoryRun*> runs;
+  for (TrajectoryRun& run : problem.trajectory_runs)
+    if (run.free_slide) runs.push_back(&run);
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    Problem alone = problem_of_one(problem, *runs[i], together);
+    const FitResult fit = fit_with_spin(alone, fit_alone);
+    runs[i]->spin = alone.trajectory_runs.front().spin;
+    slides[i].inertia = fit.runs.front().fitted.spin.inertia;
+    take_result(fit, runs[i]->spin ? runs[i]->spin->rate_sd() : 0, slides[i]);
+    const auto& frame = runs[i]->track.frame;
+    if (const auto onset = fit.runs.front().nuisance.find("onset_frame");
+        onset != fit.runs.front().nuisance.end())
+      slides[i].first_frame = static_cast<std::int64_t>(onset->second);
+    if (!frame.empty()) slides[i].last_frame = frame.back();
+    if (!slides[i].spin_seen)
+      slides[i].change_by_half_spin = change_by_half_spin(alone, slides[i], fit_alone);
+  });
+}
+
+std::optional<BetweenSlides> compare_slides(const Problem& problem, const std::vector<SlideResult>& slides) {
+  if (slides.size() < 2 ||
+      std::find(problem.free.begin(), problem.free.end(), FitParameter::mu1) == problem.free.end())
+    return std::nullopt;
+  std::vector<Estimate> mu1;
+  for (const SlideResult& slide : slides)
+    if (slide.mu1.sd > 0 && std::isfinite(slide.mu1.sd)) mu1.push_back(slide.mu1);
+  if (mu1.size() < 2) return std::nullopt;
+  return between_slides(mu1);
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,98 @@
+// A solved run of a disc that slides and spins on the resting platform, behind Trajectory.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "model/run/solved_run.h"
+#include "model/spin/spinning_slide.h"
+
+namespace tribotrack::model::internal {
+
+template <class T>
+class SpinRun final : public Trajectory::Implementation {
+ public:
+  SpinRun(const Scenario& s, const IntegrationOptions& o)
+      : Implementation(s, o), slide_(equation(), start(), s.end_time(), o.tolerance, o.max_steps) {
+    if (!slide_.complete())
+      throw StepLimitExceeded("the spinning slide was not followed to its end in " +
+                              std::to_string(o.max_steps) + " steps");
+    summary.steps = static_cast<long>(slide_.steps());
+    if (!slide_.stopped()) return;
+    summary.stops = 1;
+    summary.stick_time = s.end_time() - slide_.stop_time();
+    summary.sticking_fraction = s.end_time() > 0 ? summary.stick_time / s.end_time() : 0;
+  }
+
+  Sample at(double time) const override { return sample(time, slide_.at(time)); }
+  SensitiveSample sensitive_at(double time) const override {
+    const State state = slide_.at(time);
+    SensitiveSample result;
+    result.sample = sample(time, state);
+    const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
+    result.position_jacobian.setZero(2, columns);
+    result.velocity_jacobian.setZero(2, columns);
+    result.angle_jacobian.setZero(columns);
+    if constexpr (derivative_count < T >> 0)
+      for (Eigen::Index j = 0; j < columns; ++j) {
+        const auto d = static_cast<std::size_t>(j);
+        result.position_jacobian.col(j) << state.of[State::x].d[d], state.of[State::y].d[d];
+        result.velocity_jacobian.col(j) << state.of[State::ux].d[d], state.of[State::uy].d[d];
+        result.angle_jacobian(j) = state.of[State::rim].d[d] / scenario.spin.radius;
+      }
+    return result;
+  }
+  SensitiveSample sensitive_end() const override { return sensitive_at(scenario.end_time()); }
+  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
+                    Eigen::MatrixXd* jacobian) const override {
+    const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
+    positions.resize(2, static_cast<Eigen::Index>(times.size()));
+    if (jacobian) jacobian->setZero(2 * positions.cols(), columns);
+    for (Eigen::Index k = 0; k < positions.cols(); ++k) {
+      const State state = slide_.at(times[static_cast<std::size_t>(k)]);
+      const Pair<T> curved = slide_.acceleration(state);
+      const double share = exposure * exposure / 24;
+      positions.col(k) << value(state.of[State::x]) + share * value(curved.x),
+          value(state.of[State::y]) + share * value(curved.y);
+      if constexpr (derivative_count < T >> 0)
+        for (Eigen::Index j = 0; jacobian && j < columns; ++j) {
+          (*jacobian)(2 * k, j) = state.of[State::x].d[static_cast<std::size_t>(j)];
+          (*jacobian)(2 * k + 1, j) = state.of[State::y].d[static_cast<std::size_t>(j)];
+        }
+    }
+  }
+
+ private:
+  using State = SpinState<T>;
+
+  T seed(Parameter parameter) const { return seeded<T>(scenario, parameter, options.derivatives); }
+  SpinEquation<T> equation() const {
+    using std::sin;
+    const T g = seed(Parameter::gravity);
+    return {seed(Parameter::mu1) * g,
+            {g * sin(seed(Parameter::tilt_x)), g * sin(seed(Parameter::tilt_y))},
+            seed(Parameter::inertia)};
+  }
+  State start() const {
+    State state;
+    state.of[State::ux] = seed(Parameter::velocity_x);
+    state.of[State::uy] = seed(Parameter::velocity_y);
+    state.of[State::w] = seed(Parameter::spin) * scenario.spin.radius;
+    return state;
+  }
+  Sample sample(double time, const State& state) const {
+    Sample sample;
+    sample.time = time;
+    sample.position = {value(state.of[State::x]), value(state.of[State::y])};
+    sample.velocity = {value(state.of[State::ux]), value(state.of[State::uy])};
+    sample.angle = value(state.of[State::rim]) / scenario.spin.radius;
+    sample.spin = value(state.of[State::w]) / scenario.spin.radius;
+    sample.mu = scenario.friction.nominal;
+    sample.state = state.speed() > 0 ? model::State::slip : model::State::stick;
+    return sample;
+  }
+
+  SpinningSlide<T> slide_;
+};
+
+}  // namespace tribotrack::model::internal

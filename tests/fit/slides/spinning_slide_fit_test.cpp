@@ -1,0 +1,113 @@
+// mu1 from slides that spin, made by brute force.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "fit/estimate.h"
+#include "fit/free_slides.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using test::slide_track;
+using test::SlideLook;
+using test::UnitSlide;
+
+FitOptions quick() {
+  FitOptions options;
+  options.profiles = options.next_experiment = false;
+  options.multi_starts = 1;
+  return options;
+}
+
+FitResult fit_of(const std::vector<TrajectoryRun>& runs) {
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.trajectory_runs = runs;
+  return estimate(problem, quick());
+}
+
+/// The motion of each ratio is integrated once.
+const UnitSlide& motion_of(double ratio) {
+  static std::map<double, UnitSlide> known;
+  return known.try_emplace(ratio, ratio).first->second;
+}
+
+TEST(SpinningSlideFit, FindsMuAtAnySpin) {
+  for (const double ratio : {0.0, 1.0, 2.0})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      SCOPED_TRACE(testing::Message() << "ratio " << ratio << " seed " << seed);
+      std::mt19937 random(seed);
+      const FitResult fit = fit_of({slide_track(motion_of(ratio), ratio, {}, random)});
+      ASSERT_EQ(fit.slides.size(), 1u);
+      const SlideResult& slide = fit.slides.front();
+      EXPECT_TRUE(slide.spin_seen);
+      EXPECT_NEAR(slide.spin_ratio.value, ratio, 4 * slide.spin_ratio.sd + 1e-3);
+      EXPECT_LT(slide.mu1.sd, 0.002);
+      EXPECT_NEAR(slide.mu1.value, 0.17, 3 * slide.mu1.sd);
+      EXPECT_LT(slide.ci95.low, slide.mu1.value);
+      EXPECT_GT(fit.p_value, 1e-3) << fit.full_report();
+    }
+}
+
+TEST(SpinningSlideFit, WithoutTheAngleTheSpinIsMissedAndThatIsSaid) {
+  std::mt19937 random(4);
+  const FitResult blind = fit_of({slide_track(motion_of(1.0), 1.0, {}, random, false)});
+  const SlideResult& slide = blind.slides.front();
+  EXPECT_FALSE(slide.spin_seen);
+  EXPECT_LT(slide.mu1.value, 0.17 - 10 * slide.mu1.sd) << "a spinning disc looks smoother";
+  EXPECT_GT(slide.change_by_half_spin, 0.05);
+  ASSERT_FALSE(blind.systematics.empty());
+  EXPECT_THAT(blind.systematics.back(), testing::HasSubstr("Spin was not seen in 'slide'"));
+  EXPECT_THAT(slide.sentence, testing::HasSubstr("Spin was not seen"));
+}
+
+TEST(SpinningSlideFit, HalfSpinIsWhatHalfSpinDoes) {
+  // The figure it prints is the error that a disc of that spin would have made.
+  std::mt19937 random(5);
+  const FitResult spinning = fit_of({slide_track(motion_of(0.5), 0.5, {}, random, false)});
+  const double blind = spinning.slides.front().mu1.value;
+  EXPECT_NEAR(0.17 / blind - 1, spinning.slides.front().change_by_half_spin, 0.01);
+}
+
+TEST(SpinningSlideFit, ARingSlowsDownOtherwiseAndIsFoundAllTheSame) {
+  // The rotation's inertia is taken from the angle.
+  std::mt19937 random(6);
+  const UnitSlide motion(1.0, 0.7);
+  const FitResult fit = fit_of({slide_track(motion, 1.0, {}, random)});
+  EXPECT_NEAR(fit.slides.front().inertia, 0.7, 0.05);
+  EXPECT_NEAR(fit.slides.front().mu1.value, 0.17, 3 * fit.slides.front().mu1.sd);
+}
+
+TEST(SpinningSlideFit, AnglesMayBreakOffAndJumpByTurns) {
+  std::mt19937 random(7);
+  TrajectoryRun run = slide_track(motion_of(1.0), 1.0, {}, random);
+  for (std::size_t i = 0; i < run.track.angle.size(); ++i) {
+    run.track.angle[i] = std::remainder(run.track.angle[i], 2 * M_PI);
+    if (i % 3 == 1) run.track.angle[i] = std::nan("");
+  }
+  const FitResult fit = fit_of({run});
+  EXPECT_NEAR(fit.slides.front().spin_ratio.value, 1, 4 * fit.slides.front().spin_ratio.sd);
+  EXPECT_NEAR(fit.slides.front().mu1.value, 0.17, 3 * fit.slides.front().mu1.sd);
+}
+
+TEST(SpinningSlideFit, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  int inside = 0, tried = 0;
+  std::mt19937 random(8);
+  SlideLook look;
+  look.rate = 60;
+  for (int round = 0; round < 100; ++round) {
+    const double ratio = round % 3;
+    const FitResult fit = fit_of({slide_track(motion_of(ratio), ratio, look, random)});
+    const Interval ci = fit.parameters.front().ci95;
+    inside += ci.low < look.mu && look.mu < ci.high;
+    ++tried;
+  }
+  // 95 % of 100 is 95 +- 2.2.
+  EXPECT_GE(inside, 89) << "of " << tried;
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
