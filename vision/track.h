@@ -101,6 +101,14 @@ struct Audit {
   double slow_sd = 0, slow_time = 0;
 };
 
+/// What the coder of a lossy recording does to a track.
+struct CodedErrors {
+  std::int64_t frames = 0;  ///< in which the part was seen
+  double step = 0;          ///< of the quantiser at the rim, grey levels
+  double still = 0, moving = 0;
+  double unnoticed = 0;  ///< px that the part can move before the coder notices
+};
+
 /// What is known of a track as a whole.
 struct TrackSummary : FrameCounts {
   Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
@@ -121,6 +129,7 @@ struct TrackSummary : FrameCounts {
   /// not average them out.
   double slow_sd = 0, slow_time = 0;
   Audit audit;
+  std::optional<CodedErrors> coded;  ///< of a lossy recording
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
   /// One line for a person.

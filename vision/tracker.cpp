@@ -9,6 +9,8 @@
 #include "vision/audit/audit.h"
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
+#include "vision/coding/coded_errors.h"
+#include "vision/coding/dead_zone.h"
 #include "vision/layers/stage.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/camera_check.h"
@@ -50,7 +52,8 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
 class Tracking {
  public:
   Tracking(FrameSource& recording, const TrackOptions& options)
-      : options_(options),
+      : recording_(recording),
+        options_(options),
         timed_(recording, clock_),
         cache_(timed_),
         range_(frames_to_analyse(recording, options)) {}
@@ -62,6 +65,7 @@ class Tracking {
     follow();
     measure_layers();
     audit_track();
+    allow_for_coding();
     refine_radius();
     prepend_absence();
     result_.stage_times = clock_.times();
@@ -75,10 +79,12 @@ class Tracking {
   void follow();
   void measure_layers();
   void audit_track();
+  void allow_for_coding();
   void refine_radius();
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
+  FrameSource& recording_;
   const TrackOptions& options_;
   StageClock clock_;
   TimedSource timed_;
@@ -88,6 +94,7 @@ class Tracking {
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
   std::optional<FirstPass> first_pass_;
+  std::optional<CodingWatch> coding_;
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -114,10 +121,14 @@ void Tracking::find_first_frame() {
 void Tracking::follow() {
   cache_first_frames(start_);
   first_pass_.emplace(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
+  coding_.emplace(recording_, first_pass_->result().disc.radius);
   FramesForLayers for_layers(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
   for (std::int64_t k = 0; k < total; ++k) {
-    if (const auto seen = first_pass_->step(start_ + k)) for_layers.seen(start_ + k, *seen);
+    if (const auto seen = first_pass_->step(start_ + k)) {
+      for_layers.seen(start_ + k, *seen);
+      coding_->see(start_ + k, *seen, first_pass_->mark());
+    }
     if (options_.progress) options_.progress(k + 1, total);
   }
   result_.track = first_pass_->finish(result_.summary);
@@ -157,6 +168,18 @@ void Tracking::measure_layers() {
 void Tracking::audit_track() {
   const auto running = clock_.enter(Stage::audit);
   apply(audit(audited_, result_.track), result_.track, result_.summary);
+}
+
+/// What a lossy coder does beside what the audit finds.
+void Tracking::allow_for_coding() {
+  const auto& coder = recording_.info().coder;
+  if (!coder || coding_->frames().empty()) return;
+  const WatchedFrame& first = coding_->frames().front();
+  const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first.index - start_)];
+  const Point unnoticed =
+      unnoticed_motion(frames().read(first.index), {at.x, at.y, first_pass_->result().disc.radius}, 2);
+  result_.summary.coded.emplace();
+  widen_for_coding(*coder, coding_->frames(), start_, unnoticed, result_.track, *result_.summary.coded);
 }
 
 /// The mean over several frames, where the first frame or the layers show the rim.

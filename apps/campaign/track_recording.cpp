@@ -216,6 +216,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                            : Json();
   meta.more["summary"] = summary_json(recording);
   meta.more["audit"] = json_of(recording.result.summary.audit);
+  if (recording.result.summary.coded) meta.more["coding"] = json_of(*recording.result.summary.coded);
   meta.more["plan"] = json_of(recording.result.summary.plan);
   const std::string table = track_csv(recording.rows);
   write_result(csv, table, meta);

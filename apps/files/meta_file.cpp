@@ -69,6 +69,14 @@ Json json_of(const vision::Audit& audit) {
           {"slow_time_s", audit.slow_time}};
 }
 
+Json json_of(const vision::CodedErrors& coded) {
+  return {{"frames", coded.frames},
+          {"step_levels", coded.step},
+          {"still_share", coded.still},
+          {"moving_share", coded.moving},
+          {"unnoticed_px", coded.unnoticed}};
+}
+
 Json circle_json(const std::optional<vision::Circle>& circle) {
   return circle ? Json::array({circle->x, circle->y, circle->radius}) : Json();
 }
