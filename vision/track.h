@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vision/picture.h"
@@ -93,6 +94,8 @@ struct Audit {
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
   std::optional<double> pixel_phase;     ///< with what follows the fraction of a pixel to without; 1 or more
   std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
+  /// The halves' ratio in the frames of each type ('I', 'P', 'B') of a lossy recording.
+  std::vector<std::pair<char, double>> by_frame_type;
   /// Of the three splits together.
   std::optional<double> halves() const;
   double white_factor = 1;  ///< what every covariance is multiplied by
@@ -101,12 +104,35 @@ struct Audit {
   double slow_sd = 0, slow_time = 0;
 };
 
-/// What the coder of a lossy recording does to a track.
+/// A coded motion at one frequency against the true one.
+struct CodedResponse {
+  double attenuation = 0;  ///< share by which its amplitude is seen too small
+  double delay = 0;        ///< rad by which it is seen too late
+  double attenuation_sd = 0, delay_sd = 0;
+};
+
+/// What the coder of a lossy recording does to a track; see vision/coding.
 struct CodedErrors {
-  std::int64_t frames = 0;  ///< in which the part was seen
-  double step = 0;          ///< of the quantiser at the rim, grey levels
-  double still = 0, moving = 0;
-  double unnoticed = 0;  ///< px that the part can move before the coder notices
+  struct OfType {
+    char type = '?';  ///< 'I', 'P' or 'B'
+    std::int64_t frames = 0;
+    double step = 0;           ///< of the quantiser at the rim, grey levels; 0 unknown
+    double still = 0;          ///< share of the rim that is predicted from the same place of another frame
+    std::optional<double> ratio;  ///< of the halves' disagreement to what the model predicts, as in Audit
+    double added_sd = 0;       ///< px rms of a coordinate, beyond what the audit leaves
+  };
+  std::string coder, settings;
+  bool known = false;  ///< which one it was, and with which settings
+  std::vector<OfType> types;
+  double step = 0, still = 0, moving = 0;  ///< means over the frames
+  double unnoticed = 0;                    ///< px that the part can move before the coder notices
+  /// Half widths, px, of the play through which slow motion of the part and of the mark is seen: it comes
+  /// late by up to that, and its amplitude too small.
+  double part_play = 0, mark_play = 0;
+  double added_sd = 0;  ///< px rms of a coordinate
+  double slow_time = 0;  ///< s over which what is added stays alike
+  /// Share of the displacement by which the two passes differ, where it is beyond doubt.
+  double passes_differ = 0;
 };
 
 /// What is known of a track as a whole.

@@ -1,5 +1,7 @@
 #include "vision/tracker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -34,6 +36,8 @@ void TrackOptions::validate() const {
 }
 
 namespace {
+
+constexpr double kRimReach = 2;  ///< px beside the rim's line: its blur
 
 /// What a track is off by, px rms over its ok points, as far as its own covariances and the audit know.
 double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
@@ -78,6 +82,7 @@ class Tracking {
   void find_first_frame();
   void follow();
   void measure_layers();
+  void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
   void allow_for_coding();
   void refine_radius();
@@ -95,6 +100,7 @@ class Tracking {
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
   std::optional<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
+  Track first_track_;  ///< of the first pass, where a lossy coder made the recording
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -140,11 +146,13 @@ void Tracking::measure_layers() {
   const std::vector<ShownFrame> shown = frames_to_show(result_.track, start_, first.residual, options_);
   first_pass_->show(result_.track, shown);
   Track measured = result_.track;
+  if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
   const bool by_rim = std::ranges::all_of(first.by_rim, std::identity());
   if (layers.done && by_rim)
     decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
+  if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
   if (!layers.done) {
@@ -164,6 +172,23 @@ void Tracking::measure_layers() {
   }
 }
 
+/// Pictures learnt from a coded recording hold the part back where it moves little (coded_errors.h).
+void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured) const {
+  const double differ = error_of_difference(measured, result_.track);
+  const double layered = std::hypot(predicted_error(measured, layers.audited), differ);
+  const double first = predicted_error(result_.track, first_pass_->result().audited);
+  if (!(differ > 0) || !(first < layered) || !layers.ground_known) return;
+  PlanStage stage = layers.plan.front();
+  stage.on = false;
+  stage.error_bound_px = std::nullopt;
+  stage.reason = fmt::format(
+      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted errors: "
+      "{:.2g} px by the template, {:.2g} px by the pictures learnt; {}",
+      differ, first, layered, stage.reason);
+  layers = {};
+  layers.plan = {std::move(stage)};
+}
+
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
   const auto running = clock_.enter(Stage::audit);
@@ -174,12 +199,20 @@ void Tracking::audit_track() {
 void Tracking::allow_for_coding() {
   const auto& coder = recording_.info().coder;
   if (!coder || coding_->frames().empty()) return;
-  const WatchedFrame& first = coding_->frames().front();
-  const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first.index - start_)];
-  const Point unnoticed =
-      unnoticed_motion(frames().read(first.index), {at.x, at.y, first_pass_->result().disc.radius}, 2);
-  result_.summary.coded.emplace();
-  widen_for_coding(*coder, coding_->frames(), start_, unnoticed, result_.track, *result_.summary.coded);
+  const auto running = clock_.enter(Stage::audit);
+  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_, .audited = audited_};
+  const std::int64_t first = coded.frames.front().index;
+  const Picture picture = frames().read(first);
+  const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first - start_)];
+  const Circle& mark = result_.summary.marker;
+  const Circle part{at.x, at.y, first_pass_->result().disc.radius};
+  coded.part_unnoticed = unnoticed_motion(picture, part, kRimReach);
+  const double whole = std::hypot(picture.width(), picture.height());
+  coded.mark_unnoticed = mark.radius > 0
+                             ? unnoticed_motion(picture, mark, kRimReach)
+                             : unnoticed_motion(picture, {0, 0, whole}, -1);
+  if (result_.summary.layered) coded.passes_differ = displacement_differs(result_.track, first_track_);
+  widen_for_coding(coded, result_.track, result_.summary);
 }
 
 /// The mean over several frames, where the first frame or the layers show the rim.

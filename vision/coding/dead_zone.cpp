@@ -41,11 +41,10 @@ struct Mean {
     double square = 0;
     for (const double s : slope) square += s * s;
     const double largest = largest_coefficient(slope);
-    if (!(largest > 0)) return;
-    sum += square / largest;
+    sum += square * largest;
     weight += square;
   }
-  double value() const { return weight > 0 ? sum / weight : 0; }
+  double unnoticed() const { return sum > 0 ? weight / sum : 0; }
 };
 
 bool counts(const Circle& rim, int left, int top, double margin) {
@@ -75,7 +74,7 @@ Point unnoticed_motion(const Picture& picture, const Circle& rim, double margin)
       along_x.add(x);
       along_y.add(y);
     }
-  return {along_x.value(), along_y.value()};
+  return {along_x.unnoticed(), along_y.unnoticed()};
 }
 
 }  // namespace tribotrack::vision

@@ -51,9 +51,7 @@ void for_cells(CodedFrame& coded, int x, int y, int width, int height, Do&& chan
 }
 
 float step_of(AVCodecID id, int qp) {
-  return id == AV_CODEC_ID_H264 ? static_cast<float>(0.625 * std::exp2(qp / 6.0))
-         : id == AV_CODEC_ID_MPEG4 || id == AV_CODEC_ID_H263 ? static_cast<float>(2 * qp)
-                                                             : static_cast<float>(qp);
+  return id == AV_CODEC_ID_H264 ? static_cast<float>(0.625 * std::exp2(qp / 6.0)) : static_cast<float>(qp);
 }
 
 void take_steps(const AVFrameSideData& data, AVCodecID id, CodedFrame& coded) {

@@ -2,7 +2,7 @@
 //
 // Quantiser steps in coefficients of an orthonormal transform, grey levels:
 //   H.264   0.625 2^(QP / 6)                     (ITU-T H.264 8.5.9, with QP'_Y for more than 8 bits)
-//   MPEG-4  2 q, MPEG-1 and -2 as libav has them
+//   MPEG-4  2 q, which is what libav hands out (mpegvideo_dec.c, ff_mpv_export_qp_table)
 //   MJPEG   the table's entry; here the median of those of the lowest ten frequencies, which hold an edge
 // HEVC, VP9 and AV1 tell neither steps nor blocks.
 #pragma once
