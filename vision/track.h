@@ -38,6 +38,8 @@ struct TrackPoint {
   TrackStatus status = TrackStatus::lost;
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
   std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
+  char frame_type = 0;                ///< 'I', 'P' or 'B' in a lossy recording, else 0
+  double coding_x = 0, coding_y = 0;  ///< variances, px^2, that are in the sigmas for its coder
 };
 
 /// Millimetres per pixel and where they come from.
@@ -104,11 +106,10 @@ struct Audit {
   double slow_sd = 0, slow_time = 0;
 };
 
-/// A coded motion at one frequency against the true one.
+/// A coded motion against the true one.
 struct CodedResponse {
-  double attenuation = 0;  ///< share by which its amplitude is seen too small
-  double delay = 0;        ///< rad by which it is seen too late
-  double attenuation_sd = 0, delay_sd = 0;
+  double attenuation = 0, attenuation_sd = 0;  ///< share by which displacements are seen too small
+  double delay = 0, delay_sd = 0;              ///< s by which they are seen too late
 };
 
 /// What the coder of a lossy recording does to a track; see vision/coding.
@@ -120,6 +121,7 @@ struct CodedErrors {
     double still = 0;          ///< share of the rim that is predicted from the same place of another frame
     std::optional<double> ratio;  ///< of the halves' disagreement to what the model predicts, as in Audit
     double added_sd = 0;       ///< px rms of a coordinate, beyond what the audit leaves
+    double rehearsed_sd = 0;   ///< px rms of a coordinate, as rehearsed; 0 where it was not
   };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings
@@ -133,6 +135,9 @@ struct CodedErrors {
   double slow_time = 0;  ///< s over which what is added stays alike
   /// Share of the displacement by which the two passes differ, where it is beyond doubt.
   double passes_differ = 0;
+  /// By coding the tracked motion once more (rehearsal.h): the types' `rehearsed_sd`, and these.
+  bool rehearsed = false;
+  std::optional<CodedResponse> part, mark;
 };
 
 /// What is known of a track as a whole.

@@ -7,6 +7,7 @@
 #include "apps/files/calibration_file.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
+#include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 
@@ -71,6 +72,7 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
           {"min_ncc", job.track.min_ncc},
           {"max_lost_share", job.track.max_lost_share},
           {"search_margin_px", job.track.search_margin_px},
+          {"rehearse", job.rehearse},
           {"layers", job.track.layers == vision::Layers::automatic ? "auto"
                      : job.track.layers == vision::Layers::on      ? "on"
                                                                    : "off"}};
@@ -105,6 +107,7 @@ TrackedRecording track_recording(const PreparedJob& prepared) {
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
   recording.result = vision::track(*recording.source, job.track);
+  if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
   prepared.state.require_unchanged();
   vision::TrackSummary& summary = recording.result.summary;
   try {
@@ -150,6 +153,10 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.in_camera_frame = !recording.result.track.has_marker;
   facts.warnings = summary.warnings;
   facts.audit = summary.audit;
+  if (summary.coded)
+    facts.coding = CodingFacts{summary.coded->coder,          summary.coded->rehearsed,
+                               summary.coded->part_play,      summary.coded->mark_play,
+                               summary.coded->part,           summary.coded->mark};
   for (const vision::PlanStage& stage : summary.plan)
     facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);

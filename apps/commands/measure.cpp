@@ -7,6 +7,7 @@
 #include "apps/campaign/measure_text.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
@@ -30,7 +31,7 @@ void check_output(const MeasureOptions& options) {
   require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
 }
 
-void measure_command(const MeasureOptions& options, const Context& context) {
+void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
   const TrackFile track = read_track_file(options.track);
   GivenConditions given;
@@ -60,6 +61,10 @@ void measure_command(const MeasureOptions& options, const Context& context) {
   if (!is_standard_output(options.output))
     print_text(options.json ? text_of(json) : measurement_text(measurement, track));
   for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
+  if (measurement.coded && measurement.coded->exceeds) {
+    complain(fmt::format("{}: {}", options.track, measurement.coded->sentence()));
+    context.exit_code = kQualityGate;
+  }
 }
 
 }  // namespace

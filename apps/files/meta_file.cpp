@@ -71,13 +71,26 @@ Json json_of(const vision::Audit& audit) {
           {"slow_time_s", audit.slow_time}};
 }
 
+namespace {
+
+Json json_of(const std::optional<vision::CodedResponse>& response) {
+  if (!response) return {};
+  return {{"attenuation", response->attenuation},
+          {"attenuation_sd", response->attenuation_sd},
+          {"delay_s", response->delay},
+          {"delay_s_sd", response->delay_sd}};
+}
+
+}  // namespace
+
 Json json_of(const vision::CodedErrors& coded) {
   Json types = Json::object();
   for (const auto& type : coded.types)
     types[std::string(1, type.type)] = {{"frames", type.frames},
                                         {"step_levels", type.step},
                                         {"still_share", type.still},
-                                        {"added_sd_px", type.added_sd}};
+                                        {"added_sd_px", type.added_sd},
+                                        {"rehearsed_sd_px", type.rehearsed_sd}};
   return {{"coder", coded.coder},
           {"settings", coded.settings},
           {"known", coded.known},
@@ -90,7 +103,10 @@ Json json_of(const vision::CodedErrors& coded) {
           {"mark_play_px", coded.mark_play},
           {"added_sd_px", coded.added_sd},
           {"slow_time_s", coded.slow_time},
-          {"passes_differ", coded.passes_differ}};
+          {"passes_differ", coded.passes_differ},
+          {"rehearsed", coded.rehearsed},
+          {"part_response", json_of(coded.part)},
+          {"mark_response", json_of(coded.mark)}};
 }
 
 Json circle_json(const std::optional<vision::Circle>& circle) {

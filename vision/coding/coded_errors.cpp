@@ -31,14 +31,13 @@ double play_variance(double still, double moving, double unnoticed) {
 }
 
 /// By the measured law, of a variance that the audit has made `white` times as large.
-double by_law(double sigma, double white, double still) {
-  return std::max(0.0, square(kBlocks + kStill * still) / white - 1) * square(sigma);
+double by_law(double sigma, double white) {
+  return std::max(0.0, square(kBlocks + kStill) / white - 1) * square(sigma);
 }
 
 Added added_in(const CodedTrack& coded, const WatchedFrame& f, const TrackPoint& p, double white) {
-  if (coded.coder.all_intra) return {};
-  if (!(f.part.step > 0))
-    return {by_law(p.sigma_x, white, f.part.still.x), by_law(p.sigma_y, white, f.part.still.y)};
+  if (coded.coder.all_intra || f.part.type == 'I') return {};
+  if (!(f.part.step > 0)) return {by_law(p.sigma_x, white), by_law(p.sigma_y, white)};
   const double zone = coded.coder.dead_zone * f.part.step;
   return {play_variance(f.part.still.x, f.part.moving.x, zone * coded.part_unnoticed.x),
           play_variance(f.part.still.y, f.part.moving.y, zone * coded.part_unnoticed.y)};
@@ -215,12 +214,16 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
     added.y += square(coded.passes_differ * (p.y - middle.y));
     means.add(coded, f, added);
     widen(p, factor, added);
+    p.frame_type = f.part.type;
+    p.coding_x = added.x;
+    p.coding_y = added.y;
   }
   CodedErrors found = means.errors();
   found.coder = coded.coder.name;
   found.settings = coded.coder.settings;
   found.known = coded.coder.known;
   found.passes_differ = coded.passes_differ;
+  if (!(found.step > 0)) found.part_play = found.mark_play = std::numbers::sqrt2 * found.added_sd;
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
   for (CodedErrors::OfType& type : found.types)
     if (const auto own = halves.find(type.type); own != halves.end()) {
@@ -237,6 +240,11 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
 
 std::string coding_warning(const CodedErrors& errors) {
   if (!(errors.added_sd > 0)) return {};
+  if (!(errors.step > 0))
+    return fmt::format(
+        "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
+        "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+        errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
       "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part can "
       "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard deviations. "

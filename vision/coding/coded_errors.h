@@ -13,9 +13,9 @@
 // standard deviations that come out: two-way prediction and finer decisions leave less. The rehearsal
 // (rehearsal.h) tells for one coder.
 //
-// Where the coder tells no steps (HEVC, VP9, AV1) the measured law
-//   sd = (1.4 + 3 s) times that of blocks
-// is used, of the same kind of recordings; s from blocks that equal the frame before.
+// Where the coder tells neither steps nor blocks (HEVC, VP9, AV1) the measured law of such recordings,
+//   sd = (1.4 + 3 s) times that of blocks,
+// is used with s = 1.
 //
 // And the two passes are compared: pictures learnt from a coded recording hold the coder's own, which stand
 // still where the part moves by less than its edge is wide, and hold it back. What the second pass sees of

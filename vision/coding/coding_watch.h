@@ -1,8 +1,5 @@
 // What the coder did to the part and to the platform's mark, frame by frame, gathered while the recording is
 // decoded for the first time.
-//
-// Where the decoder tells nothing of its blocks, a block that equals the frame before it level by level was
-// predicted from the same place.
 #pragma once
 
 #include <cstdint>
@@ -24,19 +21,16 @@ struct WatchedFrame {
 class CodingWatch {
  public:
   /// `recording` is the one that decodes, not what caches it. Keeps the reference.
-  CodingWatch(FrameSource& recording, double part_radius) : recording_(recording), radius_(part_radius) {}
+  CodingWatch(const FrameSource& recording, double part_radius)
+      : recording_(recording), radius_(part_radius) {}
   /// The part's centre, and the round mark where one was seen. The frame was read just now.
   void see(std::int64_t index, const Point& centre, const std::optional<Circle>& mark);
   const std::vector<WatchedFrame>& frames() const { return frames_; }
 
  private:
-  const CodedFrame& by_pixels(std::int64_t index, char type);
-
-  FrameSource& recording_;
+  const FrameSource& recording_;
   double radius_;
   std::vector<WatchedFrame> frames_;
-  Picture before_, now_;
-  CodedFrame seen_;
 };
 
 }  // namespace tribotrack::vision
