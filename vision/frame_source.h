@@ -42,6 +42,7 @@ struct Coder {
   double dead_zone = 0.83;
   /// Known well enough to code other pictures the same way.
   bool known = false;
+  double playback_hz = 0;  ///< the container's own rate, which coders take their decisions by; 0 unknown
   double step = 0;  ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
 };
 

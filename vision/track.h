@@ -57,6 +57,12 @@ struct Track {
   std::int64_t first_seen() const;
 };
 
+/// A rolling shutter reads its rows one after the other, `row_time` s apart (negative: from the bottom up):
+/// every point gets the time at which the part's own row was read, counted from that of `middle_row`, and the
+/// mark, whose row was read at another time, the position that it had then, by its velocity between the
+/// neighbouring frames.
+void shift_to_rows(Track& track, double row_time, double middle_row);
+
 /// A stage of the work that a scene may or may not need.
 struct PlanStage {
   std::string name;

@@ -63,7 +63,7 @@ void note_against_command(const std::string& name, const fit::GateTiming& gate, 
 }
 
 /// Takes out what a rehearsal told, and counts the half of it; else all that a play of the mark's size does.
-void allow_for_coding(const TrackFile& track, RunMeasurement& m) {
+void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasurement& m) {
   if (!track.facts.coding || !m.platform) return;
   const CodingFacts& facts = *track.facts.coding;
   fit::PlatformMotion& platform = *m.platform;
@@ -95,6 +95,7 @@ void allow_for_coding(const TrackFile& track, RunMeasurement& m) {
   for (fit::Estimate* phase : {&platform.phase_at_zero, &platform.phase_at_middle})
     phase->sd = std::hypot(phase->sd, coded.delay_sd);
   m.coded = coded;
+  m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
 }
 
 /// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else
@@ -168,7 +169,7 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
                                      track.table.time.size()));
   RunMeasurement m;
   m.platform = fit::measure_platform_motion(track.table);
-  allow_for_coding(track, m);
+  allow_for_coding(name, track, m);
   if (m.platform && given.phase_shift) require_same_sense(name, *m.platform, *given.phase_shift);
   if (m.platform && given.angular_frequency)
     compare(m.warnings, name, "angular_frequency_rad_s", m.platform->angular_frequency,

@@ -92,7 +92,6 @@ std::string measurement_text(const RunMeasurement& m, const TrackFile& track) {
   text += line("phase at start",
                fmt::format("{:.6g} rad ({})", m.phase_at_start - turn * std::floor(m.phase_at_start / turn),
                            m.phase_source));
-  if (m.coded) text += line("coding", m.coded->sentence());
   if (m.gate) text += gate_text(*m.gate, m.gate_reference);
   if (track.mm_per_px)
     text += line("scale", with_sd({*track.mm_per_px, track.mm_per_px_sd.value_or(0)}) + " mm per pixel");

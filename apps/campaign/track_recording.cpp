@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "apps/files/calibration_file.h"
@@ -73,9 +74,26 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
           {"max_lost_share", job.track.max_lost_share},
           {"search_margin_px", job.track.search_margin_px},
           {"rehearse", job.rehearse},
+          {"row_time_s", job.row_time_s},
           {"layers", job.track.layers == vision::Layers::automatic ? "auto"
                      : job.track.layers == vision::Layers::on      ? "on"
                                                                    : "off"}};
+}
+
+/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
+void require_rows_in_time(const RecordingJob& job, const vision::SourceInfo& info) {
+  if (job.row_time_s == 0) return;
+  const double frame = std::abs(job.row_time_s) * info.height;
+  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
+    throw InvalidInput(fmt::format(
+        "{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each other every {:.3g} "
+        "s; give the time from one row to the next",
+        job.video.string(), job.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
+  if (job.track.gate)
+    throw InvalidInput(
+        fmt::format("{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+                    "give phi_rad and dtau_rad as commanded",
+                    job.video.string()));
 }
 
 }  // namespace
@@ -106,8 +124,11 @@ TrackedRecording track_recording(const PreparedJob& prepared) {
       job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_rows_in_time(job, info);
   recording.result = vision::track(*recording.source, job.track);
   if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
+  if (job.row_time_s != 0)
+    vision::shift_to_rows(recording.result.track, job.row_time_s, 0.5 * (info.height - 1));
   prepared.state.require_unchanged();
   vision::TrackSummary& summary = recording.result.summary;
   try {

@@ -28,6 +28,8 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 [camera]
 # frame_rate_hz = 1000.0        # only where the recording does not give it (see `tribotrack probe VIDEO`)
 # mm_per_px = 0.02
+# rehearse = true               # lossy recordings (x264, MJPEG, MPEG-4): code the tracked motion once more to know the coder's errors
+# row_time_s = 0.0              # rolling shutter: from one row of the picture to the next one below
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
 marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none

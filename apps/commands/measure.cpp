@@ -62,7 +62,8 @@ void measure_command(const MeasureOptions& options, Context& context) {
     print_text(options.json ? text_of(json) : measurement_text(measurement, track));
   for (const auto& warning : measurement.warnings) say(context.quiet, "warning: " + warning);
   if (measurement.coded && measurement.coded->exceeds) {
-    complain(fmt::format("{}: {}", options.track, measurement.coded->sentence()));
+    complain(fmt::format("{}: the coder's attenuation or delay exceeds the interval of what the track tells",
+                         options.track));
     context.exit_code = kQualityGate;
   }
 }

@@ -160,7 +160,7 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.marker.kind = vision::MarkerChoice::Kind::circle;
     job.track.marker.circle = circle_of("--marker", options.marker);
   }
-  job.rehearse = options.rehearse;
+  job.rehearse = job.rehearse || options.rehearse;
   if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
   if (!options.frames.empty()) set_frames(job.track, options.frames);
   if (options.layers == "off")

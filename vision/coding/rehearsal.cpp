@@ -211,7 +211,8 @@ class Rehearsal {
   TrackResult coded_and_tracked(const std::vector<Picture>& pictures, double step_ratio) const {
     const Coder& coder = *source_.info().coder;
     const ScratchFile file(coder.name == "x264" ? ".mkv" : ".avi");
-    SinkOptions sink{.width = stage_.width, .height = stage_.height, .frame_rate_hz = 1 / motion_.interval};
+    const double rate = coder.playback_hz > 0 ? coder.playback_hz : 1 / motion_.interval;
+    SinkOptions sink{.width = stage_.width, .height = stage_.height, .frame_rate_hz = rate};
     sink.codec = coder.name == "x264" ? Codec::h264 : Codec::mjpeg;
     sink.like = coder;
     sink.step_ratio = step_ratio;

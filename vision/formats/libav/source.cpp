@@ -293,6 +293,14 @@ class LibavSource : public FrameSource {
     coded_.push_back({index, coded_frame_of(*decoder_, *frame_, table_step(held_))});
   }
 
+  /// Every other row of an interlaced frame was filmed half a frame later.
+  void require_progressive() const {
+    if (frame_->interlaced_frame)
+      refuse(
+          "is interlaced: the even and the odd rows of its frames were filmed at different times; film "
+          "progressively, or make one picture of each field (ffmpeg -vf bwdif=send_field)");
+  }
+
   void describe_coder() {
     info_.coder = coder_of(*decoder_, *frame_, coded_frame_of(*decoder_, *frame_, table_step(held_)));
     if (!info_.coder) return;
@@ -300,6 +308,7 @@ class LibavSource : public FrameSource {
     const auto frames = static_cast<double>(packets_.size());
     info_.coder->group = frames / std::max(1.0, keys);
     info_.coder->all_intra = keys == frames;
+    info_.coder->playback_hz = av_q2d_or_zero(stream().avg_frame_rate);
   }
 
   void seek(std::size_t key) {
@@ -343,6 +352,7 @@ class LibavSource : public FrameSource {
     } catch (const std::invalid_argument& reason) {
       refuse(std::string("cannot be measured: ") + reason.what());
     }
+    require_progressive();
     describe_coder();
     describe_time(options);
   }
