@@ -100,8 +100,8 @@ struct PlatformMotion {
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 
-/// How a motion of one amplitude is seen through a play: what follows it only after it has turned by twice the
-/// half width, as what a coder shows of slow motion does (vision/coding).
+/// How a motion of one amplitude is seen through a play: what follows it only after it has turned by twice
+/// the half width, as what a coder shows of slow motion does (vision/coding).
 struct SeenThroughPlay {
   double attenuation = 0;  ///< share by which the amplitude of the fundamental is too small
   double delay = 0;        ///< rad

@@ -31,9 +31,8 @@ struct SinkOptions {
   Codec codec = Codec::automatic;
   int crf = 18;  ///< H.264 quality
   /// To code as a coder did, for MJPEG, H.264 and MPEG-4 in .avi or .mkv: as the recording's source tells it
-  /// (frame_source.h), with steps `step_ratio` times as large.
+  /// (frame_source.h).
   std::optional<Coder> like = {};
-  double step_ratio = 1;
 };
 
 /// Takes frames in order. Destroyed without close(), it leaves nothing. A picture of another size than

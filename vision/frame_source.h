@@ -33,9 +33,9 @@ namespace tribotrack::vision {
 /// The coder of a recording that was not stored as the camera saw it; vision/coding says what follows for
 /// positions.
 struct Coder {
-  std::string name;      ///< "x264", "x265", "mjpeg", "mpeg4", "h264 of an unknown coder", ...
-  std::string settings;  ///< as the coder wrote them into the stream; empty where it did not
-  int grid = 8;          ///< px: side of the blocks that it quantises by themselves
+  std::string name;        ///< "x264", "x265", "mjpeg", "mpeg4", "h264 of an unknown coder", ...
+  std::string settings;    ///< as the coder wrote them into the stream; empty where it did not
+  int grid = 8;            ///< px: side of the blocks that it quantises by themselves
   bool all_intra = false;  ///< every frame is coded by itself
   double group = 0;        ///< frames from one key frame to the next, on average; all where only one is there
   /// Coefficients below this many steps are not coded where another frame predicts them.
@@ -43,7 +43,7 @@ struct Coder {
   /// Known well enough to code other pictures the same way.
   bool known = false;
   double playback_hz = 0;  ///< the container's own rate, which coders take their decisions by; 0 unknown
-  double step = 0;  ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
+  double step = 0;         ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
 };
 
 /// How a coder stored a part of a frame.

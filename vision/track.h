@@ -123,11 +123,11 @@ struct CodedErrors {
   struct OfType {
     char type = '?';  ///< 'I', 'P' or 'B'
     std::int64_t frames = 0;
-    double step = 0;           ///< of the quantiser at the rim, grey levels; 0 unknown
-    double still = 0;          ///< share of the rim that is predicted from the same place of another frame
+    double step = 0;              ///< of the quantiser at the rim, grey levels; 0 unknown
+    double still = 0;             ///< share of the rim that is predicted from the same place of another frame
     std::optional<double> ratio;  ///< of the halves' disagreement to what the model predicts, as in Audit
-    double added_sd = 0;       ///< px rms of a coordinate, beyond what the audit leaves
-    double rehearsed_sd = 0;   ///< px rms of a coordinate, as rehearsed; 0 where it was not
+    double added_sd = 0;          ///< px rms of a coordinate, beyond what the audit leaves
+    double rehearsed_sd = 0;      ///< px rms of a coordinate, as rehearsed; 0 where it was not
   };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings
@@ -137,7 +137,7 @@ struct CodedErrors {
   /// Half widths, px, of the play through which slow motion of the part and of the mark is seen: it comes
   /// late by up to that, and its amplitude too small.
   double part_play = 0, mark_play = 0;
-  double added_sd = 0;  ///< px rms of a coordinate
+  double added_sd = 0;   ///< px rms of a coordinate
   double slow_time = 0;  ///< s over which what is added stays alike
   /// Share of the displacement by which the two passes differ, where it is beyond doubt.
   double passes_differ = 0;

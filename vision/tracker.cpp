@@ -100,7 +100,7 @@ class Tracking {
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
   std::optional<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
-  Track first_track_;  ///< of the first pass, where a lossy coder made the recording
+  Track first_track_;                ///< of the first pass, where a lossy coder made the recording
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -182,7 +182,8 @@ void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured)
   stage.on = false;
   stage.error_bound_px = std::nullopt;
   stage.reason = fmt::format(
-      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted errors: "
+      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted "
+      "errors: "
       "{:.2g} px by the template, {:.2g} px by the pictures learnt; {}",
       differ, first, layered, stage.reason);
   layers = {};
@@ -208,9 +209,8 @@ void Tracking::allow_for_coding() {
   const Circle part{at.x, at.y, first_pass_->result().disc.radius};
   coded.part_unnoticed = unnoticed_motion(picture, part, kRimReach);
   const double whole = std::hypot(picture.width(), picture.height());
-  coded.mark_unnoticed = mark.radius > 0
-                             ? unnoticed_motion(picture, mark, kRimReach)
-                             : unnoticed_motion(picture, {0, 0, whole}, -1);
+  coded.mark_unnoticed = mark.radius > 0 ? unnoticed_motion(picture, mark, kRimReach)
+                                         : unnoticed_motion(picture, {0, 0, whole}, -1);
   if (result_.summary.layered) coded.passes_differ = displacement_differs(result_.track, first_track_);
   widen_for_coding(coded, result_.track, result_.summary);
 }

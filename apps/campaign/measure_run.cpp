@@ -216,10 +216,10 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
 
 std::string CodedMotion::sentence() const {
   return fmt::format(
-      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late{}: {:.2g} % and {:.2g} "
+      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late{}: {:.2g} % and "
+      "{:.2g} "
       "rad are counted in the intervals{}",
-      coder, 100 * attenuation, delay,
-      rehearsed ? ", by rehearsal, which is taken out" : " at the most",
+      coder, 100 * attenuation, delay, rehearsed ? ", by rehearsal, which is taken out" : " at the most",
       100 * attenuation_sd, delay_sd,
       exceeds ? ", more than all else together: film uncompressed, or with every frame coded by itself" : "");
 }

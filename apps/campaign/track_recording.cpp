@@ -85,15 +85,16 @@ void require_rows_in_time(const RecordingJob& job, const vision::SourceInfo& inf
   if (job.row_time_s == 0) return;
   const double frame = std::abs(job.row_time_s) * info.height;
   if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
-    throw InvalidInput(fmt::format(
-        "{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each other every {:.3g} "
-        "s; give the time from one row to the next",
-        job.video.string(), job.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
-  if (job.track.gate)
     throw InvalidInput(
-        fmt::format("{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
-                    "give phi_rad and dtau_rad as commanded",
-                    job.video.string()));
+        fmt::format("{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
+                    "other every {:.3g} "
+                    "s; give the time from one row to the next",
+                    job.video.string(), job.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
+  if (job.track.gate)
+    throw InvalidInput(fmt::format(
+        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+        "give phi_rad and dtau_rad as commanded",
+        job.video.string()));
 }
 
 }  // namespace
@@ -175,9 +176,8 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.warnings = summary.warnings;
   facts.audit = summary.audit;
   if (summary.coded)
-    facts.coding = CodingFacts{summary.coded->coder,          summary.coded->rehearsed,
-                               summary.coded->part_play,      summary.coded->mark_play,
-                               summary.coded->part,           summary.coded->mark};
+    facts.coding = CodingFacts{summary.coded->coder,     summary.coded->rehearsed, summary.coded->part_play,
+                               summary.coded->mark_play, summary.coded->part,      summary.coded->mark};
   for (const vision::PlanStage& stage : summary.plan)
     facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);

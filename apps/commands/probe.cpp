@@ -71,21 +71,25 @@ Json coding_json(const vision::SourceInfo& info) {
 void print_coding(const vision::SourceInfo& info) {
   if (!info.coder) return;
   const vision::Coder& coder = *info.coder;
-  print("  lossy: coded by {}{}, {}{}\n", coder.name, coder.settings.empty() ? ", which states no settings" : "",
-        coder.all_intra ? "every frame by itself"
-                        : fmt::format("one frame in {:.0f} by itself", coder.group),
+  print("  lossy: coded by {}{}, {}{}\n", coder.name,
+        coder.settings.empty() ? ", which states no settings" : "",
+        coder.all_intra ? "every frame by itself" : fmt::format("one frame in {:.0f} by itself", coder.group),
         coder.step > 0 ? fmt::format(", quantiser's step {:.1f} levels", coder.step) : "");
   if (!coder.settings.empty()) print("    {}\n", coder.settings);
   if (const auto expected = vision::forecast(coder, contrast_for(info))) {
-    print("    expected error of a position, for a disc of 30 px radius and {:.0f} levels of contrast: about "
-          "{:.2g} px{}\n",
-          contrast_for(info), expected->error_px,
-          expected->late_px > 0
-              ? fmt::format("; motion below some 0.2 px a frame comes late by up to {:.2g} px", expected->late_px)
-              : "");
+    print(
+        "    expected error of a position, for a disc of 30 px radius and {:.0f} levels of contrast: about "
+        "{:.2g} px{}\n",
+        contrast_for(info), expected->error_px,
+        expected->late_px > 0
+            ? fmt::format("; motion below some 0.2 px a frame comes late by up to {:.2g} px",
+                          expected->late_px)
+            : "");
     print("    advice: {}\n", expected->advice);
   } else if (!coder.all_intra) {
-    print("    this coding does not tell its quantiser: standard deviations of the track are on the safe side\n");
+    print(
+        "    this coding does not tell its quantiser: standard deviations of the track are on the safe "
+        "side\n");
   }
 }
 

@@ -342,9 +342,10 @@ void add_track(CLI::App& app, Context& context) {
           "--config", options->config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
-  command.add_flag("--rehearse", options->rehearse,
-                   "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
-                   "once more the same way and take standard deviations, attenuation and delay from it");
+  command.add_flag(
+      "--rehearse", options->rehearse,
+      "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
+      "once more the same way and take standard deviations, attenuation and delay from it");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
   command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");
   add_common(

@@ -59,7 +59,8 @@ Point mean_position(const Track& track) {
 }
 
 /// Mean squares of the halves' disagreement by the type of their frames, about each split's mean over all.
-std::map<char, MeanSquare> halves_by_type(const CodedTrack& coded, const std::map<std::int64_t, char>& types) {
+std::map<char, MeanSquare> halves_by_type(const CodedTrack& coded,
+                                          const std::map<std::int64_t, char>& types) {
   using Split = Eigen::Vector2d HalvesError::*;
   struct Sum {
     double square = 0, count = 0;
@@ -141,8 +142,8 @@ class Means {
   }
   CodedErrors errors() {
     CodedErrors out = out_;
-    for (double* sum : {&out.step, &out.still, &out.moving, &out.unnoticed, &out.part_play, &out.mark_play,
-                        &out.added_sd})
+    for (double* sum :
+         {&out.step, &out.still, &out.moving, &out.unnoticed, &out.part_play, &out.mark_play, &out.added_sd})
       *sum /= std::max(1.0, count_);
     out.added_sd = std::sqrt(out.added_sd);
     for (auto& [name, type] : types_) {
@@ -246,8 +247,10 @@ std::string coding_warning(const CodedErrors& errors) {
         "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
         errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
-      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part can "
-      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard deviations. "
+      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part "
+      "can "
+      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
+      "deviations. "
       "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
       errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
 }

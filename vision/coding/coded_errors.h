@@ -35,11 +35,11 @@ namespace tribotrack::vision {
 struct CodedTrack {
   Coder coder;
   std::vector<WatchedFrame> frames;
-  std::int64_t first_index = 0;     ///< in the source, of the track's first point
-  Point part_unnoticed = {};        ///< unnoticed_motion() of the part, px for a dead zone of one grey level
-  Point mark_unnoticed = {};        ///< of the mark
+  std::int64_t first_index = 0;  ///< in the source, of the track's first point
+  Point part_unnoticed = {};     ///< unnoticed_motion() of the part, px for a dead zone of one grey level
+  Point mark_unnoticed = {};     ///< of the mark
   std::vector<AuditFrame> audited = {};  ///< frames whose halves were compared
-  double passes_differ = 0;         ///< a
+  double passes_differ = 0;              ///< a
 };
 
 /// Share of a displacement by which `other` sees it larger than `track`, as far as it is beyond two standard

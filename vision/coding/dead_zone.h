@@ -5,8 +5,9 @@
 // nothing of it is coded up to
 //   d0 = z step / m,   m = max_k |DCT(dI/dx)_k|,
 // with the mean of m over the blocks about the rim, weighed by their information (dI/dx)^2: the blocks that
-// tell most of a displacement are the first to notice it. For a straight edge of contrast c along the grid, blurred by less than half a block, the largest
-// coefficient of its slope is sqrt(2) c in blocks of 4 x 4 and 8 x 8 alike: d0 = 0.59 step / c for x264.
+// tell most of a displacement are the first to notice it. For a straight edge of contrast c along the grid,
+// blurred by less than half a block, the largest coefficient of its slope is sqrt(2) c in blocks of 4 x 4 and
+// 8 x 8 alike: d0 = 0.59 step / c for x264.
 #pragma once
 
 #include "vision/picture.h"

@@ -17,13 +17,12 @@ namespace {
 
 constexpr std::size_t kMostFrames = 300, kFewestFrames = 32;
 constexpr double kSameCoder = 1.1;  ///< real errors over rehearsed ones, see rehearsal.h
-/// Half a step of H.264's quantiser: nearer than that it need not be set.
-constexpr double kNearStep = 0.06;
-constexpr int kMargin = 32;  ///< px about what moves
-constexpr int kBlock = 16;   ///< px: the coder's grid stays where it was
+constexpr int kMargin = 32;         ///< px about what moves
+constexpr int kBlock = 16;          ///< px: the coder's grid stays where it was
 
 [[noreturn]] void refuse(const FrameSource& source, const std::string& why) {
-  throw InputError(fmt::format("'{}' cannot be rehearsed: {}; track it without", source.info().path.string(), why));
+  throw InputError(
+      fmt::format("'{}' cannot be rehearsed: {}; track it without", source.info().path.string(), why));
 }
 
 /// A run of consecutive points.
@@ -117,9 +116,9 @@ Rect stage_of(const Motion& motion, const TrackSummary& summary, const Rect& bou
   return stage;
 }
 
-/// Noise has no part in a texture's size.
-double beyond(double sd, double noise) {
-  return std::sqrt(std::max(0.0, sd * sd - noise * noise));
+/// Neither noise nor the coder's own error, at most even in one step, has a part in a texture's size.
+double texture_beyond(double sd, double noise, double step) {
+  return std::sqrt(std::max(0.0, sd * sd - noise * noise - step * step / 12));
 }
 
 Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary& summary, const Rect& stage) {
@@ -129,7 +128,8 @@ Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary&
   const Point& at = motion.part.front();
   const double radius = summary.disc.radius, blur = std::max(0.3, summary.disc_blur), rim = 3 * blur;
   const Levels inside = levels_between(picture, at, 0, std::max(1.0, radius - rim));
-  const Levels outside = levels_between(picture, at, radius + rim, radius + rim + std::max(4.0, 0.25 * radius));
+  const Levels outside =
+      levels_between(picture, at, radius + rim, radius + rim + std::max(4.0, 0.25 * radius));
   scene.read_noise = std::sqrt(std::max(0.0, summary.noise_levels * summary.noise_levels - 1.0 / 12));
   scene.disc.radius_px = radius;
   scene.disc.level = inside.mean;
@@ -138,7 +138,7 @@ Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary&
   scene.disc.scratch_contrast = 0;
   scene.disc.highlight = 0;
   scene.platform.level = outside.mean;
-  scene.platform.texture_rms = beyond(outside.sd, summary.noise_levels);
+  scene.platform.texture_rms = texture_beyond(outside.sd, summary.noise_levels, summary.coded->step);
   if (summary.marker.radius > 0 && !motion.mark.empty()) {
     const double size = summary.marker.radius;
     const Point& mark = motion.mark.front();
@@ -155,8 +155,9 @@ Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary&
 class ScratchFile {
  public:
   explicit ScratchFile(const char* extension)
-      : path_(std::filesystem::temp_directory_path() /
-              fmt::format("tribotrack_rehearsal_{}_{}{}", ::getpid(), static_cast<const void*>(this), extension)) {}
+      : path_(std::filesystem::temp_directory_path() / fmt::format("tribotrack_rehearsal_{}_{}{}", ::getpid(),
+                                                                   static_cast<const void*>(this),
+                                                                   extension)) {}
   ~ScratchFile() {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
@@ -179,16 +180,14 @@ class Rehearsal {
     stage_ = stage_of(motion_, real.summary, source.bounds());
   }
 
-  /// Codes and tracks, once more where the coder chose another step for these pictures.
+  /// The same settings lead to the same steps; those that a decoder tells of blocks that were not coded are
+  /// predictions, and not to be matched.
   TrackResult run() {
     const Picture picture = source_.read(index_of_first());
     const SceneRenderer renderer(scene_of(picture, motion_, real_.summary, stage_));
     std::vector<Picture> pictures;
     for (std::size_t k = 0; k < motion_.part.size(); ++k) pictures.push_back(shown(renderer, k));
-    TrackResult seen = coded_and_tracked(pictures, 1);
-    const double wanted = real_.summary.coded->step, had = seen.summary.coded ? seen.summary.coded->step : 0;
-    if (had > 0 && std::abs(wanted / had - 1) > kNearStep) seen = coded_and_tracked(pictures, wanted / had);
-    return seen;
+    return coded_and_tracked(pictures);
   }
 
   const Motion& motion() const { return motion_; }
@@ -208,14 +207,13 @@ class Rehearsal {
                            [&](double) { return pose; });
   }
 
-  TrackResult coded_and_tracked(const std::vector<Picture>& pictures, double step_ratio) const {
+  TrackResult coded_and_tracked(const std::vector<Picture>& pictures) const {
     const Coder& coder = *source_.info().coder;
     const ScratchFile file(coder.name == "x264" ? ".mkv" : ".avi");
     const double rate = coder.playback_hz > 0 ? coder.playback_hz : 1 / motion_.interval;
     SinkOptions sink{.width = stage_.width, .height = stage_.height, .frame_rate_hz = rate};
     sink.codec = coder.name == "x264" ? Codec::h264 : Codec::mjpeg;
     sink.like = coder;
-    sink.step_ratio = step_ratio;
     const auto writer = create_sink(file.path(), sink);
     for (const Picture& picture : pictures) writer->write(picture);
     writer->close();
@@ -225,7 +223,9 @@ class Rehearsal {
 
   TrackOptions options() const {
     TrackOptions out;
-    const auto moved = [&](const Point& p, double radius) { return Circle{p.x - stage_.x, p.y - stage_.y, radius}; };
+    const auto moved = [&](const Point& p, double radius) {
+      return Circle{p.x - stage_.x, p.y - stage_.y, radius};
+    };
     out.target = {Target::Kind::disc, moved(motion_.part.front(), real_.summary.disc.radius), {}};
     out.marker.kind = MarkerChoice::Kind::none;
     if (real_.summary.marker.radius > 0 && !motion_.mark.empty())
@@ -324,7 +324,8 @@ void take_over(const std::map<char, double>& variances, TrackResult& result) {
   const double before = std::max(0.0, std::pow(summary.slow_sd, 2) - std::pow(coded.added_sd, 2));
   coded.added_sd = std::sqrt(added / std::max(1.0, count));
   summary.slow_sd = std::hypot(std::sqrt(before), coded.added_sd);
-  for (CodedErrors::OfType& type : coded.types) type.rehearsed_sd = std::sqrt(rehearsed(variances, type.type));
+  for (CodedErrors::OfType& type : coded.types)
+    type.rehearsed_sd = std::sqrt(rehearsed(variances, type.type));
 }
 
 }  // namespace
@@ -332,8 +333,7 @@ void take_over(const std::map<char, double>& variances, TrackResult& result) {
 void rehearse(FrameSource& source, const TrackOptions& options, TrackResult& result) {
   if (!result.summary.coded) return;
   const Coder& coder = *source.info().coder;
-  if (!coder.known)
-    refuse(source, fmt::format("its coder ({}) does not tell its settings", coder.name));
+  if (!coder.known) refuse(source, fmt::format("its coder ({}) does not tell its settings", coder.name));
   if (source.info().bits != 8) refuse(source, "it has more than 8 bits");
   if (!(result.summary.disc.radius > 0)) refuse(source, "the part is not a disc");
   Rehearsal rehearsal(source, options, result);
@@ -349,7 +349,8 @@ void rehearse(FrameSource& source, const TrackOptions& options, TrackResult& res
   auto& warnings = result.summary.warnings;
   std::erase_if(warnings, [](const std::string& w) { return w.starts_with("coded by "); });
   warnings.push_back(fmt::format(
-      "coded by {}: rehearsed with {} frames, this coding adds {:.4f} px; it shows the part's motion {:.2g} % "
+      "coded by {}: rehearsed with {} frames, this coding adds {:.4f} px; it shows the part's motion {:.2g} "
+      "% "
       "too small and {:.2g} s late",
       coder.name, compared.part.size(), coded.added_sd, 100 * coded.part->attenuation, coded.part->delay));
 }

@@ -13,7 +13,8 @@ using Values = Eigen::VectorXd;
 /// Constant and straight line.
 Columns line(Eigen::Index n) {
   Columns out(n, 2);
-  for (Eigen::Index k = 0; k < n; ++k) out.row(k) << 1, 2.0 * static_cast<double>(k) / static_cast<double>(n) - 1;
+  for (Eigen::Index k = 0; k < n; ++k)
+    out.row(k) << 1, 2.0 * static_cast<double>(k) / static_cast<double>(n) - 1;
   return out;
 }
 

@@ -10,10 +10,10 @@
 namespace tribotrack::vision {
 
 struct RimCoding {
-  char type = '?';         ///< of the frame
-  double step = 0;         ///< of the quantiser at the rim, grey levels; 0 unknown
-  Point still = {0, 0};    ///< share that is predicted from the same place of another frame, for x and y
-  Point moving = {0, 0};   ///< share that is predicted from elsewhere
+  char type = '?';        ///< of the frame
+  double step = 0;        ///< of the quantiser at the rim, grey levels; 0 unknown
+  Point still = {0, 0};   ///< share that is predicted from the same place of another frame, for x and y
+  Point moving = {0, 0};  ///< share that is predicted from elsewhere
 };
 
 RimCoding rim_coding(const CodedFrame& frame, const Circle& rim);

@@ -240,8 +240,10 @@ std::string audit_section(const ReportData& data) {
          "standard deviations predict; 1 is right. The first three compare positions from complementary "
          "halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the motion is "
          "slow. Pixel phase: errors with those that follow the fraction of a pixel to errors without. Lag "
-         "1: correlation of consecutive errors, 0 for white noise. By frame type: the halves in the frames of a "
-         "lossy recording that are coded by themselves (I) and predicted from others (P, B). The σ of all tables are the widened "
+         "1: correlation of consecutive errors, 0 for white noise. By frame type: the halves in the frames "
+         "of a "
+         "lossy recording that are coded by themselves (I) and predicted from others (P, B). The σ of all "
+         "tables are the widened "
          "ones.</p>\n</section>\n";
 }
 

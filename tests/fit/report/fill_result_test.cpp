@@ -80,7 +80,8 @@ TEST(CommonErrors, MoveWhatIsFittedWhereTheLagIsHeld) {
   Problem problem = fourteen_runs(0);
   problem.common_phase_sd = kSd;
   const FitResult result = estimate(problem, options);
-  const FitResult less = estimate(fourteen_runs(-kShift), options), more = estimate(fourteen_runs(kShift), options);
+  const FitResult less = estimate(fourteen_runs(-kShift), options),
+                  more = estimate(fourteen_runs(kShift), options);
   for (const std::size_t i : {0, 1}) {
     const double slope = (more.parameters[i].estimate - less.parameters[i].estimate) / (2 * kShift);
     EXPECT_NEAR(result.common_error_sd(static_cast<Eigen::Index>(i)), std::abs(slope) * kSd,

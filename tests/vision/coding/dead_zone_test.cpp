@@ -34,7 +34,8 @@ TEST(DeadZone, FallsWithTheContrast) {
 }
 
 TEST(DeadZone, TurnsWithThePicture) {
-  const Point down = unnoticed_motion(edge(100), kAll, -1), across = unnoticed_motion(edge(100, true), kAll, -1);
+  const Point down = unnoticed_motion(edge(100), kAll, -1),
+              across = unnoticed_motion(edge(100, true), kAll, -1);
   EXPECT_NEAR(down.x, across.y, 1e-9);
   EXPECT_EQ(down.y, 0) << "an edge tells nothing of a motion along itself";
 }

@@ -31,7 +31,11 @@ class CodedTrackTest : public RecordingTest {
   std::filesystem::path coded(const char* name, SinkOptions sink) {
     Scene scene;
     scene.width = scene.height = 112;
-    scene.disc = {.radius_px = 24, .level = 160, .edge_blur_px = 0.7, .scratches = 0, .scratch_contrast = 0,
+    scene.disc = {.radius_px = 24,
+                  .level = 160,
+                  .edge_blur_px = 0.7,
+                  .scratches = 0,
+                  .scratch_contrast = 0,
                   .highlight = 0};
     scene.platform = {.level = 60, .texture_rms = 0};
     const SceneRenderer renderer(scene);
@@ -61,9 +65,9 @@ class CodedTrackTest : public RecordingTest {
       out.sd += 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y) / kFrames;
     }
     for (std::size_t k = 0; k < seen.size(); ++k)
-      out.error += 0.5 *
-                   (std::pow(seen[k].x - path[k].x - mean.x, 2) + std::pow(seen[k].y - path[k].y - mean.y, 2)) /
-                   kFrames;
+      out.error +=
+          0.5 * (std::pow(seen[k].x - path[k].x - mean.x, 2) + std::pow(seen[k].y - path[k].y - mean.y, 2)) /
+          kFrames;
     out.error = std::sqrt(out.error);
     out.sd = std::sqrt(out.sd);
     out.response = coded_response(seen, path, 1e-3);
@@ -79,7 +83,8 @@ class CodedTrackTest : public RecordingTest {
 };
 
 TEST_F(CodedTrackTest, SlowMotionThroughH264ByRuleAndByRehearsal) {
-  const auto source = open_source(coded("slow.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
+  const auto source =
+      open_source(coded("slow.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
   TrackResult result = track(*source, options());
   ASSERT_TRUE(result.summary.coded);
   EXPECT_GT(result.summary.coded->still, 0.5) << "the part moves by 0.05 px a frame";
@@ -117,11 +122,13 @@ TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
 }
 
 TEST_F(CodedTrackTest, WhatCannotBeRehearsedIsRefused) {
-  const auto source = open_source(coded("short.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
+  const auto source =
+      open_source(coded("short.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
   TrackOptions few = options();
   few.last_frame = 20;
   TrackResult result = track(*source, few);
-  EXPECT_THAT([&] { rehearse(*source, few, result); }, ThrowsMessage<InputError>(HasSubstr("only 21 frames")));
+  EXPECT_THAT([&] { rehearse(*source, few, result); },
+              ThrowsMessage<InputError>(HasSubstr("only 21 frames")));
 }
 
 TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {

@@ -17,7 +17,8 @@ std::vector<Point> circle(double amplitude, double delay, double drift, int fram
   std::vector<Point> path;
   for (int k = 0; k < frames; ++k) {
     const double phase = kW * (k * kInterval - delay);
-    path.push_back({100 + amplitude * std::cos(phase) + drift * k, 80 - amplitude * std::sin(phase) - 0.3 * drift * k});
+    path.push_back(
+        {100 + amplitude * std::cos(phase) + drift * k, 80 - amplitude * std::sin(phase) - 0.3 * drift * k});
   }
   return path;
 }
@@ -26,7 +27,8 @@ std::vector<Point> circle(double amplitude, double delay, double drift, int fram
 TEST(CodedResponse, AttenuationAndDelayOfACircleThatDrifts) {
   for (const double drift : {0.0, 0.2}) {
     SCOPED_TRACE(drift);
-    const CodedResponse found = coded_response(circle(0.3 * 0.97, 0.4e-3, drift), circle(0.3, 0, drift), kInterval);
+    const CodedResponse found =
+        coded_response(circle(0.3 * 0.97, 0.4e-3, drift), circle(0.3, 0, drift), kInterval);
     // To first order in w T = 0.063: (1 - a) cos wT, (1 - a) sin wT.
     EXPECT_NEAR(found.attenuation, 1 - 0.97 * std::cos(kW * 0.4e-3), 2e-4);
     EXPECT_NEAR(kW * found.delay, 0.97 * std::sin(kW * 0.4e-3), 1e-3);

@@ -17,7 +17,8 @@ CodedFrame frame_where(CodedCell::Kind kind, const Condition& condition) {
   CodedFrame frame{'P', kCells, kCells, {}};
   for (int row = 0; row < kCells; ++row)
     for (int column = 0; column < kCells; ++column) {
-      const double x = (column + 0.5) * CodedFrame::kCell - kMiddle, y = (row + 0.5) * CodedFrame::kCell - kMiddle;
+      const double x = (column + 0.5) * CodedFrame::kCell - kMiddle,
+                   y = (row + 0.5) * CodedFrame::kCell - kMiddle;
       frame.cells.push_back({condition(x, y) ? kind : CodedCell::Kind::intra, 5});
     }
   return frame;
@@ -33,7 +34,8 @@ TEST(RimCoding, AllOfOneKind) {
   EXPECT_EQ(rim.moving.x, 0);
 }
 
-/// Within 45 degrees of the x axis: the integral of cos^2 is pi/4 + 1/2 on either side, that of sin^2 pi/4 - 1/2.
+/// Within 45 degrees of the x axis: the integral of cos^2 is pi/4 + 1/2 on either side, that of sin^2 pi/4 -
+/// 1/2.
 TEST(RimCoding, EdgesAcrossCount) {
   const auto frame =
       frame_where(CodedCell::Kind::moving, [](double x, double y) { return std::abs(x) > std::abs(y); });

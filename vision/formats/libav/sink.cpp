@@ -103,15 +103,13 @@ class LibavSink : public FrameSink {
   /// MJPEG's tables and MPEG-4's step are proportional to libav's quality q: 19 / 8 q in the low frequencies
   /// (ff_mpeg1_default_intra_matrix), and 2 q.
   int quality_like(double step_per_quality) const {
-    return std::clamp(static_cast<int>(std::lround(options_.like->step * options_.step_ratio / step_per_quality)),
-                      1, 31);
+    return std::clamp(static_cast<int>(std::lround(options_.like->step / step_per_quality)), 1, 31);
   }
 
   void set_coding_like() {
     const Coder& coder = *options_.like;
     if (coder.name == "x264") {
-      av_opt_set(encoder_->priv_data, "x264-params", x264_parameters(coder.settings, options_.step_ratio).c_str(),
-                 0);
+      av_opt_set(encoder_->priv_data, "x264-params", x264_parameters(coder.settings).c_str(), 0);
       encoder_->max_b_frames = b_frames_of(coder.settings);
       return;
     }

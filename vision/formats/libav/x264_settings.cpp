@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -19,7 +18,8 @@ Settings parsed(const std::string& text) {
   const auto begin = text.find("options:");
   std::istringstream words(begin == std::string::npos ? "" : text.substr(begin + 8));
   for (std::string word; words >> word;)
-    if (const auto at = word.find('='); at != std::string::npos) out[word.substr(0, at)] = word.substr(at + 1);
+    if (const auto at = word.find('='); at != std::string::npos)
+      out[word.substr(0, at)] = word.substr(at + 1);
   return out;
 }
 
@@ -54,28 +54,26 @@ double number(const Settings& settings, const char* name, double otherwise) {
   return found == settings.end() ? otherwise : std::atof(found->second.c_str());
 }
 
-/// The quantiser rises by 6 where steps double.
-std::string rate(const Settings& settings, double step_ratio) {
-  const double more = 6 * std::log2(step_ratio);
+std::string rate(const Settings& settings) {
   const auto how = settings.find("rc");
   if (how != settings.end() && how->second == "crf")
-    return fmt::format("crf={:.2f}", number(settings, "crf", 23) + more);
+    return fmt::format("crf={:.2f}", number(settings, "crf", 23));
   if (how != settings.end() && how->second == "cqp")
-    return fmt::format("qp={:.0f}", number(settings, "qp", 23) + more);
-  return fmt::format("crf={:.2f}", 23 + more);
+    return fmt::format("qp={:.0f}", number(settings, "qp", 23));
+  return "crf=23";
 }
 
 }  // namespace
 
-std::string x264_parameters(const std::string& text, double step_ratio) {
+std::string x264_parameters(const std::string& text) {
   const Settings settings = parsed(text);
   static const std::set<std::string> as_they_are = {
-      "cabac",     "ref",          "me",         "subme",       "psy",        "me_range",  "trellis",
-      "8x8dct",    "nr",           "bframes",    "b_pyramid",   "b_adapt",    "b_bias",    "weightb",
-      "weightp",   "open_gop",     "keyint",     "keyint_min",  "scenecut",   "intra_refresh",
-      "chroma_me", "fast_pskip",   "rc_lookahead", "mbtree",    "qcomp",      "qpmin",     "qpmax",
-      "qpstep",    "psy_rd",       "constrained_intra"};
-  std::string out = rate(settings, step_ratio);
+      "cabac",    "ref",           "me",        "subme",      "psy",          "me_range",
+      "trellis",  "8x8dct",        "nr",        "bframes",    "b_pyramid",    "b_adapt",
+      "b_bias",   "weightb",       "weightp",   "open_gop",   "keyint",       "keyint_min",
+      "scenecut", "intra_refresh", "chroma_me", "fast_pskip", "rc_lookahead", "mbtree",
+      "qcomp",    "qpmin",         "qpmax",     "qpstep",     "psy_rd",       "constrained_intra"};
+  std::string out = rate(settings);
   const auto add = [&](const std::string& name, const std::string& value) {
     out += fmt::format(":{}={}", name, value);
   };

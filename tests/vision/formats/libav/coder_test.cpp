@@ -78,7 +78,8 @@ TEST_F(CoderTest, LosslessHasNoCoder) {
 /// The settings read back and given to the encoder again make the same stream, setting by setting and picture
 /// by picture.
 TEST_F(CoderTest, CodingLikeACoderGivesTheSamePictures) {
-  for (const SinkOptions& sink : {SinkOptions{.codec = Codec::h264, .crf = 27}, SinkOptions{.codec = Codec::mjpeg}}) {
+  for (const SinkOptions& sink :
+       {SinkOptions{.codec = Codec::h264, .crf = 27}, SinkOptions{.codec = Codec::mjpeg}}) {
     const bool h264 = sink.codec == Codec::h264;
     SCOPED_TRACE(h264 ? "h264" : "mjpeg");
     const auto first = coded(h264 ? "1.mkv" : "1.avi", sink);
@@ -99,10 +100,10 @@ TEST(X264Settings, NamesAsTheEncoderTakesThem) {
   const std::string settings =
       "x264 - core 164 - options: cabac=1 deblock=1:-1:2 analyse=0x3:0x133 psy_rd=0.40:0.00 deadzone=6,6 "
       "decimate=0 direct=3 bframes=3 rc=crf crf=18.0 ip_ratio=1.40 aq=0 threads=4";
-  const std::string found = x264_parameters(settings, 2);
-  for (const char* expected :
-       {"crf=24.00", ":deblock=-1,2", ":partitions=i4x4,i8x8,p8x8,p4x4,b8x8", ":psy_rd=0.40,0.00",
-        ":deadzone-inter=6:deadzone-intra=6", ":dct-decimate=0", ":direct=auto", ":ipratio=1.40", ":aq-mode=0"})
+  const std::string found = x264_parameters(settings);
+  for (const char* expected : {"crf=18.00", ":deblock=-1,2", ":partitions=i4x4,i8x8,p8x8,p4x4,b8x8",
+                               ":psy_rd=0.40,0.00", ":deadzone-inter=6:deadzone-intra=6", ":dct-decimate=0",
+                               ":direct=auto", ":ipratio=1.40", ":aq-mode=0"})
     EXPECT_THAT(found, HasSubstr(expected));
   EXPECT_EQ(found.find("threads"), std::string::npos);
   EXPECT_EQ(b_frames_of(settings), 3);
