@@ -8,7 +8,8 @@
 // of such a motion:
 //   rms by frame type     -> the standard deviations, times 1.1 (rehearsed errors are 0.94 to 1.22 of real
 //                            ones), but never less than the recording itself supports
-//   e = -a (x - mean x) - T dx/dt + noise  -> attenuation a and delay T of the part and of the mark
+//   e = -a (x - mean x) - T dx/dt + noise  -> attenuation a and delay T of the part and of the mark; at the
+//                            angular frequency w they show cos wt as Re (1 - a - i w T) exp(i wt)
 // The part's own texture and the shadow are left out: a coder decides by the strongest edge of a block.
 //
 //   TrackResult result = track(*source, options);

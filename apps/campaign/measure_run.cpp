@@ -70,8 +70,10 @@ void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasur
   const double w = platform.angular_frequency.value;
   CodedMotion coded{.coder = facts.coder, .rehearsed = facts.mark.has_value()};
   if (facts.mark) {
-    coded.attenuation = facts.mark->attenuation;
-    coded.delay = w * facts.mark->delay;
+    // cos wt is shown as Re z exp(i wt) with z = 1 - a - i w T.
+    const double in_phase = 1 - facts.mark->attenuation, behind = w * facts.mark->delay;
+    coded.attenuation = 1 - std::hypot(in_phase, behind);
+    coded.delay = std::atan2(behind, in_phase);
     coded.attenuation_sd = std::hypot(coded.attenuation / 2, facts.mark->attenuation_sd);
     coded.delay_sd = std::hypot(coded.delay / 2, w * facts.mark->delay_sd);
   } else {

@@ -211,13 +211,13 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
     const auto own = halves.find(f.part.type);
     const double factor = own == halves.end() ? 1 : std::max(1.0, supported(own->second) / white);
     Added added = added_in(coded, f, p, white);
+    p.coding_x = added.x;
+    p.coding_y = added.y;
     added.x += square(coded.passes_differ * (p.x - middle.x));
     added.y += square(coded.passes_differ * (p.y - middle.y));
     means.add(coded, f, added);
     widen(p, factor, added);
     p.frame_type = f.part.type;
-    p.coding_x = added.x;
-    p.coding_y = added.y;
   }
   CodedErrors found = means.errors();
   found.coder = coded.coder.name;

@@ -94,43 +94,22 @@ Levels levels_between(const Picture& picture, const Point& centre, double near, 
   return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
 }
 
-/// The part of the picture in which anything moves, on the coder's grid.
-Rect stage_of(const Motion& motion, const TrackSummary& summary, const Rect& bounds) {
-  double left = bounds.width, top = bounds.height, right = 0, bottom = 0;
-  const auto hold = [&](const Point& p, double radius) {
-    left = std::min(left, p.x - radius);
-    right = std::max(right, p.x + radius);
-    top = std::min(top, p.y - radius);
-    bottom = std::max(bottom, p.y + radius);
-  };
-  for (const Point& p : motion.part) hold(p, summary.disc.radius);
-  if (summary.marker.radius > 0)
-    for (const Point& p : motion.mark) hold(p, summary.marker.radius);
-  const auto down = [](double v) { return std::max(0, static_cast<int>(v - kMargin) / kBlock * kBlock); };
-  const auto up = [](double v, int most) {
-    return std::min(most / 2 * 2, (static_cast<int>(v + kMargin) / kBlock + 1) * kBlock);
-  };
-  Rect stage{down(left), down(top), 0, 0};
-  stage.width = up(right, bounds.width) - stage.x;
-  stage.height = up(bottom, bounds.height) - stage.y;
-  return stage;
-}
-
 /// Neither noise nor the coder's own error, at most even in one step, has a part in a texture's size.
 double texture_beyond(double sd, double noise, double step) {
   return std::sqrt(std::max(0.0, sd * sd - noise * noise - step * step / 12));
 }
 
-Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary& summary, const Rect& stage) {
+Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary& summary) {
   Scene scene;
-  scene.width = stage.width;
-  scene.height = stage.height;
+  // All of the picture: a coder decides by it which frames predict which. H.264 wants even sizes.
+  scene.width = picture.width() / 2 * 2;
+  scene.height = picture.height() / 2 * 2;
   const Point& at = motion.part.front();
   const double radius = summary.disc.radius, blur = std::max(0.3, summary.disc_blur), rim = 3 * blur;
   const Levels inside = levels_between(picture, at, 0, std::max(1.0, radius - rim));
   const Levels outside =
       levels_between(picture, at, radius + rim, radius + rim + std::max(4.0, 0.25 * radius));
-  scene.read_noise = std::sqrt(std::max(0.0, summary.noise_levels * summary.noise_levels - 1.0 / 12));
+  scene.read_noise = summary.noise_levels;  // what the coder left of it: too little rather than too much
   scene.disc.radius_px = radius;
   scene.disc.level = inside.mean;
   scene.disc.edge_blur_px = std::max(0.1, std::sqrt(std::max(0.0, blur * blur - 1.0 / 12)));
@@ -143,7 +122,7 @@ Scene scene_of(const Picture& picture, const Motion& motion, const TrackSummary&
     const double size = summary.marker.radius;
     const Point& mark = motion.mark.front();
     MarkerAppearance& shown = scene.marker.emplace();
-    shown.position = {mark.x - stage.x, mark.y - stage.y};
+    shown.position = mark;
     shown.radius_px = size;
     shown.level = levels_between(picture, mark, 0, 0.4 * size).mean;
     shown.ring_level = levels_between(picture, mark, 0.6 * size, 0.9 * size).mean;
@@ -177,21 +156,19 @@ class Rehearsal {
     if (sample_.count < kFewestFrames)
       refuse(source, fmt::format("the part is seen in only {} frames in a row", sample_.count));
     motion_ = motion_of(real.track, sample_);
-    stage_ = stage_of(motion_, real.summary, source.bounds());
   }
 
   /// The same settings lead to the same steps; those that a decoder tells of blocks that were not coded are
   /// predictions, and not to be matched.
   TrackResult run() {
     const Picture picture = source_.read(index_of_first());
-    const SceneRenderer renderer(scene_of(picture, motion_, real_.summary, stage_));
+    const SceneRenderer renderer(scene_of(picture, motion_, real_.summary));
     std::vector<Picture> pictures;
     for (std::size_t k = 0; k < motion_.part.size(); ++k) pictures.push_back(shown(renderer, k));
     return coded_and_tracked(pictures);
   }
 
   const Motion& motion() const { return motion_; }
-  const Rect& stage() const { return stage_; }
 
  private:
   std::int64_t index_of_first() const {
@@ -200,7 +177,7 @@ class Rehearsal {
 
   Picture shown(const SceneRenderer& renderer, std::size_t k) const {
     ScenePose pose;
-    pose.disc = {motion_.part[k].x - stage_.x, motion_.part[k].y - stage_.y};
+    pose.disc = motion_.part[k];
     if (!motion_.mark.empty())
       pose.platform = {motion_.mark[k].x - motion_.mark[0].x, motion_.mark[k].y - motion_.mark[0].y};
     return renderer.render(static_cast<std::int64_t>(k), static_cast<double>(k) * motion_.interval, 0,
@@ -211,7 +188,8 @@ class Rehearsal {
     const Coder& coder = *source_.info().coder;
     const ScratchFile file(coder.name == "x264" ? ".mkv" : ".avi");
     const double rate = coder.playback_hz > 0 ? coder.playback_hz : 1 / motion_.interval;
-    SinkOptions sink{.width = stage_.width, .height = stage_.height, .frame_rate_hz = rate};
+    SinkOptions sink{
+        .width = pictures.front().width(), .height = pictures.front().height(), .frame_rate_hz = rate};
     sink.codec = coder.name == "x264" ? Codec::h264 : Codec::mjpeg;
     sink.like = coder;
     const auto writer = create_sink(file.path(), sink);
@@ -223,13 +201,11 @@ class Rehearsal {
 
   TrackOptions options() const {
     TrackOptions out;
-    const auto moved = [&](const Point& p, double radius) {
-      return Circle{p.x - stage_.x, p.y - stage_.y, radius};
-    };
-    out.target = {Target::Kind::disc, moved(motion_.part.front(), real_.summary.disc.radius), {}};
+    const auto circle = [](const Point& p, double radius) { return Circle{p.x, p.y, radius}; };
+    out.target = {Target::Kind::disc, circle(motion_.part.front(), real_.summary.disc.radius), {}};
     out.marker.kind = MarkerChoice::Kind::none;
     if (real_.summary.marker.radius > 0 && !motion_.mark.empty())
-      out.marker = {MarkerChoice::Kind::circle, moved(motion_.mark.front(), real_.summary.marker.radius)};
+      out.marker = {MarkerChoice::Kind::circle, circle(motion_.mark.front(), real_.summary.marker.radius)};
     else if (real_.summary.ground_is_marker)
       out.marker.kind = MarkerChoice::Kind::texture;
     out.min_ncc = options_.min_ncc;
@@ -242,7 +218,6 @@ class Rehearsal {
   const TrackResult& real_;
   Sample sample_;
   Motion motion_;
-  Rect stage_;
 };
 
 /// Seen and true paths where both are there.
@@ -251,12 +226,12 @@ struct Compared {
   std::vector<char> type;
 };
 
-Compared compare(const TrackResult& seen, const Motion& motion, const Rect& stage) {
+Compared compare(const TrackResult& seen, const Motion& motion) {
   Compared out;
   for (std::size_t k = 0; k < seen.track.points.size() && k < motion.part.size(); ++k) {
     const TrackPoint& p = seen.track.points[k];
     if (p.status != TrackStatus::ok) continue;
-    out.part.push_back({p.x + stage.x, p.y + stage.y});
+    out.part.push_back({p.x, p.y});
     out.true_part.push_back(motion.part[k]);
     out.type.push_back(p.frame_type);
     if (!p.marker || motion.mark.empty()) continue;
@@ -338,7 +313,7 @@ void rehearse(FrameSource& source, const TrackOptions& options, TrackResult& res
   if (!(result.summary.disc.radius > 0)) refuse(source, "the part is not a disc");
   Rehearsal rehearsal(source, options, result);
   const TrackResult seen = rehearsal.run();
-  const Compared compared = compare(seen, rehearsal.motion(), rehearsal.stage());
+  const Compared compared = compare(seen, rehearsal.motion());
   if (compared.part.size() < kFewestFrames) refuse(source, "the part was lost in the rehearsal");
   take_over(variances_of(compared), result);
   CodedErrors& coded = *result.summary.coded;
