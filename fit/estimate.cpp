@@ -204,6 +204,7 @@ FitResult Estimation::report() {
     result.bootstrap_seed = options_.bootstrap_seed;
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
+  add_common_errors(residuals_, best, uncertainty_, t_, result);
   result.identifiability = identifiability(unknowns_, values_, uncertainty_);
   compare_with_profiles(unknowns_, result.parameters, result.identifiability);
   fill_excess_variance(residuals_, options_.estimate_scatter, result);

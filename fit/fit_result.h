@@ -219,6 +219,11 @@ struct FitResult {
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;
   Loss loss = Loss::squares;
+  /// What Problem::common_phase_sd and common_amplitude_sd add, in the covariance and the intervals: standard
+  /// deviations of the parameters in their order; empty without them.
+  Eigen::VectorXd common_error_sd;
+  /// One of them exceeds half the width of the interval that the data alone give.
+  bool common_errors_dominate = false;
   /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
   std::vector<std::string> systematics;
 

@@ -100,6 +100,20 @@ struct PlatformMotion {
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 
+/// How a motion of one amplitude is seen through a play: what follows it only after it has turned by twice
+/// the half width, as what a coder shows of slow motion does (vision/coding).
+struct SeenThroughPlay {
+  double attenuation = 0;  ///< share by which the amplitude of the fundamental is too small
+  double delay = 0;        ///< rad
+};
+
+/// The play's describing function: of r = half_width / amplitude below 1
+///   1 - attenuation, delay = modulus and -angle of a + i b,
+///   a = (pi/2 + asin(1 - 2r) + 2 (1 - 2r) sqrt(r (1 - r))) / pi,  b = -4 r (1 - r) / pi
+/// [Gelb and Vander Velde, Multiple-Input Describing Functions, 1968, appendix B]. From r = 1 on nothing is
+/// seen of the motion: attenuation 1, delay pi/2.
+SeenThroughPlay seen_through_play(double amplitude, double half_width);
+
 /// The same measurements with the sd of the scale (relative, common to all lengths) added. For reports and
 /// other programs; a fit has the scale as a parameter of its own and takes them without.
 Displacement with_scale_sd(Displacement displacement, double relative_sd);

@@ -82,6 +82,9 @@ struct Problem {
   /// slides.
   double between_slides = 0;
   double scale_sd = 0;  ///< relative sd of the scale common to all runs, a nuisance parameter with a prior
+  /// Errors of the platform's motion that all runs share, such as a coder's: sd of its phase, rad, and of its
+  /// amplitude, relative. They are counted in the intervals beside the data's own.
+  double common_phase_sd = 0, common_amplitude_sd = 0;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

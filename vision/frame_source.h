@@ -30,6 +30,42 @@
 
 namespace tribotrack::vision {
 
+/// The coder of a recording that was not stored as the camera saw it; vision/coding says what follows for
+/// positions.
+struct Coder {
+  std::string name;        ///< "x264", "x265", "mjpeg", "mpeg4", "h264 of an unknown coder", ...
+  std::string settings;    ///< as the coder wrote them into the stream; empty where it did not
+  int grid = 8;            ///< px: side of the blocks that it quantises by themselves
+  bool all_intra = false;  ///< every frame is coded by itself
+  double group = 0;        ///< frames from one key frame to the next, on average; all where only one is there
+  /// Coefficients below this many steps are not coded where another frame predicts them.
+  double dead_zone = 0.83;
+  /// Known well enough to code other pictures the same way.
+  bool known = false;
+  double playback_hz = 0;  ///< the container's own rate, which coders take their decisions by; 0 unknown
+  double step = 0;         ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
+};
+
+/// How a coder stored a part of a frame.
+struct CodedCell {
+  enum class Kind : unsigned char {
+    intra,   ///< by itself
+    still,   ///< predicted from the same place of another frame
+    moving,  ///< predicted from elsewhere in another frame
+  } kind = Kind::intra;
+  float step = 0;  ///< of the quantiser, in coefficients of an orthonormal transform, grey levels; 0 unknown
+};
+
+/// How a coder stored a frame, by cells of 8 x 8 px, row by row; no cells where the decoder does not tell.
+struct CodedFrame {
+  static constexpr int kCell = 8;
+  char type = '?';  ///< 'I', 'P' or 'B'
+  int columns = 0, rows = 0;
+  std::vector<CodedCell> cells;
+  double mean_step() const;  ///< 0 where unknown
+  double still_share() const;
+};
+
 /// What a recording is.
 struct SourceInfo {
   std::filesystem::path path;
@@ -41,6 +77,7 @@ struct SourceInfo {
   bool colour = false;  ///< stored in colour and handed out as luma
   /// Any window of a frame costs the decoding of the whole frame, out of order that of others too.
   bool decoded = false;
+  std::optional<Coder> coder;  ///< of a lossy coding; nothing where the levels are those of the camera
   std::int64_t frame_count = 0;
   /// The recording's own number of its first stored image (0 unless it has numbers).
   std::int64_t first_number = 0;
@@ -76,6 +113,11 @@ class FrameSource {
   /// Reads a window of a frame, which must lie inside bounds(). Formats that can, read only its rows.
   /// Sequential access is fast in every format. Throws InputError.
   virtual void read(std::int64_t index, const Rect& window, Picture& picture) = 0;
+  /// How a lossy coder stored a frame that was read lately (among the last 128); null where nobody tells.
+  virtual const CodedFrame* coded(std::int64_t index) const {
+    static_cast<void>(index);
+    return nullptr;
+  }
   Picture read(std::int64_t index) {
     Picture picture;
     read(index, bounds(), picture);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vision/picture.h"
@@ -44,6 +45,8 @@ struct TrackPoint {
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
   std::optional<Rotation> rotation;   ///< where it is seen
   std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
+  char frame_type = 0;                ///< 'I', 'P' or 'B' in a lossy recording, else 0
+  double coding_x = 0, coding_y = 0;  ///< variances, px^2, that are in the sigmas for its coder
 };
 
 /// Millimetres per pixel and where they come from.
@@ -61,6 +64,12 @@ struct Track {
   /// Frame of the first point that is ok; of the first of all where none is. Not for an empty track.
   std::int64_t first_seen() const;
 };
+
+/// A rolling shutter reads its rows one after the other, `row_time` s apart (negative: from the bottom up):
+/// every point gets the time at which the part's own row was read, counted from that of `middle_row`, and the
+/// mark, whose row was read at another time, the position that it had then, by its velocity between the
+/// neighbouring frames.
+void shift_to_rows(Track& track, double row_time, double middle_row);
 
 /// A stage of the work that a scene may or may not need.
 struct PlanStage {
@@ -103,12 +112,48 @@ struct Audit {
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
   std::optional<double> pixel_phase;     ///< with what follows the fraction of a pixel to without; 1 or more
   std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
+  /// The halves' ratio in the frames of each type ('I', 'P', 'B') of a lossy recording.
+  std::vector<std::pair<char, double>> by_frame_type;
   /// Of the three splits together.
   std::optional<double> halves() const;
   double white_factor = 1;  ///< what every covariance is multiplied by
   /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
   /// correlation time, s.
   double slow_sd = 0, slow_time = 0;
+};
+
+/// A coded motion against the true one.
+struct CodedResponse {
+  double attenuation = 0, attenuation_sd = 0;  ///< share by which displacements are seen too small
+  double delay = 0, delay_sd = 0;              ///< s by which they are seen too late
+};
+
+/// What the coder of a lossy recording does to a track; see vision/coding.
+struct CodedErrors {
+  struct OfType {
+    char type = '?';  ///< 'I', 'P' or 'B'
+    std::int64_t frames = 0;
+    double step = 0;              ///< of the quantiser at the rim, grey levels; 0 unknown
+    double still = 0;             ///< share of the rim that is predicted from the same place of another frame
+    std::optional<double> ratio;  ///< of the halves' disagreement to what the model predicts, as in Audit
+    double added_sd = 0;          ///< px rms of a coordinate, beyond what the audit leaves
+    double rehearsed_sd = 0;      ///< px rms of a coordinate, as rehearsed; 0 where it was not
+  };
+  std::string coder, settings;
+  bool known = false;  ///< which one it was, and with which settings
+  std::vector<OfType> types;
+  double step = 0, still = 0, moving = 0;  ///< means over the frames
+  double unnoticed = 0;                    ///< px that the part can move before the coder notices
+  /// Half widths, px, of the play through which slow motion of the part and of the mark is seen: it comes
+  /// late by up to that, and its amplitude too small.
+  double part_play = 0, mark_play = 0;
+  double added_sd = 0;   ///< px rms of a coordinate
+  double slow_time = 0;  ///< s over which what is added stays alike
+  /// Share of the displacement by which the two passes differ, where it is beyond doubt.
+  double passes_differ = 0;
+  /// By coding the tracked motion once more (rehearsal.h): the types' `rehearsed_sd`, and these.
+  bool rehearsed = false;
+  std::optional<CodedResponse> part, mark;
 };
 
 /// What is known of a track as a whole.
@@ -131,6 +176,7 @@ struct TrackSummary : FrameCounts {
   /// not average them out.
   double slow_sd = 0, slow_time = 0;
   Audit audit;
+  std::optional<CodedErrors> coded;  ///< of a lossy recording
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
   /// One line for a person.

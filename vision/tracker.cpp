@@ -1,5 +1,7 @@
 #include "vision/tracker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,6 +13,8 @@
 #include "vision/audit/audit.h"
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
+#include "vision/coding/coded_errors.h"
+#include "vision/coding/dead_zone.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_stage.h"
 #include "vision/stages/stage_clock.h"
@@ -36,6 +40,8 @@ void TrackOptions::validate() const {
 
 namespace {
 
+constexpr double kRimReach = 2;  ///< px beside the rim's line: its blur
+
 /// What a track is off by, px rms over its ok points, as far as its own covariances and the audit know.
 double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
   TrackSummary summary;
@@ -53,7 +59,8 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
 class Tracking {
  public:
   Tracking(FrameSource& recording, const TrackOptions& options)
-      : options_(options),
+      : recording_(recording),
+        options_(options),
         timed_(recording, clock_),
         cache_(timed_),
         range_(frames_to_analyse(recording, options)) {}
@@ -66,6 +73,7 @@ class Tracking {
     measure_layers();
     follow_rotation();
     audit_track();
+    allow_for_coding();
     refine_radius();
     prepend_absence();
     result_.stage_times = clock_.times();
@@ -82,11 +90,14 @@ class Tracking {
   std::optional<BetterStart> better_start();
   void measure_layers();
   void follow_rotation();
+  void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
+  void allow_for_coding();
   void refine_radius();
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
+  FrameSource& recording_;
   TrackOptions options_;
   StageClock clock_;
   TimedSource timed_;
@@ -96,6 +107,8 @@ class Tracking {
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
   std::int64_t start_ = 0;              ///< the frame in which the part is first seen
   std::unique_ptr<FirstPass> first_pass_;
+  std::optional<CodingWatch> coding_;
+  Track first_track_;                ///< of the first pass, where a lossy coder made the recording
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -133,6 +146,7 @@ void Tracking::follow_from(const BetterStart& better) {
   const std::int64_t start = std::exchange(start_, better.index);
   TrackResult before = std::exchange(result_, {});
   std::unique_ptr<FirstPass> pass = std::move(first_pass_);
+  const CodingWatch coding = std::move(*coding_);
   result_.summary.warnings = {better.warning};
   follow_from_start();
   if (result_.summary.ok > before.summary.ok) return;
@@ -140,6 +154,7 @@ void Tracking::follow_from(const BetterStart& better) {
   start_ = start;
   result_ = std::move(before);
   first_pass_ = std::move(pass);
+  coding_.emplace(coding);
 }
 
 /// Where most frames are lost once the part has been lost for the first time.
@@ -153,10 +168,14 @@ void Tracking::follow_from_start() {
   cache_first_frames(start_);
   first_pass_ =
       std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
+  coding_.emplace(recording_, first_pass_->result().disc.radius);
   FramesForLayers for_layers(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
   for (std::int64_t k = 0; k < total; ++k) {
-    if (const auto seen = first_pass_->step(start_ + k)) for_layers.seen(start_ + k, *seen);
+    if (const auto seen = first_pass_->step(start_ + k)) {
+      for_layers.seen(start_ + k, *seen);
+      coding_->see(start_ + k, *seen, first_pass_->mark());
+    }
     if (options_.progress) options_.progress(k + 1, total);
   }
   result_.track = first_pass_->finish(result_.summary);
@@ -168,11 +187,13 @@ void Tracking::measure_layers() {
   const std::vector<ShownFrame> shown = frames_to_show(result_.track, start_, first.residual, options_);
   first_pass_->show(result_.track, shown);
   Track measured = result_.track;
+  if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
   const bool by_rim = std::ranges::all_of(first.by_rim, std::identity());
   if (layers.done && by_rim)
     decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
+  if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
   if (!layers.done && options_.layers == Layers::on)
@@ -201,10 +222,47 @@ void Tracking::follow_rotation() {
   measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan);
 }
 
+/// Pictures learnt from a coded recording hold the part back where it moves little (coded_errors.h).
+void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured) const {
+  const double differ = error_of_difference(measured, result_.track);
+  const double layered = std::hypot(predicted_error(measured, layers.audited), differ);
+  const double first = predicted_error(result_.track, first_pass_->result().audited);
+  if (!(differ > 0) || !(first < layered) || !layers.ground_known) return;
+  PlanStage stage = layers.plan.front();
+  stage.on = false;
+  stage.error_bound_px = std::nullopt;
+  stage.reason = fmt::format(
+      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted "
+      "errors: "
+      "{:.2g} px by the template, {:.2g} px by the pictures learnt; {}",
+      differ, first, layered, stage.reason);
+  layers = {};
+  layers.plan = {std::move(stage)};
+}
+
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
   const auto running = clock_.enter(Stage::audit);
   apply(audit(audited_, result_.track), result_.track, result_.summary);
+}
+
+/// What a lossy coder does beside what the audit finds.
+void Tracking::allow_for_coding() {
+  const auto& coder = recording_.info().coder;
+  if (!coder || coding_->frames().empty()) return;
+  const auto running = clock_.enter(Stage::audit);
+  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_, .audited = audited_};
+  const std::int64_t first = coded.frames.front().index;
+  const Picture picture = frames().read(first);
+  const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first - start_)];
+  const Circle& mark = result_.summary.marker;
+  const Circle part{at.x, at.y, first_pass_->result().disc.radius};
+  coded.part_unnoticed = unnoticed_motion(picture, part, kRimReach);
+  const double whole = std::hypot(picture.width(), picture.height());
+  coded.mark_unnoticed = mark.radius > 0 ? unnoticed_motion(picture, mark, kRimReach)
+                                         : unnoticed_motion(picture, {0, 0, whole}, -1);
+  if (result_.summary.layered) coded.passes_differ = displacement_differs(result_.track, first_track_);
+  widen_for_coding(coded, result_.track, result_.summary);
 }
 
 /// The mean over several frames, where the first frame or the layers show the rim.

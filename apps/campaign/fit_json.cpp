@@ -157,7 +157,7 @@ Json next_json(const fit::NextExperiment& next, double mm_per_px) {
 }
 
 /// What was looked at besides the parameters: outliers, models, systematics.
-void add_checks(const fit::FitResult& result, Json& json) {
+void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
   json["p_value"] = finite(result.p_value);
   json["runs_test_p_value"] = finite(result.runs_test_p_value);
   json["outliers"] = Json::array();
@@ -178,6 +178,14 @@ void add_checks(const fit::FitResult& result, Json& json) {
                               {"sentence", model.sentence}});
   json["left_out"] = result.left_out;
   json["systematics"] = result.systematics;
+  if (result.common_error_sd.size() > 0) {
+    for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+      const fit::FitParameter parameter = result.parameters[i].parameter;
+      json["coding"]["sd"][fit::to_string(parameter)] = finite(
+          result.common_error_sd(static_cast<Eigen::Index>(i)) * campaign_unit_per_si(parameter, mm_per_px));
+    }
+    json["coding"]["exceeds_interval"] = result.common_errors_dominate;
+  }
   json["loss"] = word_for(result.loss);
   if (result.bootstrap > 0)
     json["bootstrap"] = {{"refits", result.bootstrap}, {"seed", result.bootstrap_seed}};
@@ -254,7 +262,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["other_next_experiments"] = Json::array();
   for (const fit::NextExperiment& next : result.other_next_experiments)
     json["other_next_experiments"].push_back(next_json(next, mm_per_px));
-  add_checks(result, json);
+  add_checks(result, mm_per_px, json);
   json["phase_reference"] = phase_reference(campaign, runs);
   json["warnings"] = warnings_of(campaign, runs, result);
   return json;

@@ -14,6 +14,23 @@
 
 namespace tribotrack::apps {
 
+namespace {
+
+/// What a lossy coder does to the parameters.
+std::string coding_sentence(const fit::FitResult& result) {
+  std::string list;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i)
+    list += fmt::format("{}{} +- {:.2g}", i > 0 ? ", " : "", fit::to_string(result.parameters[i].parameter),
+                        result.common_error_sd(static_cast<Eigen::Index>(i)));
+  return fmt::format(
+      "what the recordings' coder does to the platform's motion exceeds the interval that the data give: it "
+      "is counted in the intervals ({}, SI); film uncompressed or with every frame coded by itself, or track "
+      "with --rehearse where the coder is known",
+      list);
+}
+
+}  // namespace
+
 std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
                                       const std::function<AnalysedRun(std::size_t index)>& work) {
   std::vector<AnalysedRun> runs(campaign.runs.size());
@@ -70,6 +87,10 @@ void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, c
   say(context.quiet, explain ? result.full_report() : result.brief_report());
   for (const Json& warning : stage.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
+  if (result.common_errors_dominate) {
+    complain(fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)));
+    context.exit_code = kQualityGate;
+  }
   if (result.usable()) return;
   complain(fmt::format("{}: the fit is not usable: {}", campaign.file.string(),
                        result.converged

@@ -22,6 +22,8 @@ void apply(const PartSection& part, const CameraSection& camera, RecordingJob& j
   job.height_mm = part.height_mm;
   job.working_distance_mm = camera.working_distance_mm;
   job.xi_axis_rad = camera.xi_axis_rad;
+  job.rehearse = camera.rehearse;
+  job.row_time_s = camera.row_time_s;
   if (camera.disc_px) job.track.target = {vision::Target::Kind::disc, *camera.disc_px, {}};
   job.track.marker = marker_of(camera);
   job.track.gate = camera.gate_px;

@@ -11,6 +11,13 @@ namespace tribotrack::apps {
 
 namespace {
 
+constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
+
+double into_circle(double phase) {
+  constexpr double turn = 2 * std::numbers::pi;
+  return phase - turn * std::floor(phase / turn);
+}
+
 /// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
 void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
   const double stated = std::sin(phase_shift), measured = std::sin(seen.phase_shift.value);
@@ -53,6 +60,44 @@ void note_against_command(const std::string& name, const fit::GateTiming& gate, 
                       name, gate.source, what, seen, commanded));
   };
   if (given.dtau) differs("dtau", gate.dtau.value, *given.dtau, gate.dtau.sd);
+}
+
+/// Takes out what a rehearsal told, and counts the half of it; else all that a play of the mark's size does.
+void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasurement& m) {
+  if (!track.facts.coding || !m.platform) return;
+  const CodingFacts& facts = *track.facts.coding;
+  fit::PlatformMotion& platform = *m.platform;
+  const double w = platform.angular_frequency.value;
+  CodedMotion coded{.coder = facts.coder, .rehearsed = facts.mark.has_value()};
+  if (facts.mark) {
+    // cos wt is shown as Re z exp(i wt) with z = 1 - a - i w T.
+    const double in_phase = 1 - facts.mark->attenuation, behind = w * facts.mark->delay;
+    coded.attenuation = 1 - std::hypot(in_phase, behind);
+    coded.delay = std::atan2(behind, in_phase);
+    coded.attenuation_sd = std::hypot(coded.attenuation / 2, facts.mark->attenuation_sd);
+    coded.delay_sd = std::hypot(coded.delay / 2, w * facts.mark->delay_sd);
+  } else {
+    const double metre_per_px = track.mm_per_px.value_or(0) * 1e-3;
+    const double amplitude = std::max(platform.amplitude.value, platform.amplitude_y.value);
+    const auto seen = fit::seen_through_play(amplitude, facts.mark_play_px * metre_per_px);
+    coded.attenuation = coded.attenuation_sd = seen.attenuation;
+    coded.delay = coded.delay_sd = seen.delay;
+  }
+  if (!(coded.attenuation_sd > 0 || coded.delay_sd > 0)) return;
+  coded.exceeds = coded.delay_sd > kQuantile95 * platform.phase_at_middle.sd ||
+                  coded.attenuation_sd * platform.amplitude.value > kQuantile95 * platform.amplitude.sd;
+  if (coded.rehearsed) {
+    for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
+      length->value /= 1 - coded.attenuation;
+    platform.phase_at_zero.value = into_circle(platform.phase_at_zero.value + coded.delay);
+    platform.phase_at_middle.value += coded.delay;
+  }
+  for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
+    length->sd = std::hypot(length->sd, coded.attenuation_sd * length->value);
+  for (fit::Estimate* phase : {&platform.phase_at_zero, &platform.phase_at_middle})
+    phase->sd = std::hypot(phase->sd, coded.delay_sd);
+  m.coded = coded;
+  m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
 }
 
 /// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else
@@ -126,6 +171,7 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
                                      track.table.time.size()));
   RunMeasurement m;
   m.platform = fit::measure_platform_motion(track.table);
+  allow_for_coding(name, track, m);
   if (m.platform && given.phase_shift) require_same_sense(name, *m.platform, *given.phase_shift);
   if (m.platform && given.angular_frequency)
     compare(m.warnings, name, "angular_frequency_rad_s", m.platform->angular_frequency,
@@ -168,6 +214,16 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
     }
   }
   return m;
+}
+
+std::string CodedMotion::sentence() const {
+  return fmt::format(
+      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late{}: {:.2g} % and "
+      "{:.2g} "
+      "rad are counted in the intervals{}",
+      coder, 100 * attenuation, delay, rehearsed ? ", by rehearsal, which is taken out" : " at the most",
+      100 * attenuation_sd, delay_sd,
+      exceeds ? ", more than all else together: film uncompressed, or with every frame coded by itself" : "");
 }
 
 bool lamp_gave_phi(const fit::GateTiming& gate) {
@@ -222,6 +278,14 @@ Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
       json["gate"]["lamp_on_level"] = m.gate->on_level;
     }
   }
+  if (m.coded)
+    json["coding"] = {{"coder", m.coded->coder},
+                      {"rehearsed", m.coded->rehearsed},
+                      {"attenuation", m.coded->attenuation},
+                      {"attenuation_sd", m.coded->attenuation_sd},
+                      {"delay_rad", m.coded->delay},
+                      {"delay_rad_sd", m.coded->delay_sd},
+                      {"exceeds_interval", m.coded->exceeds}};
   json["phase_at_start_rad"] = m.phase_at_start;
   json["phase_source"] = m.phase_source;
   if (track.mm_per_px) {

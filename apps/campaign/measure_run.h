@@ -39,6 +39,16 @@ struct GivenConditions {
   int cycles = 20;
 };
 
+/// What a lossy coder does to the platform's motion as measured.
+struct CodedMotion {
+  std::string coder;
+  bool rehearsed = false;             ///< and taken out; else all of it stands in the standard deviations
+  double attenuation = 0, delay = 0;  ///< of the amplitude, relative, and of the phase, rad
+  double attenuation_sd = 0, delay_sd = 0;  ///< what is counted in the standard deviations
+  bool exceeds = false;                     ///< one of these the 95 % interval of what the track alone tells
+  std::string sentence() const;
+};
+
 /// Everything measured from one track.
 struct RunMeasurement {
   std::optional<fit::PlatformMotion> platform;
@@ -50,6 +60,7 @@ struct RunMeasurement {
   /// What phi counts from: "camera" (the platform's phase in the picture: a turned camera cancels) or
   /// "sensor" (the reference sensor, like a commanded phi).
   std::string gate_reference;
+  std::optional<CodedMotion> coded;            ///< where the platform's motion was seen in a lossy recording
   std::optional<fit::PhaseClock> phase_clock;  ///< wt in the camera's time, where it is known
   std::vector<std::string> warnings;
 };

@@ -26,14 +26,21 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   for (const auto& [parameter, prior] : campaign.fit.prior)
     problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
 
-  double scale_sd = 0;
-  int scaled = 0;
+  double scale_sd = 0, phase_sd = 0, amplitude_sd = 0;
+  int scaled = 0, driven = 0;
   for (const AnalysedRun& run : runs) {
     if (!run.failure.empty()) continue;
     const std::string& name = run.run->name;
     if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
       scale_sd += run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
       ++scaled;
+    }
+    if (!run.run->free_slide) {
+      ++driven;
+      if (run.measurement && run.measurement->coded) {
+        phase_sd += run.measurement->coded->delay_sd;
+        if (run.amplitude_from_track) amplitude_sd += run.measurement->coded->attenuation_sd;
+      }
     }
     if (run.run->free_slide)
       problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
@@ -49,6 +56,9 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
   // diameter).
   problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
+  // A coder errs alike in all of them: what is common moves the parameters by the mean over the runs.
+  problem.common_phase_sd = driven > 0 ? phase_sd / driven : 0;
+  problem.common_amplitude_sd = driven > 0 ? amplitude_sd / driven : 0;
   return problem;
 }
 

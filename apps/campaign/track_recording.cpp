@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "apps/files/calibration_file.h"
@@ -9,6 +10,7 @@
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"
+#include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 
@@ -73,6 +75,8 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
                {"min_ncc", job.track.min_ncc},
                {"max_lost_share", job.track.max_lost_share},
                {"search_margin_px", job.track.search_margin_px},
+               {"rehearse", job.rehearse},
+               {"row_time_s", job.row_time_s},
                {"layers", job.track.layers == vision::Layers::automatic ? "auto"
                           : job.track.layers == vision::Layers::on      ? "on"
                                                                         : "off"}};
@@ -96,6 +100,23 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
                          : fmt::format(" (campaign: disc_px = [X, Y, R], frames = [{}, LAST] in the run)",
                                        question.frame);
   throw InvalidInput(text);
+}
+
+/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
+void require_rows_in_time(const RecordingJob& job, const vision::SourceInfo& info) {
+  if (job.row_time_s == 0) return;
+  const double frame = std::abs(job.row_time_s) * info.height;
+  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
+    throw InvalidInput(
+        fmt::format("{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
+                    "other every {:.3g} "
+                    "s; give the time from one row to the next",
+                    job.video.string(), job.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
+  if (job.track.gate)
+    throw InvalidInput(fmt::format(
+        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+        "give phi_rad and dtau_rad as commanded",
+        job.video.string()));
 }
 
 }  // namespace
@@ -133,11 +154,15 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
       job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_rows_in_time(job, info);
   try {
     recording.result = vision::track(*recording.source, job.track);
   } catch (const vision::AmbiguousTarget& question) {
     ask(*recording.source, question, question_picture(beside, job.video));
   }
+  if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
+  if (job.row_time_s != 0)
+    vision::shift_to_rows(recording.result.track, job.row_time_s, 0.5 * (info.height - 1));
   prepared.state.require_unchanged();
   vision::TrackSummary& summary = recording.result.summary;
   try {
@@ -184,6 +209,9 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.in_camera_frame = !recording.result.track.has_marker;
   facts.warnings = summary.warnings;
   facts.audit = summary.audit;
+  if (summary.coded)
+    facts.coding = CodingFacts{summary.coded->coder,     summary.coded->rehearsed, summary.coded->part_play,
+                               summary.coded->mark_play, summary.coded->part,      summary.coded->mark};
   for (const vision::PlanStage& stage : summary.plan)
     facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);
@@ -251,6 +279,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                            : Json();
   meta.more["summary"] = summary_json(recording);
   meta.more["audit"] = json_of(recording.result.summary.audit);
+  if (recording.result.summary.coded) meta.more["coding"] = json_of(*recording.result.summary.coded);
   meta.more["plan"] = json_of(recording.result.summary.plan);
   const std::string table = track_csv(recording.rows);
   write_result(csv, table, meta);

@@ -8,6 +8,7 @@
 #include "apps/campaign/measure_text.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
@@ -72,7 +73,7 @@ void measure_free_slide(const MeasureOptions& options, const TrackFile& track, c
                   context);
 }
 
-void measure_command(const MeasureOptions& options, const Context& context) {
+void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
   const TrackFile track = read_track_file(options.track);
   GivenConditions given;
@@ -96,6 +97,11 @@ void measure_command(const MeasureOptions& options, const Context& context) {
       options, track, {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}},
       {measurement_json(measurement, track), measurement_text(measurement, track), measurement.warnings},
       context);
+  if (measurement.coded && measurement.coded->exceeds) {
+    complain(fmt::format("{}: the coder's attenuation or delay exceeds the interval of what the track tells",
+                         options.track));
+    context.exit_code = kQualityGate;
+  }
 }
 
 }  // namespace

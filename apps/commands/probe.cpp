@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "apps/commands/command.h"
@@ -9,6 +10,7 @@
 #include "apps/program/streams.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
+#include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 
@@ -41,6 +43,56 @@ Json repeats_json(const vision::RepeatedFrames& repeats, std::int64_t first_imag
   return {{"frames_compared", repeats.looked_at}, {"repeated_images", images}, {"still_images", still}};
 }
 
+constexpr double kContrast = 100;  ///< grey levels of 255, for the forecast
+
+double contrast_for(const vision::SourceInfo& info) {
+  return std::ldexp(kContrast, info.bits - 8);
+}
+
+/// null for a recording that no lossy coder made.
+Json coding_json(const vision::SourceInfo& info) {
+  if (!info.coder) return {};
+  const vision::Coder& coder = *info.coder;
+  Json json = {{"coder", coder.name},
+               {"settings", coder.settings},
+               {"known", coder.known},
+               {"grid_px", coder.grid},
+               {"all_intra", coder.all_intra},
+               {"frames_per_group", coder.group},
+               {"step_levels", coder.step > 0 ? Json(coder.step) : Json()}};
+  if (const auto expected = vision::forecast(coder, contrast_for(info))) {
+    json["expected_error_px"] = expected->error_px;
+    json["slow_motion_late_px"] = expected->late_px;
+    json["advice"] = expected->advice;
+  }
+  return json;
+}
+
+void print_coding(const vision::SourceInfo& info) {
+  if (!info.coder) return;
+  const vision::Coder& coder = *info.coder;
+  print("  lossy: coded by {}{}, {}{}\n", coder.name,
+        coder.settings.empty() ? ", which states no settings" : "",
+        coder.all_intra ? "every frame by itself" : fmt::format("one frame in {:.0f} by itself", coder.group),
+        coder.step > 0 ? fmt::format(", quantiser's step {:.1f} levels", coder.step) : "");
+  if (!coder.settings.empty()) print("    {}\n", coder.settings);
+  if (const auto expected = vision::forecast(coder, contrast_for(info))) {
+    print(
+        "    expected error of a position, for a disc of 30 px radius and {:.0f} levels of contrast: about "
+        "{:.2g} px{}\n",
+        contrast_for(info), expected->error_px,
+        expected->late_px > 0
+            ? fmt::format("; motion below some 0.2 px a frame comes late by up to {:.2g} px",
+                          expected->late_px)
+            : "");
+    print("    advice: {}\n", expected->advice);
+  } else if (!coder.all_intra) {
+    print(
+        "    this coding does not tell its quantiser: standard deviations of the track are on the safe "
+        "side\n");
+  }
+}
+
 Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
   Json json = {{"path", info.path.string()},
                {"format", info.format},
@@ -65,6 +117,7 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   if (info.time_base.check.rate_hz > 0)
     json["time_base"]["stamps_say"] = stamps_json(info.time_base.check, info.first_number);
   json["repeats"] = repeats_json(repeats, info.first_number);
+  json["coding"] = coding_json(info);
   json["notes"] = info.notes;
   return json;
 }
@@ -74,6 +127,7 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
         info.height, info.bits, info.colour ? ", colour" : "");
   print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
         info.first_number + info.frame_count - 1);
+  print_coding(info);
   if (info.time_base.known())
     print("  recorded at {} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
           info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");

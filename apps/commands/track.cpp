@@ -28,6 +28,7 @@ struct TrackCommandOptions {
   std::string debug, debug_frames;
   bool json = false;
   bool explain = false;
+  bool rehearse = false;
 };
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -165,6 +166,7 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.marker.kind = vision::MarkerChoice::Kind::circle;
     job.track.marker.circle = circle_of("--marker", options.marker);
   }
+  job.rehearse = job.rehearse || options.rehearse;
   if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
   if (!options.frames.empty()) set_frames(job.track, options.frames);
   if (options.layers == "off")
@@ -360,6 +362,10 @@ void add_track(CLI::App& app, Context& context) {
           "--config", options->config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
+  command.add_flag(
+      "--rehearse", options->rehearse,
+      "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
+      "once more the same way and take standard deviations, attenuation and delay from it");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
   command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");
   add_common(

@@ -30,6 +30,8 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
     camera.calibration = folder / *file;
   }
   camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
+  camera.rehearse = table.boolean("rehearse").value_or(false);
+  camera.row_time_s = table.number("row_time_s").value_or(0);
   camera.working_distance_mm = table.positive("working_distance_mm");
   camera.disc_px = read_circle(table, "disc_px");
   camera.marker_px = read_circle(table, "marker_px");

@@ -23,6 +23,8 @@ struct CameraSection {
   double mm_per_px_sd = 0;
   std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder
   double xi_axis_rad = 0;
+  bool rehearse = false;  ///< lossy recordings whose coder is known, see vision/rehearsal.h
+  double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below
   std::optional<double> working_distance_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
   /// Without marker_px: how the platform's motion is seen.

@@ -297,6 +297,8 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
           {"height_mm", optional_json(part.height_mm)},
           {"working_distance_mm", optional_json(camera.working_distance_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
+          {"rehearse", camera.rehearse},
+          {"row_time_s", camera.row_time_s},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
           {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
           {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"

@@ -109,7 +109,30 @@ vision::Audit audit_from(const Json& json) {
   audit.white_factor = json.value("white_factor", 1.0);
   audit.slow_sd = json.value("slow_sd_px", 0.0);
   audit.slow_time = json.value("slow_time_s", 0.0);
+  if (const auto types = json.find("by_frame_type"); types != json.end() && types->is_object())
+    for (const auto& [type, ratio] : types->items())
+      audit.by_frame_type.emplace_back(type.empty() ? '?' : type.front(), ratio.get<double>());
   return audit;
+}
+
+std::optional<vision::CodedResponse> response_from(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_object()) return std::nullopt;
+  return vision::CodedResponse{found->at("attenuation").get<double>(),
+                               found->at("attenuation_sd").get<double>(), found->at("delay_s").get<double>(),
+                               found->at("delay_s_sd").get<double>()};
+}
+
+std::optional<CodingFacts> coding_from(const Json& json) {
+  if (json.empty()) return std::nullopt;
+  CodingFacts facts;
+  facts.coder = json.value("coder", "");
+  facts.rehearsed = json.value("rehearsed", false);
+  facts.part_play_px = json.value("part_play_px", 0.0);
+  facts.mark_play_px = json.value("mark_play_px", 0.0);
+  facts.part = response_from(json, "part_response");
+  facts.mark = response_from(json, "mark_response");
+  return facts;
 }
 
 }  // namespace
@@ -177,6 +200,7 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     if (const auto disc = summary.find("disc_px"); disc != summary.end() && disc->size() == 3)
       facts.disc_radius_px = disc->at(2).get<double>();
     facts.audit = audit_from(object_at("audit"));
+    facts.coding = coding_from(object_at("coding"));
     facts.frames = summary.value("frames", std::int64_t{0});
     facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
     facts.accepted = summary.value("gate_passed", true);

@@ -23,6 +23,14 @@ struct PlannedStage {
   std::optional<double> error_bound_px;  ///< that leaving it out can add; empty where nobody computed it
 };
 
+/// What a lossy coder did to a track, for measuring; see vision/coding and vision/rehearsal.h.
+struct CodingFacts {
+  std::string coder;
+  bool rehearsed = false;
+  double part_play_px = 0, mark_play_px = 0;
+  std::optional<vision::CodedResponse> part, mark;
+};
+
 /// Properties of a track that its rows do not hold.
 struct TrackFacts {
   std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top
@@ -43,6 +51,7 @@ struct TrackFacts {
   bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
   std::vector<std::string> warnings;
   vision::Audit audit;
+  std::optional<CodingFacts> coding;  ///< of a lossy recording
   std::vector<PlannedStage> plan;
 };
 

@@ -105,6 +105,12 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
   return step.sighting->position;
 }
 
+std::optional<Circle> FirstPass::mark() const {
+  const auto& seen = track_.points.back().marker;
+  if (!seen || !(marker_.circle.radius > 0)) return std::nullopt;
+  return Circle{seen->x, seen->y, marker_.circle.radius};
+}
+
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   const FollowStep step =
       timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });

@@ -41,5 +41,53 @@ TEST(FillResult, FailuresNearTheMinimumAreWarnedOf) {
   EXPECT_THAT(result.warnings.front(), testing::HasSubstr("mu2"));
 }
 
+Problem fourteen_runs(double lag_held = std::nan("")) {
+  const test::Truth truth{0.1, 1e-3, 0.1};
+  Problem problem;
+  using enum FitParameter;
+  problem.free = {mu1, mu2};
+  if (std::isnan(lag_held))
+    problem.free.push_back(lag);
+  else
+    problem.fixed[lag] = truth.lag + lag_held;
+  problem.start = {{mu1, truth.mu1}, {mu2, truth.mu2}, {lag, truth.lag}};
+  for (const auto& scenario : test::fourteen(truth))
+    problem.summary_runs.push_back(test::summary_run(scenario, 0.1, 0.2e-3));
+  return problem;
+}
+
+/// An error of the platform's phase stands in the lag radian for radian, and nowhere else.
+TEST(CommonErrors, OfThePhaseStandInTheLag) {
+  FitOptions options;
+  options.next_experiment = false;
+  Problem problem = fourteen_runs();
+  const FitResult alone = estimate(problem, options);
+  problem.common_phase_sd = 0.05;
+  const FitResult result = estimate(problem, options);
+  EXPECT_EQ(alone.common_error_sd.size(), 0);
+  for (const std::size_t i : {0, 1}) EXPECT_DOUBLE_EQ(result.parameters[i].sd, alone.parameters[i].sd);
+  EXPECT_NEAR(result.parameters[2].sd, std::hypot(alone.parameters[2].sd, 0.05), 1e-12);
+  EXPECT_GT(result.parameters[2].ci95.high, alone.parameters[2].ci95.high);
+  EXPECT_LT(result.parameters[2].profile_ci95.low, alone.parameters[2].profile_ci95.low);
+  EXPECT_EQ(result.common_errors_dominate, 0.05 > 1.96 * alone.parameters[2].sd);
+}
+
+/// With the lag held it moves the others, by as much as a fit with another lag finds.
+TEST(CommonErrors, MoveWhatIsFittedWhereTheLagIsHeld) {
+  constexpr double kShift = 1e-3, kSd = 0.02;
+  FitOptions options;
+  options.next_experiment = false;
+  Problem problem = fourteen_runs(0);
+  problem.common_phase_sd = kSd;
+  const FitResult result = estimate(problem, options);
+  const FitResult less = estimate(fourteen_runs(-kShift), options),
+                  more = estimate(fourteen_runs(kShift), options);
+  for (const std::size_t i : {0, 1}) {
+    const double slope = (more.parameters[i].estimate - less.parameters[i].estimate) / (2 * kShift);
+    EXPECT_NEAR(result.common_error_sd(static_cast<Eigen::Index>(i)), std::abs(slope) * kSd,
+                0.02 * std::abs(slope) * kSd);
+  }
+}
+
 }  // namespace
 }  // namespace tribotrack::fit::internal

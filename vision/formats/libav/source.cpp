@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <deque>
 #include <numeric>
 #include <span>
 
+#include "vision/formats/libav/coder.h"
 #include "vision/formats/libav/handles.h"
 #include "vision/formats/libav/pixels.h"
 #include "vision/formats/libav/truncation_check.h"
@@ -54,7 +56,13 @@ class LibavSource : public FrameSource {
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
     decode_frame(shown_[static_cast<std::size_t>(index)], index);
+    if (info_.coder) keep_coded(index);
     copy_libav_window(*frame_, window, picture);
+  }
+
+  const CodedFrame* coded(std::int64_t index) const override {
+    const auto found = std::ranges::find(coded_, index, &CodedRecord::index);
+    return found == coded_.end() ? nullptr : &found->frame;
   }
 
  private:
@@ -101,6 +109,7 @@ class LibavSource : public FrameSource {
       refuse("holds video whose parameters cannot be understood; convert it");
     decoder_->thread_count = 1;
     decoder_->err_recognition = AV_EF_CRCCHECK;
+    ask_for_coding(*decoder_);
     if (const int error = avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
       refuse("cannot be decoded: " + libav_error(error) + "; convert it");
     next_packet_ = 0;
@@ -199,6 +208,10 @@ class LibavSource : public FrameSource {
       // Decoders hand a packet's time on to its frame: the packet's place in the list identifies it.
       packet_->pts = packet_->dts = static_cast<std::int64_t>(next_packet_);
       packet_->duration = 0;
+      if (decoder_->codec_id == AV_CODEC_ID_MJPEG) {
+        table_steps_.resize(std::max(table_steps_.size(), next_packet_ + 1));
+        table_steps_[next_packet_] = jpeg_step(*packet_);
+      }
       ++next_packet_;
       if (const int sent = avcodec_send_packet(decoder_.get(), packet_.get()); sent < 0)
         refuse_frame(libav_error(sent));
@@ -269,6 +282,35 @@ class LibavSource : public FrameSource {
     return 0;
   }
 
+  float table_step(std::int64_t packet) const {
+    const auto at = static_cast<std::size_t>(packet);
+    return at < table_steps_.size() ? table_steps_[at] : 0;
+  }
+
+  void keep_coded(std::int64_t index) {
+    if (coded(index)) return;
+    if (coded_.size() == kCodedFrames) coded_.pop_front();
+    coded_.push_back({index, coded_frame_of(*decoder_, *frame_, table_step(held_))});
+  }
+
+  /// Every other row of an interlaced frame was filmed half a frame later.
+  void require_progressive() const {
+    if (frame_->interlaced_frame)
+      refuse(
+          "is interlaced: the even and the odd rows of its frames were filmed at different times; film "
+          "progressively, or make one picture of each field (ffmpeg -vf bwdif=send_field)");
+  }
+
+  void describe_coder() {
+    info_.coder = coder_of(*decoder_, *frame_, coded_frame_of(*decoder_, *frame_, table_step(held_)));
+    if (!info_.coder) return;
+    const auto keys = static_cast<double>(std::ranges::count(packets_, true, &PacketRecord::key));
+    const auto frames = static_cast<double>(packets_.size());
+    info_.coder->group = frames / std::max(1.0, keys);
+    info_.coder->all_intra = keys == frames;
+    info_.coder->playback_hz = av_q2d_or_zero(stream().avg_frame_rate);
+  }
+
   void seek(std::size_t key) {
     const PacketRecord& packet = packets_[key];
     const std::int64_t time = packet.dts != unknown_time ? packet.dts : packet.pts;
@@ -310,6 +352,8 @@ class LibavSource : public FrameSource {
     } catch (const std::invalid_argument& reason) {
       refuse(std::string("cannot be measured: ") + reason.what());
     }
+    require_progressive();
+    describe_coder();
     describe_time(options);
   }
 
@@ -391,6 +435,14 @@ class LibavSource : public FrameSource {
   bool draining_ = false;
   bool after_seek_ = false;
   std::size_t seek_target_ = 0;
+
+  struct CodedRecord {
+    std::int64_t index = 0;
+    CodedFrame frame;
+  };
+  static constexpr std::size_t kCodedFrames = 128;
+  std::deque<CodedRecord> coded_;   ///< of the frames read last
+  std::vector<float> table_steps_;  ///< of each packet decoded, MJPEG
 };
 
 }  // namespace

@@ -1,0 +1,149 @@
+// Coded recordings of a scene that is known exactly: what the track says of its errors, by rule and by
+// rehearsal.
+#include "vision/rehearsal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "vision/coding/response.h"
+#include "vision/recordings.h"
+#include "vision/scene.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr int kFrames = 160, kPeriod = 40;  ///< frames in a turn
+constexpr double kAmplitude = 0.3;          ///< px: slow, where a coder predicts from the same place
+
+class CodedTrackTest : public RecordingTest {
+ protected:
+  static Point truth(int k) {
+    const double phase = 2 * std::numbers::pi * k / kPeriod;
+    return {56.3 + kAmplitude * std::cos(phase), 55.6 + kAmplitude * std::sin(phase)};
+  }
+
+  std::filesystem::path coded(const char* name, SinkOptions sink) {
+    Scene scene;
+    scene.width = scene.height = 112;
+    scene.disc = {.radius_px = 24,
+                  .level = 160,
+                  .edge_blur_px = 0.7,
+                  .scratches = 0,
+                  .scratch_contrast = 0,
+                  .highlight = 0};
+    scene.platform = {.level = 60, .texture_rms = 0};
+    const SceneRenderer renderer(scene);
+    sink.width = sink.height = 112;
+    sink.frame_rate_hz = 30;
+    const auto writer = create_sink(file(name), sink);
+    for (int k = 0; k < kFrames; ++k)
+      writer->write(renderer.render(k, k, 0, [&](double) { return ScenePose{truth(k), 0, {}}; }));
+    writer->close();
+    return file(name);
+  }
+
+  struct Seen {
+    double error = 0, sd = 0;  ///< px rms of a coordinate, the mean error taken out
+    CodedResponse response;
+  };
+  static Seen compare(const Track& track) {
+    std::vector<Point> seen, path;
+    Point mean;
+    Seen out;
+    for (const TrackPoint& p : track.points) {
+      const Point at = truth(static_cast<int>(p.frame));
+      seen.push_back({p.x, p.y});
+      path.push_back(at);
+      mean.x += (p.x - at.x) / kFrames;
+      mean.y += (p.y - at.y) / kFrames;
+      out.sd += 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y) / kFrames;
+    }
+    for (std::size_t k = 0; k < seen.size(); ++k)
+      out.error +=
+          0.5 * (std::pow(seen[k].x - path[k].x - mean.x, 2) + std::pow(seen[k].y - path[k].y - mean.y, 2)) /
+          kFrames;
+    out.error = std::sqrt(out.error);
+    out.sd = std::sqrt(out.sd);
+    out.response = coded_response(seen, path, 1e-3);
+    return out;
+  }
+
+  static TrackOptions options() {
+    TrackOptions out;
+    out.target = {Target::Kind::disc, {56, 56, 24}, {}};
+    out.marker.kind = MarkerChoice::Kind::none;
+    return out;
+  }
+};
+
+TEST_F(CodedTrackTest, SlowMotionThroughH264ByRuleAndByRehearsal) {
+  const auto source =
+      open_source(coded("slow.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
+  TrackResult result = track(*source, options());
+  ASSERT_TRUE(result.summary.coded);
+  EXPECT_GT(result.summary.coded->still, 0.5) << "the part moves by 0.05 px a frame";
+  const Seen by_rule = compare(result.track);
+  EXPECT_GT(by_rule.error, 0.02) << "the coder must do harm for this test to mean anything";
+  EXPECT_GT(by_rule.error / by_rule.sd, 0.5);
+  EXPECT_LT(by_rule.error / by_rule.sd, 1.5);
+
+  rehearse(*source, options(), result);
+  ASSERT_TRUE(result.summary.coded->part);
+  const Seen by_rehearsal = compare(result.track);
+  EXPECT_GT(by_rehearsal.error / by_rehearsal.sd, 0.75);
+  EXPECT_LT(by_rehearsal.error / by_rehearsal.sd, 1.3);
+  const CodedResponse& rehearsed = *result.summary.coded->part;
+  EXPECT_NEAR(rehearsed.delay / by_rule.response.delay, 1, 0.3);
+}
+
+TEST_F(CodedTrackTest, LosslessIsNotCoded) {
+  const auto source = open_source(coded("exact.mkv", {.codec = Codec::ffv1}), {.frame_rate_hz = 1000});
+  TrackResult result = track(*source, options());
+  EXPECT_FALSE(result.summary.coded);
+  const double sigma = result.track.points[5].sigma_x;
+  rehearse(*source, options(), result);
+  EXPECT_EQ(result.track.points[5].sigma_x, sigma);
+}
+
+TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
+  const auto source = open_source(coded("intra.avi", {.codec = Codec::mjpeg}), {.frame_rate_hz = 1000});
+  const TrackResult result = track(*source, options());
+  ASSERT_TRUE(result.summary.coded);
+  EXPECT_EQ(result.summary.coded->part_play, 0);
+  const Seen seen = compare(result.track);
+  EXPECT_GT(seen.error / seen.sd, 0.75);
+  EXPECT_LT(seen.error / seen.sd, 1.3);
+}
+
+TEST_F(CodedTrackTest, WhatCannotBeRehearsedIsRefused) {
+  const auto source =
+      open_source(coded("short.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
+  TrackOptions few = options();
+  few.last_frame = 20;
+  TrackResult result = track(*source, few);
+  EXPECT_THAT([&] { rehearse(*source, few, result); },
+              ThrowsMessage<InputError>(HasSubstr("only 21 frames")));
+}
+
+TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {
+  Coder coder;
+  coder.step = 10;
+  const auto once = forecast(coder, 100), twice = forecast(coder, 50);
+  ASSERT_TRUE(once && twice);
+  EXPECT_DOUBLE_EQ(twice->error_px, 2 * once->error_px);
+  EXPECT_DOUBLE_EQ(once->late_px, 0.83 * 0.1 / std::numbers::sqrt2);
+  coder.all_intra = true;
+  EXPECT_LT(forecast(coder, 100)->error_px, once->error_px);
+  EXPECT_EQ(forecast(coder, 100)->late_px, 0);
+  coder.step = 0;
+  EXPECT_FALSE(forecast(coder, 100));
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,258 @@
+#include "vision/coding/coded_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "vision/audit/mean_square.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kPlay = 0.58;               ///< half width of the play over d0
+constexpr double kMoving = 0.125;            ///< of its variance, where a vector follows the part
+constexpr double kBlocks = 1.4, kStill = 3;  ///< of the measured law
+
+double square(double x) {
+  return x * x;
+}
+
+/// Variances, px^2, along x and y.
+struct Added {
+  double x = 0, y = 0;
+  double mean() const { return 0.5 * (x + y); }
+};
+
+double play_variance(double still, double moving, double unnoticed) {
+  return 0.5 * square(kPlay * unnoticed) * (still + kMoving * moving);
+}
+
+/// By the measured law, of a variance that the audit has made `white` times as large.
+double by_law(double sigma, double white) {
+  return std::max(0.0, square(kBlocks + kStill) / white - 1) * square(sigma);
+}
+
+Added added_in(const CodedTrack& coded, const WatchedFrame& f, const TrackPoint& p, double white) {
+  if (coded.coder.all_intra || f.part.type == 'I') return {};
+  if (!(f.part.step > 0)) return {by_law(p.sigma_x, white), by_law(p.sigma_y, white)};
+  const double zone = coded.coder.dead_zone * f.part.step;
+  return {play_variance(f.part.still.x, f.part.moving.x, zone * coded.part_unnoticed.x),
+          play_variance(f.part.still.y, f.part.moving.y, zone * coded.part_unnoticed.y)};
+}
+
+void widen(TrackPoint& p, double factor, const Added& add) {
+  const double covariance = factor * p.rho_xy * p.sigma_x * p.sigma_y;
+  p.sigma_x = std::sqrt(factor * square(p.sigma_x) + add.x);
+  p.sigma_y = std::sqrt(factor * square(p.sigma_y) + add.y);
+  p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
+}
+
+Point mean_position(const Track& track) {
+  Point sum;
+  double count = 0;
+  for (const TrackPoint& p : track.points)
+    if (p.status == TrackStatus::ok) sum = {sum.x + p.x, sum.y + p.y}, ++count;
+  return {sum.x / std::max(1.0, count), sum.y / std::max(1.0, count)};
+}
+
+/// Mean squares of the halves' disagreement by the type of their frames, about each split's mean over all.
+std::map<char, MeanSquare> halves_by_type(const CodedTrack& coded,
+                                          const std::map<std::int64_t, char>& types) {
+  using Split = Eigen::Vector2d HalvesError::*;
+  struct Sum {
+    double square = 0, count = 0;
+  };
+  std::map<char, Sum> sums;
+  const auto n = static_cast<double>(coded.audited.size());
+  for (const Split split : {&HalvesError::left_right, &HalvesError::top_bottom, &HalvesError::checkerboard}) {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (const AuditFrame& f : coded.audited) mean += f.error.*split / n;
+    for (const AuditFrame& f : coded.audited) {
+      const auto type = types.find(f.index);
+      if (type == types.end()) continue;
+      Sum& sum = sums[type->second];
+      sum.square += f.covariance.llt().matrixL().solve(f.error.*split - mean).squaredNorm();
+      sum.count += 2;
+    }
+  }
+  std::map<char, MeanSquare> out;
+  constexpr double kAlike = 3;  // the three splits of a frame look at the same pixels
+  for (const auto& [type, sum] : sums)
+    if (sum.count > 0) {
+      const double value = sum.square / sum.count;
+      out[type] = {value, value * std::sqrt(2 * kAlike / sum.count)};
+    }
+  return out;
+}
+
+/// s over which the direction of motion stays: half the integral of its autocorrelation, both ways.
+double direction_time(const Track& track, double step) {
+  std::vector<Point> way;
+  std::vector<double> time;
+  for (const TrackPoint& p : track.points) {
+    if (p.status != TrackStatus::ok) continue;
+    way.push_back({p.x, p.y});
+    time.push_back(p.time_s);
+  }
+  std::vector<Point> direction;
+  for (std::size_t k = 0, last = 0; k < way.size(); ++k) {
+    const Point d = {way[k].x - way[last].x, way[k].y - way[last].y};
+    const double length = std::hypot(d.x, d.y);
+    if (length > step) last = k;
+    direction.push_back(length > 0 ? Point{d.x / length, d.y / length} : Point{});
+  }
+  if (direction.size() < 8) return 0;
+  const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  double integral = 0;
+  for (std::size_t lag = 0; lag < direction.size() / 2; ++lag) {
+    double sum = 0;
+    for (std::size_t k = 0; k + lag < direction.size(); ++k)
+      sum += direction[k].x * direction[k + lag].x + direction[k].y * direction[k + lag].y;
+    const double share = sum / static_cast<double>(direction.size() - lag);
+    if (share <= 0) break;
+    integral += share * interval;
+  }
+  return integral;
+}
+
+/// Gathers means over the frames.
+class Means {
+ public:
+  void add(const CodedTrack& coded, const WatchedFrame& f, const Added& added) {
+    const double zone = coded.coder.dead_zone;
+    const double part = zone * f.part.step * mean(coded.part_unnoticed);
+    const double mark = zone * f.mark.step * mean(coded.mark_unnoticed);
+    out_.step += f.part.step;
+    out_.still += mean(f.part.still);
+    out_.moving += mean(f.part.moving);
+    out_.unnoticed += part;
+    out_.part_play += kPlay * part * mean(f.part.still);
+    out_.mark_play += kPlay * mark * mean(f.mark.still);
+    out_.added_sd += added.mean();
+    ++count_;
+    CodedErrors::OfType& type = types_[f.part.type];
+    type.type = f.part.type;
+    ++type.frames;
+    type.step += f.part.step;
+    type.still += mean(f.part.still);
+    type.added_sd += added.mean();
+  }
+  CodedErrors errors() {
+    CodedErrors out = out_;
+    for (double* sum :
+         {&out.step, &out.still, &out.moving, &out.unnoticed, &out.part_play, &out.mark_play, &out.added_sd})
+      *sum /= std::max(1.0, count_);
+    out.added_sd = std::sqrt(out.added_sd);
+    for (auto& [name, type] : types_) {
+      const auto n = static_cast<double>(type.frames);
+      type.step /= n;
+      type.still /= n;
+      type.added_sd = std::sqrt(type.added_sd / n);
+      out.types.push_back(type);
+    }
+    return out;
+  }
+
+ private:
+  static double mean(const Point& p) { return 0.5 * (p.x + p.y); }
+  CodedErrors out_;
+  double count_ = 0;
+  std::map<char, CodedErrors::OfType> types_;
+};
+
+}  // namespace
+
+double displacement_differs(const Track& track, const Track& other) {
+  const Point here = mean_position(track), there = mean_position(other);
+  double squares = 0, products = 0, count = 0;
+  const auto both = [&](auto&& look) {
+    for (std::size_t k = 0; k < std::min(track.points.size(), other.points.size()); ++k) {
+      const TrackPoint &a = track.points[k], &b = other.points[k];
+      if (a.status != TrackStatus::ok || b.status != TrackStatus::ok) continue;
+      look(a.x - here.x, b.x - there.x);
+      look(a.y - here.y, b.y - there.y);
+    }
+  };
+  both([&](double x, double y) {
+    squares += x * x;
+    products += x * (y - x);
+    ++count;
+  });
+  if (!(squares > 0) || count < 16) return 0;
+  const double share = products / squares;
+  double left = 0;
+  both([&](double x, double y) { left += square(y - x - share * x); });
+  const double scatter = std::sqrt(left / count / squares);
+  return std::abs(share) > 2 * scatter ? share : 0;
+}
+
+double error_of_difference(const Track& track, const Track& other) {
+  const Point middle = mean_position(track);
+  double squares = 0, count = 0;
+  for (const TrackPoint& p : track.points)
+    if (p.status == TrackStatus::ok) squares += square(p.x - middle.x) + square(p.y - middle.y), count += 2;
+  return std::abs(displacement_differs(track, other)) * std::sqrt(squares / std::max(1.0, count));
+}
+
+void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary) {
+  std::map<std::int64_t, char> types;
+  for (const WatchedFrame& f : coded.frames) types[f.index] = f.part.type;
+  const std::map<char, MeanSquare> halves = halves_by_type(coded, types);
+  const double white = summary.audit.white_factor;
+  const Point middle = mean_position(track);
+  Means means;
+  for (const WatchedFrame& f : coded.frames) {
+    const auto place = static_cast<std::size_t>(f.index - coded.first_index);
+    if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
+    TrackPoint& p = track.points[place];
+    const auto own = halves.find(f.part.type);
+    const double factor = own == halves.end() ? 1 : std::max(1.0, supported(own->second) / white);
+    Added added = added_in(coded, f, p, white);
+    p.coding_x = added.x;
+    p.coding_y = added.y;
+    added.x += square(coded.passes_differ * (p.x - middle.x));
+    added.y += square(coded.passes_differ * (p.y - middle.y));
+    means.add(coded, f, added);
+    widen(p, factor, added);
+    p.frame_type = f.part.type;
+  }
+  CodedErrors found = means.errors();
+  found.coder = coded.coder.name;
+  found.settings = coded.coder.settings;
+  found.known = coded.coder.known;
+  found.passes_differ = coded.passes_differ;
+  if (!(found.step > 0)) found.part_play = found.mark_play = std::numbers::sqrt2 * found.added_sd;
+  found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
+  for (CodedErrors::OfType& type : found.types)
+    if (const auto own = halves.find(type.type); own != halves.end()) {
+      type.ratio = std::sqrt(own->second.value);
+      summary.audit.by_frame_type.emplace_back(type.type, *type.ratio);
+    }
+  const double before = square(summary.slow_sd), more = square(found.added_sd);
+  if (more > 0) summary.slow_time = (before * summary.slow_time + more * found.slow_time) / (before + more);
+  summary.slow_sd = std::sqrt(before + more);
+  if (std::string warning = coding_warning(found); !warning.empty())
+    summary.warnings.push_back(std::move(warning));
+  summary.coded = std::move(found);
+}
+
+std::string coding_warning(const CodedErrors& errors) {
+  if (!(errors.added_sd > 0)) return {};
+  if (!(errors.step > 0))
+    return fmt::format(
+        "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
+        "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+        errors.coder, errors.added_sd, errors.slow_time);
+  return fmt::format(
+      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part "
+      "can "
+      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
+      "deviations. "
+      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
+}
+
+}  // namespace tribotrack::vision
