@@ -317,16 +317,24 @@ double PatternFollower::own_radius() const {
 
 /// Whether something that looked like the part when the part was last seen is nearly as likely to have come
 /// to a place: by less than twice the way, from where it was or from where the part's motion would take it.
+/// What is still where it was has not.
 bool PatternFollower::may_be_another(FrameSource& source, std::int64_t index, const Point& place) {
   Picture window = std::move(picture_);
   remember_distractors(source);
+  source.read(index, source.bounds(), picture_);
+  const std::vector<Point> now = candidates();
   picture_ = std::move(window);
   distractors_known_ = false;
   const Point predicted = motion_.at(index), last = motion_.last();
   const double way = distance(place, predicted);
+  const auto still_at = [&](const Point& other) {
+    return distance(place, other) > own_radius() &&
+           std::ranges::any_of(now, [&](const Point& c) { return distance(c, other) < own_radius(); });
+  };
   return std::ranges::any_of(distractors_.places(), [&](const Point& other) {
     const Point carried{other.x + predicted.x - last.x, other.y + predicted.y - last.y};
-    return std::min(distance(place, other), distance(place, carried)) < 2 * way;
+    return std::min(distance(place, other), distance(place, carried)) < 2 * way && !still_at(other) &&
+           !still_at(carried);
   });
 }
 

@@ -108,6 +108,14 @@ TEST(LookAlikes, CarriedSlowlyAreToldApart) {
   EXPECT_EQ(ok_rows_on_another_dot(result, dots, start), 0);
 }
 
+/// Its speed is not known in the second frame, and it passes others that rest.
+TEST(LookAlikes, ThatStayWhereTheyAreDoNotEndAFastTrack) {
+  MemorySource source = recorded(300, 120, 16, [](int k) {
+    return std::vector<Circle>{{30.4 + 11.0 * k, 60.2, 8}, {50.3, 42.2, 8}, {100.3, 79, 8}, {160.3, 41, 8}};
+  });
+  EXPECT_EQ(track(source, given({30.4, 60.2, 8})).summary.ok, 16);
+}
+
 TEST(Question, SeveralDiscsOfEqualRightAreNumbered) {
   MemorySource source = recorded(200, 120, 4, [](int k) {
     return std::vector<Circle>{{140.2, 70.4, 10}, {50.5 + k, 40.3, 10.4}, {100, 30, 4}};
