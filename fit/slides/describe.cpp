@@ -71,8 +71,7 @@ void describe_scatter(const BetweenSlides& between, FitResult& result) {
   result.between_slides_p_value = between.p_value;
   result.covariance_meaning += fmt::format(
       " mu1 is the mean of {} slides of their own mu1 each, with an sd of {} between them (Paule and Mandel) "
-      "and an "
-      "interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
+      "and an interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
       between.dof + 1, number(between.sd, 2), between.dof, between.dof == 1 ? "" : "s");
   if (!(between.p_value < kDoubt)) return;
   const auto [low, high] =
@@ -80,10 +79,8 @@ void describe_scatter(const BetweenSlides& between, FitResult& result) {
                           [](const auto& a, const auto& b) { return a.mu1.value < b.mu1.value; });
   result.warnings.push_back(fmt::format(
       "mu1 differs from slide to slide by more than chance: {} ('{}') to {} ('{}'), chi2 {} at {} degree{} "
-      "of freedom "
-      "(p = {}), sd between slides {} ({} %). The mean's interval counts it; look for spin, tilt, another "
-      "part or "
-      "another place.",
+      "of freedom (p = {}), sd between slides {} ({} %). The mean's interval counts it; look for spin, tilt, "
+      "another part or another place.",
       number(low->mu1.value, 3), low->run, number(high->mu1.value, 3), high->run, number(between.chi2, 3),
       between.dof, between.dof == 1 ? "" : "s", number(between.p_value, 2), number(between.sd, 2),
       number(100 * between.sd / between.mean, 2)));
