@@ -101,6 +101,9 @@ void describe_slides(const BetweenSlides* between, FitResult& result) {
       slide.sentence.append(1, ' ').append(finding);
     }
   }
+  if (result.slides.size() == 1 && result.runs.size() == 1)
+    result.systematics.push_back(
+        "One slide cannot show how mu1 scatters from slide to slide: the interval is that of this slide.");
   if (const std::string unseen = unseen_spins(result); !unseen.empty()) result.systematics.push_back(unseen);
   if (between) describe_scatter(*between, result);
 }
