@@ -84,6 +84,7 @@ dtau_rad = "2pi/3"
 # video = "free_slide.mp4"
 # kind = "free_slide"
 # frames = [120, 480]           # from just after it is let go until it leaves the picture or rests
+# Film several: they show how mu1 scatters, which one slide cannot.
 )";
 
 }  // namespace

@@ -130,6 +130,8 @@ std::string FitResult::full_report() const {
                         model.parameters, model.chi2, model.aic, model.bic, model.sentence);
   text += lines(left_out);
 
+  if (!slides.empty()) text += "[[Slides]]\n";
+  for (const auto& slide : slides) text += "    " + slide.run + ": " + slide.sentence + "\n";
   text += "[[Runs]]\n";
   for (const auto& run : runs) text += run_line(run);
   if (!warnings.empty()) text += "[[Warnings]]\n";

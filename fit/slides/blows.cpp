@@ -73,9 +73,7 @@ Usual usual_of(const TrackTable& track) {
   }
   Usual usual;
   usual.noise = std::sqrt(upper_median(squares));
-  std::vector<double> sorted = speeds;
-  std::sort(sorted.begin(), sorted.end());
-  usual.top_speed = sorted[sorted.size() * 9 / 10];
+  usual.top_speed = *std::max_element(speeds.begin(), speeds.end());
   std::vector<double> sliding;
   for (std::size_t i = 0; i < speeds.size(); ++i)
     if (speeds[i] > kSlow * usual.top_speed) sliding.push_back(decelerations[i]);

@@ -11,6 +11,8 @@
 namespace tribotrack::fit::internal {
 namespace {
 
+constexpr double kLoose = 0.5;  ///< sd of mu1 over mu1
+
 std::string pm(const Estimate& estimate, double unit = 1) {
   return number(estimate.value * unit, 4) + " +- " + number(estimate.sd * unit, 2);
 }
@@ -24,14 +26,26 @@ std::string spin_text(const SlideResult& slide) {
                      pm(slide.spin_ratio));
 }
 
-std::string blow_text(const SlideResult& slide, const Blow& blow) {
+/// Empty where the slide was not struck.
+std::string blows_text(const SlideResult& slide) {
+  std::string list;
+  for (const Blow& blow : slide.blows)
+    list += fmt::format("{}frame {} ({} s, by {} mm/s, speed {} to {} mm/s)", list.empty() ? "" : ", ",
+                        blow.frame, number(blow.time, 4), number(1e3 * blow.jump, 3),
+                        number(1e3 * blow.speed_before, 3), number(1e3 * blow.speed_after, 3));
+  if (list.empty()) return "";
   return fmt::format(
-      "Slide '{}': at frame {} ({} s) its velocity jumps by {} mm/s (speed {} to {} mm/s), more than "
-      "friction can "
-      "do: a blow or a collision. Its longest stretch without one, frames {} to {}, was used.",
-      slide.run, blow.frame, number(blow.time, 4), number(1e3 * blow.jump, 3),
-      number(1e3 * blow.speed_before, 3), number(1e3 * blow.speed_after, 3), slide.first_frame,
-      slide.last_frame);
+      "Slide '{}': its velocity jumps by more than friction can do, as by a blow or a collision, at {}. Its "
+      "longest stretch without one, frames {} to {}, was used.",
+      slide.run, list, slide.first_frame, slide.last_frame);
+}
+
+/// Empty where the slide knows its mu1.
+std::string loose_text(const SlideResult& slide) {
+  if (slide.mu1.sd < kLoose * slide.mu1.value) return "";
+  return fmt::format(
+      "Slide '{}' hardly determines mu1 ({}): does the part slide in the frames used ({} to {})?", slide.run,
+      pm(slide.mu1), slide.first_frame, slide.last_frame);
 }
 
 /// The sentence about slides whose spin was not seen; empty where there are none.
@@ -57,20 +71,18 @@ void describe_scatter(const BetweenSlides& between, FitResult& result) {
   result.between_slides_p_value = between.p_value;
   result.covariance_meaning += fmt::format(
       " mu1 is the mean of {} slides of their own mu1 each, with an sd of {} between them (Paule and Mandel) "
-      "and an "
-      "interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
+      "and an interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
       between.dof + 1, number(between.sd, 2), between.dof, between.dof == 1 ? "" : "s");
   if (!(between.p_value < kDoubt)) return;
   const auto [low, high] =
       std::minmax_element(result.slides.begin(), result.slides.end(),
                           [](const auto& a, const auto& b) { return a.mu1.value < b.mu1.value; });
   result.warnings.push_back(fmt::format(
-      "mu1 differs from slide to slide by more than chance: {} ('{}') to {} ('{}'), chi2 {} at {} degrees of "
-      "freedom (p = {}), sd between slides {} ({} %). The mean's interval counts it; look for spin, tilt, "
-      "another "
-      "part or another place.",
+      "mu1 differs from slide to slide by more than chance: {} ('{}') to {} ('{}'), chi2 {} at {} degree{} "
+      "of freedom (p = {}), sd between slides {} ({} %). The mean's interval counts it; look for spin, tilt, "
+      "another part or another place.",
       number(low->mu1.value, 3), low->run, number(high->mu1.value, 3), high->run, number(between.chi2, 3),
-      between.dof, number(between.p_value, 2), number(between.sd, 2),
+      between.dof, between.dof == 1 ? "" : "s", number(between.p_value, 2), number(between.sd, 2),
       number(100 * between.sd / between.mean, 2)));
 }
 
@@ -78,12 +90,20 @@ void describe_scatter(const BetweenSlides& between, FitResult& result) {
 
 void describe_slides(const BetweenSlides* between, FitResult& result) {
   for (SlideResult& slide : result.slides) {
-    for (const Blow& blow : slide.blows) result.warnings.push_back(blow_text(slide, blow));
     slide.sentence =
         fmt::format("mu1 = {}, chi2 {} at {} degrees of freedom (p = {}). {}", pm(slide.mu1),
                     number(slide.chi2, 3), slide.dof, number(slide.p_value, 2), spin_text(slide));
-    for (const Blow& blow : slide.blows) slide.sentence.append(1, ' ').append(blow_text(slide, blow));
+    if (!slide.spin_seen && slide.p_value < kSurprise)
+      slide.sentence.append(" Its deceleration is not constant; that of a spinning part is not.");
+    for (const std::string& finding : {blows_text(slide), loose_text(slide)}) {
+      if (finding.empty()) continue;
+      result.warnings.push_back(finding);
+      slide.sentence.append(1, ' ').append(finding);
+    }
   }
+  if (result.slides.size() == 1 && result.runs.size() == 1)
+    result.systematics.push_back(
+        "One slide cannot show how mu1 scatters from slide to slide: the interval is that of this slide.");
   if (const std::string unseen = unseen_spins(result); !unseen.empty()) result.systematics.push_back(unseen);
   if (between) describe_scatter(*between, result);
 }

@@ -307,6 +307,13 @@ std::string slide_table(const ReportData& data) {
   return html + "</p>\n";
 }
 
+/// What the slide says by itself, its blows included.
+std::string own_sentence(const ReportData& data, const std::string& name) {
+  for (const ReportSlideResult& slide : data.slide_results)
+    if (slide.name == name && !slide.sentence.empty()) return " By itself: " + slide.sentence;
+  return "";
+}
+
 std::string slide_section(const ReportData& data) {
   std::string html;
   for (std::size_t i = 0; i < data.slides.size(); ++i)
@@ -315,7 +322,8 @@ std::string slide_section(const ReportData& data) {
         fmt::format("<b>{}.</b> Distance along the slide against time, with the law of friction at its own "
                     "μ<sub>1</sub> (without spin a parabola, deceleration μ<sub>1</sub> g); below, measured "
                     "minus fitted. {}",
-                    escape_html(data.slides[i].name), sentence_html(data.slides[i].sentence)),
+                    escape_html(data.slides[i].name),
+                    sentence_html(data.slides[i].sentence + own_sentence(data, data.slides[i].name))),
         "full");
   if (html.empty()) return "";
   return "<section id=\"slides\"><h2>Free slides: friction on the resting platform</h2>\n" +

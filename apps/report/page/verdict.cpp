@@ -88,7 +88,7 @@ std::string reasons_for_care(const ReportData& data) {
   if (data.agreement == Agreement::only_with_scatter && !data.slide_results.empty())
     reasons.push_back(
         fmt::format("free slides deviate from the law of friction by more than their errors (p {})",
-                    data.p_value > 0 ? "= " + number(data.p_value, 2) : "below 1e-300"));
+                    data.p_value > 1e-300 ? "= " + number(data.p_value, 2) : "below 1e-300"));
   if (data.between_slides_p_value < 0.05)
     reasons.push_back("μ<sub>1</sub> differs from slide to slide by more than chance");
   if (std::any_of(data.slide_results.begin(), data.slide_results.end(),

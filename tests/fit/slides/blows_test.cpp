@@ -89,6 +89,14 @@ TEST(Blows, StrikeFromRestAndALaterOneAreBothFound) {
   EXPECT_EQ(stretch.last, track.time.size());
 }
 
+TEST(Blows, ALongRestIsNoSlide) {
+  std::mt19937 random(26);
+  const TrackTable track = struck(0.17, {{0.05, {0.9, 0}}, {0.2, {0.05, 0.03}}}, 240, 4, 40e-6, random);
+  const auto stretch = longest_clean_stretch(track, find_blows(track));
+  EXPECT_LT(track.time[stretch.last - 1], 0.21);
+  EXPECT_GT(track.time[stretch.first], 0.04);
+}
+
 TEST(Blows, TheFitUsesTheLongestCleanStretchAndSaysSo) {
   std::mt19937 random(25);
   TrajectoryRun run;
@@ -109,7 +117,7 @@ TEST(Blows, TheFitUsesTheLongestCleanStretchAndSaysSo) {
   EXPECT_NEAR(slide.mu1.value, 0.17, 4 * slide.mu1.sd);
   EXPECT_LT(slide.mu1.sd, 0.004);
   ASSERT_FALSE(fit.warnings.empty());
-  EXPECT_THAT(fit.warnings.back(), HasSubstr("a blow or a collision"));
+  EXPECT_THAT(fit.warnings.back(), HasSubstr("a blow or a collision, at frame"));
   EXPECT_THAT(slide.sentence, HasSubstr("Its longest stretch without one"));
 }
 
