@@ -126,6 +126,7 @@ TrackedRecording track_recording(const PreparedJob& prepared) {
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
   require_rows_in_time(job, info);
+  if (job.rehearse) vision::require_rehearsable(info);
   recording.result = vision::track(*recording.source, job.track);
   if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
   if (job.row_time_s != 0)
