@@ -38,6 +38,10 @@ struct CodingForecast {
 /// Nothing where the coder does not tell its steps.
 std::optional<CodingForecast> forecast(const Coder& coder, double contrast);
 
+/// Throws InputError for a lossy recording whose coder is not known well enough (Coder::known), before an
+/// hour of tracking.
+void require_rehearsable(const SourceInfo& recording);
+
 /// Widens or narrows the standard deviations of ok points and fills TrackSummary::coded. Nothing to do for a
 /// recording that no lossy coder made. Throws InputError for a coder that is not known well enough
 /// (Coder::known), for a part that is no disc, and where too little of the track is ok.

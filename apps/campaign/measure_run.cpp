@@ -11,6 +11,9 @@ namespace tribotrack::apps {
 
 namespace {
 
+/// Coded motion of 0.05 to 0.7 px a frame came back too small by up to 0.3 to 0.6 of the play's half width
+/// over the amplitude, where a play alone does less: what follows late is smoothed as well.
+constexpr double kSmoothed = 0.5;
 constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
 
 double into_circle(double phase) {
@@ -69,18 +72,22 @@ void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasur
   fit::PlatformMotion& platform = *m.platform;
   const double w = platform.angular_frequency.value;
   CodedMotion coded{.coder = facts.coder, .rehearsed = facts.mark.has_value()};
+  const auto beyond_doubt = [](double value, double sd) { return std::abs(value) > 2 * sd ? value : 0; };
   if (facts.mark) {
     // cos wt is shown as Re z exp(i wt) with z = 1 - a - i w T.
-    const double in_phase = 1 - facts.mark->attenuation, behind = w * facts.mark->delay;
-    coded.attenuation = 1 - std::hypot(in_phase, behind);
-    coded.delay = std::atan2(behind, in_phase);
+    const double a = facts.mark->attenuation, late = w * facts.mark->delay,
+                 late_sd = w * facts.mark->delay_sd;
+    const double in_phase = 1 - a;
+    coded.attenuation = beyond_doubt(1 - std::hypot(in_phase, late), facts.mark->attenuation_sd);
+    coded.delay = beyond_doubt(std::atan2(late, in_phase), late_sd);
     coded.attenuation_sd = std::hypot(coded.attenuation / 2, facts.mark->attenuation_sd);
-    coded.delay_sd = std::hypot(coded.delay / 2, w * facts.mark->delay_sd);
+    coded.delay_sd = std::hypot(coded.delay / 2, late_sd);
   } else {
     const double metre_per_px = track.mm_per_px.value_or(0) * 1e-3;
     const double amplitude = std::max(platform.amplitude.value, platform.amplitude_y.value);
-    const auto seen = fit::seen_through_play(amplitude, facts.mark_play_px * metre_per_px);
-    coded.attenuation = coded.attenuation_sd = seen.attenuation;
+    const double half_width = facts.mark_play_px * metre_per_px;
+    const auto seen = fit::seen_through_play(amplitude, half_width);
+    coded.attenuation = coded.attenuation_sd = std::max(seen.attenuation, kSmoothed * half_width / amplitude);
     coded.delay = coded.delay_sd = seen.delay;
   }
   if (!(coded.attenuation_sd > 0 || coded.delay_sd > 0)) return;

@@ -155,6 +155,7 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
   require_rows_in_time(job, info);
+  if (job.rehearse) vision::require_rehearsable(info);
   try {
     recording.result = vision::track(*recording.source, job.track);
   } catch (const vision::AmbiguousTarget& question) {

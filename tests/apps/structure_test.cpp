@@ -32,7 +32,7 @@ const std::map<std::string, Rooms> kMayUse = {
       "vision/io"}},
     {"vision/audit", {"vision/kernels"}},
     {"vision/stages", {"vision/audit"}},
-    {"vision/coding", {"vision/audit"}},
+    {"vision/coding", {"vision/audit", "vision/kernels"}},
     {"vision/formats/cine", {"vision/io"}},
     {"vision/formats/libav", {"vision/timing", "vision/io"}},
     {"vision/formats/pictures", {"vision/io"}},

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "vision/audit/mean_square.h"
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -56,6 +57,20 @@ Point mean_position(const Track& track) {
   for (const TrackPoint& p : track.points)
     if (p.status == TrackStatus::ok) sum = {sum.x + p.x, sum.y + p.y}, ++count;
   return {sum.x / std::max(1.0, count), sum.y / std::max(1.0, count)};
+}
+
+/// A template's own frame fits itself, and leaves no residual for what the coder did there: it is known no
+/// better than the usual frame.
+void widen_first(Track& track) {
+  const auto is_ok = [](const TrackPoint& p) { return p.status == TrackStatus::ok; };
+  const auto first = std::ranges::find_if(track.points, is_ok);
+  if (first == track.points.end()) return;
+  for (double TrackPoint::*sigma : {&TrackPoint::sigma_x, &TrackPoint::sigma_y}) {
+    std::vector<double> sigmas;
+    for (const TrackPoint& p : track.points)
+      if (is_ok(p)) sigmas.push_back(p.*sigma);
+    (*first).*sigma = std::max((*first).*sigma, median(sigmas));
+  }
 }
 
 /// Mean squares of the halves' disagreement by the type of their frames, about each split's mean over all.
@@ -202,6 +217,7 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   for (const WatchedFrame& f : coded.frames) types[f.index] = f.part.type;
   const std::map<char, MeanSquare> halves = halves_by_type(coded, types);
   const double white = summary.audit.white_factor;
+  if (!summary.layered) widen_first(track);
   const Point middle = mean_position(track);
   Means means;
   for (const WatchedFrame& f : coded.frames) {

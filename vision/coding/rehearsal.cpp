@@ -20,9 +20,9 @@ constexpr double kSameCoder = 1.1;  ///< real errors over rehearsed ones, see re
 constexpr int kMargin = 32;         ///< px about what moves
 constexpr int kBlock = 16;          ///< px: the coder's grid stays where it was
 
-[[noreturn]] void refuse(const FrameSource& source, const std::string& why) {
+[[noreturn]] void refuse(const SourceInfo& recording, const std::string& why) {
   throw InputError(
-      fmt::format("'{}' cannot be rehearsed: {}; track it without", source.info().path.string(), why));
+      fmt::format("'{}' cannot be rehearsed: {}; track it without", recording.path.string(), why));
 }
 
 /// A run of consecutive points.
@@ -154,7 +154,7 @@ class Rehearsal {
   Rehearsal(FrameSource& source, const TrackOptions& options, const TrackResult& real)
       : source_(source), options_(options), real_(real), sample_(sample_of(real.track)) {
     if (sample_.count < kFewestFrames)
-      refuse(source, fmt::format("the part is seen in only {} frames in a row", sample_.count));
+      refuse(source.info(), fmt::format("the part is seen in only {} frames in a row", sample_.count));
     motion_ = motion_of(real.track, sample_);
   }
 
@@ -305,16 +305,21 @@ void take_over(const std::map<char, double>& variances, TrackResult& result) {
 
 }  // namespace
 
+void require_rehearsable(const SourceInfo& recording) {
+  if (!recording.coder) return;
+  if (!recording.coder->known)
+    refuse(recording, fmt::format("its coder ({}) does not tell its settings", recording.coder->name));
+  if (recording.bits != 8) refuse(recording, "it has more than 8 bits");
+}
+
 void rehearse(FrameSource& source, const TrackOptions& options, TrackResult& result) {
   if (!result.summary.coded) return;
-  const Coder& coder = *source.info().coder;
-  if (!coder.known) refuse(source, fmt::format("its coder ({}) does not tell its settings", coder.name));
-  if (source.info().bits != 8) refuse(source, "it has more than 8 bits");
-  if (!(result.summary.disc.radius > 0)) refuse(source, "the part is not a disc");
+  require_rehearsable(source.info());
+  if (!(result.summary.disc.radius > 0)) refuse(source.info(), "the part is not a disc");
   Rehearsal rehearsal(source, options, result);
   const TrackResult seen = rehearsal.run();
   const Compared compared = compare(seen, rehearsal.motion());
-  if (compared.part.size() < kFewestFrames) refuse(source, "the part was lost in the rehearsal");
+  if (compared.part.size() < kFewestFrames) refuse(source.info(), "the part was lost in the rehearsal");
   take_over(variances_of(compared), result);
   CodedErrors& coded = *result.summary.coded;
   coded.rehearsed = true;
@@ -327,7 +332,7 @@ void rehearse(FrameSource& source, const TrackOptions& options, TrackResult& res
       "coded by {}: rehearsed with {} frames, this coding adds {:.4f} px; it shows the part's motion {:.2g} "
       "% "
       "too small and {:.2g} s late",
-      coder.name, compared.part.size(), coded.added_sd, 100 * coded.part->attenuation, coded.part->delay));
+      coded.coder, compared.part.size(), coded.added_sd, 100 * coded.part->attenuation, coded.part->delay));
 }
 
 }  // namespace tribotrack::vision
