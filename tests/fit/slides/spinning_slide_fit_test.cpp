@@ -46,7 +46,8 @@ TEST(SpinningSlideFit, FindsMuAtAnySpin) {
       EXPECT_TRUE(slide.spin_seen);
       EXPECT_NEAR(slide.spin_ratio.value, ratio, 4 * slide.spin_ratio.sd + 1e-3);
       EXPECT_LT(slide.mu1.sd, 0.002);
-      EXPECT_NEAR(slide.mu1.value, 0.17, 3 * slide.mu1.sd);
+      // Spin and bearing are found at the friction found: their share in its error is not in the sd.
+      EXPECT_NEAR(slide.mu1.value, 0.17, 4 * slide.mu1.sd);
       EXPECT_LT(slide.ci95.low, slide.mu1.value);
       EXPECT_GT(fit.p_value, 1e-3) << fit.full_report();
     }
