@@ -171,9 +171,9 @@ struct SlideResult {
   double speed = 0;      ///< m/s at the first point
   double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law
   bool spin_seen = false;
-  Estimate spin;         ///< rad/s at the first point
-  Estimate spin_ratio;   ///< rim speed over slide speed there
-  double inertia = 0.5;  ///< k = I/(m R^2) by which the spin slows down
+  Estimate spin;        ///< rad/s at the first point
+  Estimate spin_ratio;  ///< rim speed over slide speed there
+  Estimate bearing;     ///< radius of the face that bears over the part's, where the spin shows it
   /// Where no spin was seen: relative change of mu1 if the rim moved half as fast as the part slides.
   double change_by_half_spin = 0;
   std::vector<Blow> blows;  ///< strikes from rest left out

@@ -47,12 +47,13 @@ struct SummaryRun {
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
 };
 
-/// How fast the part of a free slide turns at its first point, and how that fades: nuisances with this prior.
-/// Angles tell the torque per inertia, mu g/k with k = I/(m R^2), and not mu: known is `fading` = ln(k/mu).
+/// How fast the part of a free slide turns at its first point, and on how much of its face it bears:
+/// nuisances with this prior. An even disc whose rim does not touch turns on longer, and its spin spares it
+/// less friction.
 struct DiscSpin {
-  double rate = 0;  ///< rad/s
-  double fading = 0;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, fading)
+  double rate = 0;     ///< rad/s
+  double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: all of it bears
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, bearing)
   double rate_sd() const;
 };
 

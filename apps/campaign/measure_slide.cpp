@@ -89,7 +89,8 @@ Json slide_result_json(const fit::SlideResult& slide) {
     json["spin_rad_s_sd"] = finite(slide.spin.sd);
     json["spin_ratio"] = finite(slide.spin_ratio.value);
     json["spin_ratio_sd"] = finite(slide.spin_ratio.sd);
-    json["spin_inertia"] = finite(slide.inertia);
+    json["bearing_over_radius"] = finite(slide.bearing.value);
+    json["bearing_over_radius_sd"] = finite(slide.bearing.sd);
   } else {
     json["mu1_change_by_half_spin"] = finite(slide.change_by_half_spin);
   }

@@ -121,7 +121,9 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation);
   if (const Eigen::Index spin = unknowns.spin_index(index); spin >= 0) {
     nuisance["spin_rad_s"] = values(spin);
-    nuisance["spin_ratio"] = std::abs(values(spin)) * result.fitted.spin.radius / velocity.norm();
+    nuisance["bearing_over_radius"] = std::exp(values(spin + 1));
+    nuisance["spin_ratio"] = std::abs(values(spin)) * run.track.radius *
+                             unknowns.value_of(FitParameter::scale, values) / velocity.norm();
   }
 }
 

@@ -47,7 +47,7 @@ void check_run(const TrajectoryRun& run) {
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
   if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !std::isfinite(run.spin->rate) ||
-                   !std::isfinite(run.spin->fading) ||
+                   !std::isfinite(run.spin->bearing) ||
                    Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))
     throw DataError("Run '" + run.name +
                     "': a spin belongs to a free slide, with its covariance and the part's radius.");

@@ -35,7 +35,7 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
       const DiscSpin& known = *problem.trajectory_runs[run].spin;
       const Eigen::LLT<Eigen::Matrix2d> factor(known.covariance);
       spins_.push_back(
-          {spin, {known.rate, known.fading}, factor.matrixL().solve(Eigen::Matrix2d::Identity())});
+          {spin, {known.rate, known.bearing}, factor.matrixL().solve(Eigen::Matrix2d::Identity())});
     }
     if (const Eigen::Index deviation = unknowns.deviation_index(run); deviation >= 0)
       priors_.emplace_back(deviation, Prior{0, problem.between_slides});

@@ -191,7 +191,7 @@ Eigen::VectorXd Unknowns::first_guess() const {
   for (std::size_t run = 0; run < spin_.size(); ++run)
     if (spin_[run] >= 0)
       guess.segment<2>(spin_[run]) << problem_->trajectory_runs[run].spin->rate,
-          problem_->trajectory_runs[run].spin->fading;
+          problem_->trajectory_runs[run].spin->bearing;
   return guess;
 }
 
@@ -293,23 +293,25 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   const Eigen::Index v = velocity_[run];
   result.scenario.initial_velocity = values.segment<2>(v);
   const Eigen::Index spin = spin_[run], deviation = deviation_[run];
-  auto& friction = result.scenario.friction;
-  if (deviation >= 0) friction.nominal += values(deviation);
-  // The radius was measured in the same picture; k = mu e^fading.
-  const double per_mu = spin >= 0 ? std::exp(values(spin + 1)) : 0;
-  if (spin >= 0)
-    result.scenario.spin = {values(spin), slide.track.radius * result.scale, friction.nominal * per_mu};
+  if (deviation >= 0) result.scenario.friction.nominal += values(deviation);
+  if (spin >= 0) {
+    // The radius was measured in the same picture. An even disc about its bearing face: k = (R/R_bearing)^2
+    // / 2.
+    const double bearing = std::exp(values(spin + 1));
+    result.scenario.spin = {values(spin), slide.track.radius * result.scale * bearing,
+                            0.5 / (bearing * bearing)};
+  }
   if (derivatives) {
     Chain chain(result, size());
     chain.add(model::Parameter::velocity_x, v, 1);
     chain.add(model::Parameter::velocity_y, v + 1, 1);
     if (deviation >= 0) chain.add(model::Parameter::mu1, deviation, 1);
     if (spin >= 0) {
+      // The path knows rate and radius by their product alone.
       chain.add(model::Parameter::spin, spin, 1);
+      chain.add(model::Parameter::spin, spin + 1, values(spin));
       chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin) / result.scale);
-      chain.add(model::Parameter::inertia, spin + 1, result.scenario.spin.inertia);
-      chain.add(model::Parameter::inertia, find(FitParameter::mu1), per_mu);
-      if (deviation >= 0) chain.add(model::Parameter::inertia, deviation, per_mu);
+      chain.add(model::Parameter::inertia, spin + 1, -2 * result.scenario.spin.inertia);
     }
     // The platform rests: its frequency is only the clock of the model.
     if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();

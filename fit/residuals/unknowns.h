@@ -39,7 +39,7 @@ class Unknowns {
   /// Of the velocity of trajectory run `run`, -1 where it is no free slide.
   Eigen::Index velocity_index(std::size_t run) const { return velocity_[run]; }
 
-  /// Of the spin of trajectory run `run`, its fading behind it, -1 where it has none.
+  /// Of the spin of trajectory run `run`, the bearing face behind it, -1 where it has none.
   Eigen::Index spin_index(std::size_t run) const { return spin_[run]; }
 
   /// Of the deviation of its mu1, -1 where all slides share mu1.

@@ -22,8 +22,8 @@ std::string spin_text(const SlideResult& slide) {
     return fmt::format(
         "Spin was not seen: fitted without; a rim speed of half the slide's would make mu1 {} % larger.",
         number(100 * slide.change_by_half_spin, 2));
-  return fmt::format("It spins at {} rad/s, rim speed over slide speed {}.", pm(slide.spin),
-                     pm(slide.spin_ratio));
+  return fmt::format("It spins at {} rad/s, rim speed over slide speed {}, bearing on {} of its radius.",
+                     pm(slide.spin), pm(slide.spin_ratio), pm(slide.bearing));
 }
 
 /// Empty where the slide was not struck.

@@ -62,13 +62,8 @@ double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlo
   TrajectoryRun& run = alone.trajectory_runs.front();
   if (!(run.track.radius > 0)) run.track.radius = 1;  // only the rim's speed counts
   const double rate = 0.5 * slide.speed / run.track.radius, sure = 1e-4;
-  double mu1 = slide.mu1.value;
-  for (int round = 0; round < 2; ++round) {  // an even disc's k is a half at the mu1 found
-    run.spin = DiscSpin{rate, std::log(0.5 / mu1),
-                        Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
-    mu1 = fit_alone(alone).parameters.front().estimate;
-  }
-  return mu1 / slide.mu1.value - 1;
+  run.spin = DiscSpin{rate, 0, Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
+  return fit_alone(alone).parameters.front().estimate / slide.mu1.value - 1;
 }
 
 void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
@@ -102,7 +97,9 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
     Problem alone = problem_of_one(problem, *runs[i], together);
     const FitResult fit = fit_with_spin(alone, fit_alone);
     runs[i]->spin = alone.trajectory_runs.front().spin;
-    slides[i].inertia = fit.runs.front().fitted.spin.inertia;
+    if (runs[i]->spin)
+      slides[i].bearing = {std::exp(runs[i]->spin->bearing),
+                           std::exp(runs[i]->spin->bearing) * std::sqrt(runs[i]->spin->covariance(1, 1))};
     take_result(fit, runs[i]->spin ? runs[i]->spin->rate_sd() : 0, slides[i]);
     const auto& frame = runs[i]->track.frame;
     if (const auto onset = fit.runs.front().nuisance.find("onset_frame");

@@ -13,8 +13,10 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr std::size_t kFewestAngles = 8;
-constexpr double kEvenDisc = 0.5;  ///< k
-constexpr double kSpread = 0.35;   ///< sd of ln k: a factor of two at two sd
+/// Known beforehand of the bearing: all of the face, sd of its logarithm a factor of two. Where the part
+/// spins enough to matter the angles know it to some per cent, and a prior half or twice as wide changes
+/// nothing.
+constexpr double kWholeFace = 0, kSpread = 0.7;
 constexpr int kRounds = 30;
 
 /// The angles seen, without jumps by whole turns.
@@ -51,13 +53,14 @@ double first_rate(const Angles& seen) {
 }
 
 struct Linearised {
-  Eigen::VectorXd residuals;  ///< over their sds, the prior of ln k last
-  Eigen::MatrixX3d jacobian;  ///< by theta_0, omega, ln k
+  Eigen::VectorXd residuals;  ///< over their sds, the prior of the bearing last
+  Eigen::MatrixX3d jacobian;  ///< by theta_0, omega, bearing
 };
 
 Linearised residuals_at(const Angles& seen, model::Scenario scenario, const Eigen::Vector3d& at) {
-  scenario.spin.rate = at(1);
-  scenario.spin.inertia = std::exp(at(2));
+  const double share = std::exp(at(2));
+  const double inertia = 0.5 / (share * share);
+  scenario.spin = {at(1), scenario.spin.radius * share, inertia};
   const model::Trajectory run = model::integrate(
       scenario, {.tolerance = 1e-10, .derivatives = {model::Parameter::spin, model::Parameter::inertia}});
   const auto n = static_cast<Eigen::Index>(seen.time.size());
@@ -65,11 +68,13 @@ Linearised residuals_at(const Angles& seen, model::Scenario scenario, const Eige
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const model::SensitiveSample there = run.sensitive_at(seen.time[k]);
-    result.residuals(i) = (at(0) + there.sample.angle - seen.angle[k]) / seen.sigma[k];
-    result.jacobian.row(i) << 1, there.angle_jacobian(0), scenario.spin.inertia * there.angle_jacobian(1);
+    const double angle = there.sample.angle, by_rate = there.angle_jacobian(0);
+    result.residuals(i) = (at(0) + angle - seen.angle[k]) / seen.sigma[k];
+    // theta = way of the bearing rim/radius: by ln radius through omega R, through k and directly.
+    result.jacobian.row(i) << 1, by_rate, at(1) * by_rate - angle - 2 * inertia * there.angle_jacobian(1);
     result.jacobian.row(i) /= seen.sigma[k];
   }
-  result.residuals(n) = (at(2) - std::log(kEvenDisc)) / kSpread;
+  result.residuals(n) = (at(2) - kWholeFace) / kSpread;
   result.jacobian.row(n) << 0, 0, 1 / kSpread;
   return result;
 }
@@ -89,7 +94,7 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
   scenario.spin.radius = run.track.radius;
   scenario.duration = seen.time.back();
 
-  Eigen::Vector3d at(seen.angle.front(), first_rate(seen), std::log(kEvenDisc));
+  Eigen::Vector3d at(seen.angle.front(), first_rate(seen), kWholeFace);
   Linearised here = residuals_at(seen, scenario, at);
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Vector3d step = here.jacobian.colPivHouseholderQr().solve(-here.residuals);
@@ -108,7 +113,7 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
   const Eigen::Matrix3d covariance = (here.jacobian.transpose() * here.jacobian).inverse();
   const double dof = static_cast<double>(seen.time.size()) - 2;
   const double excess = std::max(1.0, here.residuals.squaredNorm() / dof);
-  return DiscSpin{at(1), at(2) - std::log(mu), excess * covariance.bottomRightCorner<2, 2>()};
+  return DiscSpin{at(1), at(2), excess * covariance.bottomRightCorner<2, 2>()};
 }
 
 std::optional<DiscSpin> first_slide_spin(const TrajectoryRun& run) {

@@ -9,12 +9,10 @@
 namespace tribotrack::fit::internal {
 
 /// At the slide's first point, by least squares of the angles seen on the law's
-///   theta(t) = theta_0 + turned(t; omega, k),
-/// with theta_0, omega and k = I/(m R^2) unknown: k is a half for an even disc pressed evenly on the ground
-/// and, rim or middle bearing more, anything within a factor of two, which is known beforehand. So the angle
-/// tells the spin and how it fades, but nothing of mu, which with k alone sets the rate of fading. `mu` and
-/// `velocity` are the slide's; the sd counts what the angles scatter beyond their own. nullopt where fewer
-/// than eight points show an angle, or the radius is not known.
+///   theta(t) = theta_0 + turned(t; omega, b),
+/// with theta_0, omega and the bearing b unknown: an even disc that bears on its face up to e^b of its
+/// radius. `mu` and `velocity` are the slide's; the sd counts what the angles scatter beyond their own.
+/// nullopt where fewer than eight points show an angle, or the radius is not known.
 std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Eigen::Vector2d& velocity);
 /// The same with mu and velocity as a first look at the positions has them, without spin.
 std::optional<DiscSpin> first_slide_spin(const TrajectoryRun& run);

@@ -66,7 +66,7 @@ class Draw {
       const Eigen::LLT<Eigen::Matrix2d> factor(run.spin->covariance);
       const Eigen::Vector2d drawn = values.segment<2>(spin) + factor.matrixL() * pair();
       run.spin->rate = drawn.x();
-      run.spin->fading = drawn.y();
+      run.spin->bearing = drawn.y();
     }
     const PointResiduals points = residuals_.points(values, i);
     const auto& scatter = residuals_.excess_variance().trajectories[i];

@@ -15,6 +15,7 @@ struct SlideLook {
   double mu = 0.17, speed = 0.6, angle = 0.4;  ///< m/s, rad
   double radius = 15.5e-3, rate = 240;         ///< m, Hz
   double sigma = 30e-6, sigma_angle = 0.01;    ///< m, rad
+  double bearing = 1;                          ///< of the radius, share on which it bears
   double rest_after = 0.05;                    ///< s
 };
 
@@ -36,7 +37,8 @@ inline fit::TrajectoryRun slide_track(const UnitSlide& motion, double spin_ratio
     run.track.position.emplace_back(x, y);
     run.track.covariance.push_back(look.sigma * look.sigma * Eigen::Matrix2d::Identity());
     if (!with_angle) continue;
-    const double turned = spin_ratio == 0 ? 0 : way * motion.rim(t / time_unit) / look.radius;
+    const double turned =
+        spin_ratio == 0 ? 0 : way * motion.rim(t / time_unit) / (look.radius * look.bearing);
     run.track.angle.push_back(1 + turned + look.sigma_angle * normal(random));
     run.track.angle_sigma.push_back(look.sigma_angle);
   }

@@ -149,15 +149,15 @@ struct ReportSlide {
 struct ReportSlideResult {
   std::string name;
   double mu1 = no_value, mu1_sd = no_value;
-  ReportInterval ci95;
+  ReportInterval ci95 = {};
   double chi2 = no_value, p_value = no_value;
   int dof = 0;
   std::int64_t first_frame = 0, last_frame = 0;
   bool spin_seen = false;
   double spin_rad_s = no_value, spin_rad_s_sd = no_value, spin_ratio = no_value, spin_ratio_sd = no_value;
   double change_by_half_spin = no_value;  ///< of mu1, relative; where no spin was seen
-  std::vector<std::int64_t> blow_frames;
-  std::string sentence;
+  std::vector<std::int64_t> blow_frames = {};
+  std::string sentence = {};
 };
 
 /// A run that contradicts the others.
