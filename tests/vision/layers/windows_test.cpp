@@ -99,10 +99,10 @@ TEST(LearningFrames, ShortRecordingIsKeptWhole) {
       for (int x = 0; x < w.picture.width(); ++x) ASSERT_EQ(w.picture.at(x, y), whole.at(w.x + x, w.y + y));
     ASSERT_NEAR(w.spline.value(5, 6), w.picture.at(5, 6), 1e-3);
   }
-  // The ground the part has left, and that it has not come to yet.
+  // The ground the part has left, and that it has not come to yet; noise draws it a little to the mean.
   for (const int x : {35, 50, 65})
     EXPECT_NEAR(ground.mean() + ground.spline().value(x - ground.region().x, 45 - ground.region().y),
-                ground_level(x, 45), 1e-3);
+                ground_level(x, 45), 3e-3);
 }
 
 // Half of them spread over the time, half over the way: where the part moves for a tenth of the time.

@@ -128,7 +128,7 @@ TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
   EXPECT_THAT(audit_section(data),
               HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
                         "class=\"n\">–</td><td class=\"n\">–</td><td class=\"n\">–</td><td "
-                        "class=\"n\">-0.31</td><td class=\"n\">2.00</td><td "
+                        "class=\"n\">-0.31</td><td>–</td><td class=\"n\">2.00</td><td "
                         "class=\"n\">0.0123</td></tr>"));
 }
 
