@@ -20,7 +20,7 @@ constexpr int kLook = 2;           ///< round over all windows in which a slope 
 constexpr double kInsideRim = 3;   ///< blurs of the rim inside which it does not show
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
 constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
-constexpr std::size_t kFewestSlopes = 8;
+constexpr std::size_t kFewestSlopes = 20;
 constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
 
 /// The part as a window shows it inside its rim, without a shadow: a start.

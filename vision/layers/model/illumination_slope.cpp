@@ -9,6 +9,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kUnknownScatter = 0.1;  ///< of the noise's variance: a scatter below goes unnoticed
+constexpr double kNoChance = 5;          ///< of Fisher's ratio: once in 4000 fields of forty slopes
 constexpr double kNoSpread = 0.5;        ///< px: places that differ by less tell nothing of S
 
 }  // namespace
@@ -38,9 +39,9 @@ IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
   for (const MeasuredSlope& s : slopes) even += s.slope_x * s.slope_x + s.slope_y * s.slope_y;
   for (const MeasuredSlope& s : slopes)
     square += (Eigen::Vector2d(s.slope_x, s.slope_y) - field_.transpose() * terms(s.place)).squaredNorm();
-  // Even light leaves chi^2 with two degrees of freedom a slope: five times its scatter are no chance. Nor is
-  // a field that explains more than five times what as many parts of the scatter about it would.
-  known_ = even > noise_ * (2 * n + 5 * std::sqrt(4 * n)) && (even - square) / 6 > 5 * square / (2 * (n - 3));
+  // Fisher's ratio: what each of the field's six numbers explains over what is left of each degree of
+  // freedom.
+  known_ = (even - square) / 6 > kNoChance * square / (2 * (n - 3));
   scatter_ = std::max(0.0, square / (2 * (n - 3)) - noise_) + kUnknownScatter * noise_;
 }
 
