@@ -31,8 +31,8 @@ std::string blows_text(const SlideResult& slide) {
   std::string list;
   for (const Blow& blow : slide.blows)
     list += fmt::format("{}frame {} ({} s, by {} mm/s, speed {} to {} mm/s)", list.empty() ? "" : ", ",
-                        blow.frame, number(blow.time, 4), number(1e3 * blow.jump, 3),
-                        number(1e3 * blow.speed_before, 3), number(1e3 * blow.speed_after, 3));
+                        blow.frame, number(blow.time, 4), number(1e3 * blow.jump, 4),
+                        number(1e3 * blow.speed_before, 4), number(1e3 * blow.speed_after, 4));
   if (list.empty()) return "";
   return fmt::format(
       "Slide '{}': its velocity jumps by more than friction can do, as by a blow or a collision, at {}. Its "
