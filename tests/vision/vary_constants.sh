@@ -23,7 +23,7 @@ constants() {
 }
 
 check() {
-  diff <(constants) <(tail -n +2 "$table" | cut -d, -f1,2) ||
+  diff <(constants | LC_ALL=C sort) <(tail -n +2 "$table" | cut -d, -f1,2 | LC_ALL=C sort) ||
     { echo "tests/vision/constants/table.csv: constants have changed; run tests/vision/vary_constants.sh run FOLDER" >&2; exit 1; }
 }
 
@@ -32,7 +32,7 @@ check() {
 build() {
   local source=$1/source
   mkdir -p "$source"
-  tar c --exclude=./build --exclude=./out --exclude=./.git . | tar x -C "$source"
+  tar c --exclude=./build --exclude=./out --exclude=./.git . | tar xm -C "$source"
   cp "$scenes/varied.h" "$source/varied.h"
   (cd "$source" && constants | cut -d: -f1 | uniq | xargs perl -0777 -i -pe '
     s/^(?:inline |static )?constexpr (double|float|int|std::size_t|std::int64_t) (k[A-Z]\w*)\s*=\s*([^;,]+);/static const $1 $2 = ::varied<$1>("$ARGV:$2", $3);/mg;
@@ -64,17 +64,18 @@ score() {
     }' "$1" "$2"
 }
 
-# Scores of all scenes in one line.
+# Scores of all scenes in one line; the tracks go into a folder of their own.
 track_all() {
-  local folder=$1 scene
+  local folder=$1 scene tracks
+  tracks=$(mktemp -d "$folder/tracks.XXXXXX")
   for scene in "$scenes"/*.toml; do
     local name mark=(--marker 32,32,14)
     name=$(basename "$scene" .toml)
     [ "$name" != no_mark ] || mark=()
-    rm -f "$folder/$name.csv"
-    "$folder/build/apps/tribotrack" track "$folder/$name.cine" --mm-per-px 0.1 "${mark[@]}" -o "$folder/$name.csv" -q > /dev/null 2>&1 || true
-    if [ -f "$folder/$name.csv" ]; then score "$folder/$name.cine.truth.csv" "$folder/$name.csv"; else echo 0 0 0; fi
+    "$folder/build/apps/tribotrack" track "$folder/$name.cine" --mm-per-px 0.1 "${mark[@]}" -o "$tracks/$name.csv" -q > /dev/null 2>&1 || true
+    if [ -f "$tracks/$name.csv" ]; then score "$folder/$name.cine.truth.csv" "$tracks/$name.csv"; else echo 0 0 0; fi
   done | tr '\n' ' '
+  rm -r "$tracks"
 }
 
 # The largest of rms / usual rms and pull / usual pull over the scenes; "lost" where frames are lost.
@@ -88,25 +89,28 @@ change() {
     printf "%.2f\n", worst }'
 }
 
+# NAME,VALUE,SMALLER,LARGER of one constant.
+vary() {
+  local folder=$1 usual=$2 entry=$3 name=${3%%,*} smaller=fixed larger=fixed
+  if ! grep -qxF "$name" "$scenes/fixed.txt"; then
+    smaller=$(change "$usual" "$(VARY=$name VARY_BY=$(awk "BEGIN { print 1 / $step }") track_all "$folder")")
+    larger=$(change "$usual" "$(VARY=$name VARY_BY=$step track_all "$folder")")
+  fi
+  echo "$entry,$smaller,$larger"
+}
+
 run() {
-  local folder=$1 scene entry
+  local folder=$1 scene
   mkdir -p "$folder"
   folder=$(cd "$folder" && pwd)
   build "$folder"
   for scene in "$scenes"/*.toml; do
     "$folder/build/apps/tribotrack" synth "$scene" -o "$folder/$(basename "$scene" .toml).cine" -q
   done
-  local usual
-  usual=$(track_all "$folder")
-  echo "constant,value,smaller,larger" > "$folder/table.csv"
-  constants | while read -r entry; do
-    local name=${entry%%,*} smaller=fixed larger=fixed
-    if ! grep -qxF "$name" "$scenes/fixed.txt"; then
-      smaller=$(change "$usual" "$(VARY=$name VARY_BY=$(awk "BEGIN { print 1 / $step }") track_all "$folder")")
-      larger=$(change "$usual" "$(VARY=$name VARY_BY=$step track_all "$folder")")
-    fi
-    echo "$entry,$smaller,$larger" | tee -a "$folder/table.csv"
-  done
+  {
+    echo "constant,value,smaller,larger"
+    constants | xargs -d '\n' -P "$(nproc)" -n 1 "$PWD/tests/vision/vary_constants.sh" vary "$folder" "$(track_all "$folder")" | LC_ALL=C sort
+  } > "$folder/table.csv"
   # A twentieth more than the table says is chance.
   awk -F, 'NR == FNR { smaller[$1] = $3; larger[$1] = $4; next }
     FNR > 1 && ((worse($3, smaller[$1])) || worse($4, larger[$1])) { print "changes more than the table says: " $0; bad = 1 }
@@ -117,5 +121,6 @@ run() {
 case ${1:-} in
   check) check ;;
   run) run "${2:?a folder to build in}" ;;
+  vary) vary "$2" "$3" "$4" ;;
   *) sed -n '2,8p' "$0" >&2; exit 2 ;;
 esac
