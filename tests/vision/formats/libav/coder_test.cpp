@@ -75,11 +75,21 @@ TEST_F(CoderTest, LosslessHasNoCoder) {
   EXPECT_FALSE(source->coded(1));
 }
 
-/// The settings read back and given to the encoder again make the same stream, setting by setting and picture
-/// by picture.
-TEST_F(CoderTest, CodingLikeACoderGivesTheSamePictures) {
+/// The settings read back and given to the encoder again make pictures as far from the truth as before, where
+/// the quality asked for would make them several times worse. (The streams are the same byte by byte as a
+/// rule, but not always.)
+TEST_F(CoderTest, CodingLikeACoderMakesTheSameErrors) {
+  const auto error = [](FrameSource& source) {
+    double square = 0, n = 0;
+    for (int k = 0; k < 6; ++k) {
+      const Picture seen = source.read(k), exact = picture(k);
+      for (std::size_t i = 0; i < seen.levels().size(); ++i, ++n)
+        square += std::pow(static_cast<double>(seen.levels()[i] - exact.levels()[i]), 2);
+    }
+    return std::sqrt(square / n);
+  };
   for (const SinkOptions& sink :
-       {SinkOptions{.codec = Codec::h264, .crf = 27}, SinkOptions{.codec = Codec::mjpeg}}) {
+       {SinkOptions{.codec = Codec::h264, .crf = 18}, SinkOptions{.codec = Codec::mjpeg}}) {
     const bool h264 = sink.codec == Codec::h264;
     SCOPED_TRACE(h264 ? "h264" : "mjpeg");
     const auto first = coded(h264 ? "1.mkv" : "1.avi", sink);
@@ -89,10 +99,10 @@ TEST_F(CoderTest, CodingLikeACoderGivesTheSamePictures) {
     const auto again = coded(h264 ? "2.mkv" : "2.avi", like);
     ASSERT_TRUE(again->info().coder);
     EXPECT_EQ(first->info().coder->settings, again->info().coder->settings);
-    for (int k = 0; k < 6; ++k) {
-      const Picture a = first->read(k), b = again->read(k);
-      ASSERT_TRUE(std::equal(a.levels().begin(), a.levels().end(), b.levels().begin())) << "frame " << k;
-    }
+    EXPECT_NEAR(error(*again), error(*first), 0.1 * error(*first));
+    if (!h264) continue;
+    like.like.reset();
+    EXPECT_GT(error(*coded("3.mkv", like)), 2 * error(*first));
   }
 }
 
