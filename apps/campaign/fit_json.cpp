@@ -26,20 +26,16 @@ const char* word_for(fit::Verdict verdict) {
 }
 
 /// Open ends (infinite) become null.
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
 Json interval_json(const fit::Interval& interval, double unit) {
-  return Json::array({finite(interval.low * unit), finite(interval.high * unit)});
+  return Json::array({finite_json(interval.low * unit), finite_json(interval.high * unit)});
 }
 
 Json parameters_json(const fit::FitResult& result, double mm_per_px) {
   Json json = Json::object();
   for (const fit::ParameterEstimate& p : result.parameters) {
     const double unit = campaign_unit_per_si(p.parameter, mm_per_px);
-    json[fit::to_string(p.parameter)] = {{"estimate", finite(p.estimate * unit)},
-                                         {"sd", finite(p.sd * unit)},
+    json[fit::to_string(p.parameter)] = {{"estimate", finite_json(p.estimate * unit)},
+                                         {"sd", finite_json(p.sd * unit)},
                                          {"ci95", interval_json(p.ci95, unit)},
                                          {"profile_ci95", interval_json(p.profile_ci95, unit)}};
     if (result.bootstrap > 0)
@@ -53,9 +49,9 @@ Json minima_json(const fit::FitResult& result, double mm_per_px) {
   for (const fit::OneMinimum& minimum : result.minima) {
     Json values = Json::object();
     for (const auto& [parameter, value] : minimum.values)
-      values[fit::to_string(parameter)] = finite(value * campaign_unit_per_si(parameter, mm_per_px));
+      values[fit::to_string(parameter)] = finite_json(value * campaign_unit_per_si(parameter, mm_per_px));
     json.push_back({{"parameters", values},
-                    {"chi2_above_best", finite(minimum.chi2_above)},
+                    {"chi2_above_best", finite_json(minimum.chi2_above)},
                     {"sentence", minimum.sentence}});
   }
   return json;
@@ -78,7 +74,7 @@ Json correlation_json(const fit::FitResult& result) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i)
     for (std::size_t j = 0; j < result.parameters.size(); ++j)
       json[fit::to_string(result.parameters[i].parameter)][fit::to_string(result.parameters[j].parameter)] =
-          finite(result.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+          finite_json(result.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
   return json;
 }
 
@@ -114,10 +110,10 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
     json["scenario"] = json_of(run.fitted);
     for (const fit::Residual& r : run.residuals)
       json["observables"].push_back({{"observable", r.observable},
-                                     {"measured", finite(r.measured)},
-                                     {"modelled", finite(r.modelled)},
-                                     {"sd", finite(r.sd)},
-                                     {"standardised", finite(r.standardised)}});
+                                     {"measured", finite_json(r.measured)},
+                                     {"modelled", finite_json(r.modelled)},
+                                     {"sd", finite_json(r.sd)},
+                                     {"standardised", finite_json(r.standardised)}});
     if (run.points > 0) {
       json["points"] = run.points;
       json["residual_rms_mm"] = run.rms_m * 1e3;
@@ -149,7 +145,7 @@ Json next_json(const fit::NextExperiment& next, double mm_per_px) {
                {"sentence", next.sentence}};
   for (const auto& [parameter, sd] : next.predicted_sd) {
     const double unit = campaign_unit_per_si(parameter, mm_per_px);
-    json["predicted_sd"][fit::to_string(parameter)] = finite(sd * unit);
+    json["predicted_sd"][fit::to_string(parameter)] = finite_json(sd * unit);
     json["predicted_ci95"][fit::to_string(parameter)] =
         interval_json(next.predicted_ci95.at(parameter), unit);
   }
@@ -158,30 +154,30 @@ Json next_json(const fit::NextExperiment& next, double mm_per_px) {
 
 /// What was looked at besides the parameters: outliers, models, systematics.
 void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
-  json["p_value"] = finite(result.p_value);
-  json["runs_test_p_value"] = finite(result.runs_test_p_value);
+  json["p_value"] = finite_json(result.p_value);
+  json["runs_test_p_value"] = finite_json(result.runs_test_p_value);
   json["outliers"] = Json::array();
   for (const fit::Outlier& outlier : result.outliers)
     json["outliers"].push_back(
         {{"run", outlier.run},
-         {"deviation", finite(outlier.deviation)},
-         {"chance", finite(outlier.chance)},
+         {"deviation", finite_json(outlier.deviation)},
+         {"chance", finite_json(outlier.chance)},
          {"looks_like_phi_rad", outlier.looks_like_phi ? Json(*outlier.looks_like_phi) : Json()},
          {"sentence", outlier.sentence}});
   json["models"] = Json::array();
   for (const fit::ModelComparison& model : result.models)
     json["models"].push_back({{"name", model.name},
                               {"unknowns", model.parameters},
-                              {"chi2", finite(model.chi2)},
-                              {"aic", finite(model.aic)},
-                              {"bic", finite(model.bic)},
+                              {"chi2", finite_json(model.chi2)},
+                              {"aic", finite_json(model.aic)},
+                              {"bic", finite_json(model.bic)},
                               {"sentence", model.sentence}});
   json["left_out"] = result.left_out;
   json["systematics"] = result.systematics;
   if (result.common_error_sd.size() > 0) {
     for (std::size_t i = 0; i < result.parameters.size(); ++i) {
       const fit::FitParameter parameter = result.parameters[i].parameter;
-      json["coding"]["sd"][fit::to_string(parameter)] = finite(
+      json["coding"]["sd"][fit::to_string(parameter)] = finite_json(
           result.common_error_sd(static_cast<Eigen::Index>(i)) * campaign_unit_per_si(parameter, mm_per_px));
     }
     json["coding"]["exceeds_interval"] = result.common_errors_dominate;
@@ -236,7 +232,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   Json json;
   json["parameters"] = parameters_json(result, reference_mm_per_px(runs));
   json["correlation"] = correlation_json(result);
-  json["chi2"] = finite(result.chi2);
+  json["chi2"] = finite_json(result.chi2);
   json["dof"] = result.dof;
   json["agreement"] = fit::to_string(result.agreement);
   json["converged"] = result.converged;
@@ -256,7 +252,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   for (const fit::SlideResult& slide : result.slides) json["slides"].push_back(slide_result_json(slide));
   if (result.slides.size() > 1)
     json["between_slides"] = {{"sd", result.between_slides},
-                              {"p_value", finite(result.between_slides_p_value)}};
+                              {"p_value", finite_json(result.between_slides_p_value)}};
   const double mm_per_px = reference_mm_per_px(runs);
   json["next_experiment"] = result.next_experiment ? next_json(*result.next_experiment, mm_per_px) : Json();
   json["other_next_experiments"] = Json::array();

@@ -237,6 +237,16 @@ bool lamp_gave_phi(const fit::GateTiming& gate) {
   return gate.on_level != gate.off_level;
 }
 
+void put_recording(Json& json, const TrackFile& track, const std::vector<std::string>& warnings) {
+  if (track.mm_per_px) {
+    json["mm_per_px"] = *track.mm_per_px;
+    json["mm_per_px_sd"] = track.mm_per_px_sd.value_or(0);
+  }
+  json["frames"] = track.frames;
+  json["tracked"] = track.table.time.size();
+  json["warnings"] = warnings;
+}
+
 Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
   Json json = Json::object();
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
@@ -295,13 +305,7 @@ Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
                       {"exceeds_interval", m.coded->exceeds}};
   json["phase_at_start_rad"] = m.phase_at_start;
   json["phase_source"] = m.phase_source;
-  if (track.mm_per_px) {
-    json["mm_per_px"] = *track.mm_per_px;
-    json["mm_per_px_sd"] = track.mm_per_px_sd.value_or(0);
-  }
-  json["frames"] = track.frames;
-  json["tracked"] = track.table.time.size();
-  json["warnings"] = m.warnings;
+  put_recording(json, track, m.warnings);
   return json;
 }
 

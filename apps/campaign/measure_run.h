@@ -76,5 +76,7 @@ bool lamp_gave_phi(const fit::GateTiming& gate);
 
 /// The object `measure --json` prints: every quantity that was measured, with its _sd.
 Json measurement_json(const RunMeasurement& measurement, const TrackFile& track);
+/// Scale, frames and warnings: how every measurement's object ends.
+void put_recording(Json& json, const TrackFile& track, const std::vector<std::string>& warnings);
 
 }  // namespace tribotrack::apps

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/text/number_text.h"
+#include "apps/campaign/measure_run.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::apps {
@@ -18,19 +18,6 @@ double slow_curvature_sd(double sd, double correlation, double time) {
   if (!(sd > 0) || !(time > 0)) return 0;
   const double independent = std::max(3.0, correlation > 0 ? time / correlation : 3.0);
   return sd * std::sqrt(720 / independent) / (time * time);
-}
-
-std::string with_sd(double value, double sd) {
-  return sd > 0 ? fmt::format("{} +- {}", rounded_to_sd(value, sd), rounded_to_sd(sd, sd))
-                : fmt::format("{:.6g}", value);
-}
-
-std::string line(const char* name, const std::string& text) {
-  return fmt::format("{:<16}{}\n", name, text);
-}
-
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
 }
 
 }  // namespace
@@ -71,28 +58,28 @@ SlideMeasurement measure_slide(const std::string& name, const TrackFile& track, 
 
 Json slide_result_json(const fit::SlideResult& slide) {
   Json json = {{"name", slide.run},
-               {"mu1", finite(slide.mu1.value)},
-               {"mu1_sd", finite(slide.mu1.sd)},
-               {"ci95", Json::array({finite(slide.ci95.low), finite(slide.ci95.high)})},
-               {"chi2", finite(slide.chi2)},
+               {"mu1", finite_json(slide.mu1.value)},
+               {"mu1_sd", finite_json(slide.mu1.sd)},
+               {"ci95", Json::array({finite_json(slide.ci95.low), finite_json(slide.ci95.high)})},
+               {"chi2", finite_json(slide.chi2)},
                {"dof", slide.dof},
-               {"p_value", finite(slide.p_value)},
+               {"p_value", finite_json(slide.p_value)},
                {"scatter_mm", slide.scatter * 1e3},
                {"points", slide.points},
                {"first_frame", slide.first_frame},
                {"last_frame", slide.last_frame},
-               {"speed_mm_s", finite(slide.speed * 1e3)},
-               {"stop_time_s", finite(slide.stop_time)},
+               {"speed_mm_s", finite_json(slide.speed * 1e3)},
+               {"stop_time_s", finite_json(slide.stop_time)},
                {"spin_seen", slide.spin_seen}};
   if (slide.spin_seen) {
-    json["spin_rad_s"] = finite(slide.spin.value);
-    json["spin_rad_s_sd"] = finite(slide.spin.sd);
-    json["spin_ratio"] = finite(slide.spin_ratio.value);
-    json["spin_ratio_sd"] = finite(slide.spin_ratio.sd);
-    json["bearing_over_radius"] = finite(slide.bearing.value);
-    json["bearing_over_radius_sd"] = finite(slide.bearing.sd);
+    json["spin_rad_s"] = finite_json(slide.spin.value);
+    json["spin_rad_s_sd"] = finite_json(slide.spin.sd);
+    json["spin_ratio"] = finite_json(slide.spin_ratio.value);
+    json["spin_ratio_sd"] = finite_json(slide.spin_ratio.sd);
+    json["bearing_over_radius"] = finite_json(slide.bearing.value);
+    json["bearing_over_radius_sd"] = finite_json(slide.bearing.sd);
   } else {
-    json["mu1_change_by_half_spin"] = finite(slide.change_by_half_spin);
+    json["mu1_change_by_half_spin"] = finite_json(slide.change_by_half_spin);
   }
   json["blows"] = Json::array();
   for (const fit::Blow& blow : slide.blows)
@@ -109,47 +96,13 @@ Json slide_measurement_json(const SlideMeasurement& m, const TrackFile& track) {
   Json json = slide_result_json(m.slide);
   json.erase("name");
   json["kind"] = "free_slide";
-  json["deceleration_mm_s2"] = finite(m.deceleration.value * 1e3);
-  json["deceleration_mm_s2_sd"] = finite(m.deceleration.sd * 1e3);
-  json["deceleration_mm_s2_slow_sd"] = finite(m.deceleration_slow_sd * 1e3);
+  json["deceleration_mm_s2"] = finite_json(m.deceleration.value * 1e3);
+  json["deceleration_mm_s2_sd"] = finite_json(m.deceleration.sd * 1e3);
+  json["deceleration_mm_s2_slow_sd"] = finite_json(m.deceleration_slow_sd * 1e3);
   json["gravity_m_s2"] = m.gravity;
   json["stop_seen"] = m.stop_seen;
-  if (track.mm_per_px) {
-    json["mm_per_px"] = *track.mm_per_px;
-    json["mm_per_px_sd"] = track.mm_per_px_sd.value_or(0);
-  }
-  json["frames"] = track.frames;
-  json["tracked"] = track.table.time.size();
-  json["warnings"] = m.warnings;
+  put_recording(json, track, m.warnings);
   return json;
-}
-
-std::string slide_measurement_text(const SlideMeasurement& m, const TrackFile& track) {
-  const fit::SlideResult& s = m.slide;
-  std::string text =
-      line("frames", fmt::format("{}, part tracked in {}", track.frames, track.table.time.size()));
-  text +=
-      line("free slide", fmt::format("frames {} to {}, {} points", s.first_frame, s.last_frame, s.points));
-  text += line("speed", fmt::format("{:.4g} mm/s at its first point", 1e3 * s.speed));
-  text += line("deceleration", with_sd(1e3 * m.deceleration.value, 1e3 * m.deceleration.sd) + " mm/s^2");
-  if (m.deceleration_slow_sd > 0)
-    text += line("  slow sd", fmt::format("{:.2g} mm/s^2: what the track's slow errors can add",
-                                          1e3 * m.deceleration_slow_sd));
-  text += line("mu1", fmt::format("{} with g = {} m/s^2", with_sd(s.mu1.value, m.deceleration.sd / m.gravity),
-                                  m.gravity));
-  text += line("stop", fmt::format("{:.5g} s{}", s.stop_time, m.stop_seen ? "" : ", after the track ends"));
-  if (s.spin_seen) {
-    text += line("spin", with_sd(s.spin.value, s.spin.sd) + " rad/s at its first point");
-    text += line("  rim / slide", with_sd(s.spin_ratio.value, s.spin_ratio.sd) + " of the speed");
-  } else {
-    text +=
-        line("spin", fmt::format("not seen; a rim speed of half the slide's would make mu1 {:.2g} % larger",
-                                 100 * s.change_by_half_spin));
-  }
-  text += line("chi2", fmt::format("{:.4g} at {} degrees of freedom", s.chi2, s.dof));
-  if (track.mm_per_px)
-    text += line("scale", with_sd(*track.mm_per_px, track.mm_per_px_sd.value_or(0)) + " mm per pixel");
-  return text;
 }
 
 }  // namespace tribotrack::apps

@@ -24,8 +24,6 @@ SlideMeasurement measure_slide(const std::string& name, const TrackFile& track, 
 
 /// The object `measure --json` prints of a free slide.
 Json slide_measurement_json(const SlideMeasurement& measurement, const TrackFile& track);
-/// What `measure` prints for people.
-std::string slide_measurement_text(const SlideMeasurement& measurement, const TrackFile& track);
 
 /// An entry of `slides` in fit.json.
 Json slide_result_json(const fit::SlideResult& slide);

@@ -98,4 +98,32 @@ std::string measurement_text(const RunMeasurement& m, const TrackFile& track) {
   return text;
 }
 
+std::string slide_measurement_text(const SlideMeasurement& m, const TrackFile& track) {
+  const fit::SlideResult& s = m.slide;
+  std::string text =
+      line("frames", fmt::format("{}, part tracked in {}", track.frames, track.table.time.size()));
+  text +=
+      line("free slide", fmt::format("frames {} to {}, {} points", s.first_frame, s.last_frame, s.points));
+  text += line("speed", fmt::format("{:.4g} mm/s at its first point", 1e3 * s.speed));
+  text += line("deceleration", with_sd(m.deceleration, kMillimetre) + " mm/s^2");
+  if (m.deceleration_slow_sd > 0)
+    text += line("  slow sd", fmt::format("{:.2g} mm/s^2: what the track's slow errors can add",
+                                          1e3 * m.deceleration_slow_sd));
+  text += line("mu1", fmt::format("{} with g = {} m/s^2",
+                                  with_sd({s.mu1.value, m.deceleration.sd / m.gravity}), m.gravity));
+  text += line("stop", fmt::format("{:.5g} s{}", s.stop_time, m.stop_seen ? "" : ", after the track ends"));
+  if (s.spin_seen) {
+    text += line("spin", with_sd(s.spin) + " rad/s at its first point");
+    text += line("  rim / slide", with_sd(s.spin_ratio) + " of the speed");
+  } else {
+    text +=
+        line("spin", fmt::format("not seen; a rim speed of half the slide's would make mu1 {:.2g} % larger",
+                                 100 * s.change_by_half_spin));
+  }
+  text += line("chi2", fmt::format("{:.4g} at {} degrees of freedom", s.chi2, s.dof));
+  if (track.mm_per_px)
+    text += line("scale", with_sd({*track.mm_per_px, track.mm_per_px_sd.value_or(0)}) + " mm per pixel");
+  return text;
+}
+
 }  // namespace tribotrack::apps

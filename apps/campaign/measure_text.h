@@ -4,11 +4,15 @@
 #include <string>
 
 #include "apps/campaign/measure_run.h"
+#include "apps/campaign/measure_slide.h"
 
 namespace tribotrack::apps {
 
 /// Lines of displacement, platform, gate and scale, each ending in a newline. Every digit is in
 /// measurement_json().
 std::string measurement_text(const RunMeasurement& measurement, const TrackFile& track);
+
+/// What `measure` prints for people.
+std::string slide_measurement_text(const SlideMeasurement& measurement, const TrackFile& track);
 
 }  // namespace tribotrack::apps

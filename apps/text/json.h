@@ -1,6 +1,7 @@
 // JSON as this program reads and writes it.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +19,11 @@ std::string text_of(const Json& json);
 Json read_json(const std::filesystem::path& path);
 
 /// null where there is no value.
+/// null for what is not finite.
+inline Json finite_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
 template <class T>
 Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json();

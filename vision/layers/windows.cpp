@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <opencv2/core.hpp>
 
 #include "vision/io/window.h"
 #include "vision/layers/model/median_ground.h"
@@ -87,12 +88,13 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
 }
 
 /// As at the border, beyond it.
-Picture beyond_border(const Picture& picture, const Rect& here, const Rect& wider) {
+Picture beyond_border(Picture picture, const Rect& here, const Rect& wider) {
+  const cv::Mat inner(here.height, here.width, CV_32F, picture.levels().data());
   Picture out(wider.width, wider.height);
-  for (int y = 0; y < wider.height; ++y)
-    for (int x = 0; x < wider.width; ++x)
-      out.at(x, y) = picture.at(std::clamp(wider.x + x - here.x, 0, here.width - 1),
-                                std::clamp(wider.y + y - here.y, 0, here.height - 1));
+  cv::Mat outer(wider.height, wider.width, CV_32F, out.levels().data());
+  const int left = here.x - wider.x, top = here.y - wider.y;
+  cv::copyMakeBorder(inner, outer, top, wider.height - here.height - top, left,
+                     wider.width - here.width - left, cv::BORDER_REPLICATE);
   return out;
 }
 

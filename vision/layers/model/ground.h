@@ -47,8 +47,10 @@ class GroundPicture {
               float* slope_x = nullptr, float* slope_y = nullptr) const;
   /// Of G - mean G; 0 where the ground was never seen. Its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
-  /// Of G at the places of the region: what a place's level scatters in time over the number of frames, the
-  /// texture's variance where it was never seen.
+  /// Of G at the places of the region, grey levels^2: that of the estimate of least mean square error,
+  ///   1 / (n / s^2 + 1 / t^2),
+  /// s^2 what a place's level scatters by in time, n the frames that show it (alpha^2 counts of one that sees
+  /// it beside the part), t the texture; so t^2 where it was never seen.
   const Picture& variance() const { return variance_; }
   double mean() const { return mean_; }
   /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are

@@ -3,17 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/median.h"
+
 namespace tribotrack::vision {
-namespace {
-
-float median_of(std::vector<float>& levels) {
-  if (levels.empty()) return 0;
-  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-  std::nth_element(levels.begin(), middle, levels.end());
-  return *middle;
-}
-
-}  // namespace
 
 void UsualGround::add(Picture picture, const Circle& hidden) {
   pictures_.push_back(std::move(picture));
@@ -33,7 +25,7 @@ Picture UsualGround::median() const {
       for (int x = 0; x < region_.width; x += 3)
         if (uncovered(k, x, y) && uncovered(0, x, y) && pictures_[k].at(x, y) > 0)
           levels.push_back(pictures_[0].at(x, y) / pictures_[k].at(x, y));
-    light.push_back(levels.empty() ? 1 : median_of(levels));
+    light.push_back(levels.empty() ? 1 : vision::median(levels));
   }
   Picture out(region_.width, region_.height);
   std::vector<float> all;
@@ -48,10 +40,10 @@ Picture UsualGround::median() const {
                         static_cast<std::size_t>(x));
         continue;
       }
-      out.at(x, y) = median_of(levels);
+      out.at(x, y) = vision::median(levels);
       all.push_back(out.at(x, y));
     }
-  const float usual = median_of(all);
+  const float usual = vision::median(all);
   for (const std::size_t at : never) out.levels()[at] = usual;
   return out;
 }
