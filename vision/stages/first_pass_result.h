@@ -10,16 +10,16 @@
 namespace tribotrack::vision {
 
 struct FirstPassResult {
-  std::int64_t first_index = 0;  ///< of the track's first point in the source
-  std::int64_t total = 0;        ///< frames analysed
-  Circle disc;                   ///< in the first frame
-  double blur = 0;               ///< of its rim, px; 0 where the part is not a disc
-  bool turning = false;          ///< the part's texture shows its rotation
-  bool texture_seen = false;     ///< in the first frame there is a texture that would show it
-  std::vector<double> theta;     ///< that rotation, rad, one per point; 0 where not ok
+  std::int64_t first_index = 0;     ///< of the track's first point in the source
+  std::int64_t total = 0;           ///< frames analysed
+  Circle disc;                      ///< in the first frame
+  double blur = 0;                  ///< of its rim, px; 0 where the part is not a disc
+  bool turning = false;             ///< the part's texture shows its rotation
+  bool texture_seen = false;        ///< in the first frame there is a texture that would show it
+  std::vector<double> theta;        ///< that rotation, rad, one per point; 0 where not ok
   std::vector<double> sigma_theta;  ///< its standard deviation; 0 where it was not measured
-  std::vector<bool> by_rim;      ///< measured by the rim alone: where the template was not confirmed theta is
-                                 ///< as predicted; complete after the last frame
+  std::vector<bool> by_rim;  ///< measured by the rim alone: where the template was not confirmed theta is
+                             ///< as predicted; complete after the last frame
   std::vector<AuditFrame> audited;  ///< frames whose halves were compared
   std::vector<double> residual;     ///< grey levels rms, one per point; 0 where not ok
   double noise_variance = 0;

@@ -31,7 +31,8 @@ TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
   job_.track.progress = [&](std::int64_t, std::int64_t) {
     std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
   };
-  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_), "t.csv"); }), HasSubstr("a.cine: changed while"));
+  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_), "t.csv"); }),
+              HasSubstr("a.cine: changed while"));
 }
 
 TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
