@@ -28,8 +28,22 @@
 namespace tribotrack::fit {
 
 /// A parameter that can be fitted. Values are SI; scale is the factor on every measured length (1 = as
-/// measured).
-enum class FitParameter { mu1, mu2, lag, delay, amplitude, angular_frequency, scale, tilt_x, tilt_y };
+/// measured). Those behind tilt_y are conditions only (Problem::conditions).
+enum class FitParameter {
+  mu1,
+  mu2,
+  lag,
+  delay,
+  amplitude,
+  angular_frequency,
+  scale,
+  tilt_x,
+  tilt_y,
+  amplitude_ratio,  ///< factor on the A_y/A of every run; 1 = as given
+  phase_shift,      ///< rad, added to the epsilon of every run
+  phase_reference,  ///< rad, added to the phase of every pulse: where the platform's phase is counted from
+  gravity
+};
 
 const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",
                                                 ///< ... as in campaigns
@@ -39,12 +53,28 @@ struct Prior {
   double sd = 0;
 };
 
+/// A condition that all runs share and that is known to an sd: an unknown of the fit with the runs' own value
+/// as its prior mean. Amplitude and frequency are those of the first driven run, to which the others keep
+/// their ratio; tilts and gravity likewise.
+struct Condition {
+  FitParameter quantity = FitParameter::amplitude;
+  double sd = 0;     ///< SI, in the unit of the quantity (relative for scale and amplitude_ratio)
+  std::string from;  ///< where value and sd came from, for the budget: "marker, 14 runs", "campaign"
+};
+
+/// Errors of what one run alone measures of its conditions (its gate, the phase at its start, its own A).
+struct OwnErrors {
+  std::vector<model::Parameter> parameters;
+  Eigen::MatrixXd covariance;  ///< SI, of them
+};
+
 /// A run with a displacement over whole cycles, measured by us or elsewhere.
 struct SummaryRun {
   std::string name;
   model::Scenario scenario;  ///< all but the fitted parameters: drive, phi, dtau, start, start_phase, cycles
   Displacement measured;
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
+  OwnErrors own = {};                 ///< counted beside the covariance of `measured`
 };
 
 /// How fast the part of a free slide turns at its first point, and on how much of its face it bears:
@@ -83,6 +113,7 @@ struct Problem {
   /// slides.
   double between_slides = 0;
   double scale_sd = 0;  ///< relative sd of the scale common to all runs, a nuisance parameter with a prior
+  std::vector<Condition> conditions;  ///< each quantity once at most; one that is fitted needs none
   /// Errors of the platform's motion that all runs share, such as a coder's: sd of its phase, rad, and of its
   /// amplitude, relative. They are counted in the intervals beside the data's own.
   double common_phase_sd = 0, common_amplitude_sd = 0;

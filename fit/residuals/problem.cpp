@@ -88,6 +88,14 @@ const char* to_string(FitParameter parameter) {
       return "tilt_x_rad";
     case FitParameter::tilt_y:
       return "tilt_y_rad";
+    case FitParameter::amplitude_ratio:
+      return "amplitude_ratio";
+    case FitParameter::phase_shift:
+      return "phase_shift_rad";
+    case FitParameter::phase_reference:
+      return "phase_reference_rad";
+    case FitParameter::gravity:
+      return "gravity_m_s2";
   }
   return "?";
 }
