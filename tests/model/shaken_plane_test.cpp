@@ -33,20 +33,20 @@ struct Shaken {
 
 TEST(ShakenPlane, FollowsTheClosedFormInEveryDirection) {
   std::mt19937 random(104);
-  for (const double eta : {0.1, 0.2, 0.5, 0.53, 0.54, 0.6, 0.8, 0.95, 0.999})
-    for (int k = 0; k < 4; ++k) {
+  for (const double eta : {1e-9, 1e-6, 1e-3, 0.02, 0.05, 0.1, 0.2, 0.5, 0.53, 0.54, 0.6, 0.8, 0.95, 0.999})
+    for (int k = 0; k < 10; ++k) {
       const Shaken shaken(eta, std::uniform_real_distribution<double>(0, 2 * pi)(random));
       SCOPED_TRACE("eta " + std::to_string(eta) + " angle " + std::to_string(shaken.angle));
       const ShakenPlane exact(eta, 40 * ShakenPlane::kPi);
       const Trajectory run = integrate(shaken.scenario);
       const double speed = shaken.unit() * shaken.scenario.drive.angular_frequency;
-      for (int i = 0; i <= 200; ++i) {
-        const double t = run.end_time() * i / 200;
+      for (int i = 0; i <= 100; ++i) {
+        const double t = run.end_time() * i / 100;
         const ShakenPlane::Real tau = ShakenPlane::Real(shaken.scenario.drive.angular_frequency) * t;
         const Sample at = run.at(t);
         const double x = static_cast<double>(exact.position(tau)),
                      u = static_cast<double>(exact.velocity(tau));
-        EXPECT_NEAR((at.position / shaken.unit() - x * shaken.line()).norm(), 0, 2e-13) << t;
+        EXPECT_NEAR((at.position / shaken.unit() - x * shaken.line()).norm(), 0, 2e-13 + 2e-14 * std::abs(x)) << t;
         EXPECT_NEAR((at.velocity / speed - u * shaken.line()).norm(), 0, 2e-13) << t;
       }
     }

@@ -117,10 +117,10 @@ void add_tilts(ExtremeList& list) {
     }
 }
 
-/// Without rests, next to where they begin, and with them.
+/// Hardly braked, without rests, next to where they begin, and with them.
 void add_shaken_planes(ExtremeList& list) {
   const double boundary = static_cast<double>(ShakenPlane::least_eta_with_rests());
-  for (const double eta : {0.3, boundary, 0.8}) {
+  for (const double eta : {1e-3, 0.3, boundary, 0.8}) {
     const double angle = pi / 6;
     Scenario s = shaken_plane_scenario(eta, angle);
     s.cycles = list.slip.base.cycles - 0.25;
