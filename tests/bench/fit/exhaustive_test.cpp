@@ -72,8 +72,9 @@ TEST(SearchCampaign, DISABLED_MissesOneMinimumOfAThousandAtMost) {
     missed += outcome.missed();
     better += outcome.better();
     if (outcome.missed() || outcome.better()) print(outcome);
-    if (outcome.index < static_cast<int>(std::size(kLeast)))
+    if (outcome.index < static_cast<int>(std::size(kLeast))) {
       EXPECT_NEAR(outcome.least.chi2, kLeast[outcome.index], 0.01) << "campaign " << outcome.index;
+    }
   }
   std::printf("%d missed, %d lower than by exhaustive search\n", missed, better);
   EXPECT_LE(missed, 1);
