@@ -90,15 +90,17 @@ class Grid {
     const double ratio = std::log(0.005) + std::log(300) * (k / kLag % kRatio) / (kRatio - 1);
     return {mu1, mu1 + ratio, 2 * pi * (k % kLag) / kLag - pi};
   }
-  /// None of its neighbours is below.
+  /// None of its neighbours is below, and none before it on the same plain.
   bool lowest(int k) const {
     const int mu1 = k / (kRatio * kLag), ratio = k / kLag % kRatio, lag = k % kLag;
+    const double here = chi2_[static_cast<std::size_t>(k)];
     for (int i = std::max(0, mu1 - 1); i <= std::min(kMu1 - 1, mu1 + 1); ++i)
       for (int j = std::max(0, ratio - 1); j <= std::min(kRatio - 1, ratio + 1); ++j)
-        for (int l = lag - 1; l <= lag + 1; ++l)
-          if (chi2_[static_cast<std::size_t>((i * kRatio + j) * kLag + (l + kLag) % kLag)] <
-              chi2_[static_cast<std::size_t>(k)])
-            return false;
+        for (int l = lag - 1; l <= lag + 1; ++l) {
+          const int other = (i * kRatio + j) * kLag + (l + kLag) % kLag;
+          const double there = chi2_[static_cast<std::size_t>(other)];
+          if (there < here || (other < k && there < here + 1e-6)) return false;
+        }
     return true;
   }
 
