@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "apps/campaign/measure_run.h"
-#include "apps/campaign/measure_slide.h"
-#include "apps/campaign/measure_text.h"
+#include "apps/measuring/measure_run.h"
+#include "apps/measuring/measure_slide.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"

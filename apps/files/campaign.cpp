@@ -133,6 +133,24 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
   return section;
 }
 
+/// The sds of what this run alone is given.
+void read_sds(StrictTable& table, CampaignRun& run) {
+  for (const auto& [key, sd] :
+       {std::pair{"phi_rad", &run.phi_sd}, std::pair{"dtau_rad", &run.dtau_sd},
+        std::pair{"amplitude_mm", &run.amplitude_sd},
+        std::pair{"angular_frequency_rad_s", &run.angular_frequency_sd},
+        std::pair{"phase_at_zero_rad", &run.phase_at_zero_sd},
+        std::pair{"start_phase_rad", &run.start_phase_sd}}) {
+    *sd = read_sd(table, key);
+    if (*sd && run.free_slide)
+      table.fail(std::string(key) + "_sd", "belongs to a driven run: a free slide's platform rests");
+  }
+  if (run.amplitude_sd) *run.amplitude_sd *= 1e-3;
+  run.mm_per_px_sd = read_sd(table, "mm_per_px");
+  if (run.start_phase_sd && run.phase_at_zero)
+    table.fail("start_phase_rad_sd", "is not needed: phase_at_zero_rad gives the phase at the start");
+}
+
 CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefaults& defaults) {
   CampaignRun run;
   run.place = table.place();
@@ -157,6 +175,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
     run.last_frame = (*frames)[1];
   }
   run.mm_per_px = table.positive("mm_per_px");
+  read_sds(table, run);
   run.disc_px = read_circle(table, "disc_px");
   run.marker_px = read_circle(table, "marker_px");
   if (const auto scope = table.text("scope")) run.scope = campaign.file.parent_path() / *scope;
@@ -241,9 +260,9 @@ Campaign read_campaign(const fs::path& file) {
   Campaign campaign;
   campaign.file = file;
   campaign.input = hashed_input(file, text);
-  if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
-  if (auto table = top.table("part")) campaign.part = read_part(*table);
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
+  if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path(), WithSd::yes);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);

@@ -1,4 +1,4 @@
-#include "apps/campaign/measure_run.h"
+#include "apps/measuring/measure_run.h"
 
 #include <fmt/format.h>
 
