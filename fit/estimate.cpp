@@ -22,6 +22,7 @@
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/bootstrap.h"
+#include "fit/uncertainty/budget.h"
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/profile.h"
 #include "fit/variances/excess_variance.h"
@@ -204,7 +205,6 @@ FitResult Estimation::report() {
     result.bootstrap_seed = options_.bootstrap_seed;
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
-  add_common_errors(residuals_, best, uncertainty_, t_, result);
   result.identifiability = identifiability(unknowns_, values_, uncertainty_);
   compare_with_profiles(unknowns_, result.parameters, result.identifiability);
   fill_excess_variance(residuals_, options_.estimate_scatter, result);
@@ -213,6 +213,8 @@ FitResult Estimation::report() {
   result.neighbours_err_alike = result.runs_test_p_value < kAlike;
   fill_runs(residuals_, best, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
+  result.budget = budget(residuals_, best, uncertainty_);
+  result.improve_first = improve_first(result.budget, result.parameters);
   fill_systematics(residuals_, best, uncertainty_, result);
   fill_minima(residuals_, search_, excess_, result);
   fill_failures(residuals_, best, result);

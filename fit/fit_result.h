@@ -122,6 +122,18 @@ struct ModelComparison {
   std::string sentence;  ///< its additional parameters
 };
 
+/// A source of uncertainty and what it does to the parameters (JCGM 100:2008, sections 5 and 8). The squares
+/// of all counted contributions to a parameter add up to the square of its sd.
+struct BudgetEntry {
+  std::string source;    ///< "tracking noise", "platform's amplitude", ...
+  std::string quantity;  ///< name with unit of what has the sd, as in campaigns; empty for data
+  double sd = 0;         ///< of that, SI; where it was taken as exact, what an assumed error is
+  std::string from;      ///< where value and sd came from
+  bool counted = true;   ///< false: taken as exact, or compared only; the contribution is what it would add
+  Eigen::VectorXd contribution;  ///< of each parameter, SI: |sensitivity| sd
+  Eigen::VectorXd sensitivity;   ///< d parameter / d quantity, SI; empty for data
+};
+
 /// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
 enum class Loss { squares, huber, cauchy };
 
@@ -219,11 +231,10 @@ struct FitResult {
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;
   Loss loss = Loss::squares;
-  /// What Problem::common_phase_sd and common_amplitude_sd add, in the covariance and the intervals: standard
-  /// deviations of the parameters in their order; empty without them.
-  Eigen::VectorXd common_error_sd;
-  /// One of them exceeds half the width of the interval that the data alone give.
-  bool common_errors_dominate = false;
+  std::vector<BudgetEntry> budget;  ///< counted sources first, largest first
+  std::string improve_first;        ///< a sentence: what to do about the largest
+  /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
+  Eigen::VectorXd sd_from(const std::string& place) const;
   /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
   std::vector<std::string> systematics;
 

@@ -16,9 +16,6 @@ void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& resul
 /// Shifts of the parameters by 1 % in A and in w.
 void fill_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                       FitResult& result);
-/// Counts Problem::common_phase_sd and common_amplitude_sd in covariance and intervals. After the profiles.
-void add_common_errors(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                       const std::vector<double>& t, FitResult& result);
 /// All minima near the best, the lag folded; the best with its final values first. `excess`: of chi^2 at the
 /// search, Residuals::excess().
 void fill_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result);

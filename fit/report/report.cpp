@@ -93,6 +93,13 @@ double FitResult::value(FitParameter parameter) const {
   throw DataError(std::string(to_string(parameter)) + " was not fitted.");
 }
 
+Eigen::VectorXd FitResult::sd_from(const std::string& place) const {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size()));
+  for (const BudgetEntry& entry : budget)
+    if (entry.counted && entry.from == place) squares += entry.contribution.cwiseAbs2();
+  return squares.cwiseSqrt();
+}
+
 std::string FitResult::brief_report() const {
   std::string text;
   for (const auto& p : parameters) {
