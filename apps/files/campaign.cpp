@@ -135,18 +135,21 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
 
 /// The sds of what this run alone is given.
 void read_sds(StrictTable& table, CampaignRun& run) {
-  for (const auto& [key, sd] :
-       {std::pair{"phi_rad", &run.phi_sd}, std::pair{"dtau_rad", &run.dtau_sd},
-        std::pair{"amplitude_mm", &run.amplitude_sd},
-        std::pair{"angular_frequency_rad_s", &run.angular_frequency_sd},
-        std::pair{"phase_at_zero_rad", &run.phase_at_zero_sd},
-        std::pair{"start_phase_rad", &run.start_phase_sd}}) {
+  for (const auto& [key, sd] : {std::pair{"phi_rad", &run.phi_sd}, std::pair{"dtau_rad", &run.dtau_sd},
+                                std::pair{"amplitude_mm", &run.amplitude_sd},
+                                std::pair{"angular_frequency_rad_s", &run.angular_frequency_sd},
+                                std::pair{"phase_at_zero_rad", &run.phase_at_zero_sd},
+                                std::pair{"start_phase_rad", &run.start_phase_sd}}) {
     *sd = read_sd(table, key);
     if (*sd && run.free_slide)
       table.fail(std::string(key) + "_sd", "belongs to a driven run: a free slide's platform rests");
   }
   if (run.amplitude_sd) *run.amplitude_sd *= 1e-3;
   run.mm_per_px_sd = read_sd(table, "mm_per_px");
+  if (!run.video)
+    for (const auto& [key, sd] : {std::pair{"phase_at_zero_rad_sd", run.phase_at_zero_sd},
+                                  std::pair{"mm_per_px_sd", run.mm_per_px_sd}})
+      if (sd) table.fail(key, "belongs to a run with a video");
   if (run.start_phase_sd && run.phase_at_zero)
     table.fail("start_phase_rad_sd", "is not needed: phase_at_zero_rad gives the phase at the start");
 }
@@ -262,7 +265,8 @@ Campaign read_campaign(const fs::path& file) {
   campaign.input = hashed_input(file, text);
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
   if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path(), WithSd::yes);
+  if (auto table = top.table("camera"))
+    campaign.camera = read_camera(*table, file.parent_path(), WithSd::yes);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
