@@ -16,8 +16,6 @@ using model::Parameter;
 
 namespace {
 
-constexpr const char* kByDiameter = "part's diameter";  ///< TrackFacts::scale_source
-
 bool takes_part(const AnalysedRun& run) {
   return run.failure.empty();
 }
@@ -28,7 +26,7 @@ bool scaled(const AnalysedRun& run) {
   return takes_part(run) && run.track && run.track->mm_per_px && *run.track->mm_per_px > 0;
 }
 bool scaled_by_diameter(const AnalysedRun& run) {
-  return scaled(run) && run.track->facts.scale_source == kByDiameter;
+  return scaled(run) && run.track->facts.scale_source == kScaledByDiameter;
 }
 
 double scale_sd(const AnalysedRun& run) {

@@ -12,6 +12,9 @@
 
 namespace tribotrack::apps {
 
+/// TrackFacts::scale_source of a scale by the part's diameter.
+inline constexpr const char* kScaledByDiameter = "part's diameter";
+
 /// How A, A_y, w or epsilon came into the runs' scenarios.
 struct SharedQuantity {
   double shared_sd = 0;   ///< relative, of an angle rad: what all runs share of its error; 0 exact, or own

@@ -57,7 +57,8 @@ PartSection read_part(StrictTable& table, WithSd with_sd) {
   if (earlier_name && diameter_sd)
     table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
   if (earlier_name.value_or(0) > 0 && !part.diameter_mm)
-    table.fail("diameter_sd_mm", "is the sd of `diameter_mm`, which is not given here: give both, or neither");
+    table.fail("diameter_sd_mm",
+               "is the sd of `diameter_mm`, which is not given here: give both, or neither");
   part.diameter_sd_mm = diameter_sd.value_or(earlier_name.value_or(0));
   part.height_mm = table.positive("height_mm");
   if (with_sd == WithSd::yes) part.height_sd_mm = read_sd(table, "height_mm");

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "apps/files/given_sd.h"
+#include "apps/text/given_sd.h"
 #include "apps/text/strict_toml.h"
 #include "vision/picture.h"
 #include "vision/tracker.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/given_sd.h"
+#include "apps/text/given_sd.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"

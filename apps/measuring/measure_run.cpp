@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/measuring/unit_slip.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -155,6 +156,10 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
   if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
 }
 
+bool is_slip(double given, double measured) {
+  return std::abs(measured / given - 1) > kSlipShare;
+}
+
 void put(Json& json, const std::string& name, const fit::Estimate& estimate, double unit = 1) {
   json[name] = estimate.value / unit;
   json[name + "_sd"] = estimate.sd / std::abs(unit);
@@ -199,7 +204,11 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
     try {
       m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
     } catch (const fit::DataError& error) {
-      throw fit::DataError(fmt::format("{}: {}", name, error.what()));
+      if (!m.platform || !is_slip(m.angular_frequency->value, m.platform->angular_frequency.value))
+        throw fit::DataError(fmt::format("{}: {}", name, error.what()));
+      // The given w is no w of this recording: what it does show can be told.
+      m.angular_frequency = m.platform->angular_frequency;
+      m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
     }
   }
   return m;
@@ -211,10 +220,11 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
   const fit::Estimate& seen = measured.platform->angular_frequency;
   const double off = std::abs(seen.value - *given.angular_frequency);
   if (off <= 5 * seen.sd || off <= 2e-3 * *given.angular_frequency) return {};
-  return {fmt::format(
-      "{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}: the given value is "
-      "used; leave it out to use the measured one",
-      name, seen.value, seen.sd, *given.angular_frequency)};
+  const bool used = measured.angular_frequency->value == *given.angular_frequency;
+  return {fmt::format("{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}: {}",
+                      name, seen.value, seen.sd, *given.angular_frequency,
+                      used ? "the given value is used; leave it out to use the measured one"
+                           : "the measured value is used, the given one leaves nothing to measure")};
 }
 
 std::string CodedMotion::sentence() const {

@@ -1,4 +1,4 @@
-#include "apps/files/given_sd.h"
+#include "apps/text/given_sd.h"
 
 #include <fmt/format.h>
 
