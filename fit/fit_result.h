@@ -30,15 +30,20 @@ struct Interval {
 struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
-  /// From C = (J'J)^-1, J the whitened sensitivity d r/d theta at the minimum; infinite, as the interval, for
-  /// a parameter that a flat direction moves.
+  /// From C = (J'J)^-1, J the whitened sensitivity d r/d theta at the minimum; infinite, as
+  /// `covariance_ci95`, for a parameter that a flat direction moves.
   double sd = 0;
+  /// The interval to quote: the profile's where one of its ends differs from the covariance's by more than a
+  /// tenth of that one's half width, or it has two pieces; else the covariance's.
+  Interval ci95;
+  /// Two or more where values between are excluded, else one; `ci95` reaches from the first to the last.
+  std::vector<Interval> ci95_pieces;
   /// estimate -+ t sd with t = 1.96, or Student's t where a variance was estimated from the residuals. On the
   /// axis of the logarithm for mu1, A, w and scale, for mu2 too while sd < 0.3 mu2; else linear and cut at 0.
-  Interval ci95;
-  /// From the profile likelihood min over all others of chi^2 = chi^2_min + t^2: the reference where the
-  /// likelihood is no parabola. Infinite where open, 0 where mu is compatible with 0, NaN where not computed
-  /// (FitOptions::profiles).
+  Interval covariance_ci95;
+  /// Where the profile likelihood, min over all others of chi^2, is within t^2 of its minimum, over all
+  /// valleys: the reference where the likelihood is no parabola. Infinite where open, 0 where mu is
+  /// compatible with 0, NaN where not computed (FitOptions::profiles).
   Interval profile_ci95;
   /// 2.5 and 97.5 % points of refits to simulated data. NaN without FitOptions::bootstrap.
   Interval bootstrap_ci95;

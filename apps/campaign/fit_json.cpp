@@ -37,7 +37,12 @@ Json parameters_json(const fit::FitResult& result, double mm_per_px) {
     json[fit::to_string(p.parameter)] = {{"estimate", finite_json(p.estimate * unit)},
                                          {"sd", finite_json(p.sd * unit)},
                                          {"ci95", interval_json(p.ci95, unit)},
+                                         {"covariance_ci95", interval_json(p.covariance_ci95, unit)},
                                          {"profile_ci95", interval_json(p.profile_ci95, unit)}};
+    if (p.ci95_pieces.size() > 1) {
+      Json& pieces = json[fit::to_string(p.parameter)]["ci95_pieces"] = Json::array();
+      for (const fit::Interval& piece : p.ci95_pieces) pieces.push_back(interval_json(piece, unit));
+    }
     if (result.bootstrap > 0)
       json[fit::to_string(p.parameter)]["bootstrap_ci95"] = interval_json(p.bootstrap_ci95, unit);
   }
