@@ -64,6 +64,8 @@ class Displacements {
   std::vector<Eigen::LLT<Eigen::Matrix2d>> factors_;
 };
 
+constexpr int kCompassSearches = 12;
+
 /// chi^2 on a grid, periodic in the lag.
 class Grid {
  public:
@@ -149,8 +151,13 @@ ExhaustiveMinimum exhaustive_minimum(const fit::Problem& problem, int random) {
   std::vector<PlainDescent> ends;
   for (const int start : starts) ends.push_back(descend(residuals, grid.point(start), 60));
   std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) { return a.chi2 < b.chi2; });
-  for (std::size_t k = 0; k < std::min<std::size_t>(3, ends.size()); ++k)
+  // Ends at the same place count once.
+  int searched = 0;
+  for (std::size_t k = 0; k < ends.size() && searched < kCompassSearches; ++k) {
+    if (k > 0 && ends[k].chi2 - ends[k - 1].chi2 < 1e-4) continue;
+    ++searched;
     compass_search(data, ends[k].z, ends[k].chi2);
+  }
   const auto best = std::min_element(ends.begin(), ends.end(),
                                      [](const auto& a, const auto& b) { return a.chi2 < b.chi2; });
   return {best->chi2, truth_of(best->z), Grid::kPoints, static_cast<int>(starts.size())};
