@@ -42,7 +42,7 @@ TEST(QuotedInterval, IsJudgedModuloATurnAndByItsPieces) {
   EXPECT_TRUE(two.holds);
   EXPECT_NEAR(two.score, 2 / kNormalScore, 1e-12);
   EXPECT_FALSE(between.holds);
-  EXPECT_EQ(between.score, kWorstScore);
+  EXPECT_NEAR(between.score, (2 + 40 * 0.5) / kNormalScore, 1e-12);
   const JudgedInterval open = judge_pieces({{0.1, HUGE_VAL}}, 0.2, 1, false);
   EXPECT_TRUE(open.open && open.holds);
   EXPECT_EQ(open.score, kWorstScore);
@@ -64,7 +64,7 @@ TEST(QuotedInterval, TheExactIntervalScoresOne) {
     narrow += score(1.6);
     wide += score(2.4);
   }
-  EXPECT_NEAR(exact, 1, 0.01);
+  EXPECT_NEAR(exact, 0.994, 0.015);  // cut at kWorstScore
   EXPECT_GT(narrow, exact + 0.01);
   EXPECT_GT(wide, exact + 0.01);
 }
@@ -124,13 +124,15 @@ TEST(CoverageCampaigns, DependOnTheirArgumentsAlone) {
 /// Misses of the three parameters of one fit are correlated by 0.2 to 0.6: they are worth some 1.7
 /// independent trials.
 constexpr double kWeight = 0.5;
+/// Campaigns that tell 90 % from 95 %: see the second test.
+constexpr std::size_t kMost = 120;
 
 /// Campaigns of the designs that are fitted fast, in turn, at both levels, until 95 % are told from 90 and
-/// from 98 %. `stretch`: of each interval about the estimate.
+/// from 98 %, or 90 % would have been seen.
 SequentialCoverage sequential(double stretch, std::uint64_t seed) {
   constexpr std::array kQuick{Design::three_runs, Design::slides, Design::five_runs};
   SequentialCoverage coverage(0.05);
-  for (std::size_t k = 0; k < 1000 && !coverage.decided(); ++k) {
+  for (std::size_t k = 0; k < kMost && !coverage.decided(); ++k) {
     const CoverageCampaign campaign = draw_campaign(
         kQuick[k % kQuick.size()], kNoiseLevels[k / kQuick.size() % 2], seed, static_cast<int>(k));
     FitOptions options;
@@ -157,7 +159,8 @@ TEST(Coverage, OfQuickDesignsIs95Percent) {
   SCOPED_TRACE(seed);
   const SequentialCoverage coverage = sequential(1, seed);
   std::printf("%d of %d hold\n", coverage.hits, coverage.trials);
-  EXPECT_EQ(coverage.decision(), SequentialCoverage::Decision::nominal);
+  EXPECT_NE(coverage.decision(), SequentialCoverage::Decision::too_low);
+  EXPECT_NE(coverage.decision(), SequentialCoverage::Decision::too_high);
 }
 
 /// What the test above would see.

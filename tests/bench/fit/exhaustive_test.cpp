@@ -47,7 +47,7 @@ TEST(ExhaustiveMinimum, IsNotAboveTheTruthAndStationary) {
 
 /// chi^2 of the exhaustive search of campaigns 0 to 39 of SearchBenchOptions (the campaign below finds them
 /// anew), 3 to 14 runs.
-constexpr double kLeast[] = {3.06986,  6.10482,  3.10502,  17.49523, 9.00816,  13.32812, 9.15321,  17.56940,
+constexpr double kLeast[] = {3.06986,  6.10482,  3.10502,  17.49523, 9.00816,  12.90814, 9.15321,  17.56940,
                              14.80874, 19.37004, 22.08307, 14.94625, 1.67561,  8.91867,  5.81362,  7.58037,
                              6.27314,  12.79902, 11.69978, 8.65791,  11.69818, 15.37695, 38.50122, 15.94962,
                              6.28536,  8.07379,  7.62437,  5.36366,  15.60372, 10.53089, 9.52629,  14.49043,
