@@ -21,8 +21,8 @@ struct ExhaustiveMinimum {
 /// chi^2 = sum r' C^-1 r of the problem's displacements in mu1, mu2 and lag (those and no others fitted,
 /// drives alike). On a grid of mu1 from a tenth to ten times the sliding threshold (24 points, logarithmic),
 /// mu2/mu1 from 0.005 to 1.5 (12) and the lag's whole turn (36), a Levenberg-Marquardt from every point that
-/// none of its 26 neighbours is below, and from `random` others; then a compass search from the best twelve
-/// ends, which no kink stops.
+/// none of its 26 neighbours is below, and from `random` others; then from places some 3 % around the best
+/// end as long as that helps, and a compass search, which no kink stops.
 ExhaustiveMinimum exhaustive_minimum(const fit::Problem& problem, int random = 30);
 
 struct SearchBenchOptions {
