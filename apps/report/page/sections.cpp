@@ -155,10 +155,9 @@ std::string parameter_section(const ReportData& data) {
   if (!data.fitted || data.parameters.empty()) return "";
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
   html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
-              shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) + "</div>
-          < / div > " + condition_table(data);
-                        return html +
-                        "</section>\n";
+          shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
+          "</div>\n</div>\n" + condition_table(data);
+  return html + "</section>\n";
 }
 
 std::string provenance_section(const ReportData& data) {
