@@ -100,8 +100,8 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
   if (!analysed.run->free_slide) {
     const auto* gate =
         analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
-    json["phi_rad"] = gate ? gate->phi.value : analysed.run->phi;
-    json["dtau_rad"] = gate ? gate->dtau.value : analysed.run->dtau;
+    json["phi_rad"] = analysed.scenario.friction.phase;
+    json["dtau_rad"] = analysed.scenario.friction.pulse_width;
     json["phi_from"] = gate ? gate->source : "commanded";
     if (gate) {
       json["phi_rad_sd"] = gate->phi.sd;

@@ -232,9 +232,8 @@ ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportDat
   run.failure = analysed.failure;
   if (!run.failure.empty()) return run;
   if (!given.free_slide) {
-    const bool gate = analysed.measurement && analysed.measurement->gate;
-    run.phi_rad = finite(gate ? analysed.measurement->gate->phi.value : given.phi);
-    run.dtau_rad = finite(gate ? analysed.measurement->gate->dtau.value : given.dtau);
+    run.phi_rad = finite(analysed.scenario.friction.phase);
+    run.dtau_rad = finite(analysed.scenario.friction.pulse_width);
   }
   if (!given.video && given.alpha) {
     run.alpha_rad = *given.alpha;
