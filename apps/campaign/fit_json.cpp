@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "apps/campaign/problem.h"
+#include "apps/campaign/repeated.h"
 #include "apps/files/scenario_file.h"
 #include "apps/measuring/measure_slide.h"
 
@@ -109,6 +110,7 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
       json["commanded"] = {{"phi_rad", analysed.run->phi}, {"dtau_rad", analysed.run->dtau}};
     }
   }
+  if (!analysed.repeats.empty()) json["repeats"] = analysed.repeats;
   json["observables"] = Json::array();
   for (const fit::RunResult& run : result.runs) {
     if (run.name != analysed.run->name) continue;
@@ -267,7 +269,8 @@ std::string slide_sentence(const fit::RunResult& run) {
 
 std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
                                      const fit::FitResult& result) {
-  std::vector<std::string> warnings = result.warnings;
+  std::vector<std::string> warnings = repeated_text(runs);
+  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   warnings.insert(warnings.end(), campaign.warnings.begin(), campaign.warnings.end());
   for (const AnalysedRun& run : runs)
     if (run.measurement)
@@ -284,6 +287,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   json["agreement"] = fit::to_string(result.agreement);
   json["converged"] = result.converged;
   json["usable"] = result.usable();
+  json["scatter_dominates"] = result.scatter_dominates;
   json["scatter_mm"] = result.scatter * 1e3;
   json["scatter_along_m"] = result.scatter_along;
   json["scatter_across_m"] = result.scatter_across;

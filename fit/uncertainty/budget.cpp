@@ -292,10 +292,11 @@ std::string improve_first(const std::vector<BudgetEntry>& budget,
   std::string shares;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double share = std::pow(largest.contribution(static_cast<Eigen::Index>(i)) / parameters[i].sd, 2);
-    shares += fmt::format("{}{} % of {}", shares.empty() ? "" : ", ", number(100 * std::min(1.0, share), 2),
-                          to_string(parameters[i].parameter));
+    if (share < 0.01) continue;
+    shares += fmt::format("{}{} % of {}{}", shares.empty() ? "" : ", ", number(100 * std::min(1.0, share), 2),
+                          shares.empty() ? "the variance of " : "", to_string(parameters[i].parameter));
   }
-  return fmt::format("Improve first: {} ({} of the variance): {}.", largest.source, shares, advice(largest));
+  return fmt::format("Improve first: {} ({}): {}.", largest.source, shares, advice(largest));
 }
 
 }  // namespace tribotrack::fit::internal

@@ -88,6 +88,7 @@ void read_checks(const Json& fit, ReportData& data) {
   data.left_out = sentences_at(fit, "left_out");
   data.systematics = sentences_at(fit, "systematics");
   data.improve_first = text_at(fit, "improve_first");
+  data.scatter_dominates = fit.value("scatter_dominates", false);
 }
 
 ReportNextRun next_run(const Json& next, const std::vector<ReportParameter>& parameters) {

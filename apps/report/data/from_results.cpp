@@ -80,6 +80,7 @@ void add_checks(const fit::FitResult& fit, ReportData& data) {
   data.left_out = fit.left_out;
   data.systematics = fit.systematics;
   data.improve_first = fit.improve_first;
+  data.scatter_dominates = fit.scatter_dominates;
   for (std::size_t k = 1; k < fit.minima.size(); ++k) data.other_minima.push_back(fit.minima[k].sentence);
   data.bootstrap_refits = fit.bootstrap;
   if (fit.bootstrap > 0) data.bootstrap_seed = fit.bootstrap_seed;

@@ -133,6 +133,14 @@ Verdict verdict_of(const ReportData& data) {
                    findings(data) +
                    "These runs do not determine all the parameters: quite different values describe the data "
                    "equally well."};
+  } else if (data.scatter_dominates) {
+    verdict = {
+        .trust = Trust::do_not_use,
+        .heading = "Do not use these values",
+        .paragraph = findings(data) +
+                     fmt::format("The runs scatter about the model by {} mm per axis, more than a tenth of "
+                                 "what they measure: they do not follow it.",
+                                 number(data.scatter_mm, 2))};
   } else {
     const bool weak = data.identifiability == ReportVerdict::weak;
     const std::string doubts = reasons_for_care(data);
