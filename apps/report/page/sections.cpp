@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/page/budget.h"
 #include "apps/report/page/intervals.h"
 #include "apps/report/page/verdict.h"
 #include "apps/report/text/text.h"
@@ -118,14 +119,15 @@ std::string identifiability_text(const ReportData& data) {
     html += "<p><b>Remedy:</b> " + sentence_html(remedy) + "</p>\n";
   if (!data.other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals hold for the best "
-        "minimum only.</p>\n" +
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
+        "them where they are within 95 %.</p>\n" +
         html_list(data.other_minima);
   return html;
 }
 
+/// Of files without a budget.
 std::string systematics(const ReportData& data) {
-  if (data.systematics.empty()) return "";
+  if (data.systematics.empty() || !data.budget.empty()) return "";
   return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
          "χ² may not show and which the intervals above do not include.</p>\n" +
          html_list(data.systematics);
@@ -156,7 +158,7 @@ std::string parameter_section(const ReportData& data) {
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
   html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
           shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
-          "</div>\n</div>\n" + condition_table(data);
+          "</div>\n</div>\n" + budget_table(data) + condition_table(data);
   return html + "</section>\n";
 }
 
