@@ -66,9 +66,11 @@ class SharedConditionsTest : public ProgramTest {
     put(in_folder("c.toml"), text);
     campaign_ = read_campaign(in_folder("c.toml"));
     runs_.clear();
-    for (std::size_t k = 0; k < drives.size(); ++k)
-      runs_.push_back(
-          analyse(campaign_, campaign_.runs[k], track_of(static_cast<unsigned>(k) + 1, drives[k])));
+    for (std::size_t k = 0; k < drives.size(); ++k) {
+      TrackFile track = track_of(seed_ + static_cast<unsigned>(k) + 1, drives[k]);
+      track.table.exposure = exposure_;
+      runs_.push_back(analyse(campaign_, campaign_.runs[k], std::move(track)));
+    }
     shared_ = {};
     shared_ = share_conditions(campaign_, runs_);
   }
@@ -94,6 +96,8 @@ class SharedConditionsTest : public ProgramTest {
   }
   const fit::PlatformMotion& seen(std::size_t run) const { return *runs_[run].measurement->platform; }
 
+  double exposure_ = 1e-4;
+  unsigned seed_ = 0;
   Campaign campaign_;
   std::vector<AnalysedRun> runs_;
   SharedConditions shared_;
@@ -123,6 +127,32 @@ TEST_F(SharedConditionsTest, WhatAllRunsMeasureIsOneQuantityWithOneError) {
   EXPECT_FALSE(row("amplitude_mm").given);
   EXPECT_FALSE(exact("amplitude_mm"));
   EXPECT_TRUE(shared_.warnings.empty());
+}
+
+TEST_F(SharedConditionsTest, StandardDeviationsAreTheScatterOverCampaigns) {
+  double squares = 0;
+  int values = 0;
+  for (seed_ = 0; seed_ < 120; seed_ += 2) {
+    campaign("", {{}, {}});
+    for (const auto& [key, truth] :
+         {std::pair{"amplitude_mm", 0.28}, std::pair{"amplitude_y_mm", 0.28},
+          std::pair{"angular_frequency_rad_s", 62.8}, std::pair{"phase_shift_rad", pi / 2}}) {
+      squares += std::pow((row(key).used.value - truth) / row(key).used.sd, 2);
+      ++values;
+    }
+  }
+  // Seeds are fixed; the shrinkage of a 0.1 ms exposure that these points do not have is 2e-6 of A.
+  EXPECT_NEAR(squares / values, 1, 4 * std::sqrt(2.0 / values));
+}
+
+TEST_F(SharedConditionsTest, AnExposureThatIsNotKnownIsNotAveragedOut) {
+  exposure_ = 0;
+  campaign("", {{}, {}, {}, {}});
+  // From none to the whole 2.5 ms: the circle is smaller by 1 - sin(h)/h at the most, h = w 2.5 ms / 2.
+  const double h = 62.8 * 2.5e-3 / 2, doubt = (1 - std::sin(h) / h) / std::sqrt(3.0);
+  EXPECT_NEAR(error_of(FitParameter::amplitude), doubt, 0.05 * doubt);
+  EXPECT_NEAR(row("amplitude_mm").used.sd, 0.28 * doubt, 0.05 * 0.28 * doubt);
+  EXPECT_LT(error_of(FitParameter::amplitude_ratio), 0.5 * doubt);
 }
 
 TEST_F(SharedConditionsTest, RunsThatDifferKeepTheirOwn) {
