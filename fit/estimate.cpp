@@ -19,6 +19,7 @@
 #include "fit/slides/describe.h"
 #include "fit/slides/one_by_one.h"
 #include "fit/slides/prepare.h"
+#include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/bootstrap.h"
@@ -37,6 +38,31 @@ using namespace internal;
 /// Error of the integrator relative to the path: 1e-12 m and less.
 constexpr double kFine = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Scatter beyond this share of what was measured leaves no result.
+constexpr double kScatterShare = 0.1;
+
+/// Median over the runs with pulses.
+double typical_displacement(const Problem& problem) {
+  std::vector<double> lengths;
+  for (const SummaryRun& run : problem.summary_runs) lengths.push_back(run.measured.vector.norm());
+  for (const TrajectoryRun& run : problem.trajectory_runs)
+    lengths.push_back((run.track.position.back() - run.track.position.front()).norm());
+  return upper_median(lengths);
+}
+
+bool lag_taken_as_zero(const Problem& problem) {
+  const auto known = [&](FitParameter parameter) {
+    return problem.fixed.count(parameter) > 0 ||
+           std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
+  };
+  const bool pulses =
+      std::any_of(problem.summary_runs.begin(), problem.summary_runs.end(),
+                  [](const auto& run) { return run.scenario.friction.pulse_width > 0; }) ||
+      std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
+                  [](const auto& run) { return !run.free_slide && run.scenario.friction.pulse_width > 0; });
+  return pulses && !known(FitParameter::lag) && !known(FitParameter::delay);
+}
 
 /// A fit from its start to its result; the members are called in their order.
 class Estimation {
@@ -248,13 +274,21 @@ FitResult Estimation::report() {
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
   fill_excess_variance(residuals_, options_.estimate_scatter, result);
   fill_correlated_errors(residuals_, result);
+  result.scatter_dominates = result.scatter > kScatterShare * typical_displacement(problem_);
+  if (result.scatter_dominates)
+    result.warnings.push_back(
+        "The runs scatter about the model by " + number(1e3 * result.scatter, 2) +
+        " mm per axis, more than a tenth of their typical displacement: they do not follow it.");
+  if (lag_taken_as_zero(problem_))
+    result.warnings.push_back(
+        "phase_lag_rad is not fitted and taken as 0: add it to [fit] parameters, or give it in [fit.fixed].");
   result.agreement = agreement(result);
   result.neighbours_err_alike = result.runs_test_p_value < kAlike;
   fill_runs(residuals_, best, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);
-  fill_systematics(residuals_, best, uncertainty_, result);
+  result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
   fill_failures(residuals_, best, result);
   if (!result.converged)

@@ -210,7 +210,12 @@ struct FitResult {
   Identifiability identifiability;
   Agreement agreement = Agreement::unknown;
   std::vector<std::string> warnings;
-  bool usable() const { return converged && identifiability.verdict != Verdict::not_identifiable; }
+  /// The scatter beyond the data's own sigma exceeds a tenth of the median displacement: the runs do not
+  /// follow the model.
+  bool scatter_dominates = false;
+  bool usable() const {
+    return converged && identifiability.verdict != Verdict::not_identifiable && !scatter_dominates;
+  }
 
   // Goodness of fit.
   double chi2 = 0;  ///< at the minimum, with the scatter below counted in the sigmas
@@ -240,7 +245,8 @@ struct FitResult {
   std::string improve_first;        ///< a sentence: what to do about the largest
   /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
   Eigen::VectorXd sd_from(const std::string& place) const;
-  /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
+  /// What was taken as exact, a sentence each: "gravity is taken as exact; with 1 % more of it: mu1 down 1
+  /// %".
   std::vector<std::string> systematics;
 
   // The search for the minimum.

@@ -26,6 +26,9 @@ struct AnalysedRun {
   fit::OwnErrors own;                         ///< of what this run alone is known by
   bool amplitude_from_track = false;
   std::string failure;  ///< one sentence, empty when all went well
+  std::string repeats;  ///< name of the run whose recording this one is again; it is counted once
+  /// Did all go well, and is it not counted already?
+  bool takes_part() const { return failure.empty() && repeats.empty(); }
 };
 
 /// Reads the run's oscilloscope trace and measures the run. `track` is empty for runs measured elsewhere.

@@ -96,10 +96,12 @@ void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, c
     context.exit_code = kQualityGate;
   }
   if (result.usable()) return;
-  complain(fmt::format("{}: the fit is not usable: {}", campaign.file.string(),
-                       result.converged
-                           ? "the data do not determine these parameters separately; see " + look_at
-                           : "it did not converge; give first guesses in [fit.guess]"));
+  complain(fmt::format(
+      "{}: the fit is not usable: {}", campaign.file.string(),
+      !result.converged ? "it did not converge; give first guesses in [fit.guess]"
+      : result.identifiability.verdict == fit::Verdict::not_identifiable
+          ? "the data do not determine these parameters separately; see " + look_at
+          : "the runs scatter about the model by more than a tenth of what they measure; see " + look_at));
   for (const std::string& sentence : remedies(result)) print_error("  " + sentence);
   context.exit_code = kFitUnusable;
 }

@@ -13,7 +13,7 @@ double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
   double sum = 0;
   int count = 0;
   for (const AnalysedRun& run : runs)
-    if (run.failure.empty() && run.track && run.track->mm_per_px) {
+    if (run.takes_part() && run.track && run.track->mm_per_px) {
       sum += *run.track->mm_per_px;
       ++count;
     }
@@ -106,7 +106,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
 
   for (const AnalysedRun& run : runs)
-    if (run.failure.empty()) add_run(campaign, run, problem);
+    if (run.takes_part()) add_run(campaign, run, problem);
   add_conditions(shared, problem);
   return problem;
 }

@@ -93,7 +93,7 @@ class Sharing {
   Sharing(const Campaign& campaign, const Quantity& quantity, std::vector<AnalysedRun>& runs)
       : campaign_(campaign), quantity_(quantity), common_(common_error(campaign, runs, quantity.parameter)) {
     for (AnalysedRun& run : runs) {
-      if (!run.failure.empty() || run.run->free_slide) continue;
+      if (!run.takes_part() || run.run->free_slide) continue;
       Entry entry{&run, quantity.given(campaign.platform, *run.run), std::nullopt};
       if (run.measurement && run.measurement->platform) {
         if (seen_by_.empty()) seen_by_ = run.measurement->phase_source;
@@ -253,6 +253,8 @@ void Sharing::compare(SharedConditions& shared) {
 
 /// Runs that are given a value: it, or its mean with the measured one.
 void Sharing::use_given(SharedQuantity& result) {
+  const bool all_alike = std::all_of(entries_.begin(), entries_.end(),
+                                     [](const Entry& e) { return group_of(e) == Group::platform; });
   for (Entry& e : entries_) {
     if (!e.given) continue;
     const double given_sd = relative(e.given->value.sd, e.given->value.value);
@@ -270,7 +272,7 @@ void Sharing::use_given(SharedQuantity& result) {
     // What is common to all that is measured stands beside as errors of their own.
     const double sd =
         mostly_measured ? std::hypot((1 - share) * given_sd, share * to_given_->own_sd) : used.sd;
-    if (e.given->of_run) {
+    if (e.given->of_run || !all_alike) {
       add_error(e.run->own, quantity_.parameter, square(quantity_.angle ? sd : sd * value));
       result.own = result.own || sd > 0;
     } else {
@@ -343,7 +345,7 @@ void compare_diameter(const Campaign& campaign, const std::vector<AnalysedRun>& 
   double sum = 0, relative_variance = 0;
   std::size_t count = 0;
   for (const AnalysedRun& run : runs) {
-    if (!run.failure.empty() || !run.track || !run.track->mm_per_px) continue;
+    if (!run.takes_part() || !run.track || !run.track->mm_per_px) continue;
     const TrackFacts& facts = run.track->facts;
     if (!(facts.disc_radius_px > 0) || facts.scale_source == kScaledByDiameter) continue;
     sum += 2 * facts.disc_radius_px * *run.track->mm_per_px;
@@ -374,7 +376,7 @@ void compare_diameter(const Campaign& campaign, const std::vector<AnalysedRun>& 
 /// Over whole cycles of the w that is used. Its error moves the model, not the data; only in the camera's
 /// frame does it also leave some of the platform's own motion in them.
 void measure_displacement_again(AnalysedRun& analysed, double relative_w_sd) {
-  if (!analysed.failure.empty() || analysed.run->free_slide) return;
+  if (!analysed.takes_part() || analysed.run->free_slide) return;
   const double w = analysed.scenario.drive.angular_frequency;
   const CampaignRun& run = *analysed.run;
   try {

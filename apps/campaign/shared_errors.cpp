@@ -17,7 +17,7 @@ using model::Parameter;
 namespace {
 
 bool takes_part(const AnalysedRun& run) {
-  return run.failure.empty();
+  return run.takes_part();
 }
 bool driven(const AnalysedRun& run) {
   return takes_part(run) && !run.run->free_slide;

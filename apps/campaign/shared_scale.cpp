@@ -1,5 +1,7 @@
 #include "apps/campaign/shared_scale.h"
 
+#include "apps/campaign/repeated.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +12,7 @@ namespace tribotrack::apps {
 namespace {
 
 bool scaled_by_diameter(const AnalysedRun& run) {
-  return run.failure.empty() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
+  return run.takes_part() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
          run.track->facts.scale_source == "part's diameter";
 }
 
@@ -35,6 +37,7 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
 }
 
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
+  set_aside_repeated(runs);
   std::vector<vision::Scale> scales;
   double of_rim = 0;
   for (const AnalysedRun& run : runs)

@@ -132,7 +132,9 @@ void add_fit(CLI::App& app, Context& context) {
                    "Print the whole report: residuals, correlations, what was left out");
   add_common(command, context,
              "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
-             "-o fit.json --json");
+             "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
+             "gravity_m_s2_sd, phi_rad_sd, ...): the "
+             "intervals count it. Values without one are taken as exact and listed in fit.json.");
   command.callback([options, &context] { fit_command(*options, context); });
 }
 

@@ -290,7 +290,10 @@ void add_run(CLI::App& app, Context& context) {
   command.add_flag("--overlay-videos", options->overlay_videos,
                    "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
-  add_common(command, context, "  tribotrack run data/example/campaign.toml -o out");
+  add_common(command, context,
+             "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
+             "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
+             "intervals count it. Values without one are taken as exact and listed in fit.json.");
   command.callback([options, &context] { run_command(*options, context); });
 }
 

@@ -119,6 +119,10 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
   if (auto prior = table.table("prior")) {
     for (const std::string& name : prior->keys()) {
       const FitParameter parameter = require_fit_parameter(*prior, name, name);
+      if (std::count(section.parameters.begin(), section.parameters.end(), parameter) == 0)
+        prior->fail(name,
+                    "is not among `parameters`, and a prior of what is not fitted has no effect: add it "
+                    "there, or give the value with its sd where it belongs");
       auto entry = prior->table(name);
       const auto mean =
           std::string_view(name).ends_with("_rad") ? entry->angle("mean") : entry->number("mean");

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/covariance.h"
 
@@ -100,6 +101,8 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     best = without;
     dof -= 2;
   }
+  // Where the rest does not hold either, the fault is not theirs alone.
+  if (!(chi2_survival(best.chi2, dof) >= kSurprise)) found.clear();
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/page/intervals.h"
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
@@ -19,8 +20,7 @@ std::string finding(const ReportParameter& parameter) {
   std::string text =
       fmt::format("<b>{} = {}{}</b>", shown.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
   if (std::isfinite(parameter.ci95.low) && std::isfinite(parameter.ci95.high))
-    text += fmt::format(" (95 % interval {})",
-                        interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd));
+    text += fmt::format(" (95 % interval {})", quoted_interval(parameter));
   return text;
 }
 
@@ -133,6 +133,14 @@ Verdict verdict_of(const ReportData& data) {
                    findings(data) +
                    "These runs do not determine all the parameters: quite different values describe the data "
                    "equally well."};
+  } else if (data.scatter_dominates) {
+    verdict = {
+        .trust = Trust::do_not_use,
+        .heading = "Do not use these values",
+        .paragraph = findings(data) +
+                     fmt::format("The runs scatter about the model by {} mm per axis, more than a tenth of "
+                                 "what they measure: they do not follow it.",
+                                 number(data.scatter_mm, 2))};
   } else {
     const bool weak = data.identifiability == ReportVerdict::weak;
     const std::string doubts = reasons_for_care(data);
