@@ -39,7 +39,7 @@ enum class FitParameter {
   scale,
   tilt_x,
   tilt_y,
-  amplitude_ratio,  ///< factor on the A_y/A of every run; 1 = as given
+  amplitude_ratio,  ///< factor on the A_y/A of every run, their geometric mean kept; 1 = as given
   phase_shift,      ///< rad, added to the epsilon of every run
   phase_reference,  ///< rad, added to the phase of every pulse: where the platform's phase is counted from
   gravity

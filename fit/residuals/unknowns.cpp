@@ -242,8 +242,10 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
   const double picture = amplitude_from_track ? result.scale : 1;
   const double ratio = value_of(FitParameter::amplitude_ratio, values);
-  drive.amplitude *= amplitude_factor * picture;
-  drive.amplitude_y *= amplitude_factor * picture * ratio;
+  // Each takes a half of it: measured alike, mean and ratio are not correlated.
+  const double along_x = 1 / std::sqrt(ratio), along_y = std::sqrt(ratio);
+  drive.amplitude *= amplitude_factor * picture * along_x;
+  drive.amplitude_y *= amplitude_factor * picture * along_y;
   const double frequency_ratio = base.drive.angular_frequency / frequency_;
   drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
 
@@ -274,9 +276,11 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
     if (amplitude_ > 0) chain.add(parameter, find(FitParameter::amplitude), own * picture / amplitude_);
     if (amplitude_from_track) chain.add(parameter, find(FitParameter::scale), own * amplitude_factor);
   };
-  by_amplitude(model::Parameter::amplitude, base.drive.amplitude);
-  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y * ratio);
-  chain.add(model::Parameter::amplitude_y, find(FitParameter::amplitude_ratio), drive.amplitude_y / ratio);
+  by_amplitude(model::Parameter::amplitude, base.drive.amplitude * along_x);
+  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y * along_y);
+  const auto amplitudes = find(FitParameter::amplitude_ratio);
+  chain.add(model::Parameter::amplitude, amplitudes, -0.5 * drive.amplitude / ratio);
+  chain.add(model::Parameter::amplitude_y, amplitudes, 0.5 * drive.amplitude_y / ratio);
   if (base.drive.amplitude_y > 0)
     chain.add(model::Parameter::phase_shift, find(FitParameter::phase_shift), 1);
   chain.add(model::Parameter::gravity, find(FitParameter::gravity), 1);

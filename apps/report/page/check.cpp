@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/page/verdict.h"
+#include "apps/report/page/parameters/verdict.h"
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {

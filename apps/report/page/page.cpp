@@ -9,7 +9,7 @@
 #include "apps/report/assets/embedded_assets.h"
 #include "apps/report/page/check.h"
 #include "apps/report/page/figures.h"
-#include "apps/report/page/next.h"
+#include "apps/report/page/parameters/next.h"
 #include "apps/report/page/platform.h"
 #include "apps/report/page/rotation.h"
 #include "apps/report/page/runs.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/page/budget.h"
-#include "apps/report/page/intervals.h"
-#include "apps/report/page/verdict.h"
+#include "apps/report/page/parameters/budget.h"
+#include "apps/report/page/parameters/intervals.h"
+#include "apps/report/page/parameters/verdict.h"
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {

@@ -11,9 +11,9 @@
 #include "apps/program.h"
 #include "apps/report/data/json.h"
 #include "apps/report/page/check.h"
-#include "apps/report/page/next.h"
+#include "apps/report/page/parameters/next.h"
 #include "apps/report/page/sections.h"
-#include "apps/report/page/verdict.h"
+#include "apps/report/page/parameters/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -63,8 +63,8 @@ TEST(ReportFit, TheThreeIntervalsStandSideBySide) {
   fit["bootstrap"] = {{"refits", 400}, {"seed", 7}};
   fit["covariance_meaning"] = "sd from the data's own sigma.";
   const std::string page = parameter_section(collected(fit));
-  EXPECT_THAT(page, HasSubstr("<th class=\"n\">95 % covariance interval</th><th class=\"n\">95 % profile "
-                              "interval</th><th class=\"n\">95 % bootstrap interval</th>"));
+  EXPECT_THAT(page, HasSubstr("<th class=\"n\">95 % interval</th><th class=\"n\">by profile</th><th "
+                              "class=\"n\">by bootstrap</th>"));
   EXPECT_THAT(page,
               HasSubstr("<td class=\"n ends\">0.0960 to 0.1040</td><td class=\"n ends\">0.0950 to ∞</td>"
                         "<td class=\"n ends\">0.0961 to 0.1042</td>"));

@@ -1,4 +1,4 @@
-#include "apps/report/page/next.h"
+#include "apps/report/page/parameters/next.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "apps/report/page/verdict.h"
+#include "apps/report/page/parameters/verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

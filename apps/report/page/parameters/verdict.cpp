@@ -1,11 +1,11 @@
-#include "apps/report/page/verdict.h"
+#include "apps/report/page/parameters/verdict.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/page/intervals.h"
+#include "apps/report/page/parameters/intervals.h"
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {

@@ -1,4 +1,4 @@
-#include "apps/report/page/budget.h"
+#include "apps/report/page/parameters/budget.h"
 
 #include <fmt/format.h>
 
