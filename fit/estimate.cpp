@@ -22,6 +22,7 @@
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/bootstrap.h"
+#include "fit/uncertainty/budget.h"
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/profile.h"
 #include "fit/variances/excess_variance.h"
@@ -64,6 +65,8 @@ class Estimation {
 
  private:
   void add_scatter_of_replicates();
+  void find_other_minima();
+  void take(std::size_t index);
   void evaluate_curvature(const Minimum& minimum);
   std::vector<double> quantiles() const;
   double by_slides(Eigen::Index parameter) const;
@@ -82,11 +85,13 @@ class Estimation {
   KnownMinimum best_;
   Eigen::VectorXd values_;
   Uncertainty uncertainty_;
-  std::vector<double> t_;  ///< two-sided 95 % quantile of each parameter
-  std::vector<Interval> profiles_;
+  std::vector<double> t_;             ///< two-sided 95 % quantile of each parameter
+  std::vector<KnownMinimum> minima_;  ///< the best and others near it
+  std::vector<std::vector<Interval>> profiles_;
 };
 
 void Estimation::find_minimum() {
+  residuals_.set_own_errors(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
     const auto failures = residuals_.failures().kept();
@@ -94,10 +99,16 @@ void Estimation::find_minimum() {
                     (failures.empty() ? "" : " (" + failures.front().reason + ")") +
                     ": check the drive and the first guesses ([fit.guess]).");
   }
-  result_.starts_screened = search_.screened;
+  result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
   minimum_ = minimise(residuals_, search_.minima.front().minimum.z);
+  if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
+                  [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
+    // Own errors move the displacement by as much as these friction parameters make of them.
+    residuals_.set_own_errors(unknowns_.values(minimum_.z));
+    minimum_ = minimise(residuals_, minimum_.z);
+  }
   result_.chi2_before_scatter = minimum_.chi2;
 }
 
@@ -176,18 +187,48 @@ std::vector<double> Estimation::quantiles() const {
   return t;
 }
 
+/// With the errors now known other minima may be as good, or better.
+void Estimation::find_other_minima() {
+  minima_ = {best_};
+  if (search_.minima.size() < 2) return;
+  const double lowest = search_.minima.front().minimum.chi2, excess = residuals_.excess(best_.minimum.chi2);
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < search_.minima.size(); ++i) {
+    const Minimum& rough = search_.minima[i].minimum;
+    if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
+    const Minimum other = minimise(residuals_, fold_lag(unknowns_, rough.z));
+    const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const KnownMinimum& minimum) {
+      return same(unknowns_, minimum, other, excess);
+    });
+    if (known || !std::isfinite(other.chi2) || !admissible(unknowns_, other.z)) continue;
+    minima_.push_back(with_curvature(residuals_, other));
+    if (other.chi2 < minima_[best].minimum.chi2) best = minima_.size() - 1;
+  }
+  if (best > 0) take(best);
+}
+
+/// The estimate is this one of `minima_`.
+void Estimation::take(std::size_t index) {
+  std::rotate(minima_.begin(), minima_.begin() + static_cast<std::ptrdiff_t>(index),
+              minima_.begin() + static_cast<std::ptrdiff_t>(index) + 1);
+  evaluate_curvature(Minimum(minima_.front().minimum));
+  minima_.front() = best_;
+}
+
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
   if (result_.p_value < kSurprise) result_.scatter_from_replicates = false;
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
+  find_other_minima();
   t_ = quantiles();
   if (!options_.profiles || options_.loss != Loss::squares || stuck_throughout(problem_)) return;
   std::vector<double> rises;
   for (const double t : t_) rises.push_back(t * t);
   const double found = best_.minimum.chi2;
-  profiles_ = profiles(residuals_, best_, moved_by_flat_direction(uncertainty_), rises, options_.threads);
-  if (best_.minimum.chi2 < found) evaluate_curvature(Minimum(best_.minimum));
+  profiles_ = profiles(residuals_, minima_, search_.sample, moved_by_flat_direction(uncertainty_), rises,
+                       options_.threads);
+  if (minima_.front().minimum.chi2 < found) take(0);
 }
 
 FitResult Estimation::report() {
@@ -197,24 +238,24 @@ FitResult Estimation::report() {
   result.chi2 = best.chi2;
   result.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
   fill_parameters(unknowns_, values_, uncertainty_, t_, result);
-  for (std::size_t i = 0; i < profiles_.size(); ++i) result.parameters[i].profile_ci95 = profiles_[i];
+  for (std::size_t i = 0; i < profiles_.size(); ++i) fill_profile(profiles_[i], result.parameters[i]);
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
     result.bootstrap = refits.converged;
     result.bootstrap_seed = options_.bootstrap_seed;
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
-  add_common_errors(residuals_, best, uncertainty_, t_, result);
-  result.identifiability = identifiability(unknowns_, values_, uncertainty_);
-  compare_with_profiles(unknowns_, result.parameters, result.identifiability);
+  result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
   fill_excess_variance(residuals_, options_.estimate_scatter, result);
   fill_correlated_errors(residuals_, result);
   result.agreement = agreement(result);
   result.neighbours_err_alike = result.runs_test_p_value < kAlike;
   fill_runs(residuals_, best, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
+  result.budget = budget(residuals_, best, uncertainty_);
+  result.improve_first = improve_first(result.budget, result.parameters);
   fill_systematics(residuals_, best, uncertainty_, result);
-  fill_minima(residuals_, search_, excess_, result);
+  fill_minima(residuals_, minima_, result);
   fill_failures(residuals_, best, result);
   if (!result.converged)
     result.warnings.push_back(

@@ -30,15 +30,20 @@ struct Interval {
 struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
-  /// From C = (J'J)^-1, J the whitened sensitivity d r/d theta at the minimum; infinite, as the interval, for
-  /// a parameter that a flat direction moves.
+  /// From C = (J'J)^-1, J the whitened sensitivity d r/d theta at the minimum; infinite, as
+  /// `covariance_ci95`, for a parameter that a flat direction moves.
   double sd = 0;
+  /// The interval to quote: the profile's where one of its ends differs from the covariance's by more than a
+  /// tenth of that one's half width, or it has two pieces; else the covariance's.
+  Interval ci95;
+  /// Two or more where values between are excluded, else one; `ci95` reaches from the first to the last.
+  std::vector<Interval> ci95_pieces;
   /// estimate -+ t sd with t = 1.96, or Student's t where a variance was estimated from the residuals. On the
   /// axis of the logarithm for mu1, A, w and scale, for mu2 too while sd < 0.3 mu2; else linear and cut at 0.
-  Interval ci95;
-  /// From the profile likelihood min over all others of chi^2 = chi^2_min + t^2: the reference where the
-  /// likelihood is no parabola. Infinite where open, 0 where mu is compatible with 0, NaN where not computed
-  /// (FitOptions::profiles).
+  Interval covariance_ci95;
+  /// Where the profile likelihood, min over all others of chi^2, is within t^2 of its minimum, over all
+  /// valleys: the reference where the likelihood is no parabola. Infinite where open, 0 where mu is
+  /// compatible with 0, NaN where not computed (FitOptions::profiles).
   Interval profile_ci95;
   /// 2.5 and 97.5 % points of refits to simulated data. NaN without FitOptions::bootstrap.
   Interval bootstrap_ci95;
@@ -120,6 +125,18 @@ struct ModelComparison {
   /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
   double aic = 0, bic = 0;
   std::string sentence;  ///< its additional parameters
+};
+
+/// A source of uncertainty and what it does to the parameters (JCGM 100:2008, sections 5 and 8). The squares
+/// of all counted contributions to a parameter add up to the square of its sd.
+struct BudgetEntry {
+  std::string source;    ///< "tracking noise", "platform's amplitude", ...
+  std::string quantity;  ///< name with unit of what has the sd, as in campaigns; empty for data
+  double sd = 0;         ///< of that, SI; where it was taken as exact, what an assumed error is
+  std::string from;      ///< where value and sd came from
+  bool counted = true;   ///< false: taken as exact, or compared only; the contribution is what it would add
+  Eigen::VectorXd contribution;  ///< of each parameter, SI: |sensitivity| sd
+  Eigen::VectorXd sensitivity;   ///< d parameter / d quantity, SI; empty for data
 };
 
 /// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
@@ -219,11 +236,10 @@ struct FitResult {
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;
   Loss loss = Loss::squares;
-  /// What Problem::common_phase_sd and common_amplitude_sd add, in the covariance and the intervals: standard
-  /// deviations of the parameters in their order; empty without them.
-  Eigen::VectorXd common_error_sd;
-  /// One of them exceeds half the width of the interval that the data alone give.
-  bool common_errors_dominate = false;
+  std::vector<BudgetEntry> budget;  ///< counted sources first, largest first
+  std::string improve_first;        ///< a sentence: what to do about the largest
+  /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
+  Eigen::VectorXd sd_from(const std::string& place) const;
   /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
   std::vector<std::string> systematics;
 

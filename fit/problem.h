@@ -62,6 +62,9 @@ struct Condition {
   std::string from;  ///< where value and sd came from, for the budget: "marker, 14 runs", "campaign"
 };
 
+/// Condition::from of what a lossy coder may have done to the platform's motion.
+inline constexpr const char* kFromCoder = "coder";
+
 /// Errors of what one run alone measures of its conditions (its gate, the phase at its start, its own A).
 struct OwnErrors {
   std::vector<model::Parameter> parameters;
@@ -112,11 +115,9 @@ struct Problem {
   /// sd of mu1 between free slides: each has its own, mu1 is their mean. 0: estimate() finds it from the
   /// slides.
   double between_slides = 0;
-  double scale_sd = 0;  ///< relative sd of the scale common to all runs, a nuisance parameter with a prior
-  std::vector<Condition> conditions;  ///< each quantity once at most; one that is fitted needs none
-  /// Errors of the platform's motion that all runs share, such as a coder's: sd of its phase, rad, and of its
-  /// amplitude, relative. They are counted in the intervals beside the data's own.
-  double common_phase_sd = 0, common_amplitude_sd = 0;
+  /// What is not fitted but known to an sd only; independent errors of one quantity may stand apart. One that
+  /// is fitted is left out.
+  std::vector<Condition> conditions;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

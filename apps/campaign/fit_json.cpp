@@ -37,7 +37,12 @@ Json parameters_json(const fit::FitResult& result, double mm_per_px) {
     json[fit::to_string(p.parameter)] = {{"estimate", finite_json(p.estimate * unit)},
                                          {"sd", finite_json(p.sd * unit)},
                                          {"ci95", interval_json(p.ci95, unit)},
+                                         {"covariance_ci95", interval_json(p.covariance_ci95, unit)},
                                          {"profile_ci95", interval_json(p.profile_ci95, unit)}};
+    if (p.ci95_pieces.size() > 1) {
+      Json& pieces = json[fit::to_string(p.parameter)]["ci95_pieces"] = Json::array();
+      for (const fit::Interval& piece : p.ci95_pieces) pieces.push_back(interval_json(piece, unit));
+    }
     if (result.bootstrap > 0)
       json[fit::to_string(p.parameter)]["bootstrap_ci95"] = interval_json(p.bootstrap_ci95, unit);
   }
@@ -174,13 +179,13 @@ void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
                               {"sentence", model.sentence}});
   json["left_out"] = result.left_out;
   json["systematics"] = result.systematics;
-  if (result.common_error_sd.size() > 0) {
+  if (const Eigen::VectorXd sd = result.sd_from(fit::kFromCoder); (sd.array() > 0).any()) {
     for (std::size_t i = 0; i < result.parameters.size(); ++i) {
       const fit::FitParameter parameter = result.parameters[i].parameter;
-      json["coding"]["sd"][fit::to_string(parameter)] = finite_json(
-          result.common_error_sd(static_cast<Eigen::Index>(i)) * campaign_unit_per_si(parameter, mm_per_px));
+      json["coding"]["sd"][fit::to_string(parameter)] =
+          finite_json(sd(static_cast<Eigen::Index>(i)) * campaign_unit_per_si(parameter, mm_per_px));
     }
-    json["coding"]["exceeds_interval"] = result.common_errors_dominate;
+    json["coding"]["exceeds_interval"] = coder_exceeds_interval(result);
   }
   json["loss"] = word_for(result.loss);
   if (result.bootstrap > 0)
@@ -191,6 +196,17 @@ void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
 
 double campaign_unit_per_si(fit::FitParameter parameter, double mm_per_px) {
   return parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
+}
+
+bool coder_exceeds_interval(const fit::FitResult& result) {
+  constexpr double kHalfWidth = 1.96;  // of a 95 % interval, in sd
+  const Eigen::VectorXd by_coder = result.sd_from(fit::kFromCoder);
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const double coder = by_coder(static_cast<Eigen::Index>(i)), all = result.parameters[i].sd;
+    if (std::isfinite(all) && coder * coder > kHalfWidth * kHalfWidth * (all * all - coder * coder))
+      return true;
+  }
+  return false;
 }
 
 std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {

@@ -17,6 +17,9 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 /// Factor from SI to the unit a parameter has in campaigns and fit.json; `scale` counts in mm/px.
 double campaign_unit_per_si(fit::FitParameter parameter, double mm_per_px);
 
+/// Whether what a lossy coder may do to the platform's motion exceeds the interval of a parameter without it.
+bool coder_exceeds_interval(const fit::FitResult& result);
+
 /// What phi counts from, and with it the effect of a turned camera on the lag. Empty without pulses.
 std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs);
 

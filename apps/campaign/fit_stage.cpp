@@ -19,9 +19,10 @@ namespace {
 /// What a lossy coder does to the parameters.
 std::string coding_sentence(const fit::FitResult& result) {
   std::string list;
+  const Eigen::VectorXd sd = result.sd_from(fit::kFromCoder);
   for (std::size_t i = 0; i < result.parameters.size(); ++i)
     list += fmt::format("{}{} +- {:.2g}", i > 0 ? ", " : "", fit::to_string(result.parameters[i].parameter),
-                        result.common_error_sd(static_cast<Eigen::Index>(i)));
+                        sd(static_cast<Eigen::Index>(i)));
   return fmt::format(
       "what the recordings' coder does to the platform's motion exceeds the interval that the data give: it "
       "is counted in the intervals ({}, SI); film uncompressed or with every frame coded by itself, or track "
@@ -87,7 +88,7 @@ void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, c
   say(context.quiet, explain ? result.full_report() : result.brief_report());
   for (const Json& warning : stage.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
-  if (result.common_errors_dominate) {
+  if (coder_exceeds_interval(result)) {
     complain(fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)));
     context.exit_code = kQualityGate;
   }

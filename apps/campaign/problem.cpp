@@ -1,5 +1,7 @@
 #include "apps/campaign/problem.h"
 
+#include <algorithm>
+
 namespace tribotrack::apps {
 
 double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
@@ -27,6 +29,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
 
   double scale_sd = 0, phase_sd = 0, amplitude_sd = 0;
+  double amplitude = 0;  // of the first driven run
   int scaled = 0, driven = 0;
   for (const AnalysedRun& run : runs) {
     if (!run.failure.empty()) continue;
@@ -36,7 +39,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
       ++scaled;
     }
     if (!run.run->free_slide) {
-      ++driven;
+      if (driven++ == 0) amplitude = std::max(run.scenario.drive.amplitude, run.scenario.drive.amplitude_y);
       if (run.measurement && run.measurement->coded) {
         phase_sd += run.measurement->coded->delay_sd;
         if (run.amplitude_from_track) amplitude_sd += run.measurement->coded->attenuation_sd;
@@ -55,10 +58,15 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   }
   // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
   // diameter).
-  problem.scale_sd = scaled > 0 ? scale_sd / scaled : 0;
+  const auto know = [&](fit::FitParameter quantity, double sd, const char* from) {
+    if (sd > 0) problem.conditions.push_back({quantity, sd, from});
+  };
+  know(fit::FitParameter::scale, scaled > 0 ? scale_sd / scaled : 0, "part's diameter");
   // A coder errs alike in all of them: what is common moves the parameters by the mean over the runs.
-  problem.common_phase_sd = driven > 0 ? phase_sd / driven : 0;
-  problem.common_amplitude_sd = driven > 0 ? amplitude_sd / driven : 0;
+  if (driven > 0) {
+    know(fit::FitParameter::phase_reference, phase_sd / driven, fit::kFromCoder);
+    know(fit::FitParameter::amplitude, amplitude_sd / driven * amplitude, fit::kFromCoder);
+  }
   return problem;
 }
 

@@ -40,8 +40,8 @@ class RivalProblem {
     if (const auto lag = unknowns_.find(FitParameter::lag); lag && kind_ == Kind::rise_time)
       values(*lag) -= 0.5 * unknowns_.reference_frequency() * strength(step);
     const Eigen::Index data = residuals_.trajectory_row(problem.trajectory_runs.size());
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(
-        data + static_cast<Eigen::Index>(problem.prior.size() + problem.trajectory_runs.size()) + 1);
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(data + unknowns_.common() +
+                                              static_cast<Eigen::Index>(problem.trajectory_runs.size()));
     try {
       for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
         const SummaryRun& run = problem.summary_runs[i];
@@ -59,11 +59,8 @@ class RivalProblem {
       return std::nullopt;
     }
     Eigen::Index row = data;
-    for (const auto& [parameter, prior] : problem.prior)
-      if (const auto k = unknowns_.find(parameter)) r(row++) = (values(*k) - prior.mean) / prior.sd;
-    if (const auto k = unknowns_.find(FitParameter::scale);
-        k && problem.scale_sd > 0 && !problem.prior.count(FitParameter::scale))
-      r(row++) = (values(*k) - 1) / problem.scale_sd;
+    for (Eigen::Index i = 0; i < unknowns_.common(); ++i)
+      if (const auto prior = unknowns_.prior(i)) r(row++) = (values(i) - prior->mean) / prior->sd;
     for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
       if (const Eigen::Index k = unknowns_.deviation_index(i); k >= 0)
         r(row++) = values(k) / problem.between_slides;

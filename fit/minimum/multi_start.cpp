@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fit/minimum/screen.h"
 #include "fit/tools/parallel.h"
@@ -13,11 +14,11 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kScreenedPerStart = 3;
+constexpr std::size_t kTracks = 6;        ///< basins that a fit to tracks descends into at first
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 
-/// Within half a standard deviation; standard deviations widened by the residuals (`spread` =
-/// chi^2/dof).
+}  // namespace
+
 bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread) {
   Eigen::VectorXd distance = b.z - a.minimum.z;
   if (const auto lag = unknowns.find(FitParameter::lag)) distance(*lag) = model::wrap_angle(distance(*lag));
@@ -25,7 +26,11 @@ bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, dou
          std::abs(b.chi2 - a.minimum.chi2) < 0.5 * spread;
 }
 
-}  // namespace
+bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z) {
+  const Eigen::VectorXd values = unknowns.values(z);
+  return !unknowns.find(FitParameter::mu2) ||
+         unknowns.value_of(FitParameter::mu2, values) <= unknowns.value_of(FitParameter::mu1, values);
+}
 
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
   if (const auto lag = unknowns.find(FitParameter::lag)) z(*lag) = model::wrap_angle(z(*lag));
@@ -44,9 +49,12 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   std::vector<Eigen::VectorXd> starts, reserve;
   if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
   if (wanted > 1) {
-    search.screened = kScreenedPerStart * static_cast<int>(wanted);
-    for (const auto& point : worth_a_descent(unknowns, screen(residuals, search.screened, options.threads)))
-      (point.worth_a_descent && starts.size() < wanted ? starts : reserve).push_back(point.z);
+    search.sample = screen(residuals, options.threads);
+    // Descents on tracks cost much: further ones only while chi^2 asks for them.
+    const std::size_t at_first =
+        unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
+    for (const auto& point : basins(unknowns, search.sample))
+      (starts.size() < at_first ? starts : reserve).push_back(point.z);
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
 
@@ -98,16 +106,17 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
                  further);
 
   std::vector<std::size_t> order(search.minima.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return search.minima[a].minimum.chi2 < search.minima[b].minimum.chi2;
   });
-  Search sorted;
-  sorted.screened = search.screened;
-  sorted.starts = search.starts;
-  for (const std::size_t i : order) sorted.minima.push_back(search.minima[i]);
-  if (!order.empty()) sorted.at_best = hits[order.front()];
-  return sorted;
+  const auto raises = [&](std::size_t i) { return !admissible(unknowns, search.minima[i].minimum.z); };
+  if (!std::all_of(order.begin(), order.end(), raises)) std::erase_if(order, raises);
+  std::vector<KnownMinimum> sorted;
+  for (const std::size_t i : order) sorted.push_back(search.minima[i]);
+  if (!order.empty()) search.at_best = hits[order.front()];
+  search.minima = std::move(sorted);
+  return search;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -5,21 +5,30 @@
 
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
+#include "fit/minimum/screen.h"
 
 namespace tribotrack::fit::internal {
 
 struct Search {
-  std::vector<KnownMinimum> minima;  ///< distinct, best first
-  int screened = 0;                  ///< points of the box looked at
-  int starts = 0;                    ///< descents made
+  std::vector<ScreenedPoint> sample;  ///< of the whole box; empty where a single start was wanted
+  std::vector<KnownMinimum> minima;   ///< distinct, best first
+  int starts = 0;                     ///< descents made
   int at_best = 0;
 };
 
-/// Start 0 is the user's first guess, where given. The others are the points of a screened box that are worth
-/// a descent (screen.h). The first descent is complete; one that enters the basin of a known minimum stops
-/// there, and one that crawls far above it is abandoned. While chi^2 rejects the best minimum (p < 0.001)
-/// further points are tried, up to options.multi_starts. All are rough: a tenth of a standard deviation.
+/// Start 0 is the user's first guess, where given. The others are the basins of a screened box (screen.h).
+/// The first descent is complete; one that enters the basin of a known minimum stops there, and one that
+/// crawls far above it is abandoned. While chi^2 rejects the best minimum (p < 0.001) further basins are
+/// tried, up to options.multi_starts. All are rough: a tenth of a standard deviation. A minimum with mu2 >
+/// mu1, a pulse that raises friction, does not count unless there is no other.
 Search multi_start(const Residuals& residuals, const FitOptions& options);
+
+/// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
+/// chi^2/dof).
+bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread);
+
+/// Pulses lower friction: mu2 <= mu1.
+bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z);
 
 /// The lag brought into (-pi, pi].
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z);

@@ -1,10 +1,14 @@
 #include "fit/minimum/screen.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "fit/tools/parallel.h"
 #include "model/batch.h"
@@ -12,10 +16,12 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-using Complex = std::complex<double>;
-
-constexpr std::size_t kRunsLookedAt = 6, kFewestRuns = 4;
+constexpr std::size_t kRunsLookedAt = 8;
+constexpr int kInLanes = 10000, kOneByOne = 1500, kFirst = 500, kSlides = 24;
 constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
+/// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
+constexpr double kAccuracy = 0.01;
+constexpr int kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
 
 /// The k-th number of van der Corput's sequence.
 double halton(int k, int base) {
@@ -27,18 +33,22 @@ double halton(int k, int base) {
   return value;
 }
 
+double between(double low, double high, double u) {
+  return low * std::pow(high / low, u);
+}
+
 Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess, int k) {
   constexpr int kBases[] = {2, 3, 5, 7, 11, 13, 17, 19, 23};
   const auto& prior = unknowns.problem().prior;
   Eigen::VectorXd point = guess;
-  const auto between = [](double low, double high, double u) { return low * std::pow(high / low, u); };
   int dimension = 0;
+  const bool driven = k % 3 != 0;  // two of three where parts are driven
   double mu1 = unknowns.value_of(FitParameter::mu1, guess);
   if (const auto i = unknowns.find(FitParameter::mu1); i && unknowns.sliding_threshold()) {
-    const double threshold = *unknowns.sliding_threshold();
-    point(*i) = mu1 = between(0.15 * threshold, 1.6 * threshold, halton(k, kBases[dimension++]));
+    const double threshold = *unknowns.sliding_threshold(), u = halton(k, kBases[dimension++]);
+    point(*i) = mu1 = threshold * (driven ? between(0.15, 1.6, u) : between(0.05, 5, u));
   }
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
     const FitParameter parameter = unknowns.parameter(i);
     if (parameter == FitParameter::mu1 || parameter == FitParameter::lag || parameter == FitParameter::delay)
       continue;
@@ -50,7 +60,7 @@ Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess
     }
     switch (parameter) {
       case FitParameter::mu2:
-        point(i) = mu1 * between(0.02, 0.8, u);
+        point(i) = mu1 * (driven ? between(0.02, 0.8, u) : between(0.002, 1, u));
         break;
       case FitParameter::tilt_x:
       case FitParameter::tilt_y:
@@ -67,12 +77,15 @@ Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess
 struct Look {
   model::Scenario scenario;
   bool amplitude_from_track = false;
-  Complex measured;
-  double variance = 0;  ///< per axis
+  Eigen::Vector2d measured;
+  Eigen::Matrix2d white;  ///< L^-1
 };
 
-Complex complex(const Eigen::Vector2d& v) {
-  return {v.x(), v.y()};
+Look look_at(const model::Scenario& scenario, bool amplitude_from_track, const Eigen::Vector2d& measured,
+             const Eigen::Matrix2d& covariance) {
+  const Eigen::LLT<Eigen::Matrix2d> factor(covariance + kAccuracy * kAccuracy * measured.squaredNorm() *
+                                                            Eigen::Matrix2d::Identity());
+  return {scenario, amplitude_from_track, measured, factor.matrixL().solve(Eigen::Matrix2d::Identity())};
 }
 
 /// A trajectory's displacement over its whole cycles, in which the platform's own motion cancels.
@@ -85,11 +98,9 @@ std::optional<Look> look_at(const TrajectoryRun& run) {
   const double end = track.time.front() + cycles * period;
   const auto after = std::lower_bound(track.time.begin(), track.time.end(), end - 1e-9);
   const auto k = static_cast<std::size_t>(std::min(after, track.time.end() - 1) - track.time.begin());
-  Look look{run.scenario, run.amplitude_from_track, {}, 0};
-  const Eigen::Vector2d moved = track.position[k] - track.position.front();
-  look.measured = complex(moved);
+  Look look = look_at(run.scenario, run.amplitude_from_track, track.position[k] - track.position.front(),
+                      track.covariance[k] + track.covariance.front());
   look.scenario.duration = track.time[k] - track.time.front();
-  look.variance = 1e-4 * moved.squaredNorm() + track.covariance[k].trace();
   return look;
 }
 
@@ -100,11 +111,12 @@ bool alike(const model::Scenario& a, const model::Scenario& b) {
          near(a.drive.angular_frequency, b.drive.angular_frequency);
 }
 
-std::vector<Look> looks(const Problem& problem) {
+std::vector<Look> looks(const Residuals& residuals) {
+  const Problem& problem = residuals.unknowns().problem();
   std::vector<Look> all;
-  for (const auto& run : problem.summary_runs) {
-    Look look{run.scenario, run.amplitude_from_track, complex(run.measured.vector),
-              0.5 * run.measured.covariance.trace()};
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+    const SummaryRun& run = problem.summary_runs[i];
+    Look look = look_at(run.scenario, run.amplitude_from_track, run.measured.vector, residuals.covariance(i));
     if (run.measured.duration > 0) look.scenario.duration = run.measured.duration;
     all.push_back(look);
   }
@@ -116,8 +128,8 @@ std::vector<Look> looks(const Problem& problem) {
                                   [&](const Look& other) { return alike(look.scenario, other.scenario); });
     (seen || chosen.size() == kRunsLookedAt ? rest : chosen).push_back(look);
   }
-  for (std::size_t i = 0; i < rest.size() && chosen.size() < kFewestRuns; ++i)
-    chosen.push_back(rest[i * rest.size() / kFewestRuns]);
+  const std::size_t more = std::min(rest.size(), kRunsLookedAt - chosen.size());
+  for (std::size_t i = 0; i < more; ++i) chosen.push_back(rest[i * rest.size() / more]);
   return chosen;
 }
 
@@ -127,102 +139,194 @@ std::optional<Eigen::Index> turning(const Unknowns& unknowns) {
   return lag ? lag : unknowns.find(FitParameter::delay);
 }
 
+/// chi^2 of displacements x that are all turned by one angle t: of |W (m - (cos t x + sin t Jx))|^2, J a
+/// quarter of a turn.
+class Turned {
+ public:
+  void add(const Eigen::Vector2d& measured, const Eigen::Matrix2d& white, const Eigen::Vector2d& modelled,
+           bool clockwise) {
+    const Eigen::Vector2d m = white * measured, x = white * modelled,
+                          turned(clockwise ? modelled.y() : -modelled.y(),
+                                 clockwise ? -modelled.x() : modelled.x());
+    const Eigen::Vector2d y = white * turned;
+    constant_ += m.squaredNorm();
+    linear_ += Eigen::Vector2d(m.dot(x), m.dot(y));
+    square_ += (Eigen::Matrix2d() << x.dot(x), x.dot(y), x.dot(y), y.dot(y)).finished();
+  }
+  double at(double angle) const {
+    const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
+    return constant_ - 2 * linear_.dot(u) + u.dot(square_ * u);
+  }
+  double best_angle() const {
+    double best = 0, lowest = at(0), step = 2 * std::numbers::pi / kAngles;
+    for (int k = 1; k < kAngles; ++k)
+      if (const double chi2 = at(k * step); chi2 < lowest) best = k * step, lowest = chi2;
+    for (int halvings = 0; halvings < 10; ++halvings) {
+      step *= 0.5;
+      for (const double angle : {best - step, best + step})
+        if (const double chi2 = at(angle); chi2 < lowest) best = angle, lowest = chi2;
+    }
+    return std::remainder(best, 2 * std::numbers::pi);
+  }
+
+ private:
+  double constant_ = 0;
+  Eigen::Vector2d linear_ = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d square_ = Eigen::Matrix2d::Zero();
+};
+
 /// chi^2 at `values`, about, from where the looks' motions end there, the lag (or delay) being 0. With it
-/// free `values` get the one that turns the modelled displacements onto the measured ones, and the turned
-/// displacements are judged: one simulation a run.
+/// free `values` get the one that turns the modelled displacements best onto the measured ones: one
+/// simulation a run.
 double judge(const Unknowns& unknowns, const std::vector<Look>& looks, const model::BatchEnd* ends,
              Eigen::VectorXd& values) {
-  std::vector<Complex> measured, modelled;
-  Complex sum = 0;
+  Turned turned;
   for (std::size_t i = 0; i < looks.size(); ++i) {
     const Look& look = looks[i];
     if (ends[i].status != model::BatchStatus::done) return std::numeric_limits<double>::infinity();
-    // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag. Conjugates where it is the
-    // other way round.
+    // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag.
     const bool clockwise = std::sin(look.scenario.drive.phase_shift) >= 0;
     const double scale = unknowns.apply(values, look.scenario, look.amplitude_from_track, false).scale;
-    const Complex x = complex(ends[i].position / scale);
-    measured.push_back(clockwise ? std::conj(look.measured) : look.measured);
-    modelled.push_back(clockwise ? std::conj(x) : x);
-    sum += measured.back() * std::conj(modelled.back()) / look.variance;
+    turned.add(look.measured, look.white, ends[i].position / scale, clockwise);
   }
   const auto turns = turning(unknowns);
-  const double angle = turns ? std::arg(sum) : 0;
-  if (turns)
-    values(*turns) =
-        unknowns.parameter(*turns) == FitParameter::lag ? angle : angle / unknowns.reference_frequency();
-  double chi2 = 0;
-  for (std::size_t i = 0; i < looks.size(); ++i)
-    chi2 += std::norm(measured[i] - modelled[i] * std::polar(1.0, angle)) / looks[i].variance;
-  return chi2;
+  if (!turns) return turned.at(0);
+  const double angle = turned.best_angle();
+  values(*turns) =
+      unknowns.parameter(*turns) == FitParameter::lag ? angle : angle / unknowns.reference_frequency();
+  return turned.at(angle);
 }
+
+/// Judges `values`, whose lags are filled in. Says whether the batch model carried them in its lanes.
+bool judge_all(const Unknowns& unknowns, const std::vector<Look>& looks, int threads,
+               std::span<Eigen::VectorXd> values, std::span<ScreenedPoint> points) {
+  if (const auto turns = turning(unknowns))
+    for (Eigen::VectorXd& point : values) point(*turns) = 0;
+  model::BatchOptions batch;
+  batch.threads = threads;
+  batch.tolerance = kTolerance;
+  // All motions together: what differs between them does not matter to the lanes they travel in.
+  const model::BatchOutcome outcome = model::solve_batch(
+      points.size() * looks.size(),
+      [&](std::size_t index) {
+        const Look& look = looks[index % looks.size()];
+        return unknowns.apply(values[index / looks.size()], look.scenario, look.amplitude_from_track, false)
+            .scenario;
+      },
+      batch);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    points[k].chi2 = judge(unknowns, looks, &outcome.ends[k * looks.size()], values[k]);
+  return 2 * outcome.summary.in_lanes > outcome.summary.solutions;
+}
+
+/// Cells of the plane by which neighbours are found.
+class Neighbours {
+ public:
+  explicit Neighbours(double distance) : distance_(distance) {}
+  void add(const Eigen::VectorXd& place, std::size_t index) { cells_[cell(place, 0, 0)].push_back(index); }
+  template <typename Linked>
+  bool any(const Eigen::VectorXd& place, const Linked& linked) const {
+    for (const int dx : {0, -1, 1})
+      for (const int dy : {0, -1, 1})
+        if (const auto found = cells_.find(cell(place, dx, dy)); found != cells_.end())
+          for (const std::size_t index : found->second)
+            if (linked(index)) return true;
+    return false;
+  }
+
+ private:
+  std::pair<long, long> cell(const Eigen::VectorXd& place, int dx, int dy) const {
+    const auto along = [&](Eigen::Index axis) {
+      return axis < place.size() ? static_cast<long>(std::floor(place(axis) / distance_)) : 0;
+    };
+    return {along(0) + dx, along(1) + dy};
+  }
+  double distance_;
+  std::map<std::pair<long, long>, std::vector<std::size_t>> cells_;
+};
 
 }  // namespace
 
-std::vector<ScreenedPoint> screen(const Residuals& residuals, int count, int threads) {
+std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads) {
   const Unknowns& unknowns = residuals.unknowns();
   const Eigen::VectorXd guess = unknowns.first_guess();
-  const std::vector<Look> seen = looks(unknowns.problem());
-  std::vector<ScreenedPoint> points(static_cast<std::size_t>(count));
-  std::vector<Eigen::VectorXd> values;
-  for (int k = 0; k < count; ++k) values.push_back(k == 0 ? guess : box_point(unknowns, guess, k));
-  if (seen.empty()) {
-    parallel_for(points.size(), threads, [&](std::size_t k) { points[k].chi2 = residuals.chi2(values[k]); });
-  } else {
-    // All motions together: what differs between them does not matter to the lanes they travel in.
-    if (const auto turns = turning(unknowns))
-      for (auto& point : values) point(*turns) = 0;
-    model::BatchOptions batch;
-    batch.threads = threads;
-    batch.tolerance = kTolerance;
-    const auto scenario_at = [&](std::size_t index) {
-      const Look& look = seen[index % seen.size()];
-      return unknowns.apply(values[index / seen.size()], look.scenario, look.amplitude_from_track, false)
-          .scenario;
-    };
-    const model::BatchOutcome outcome = model::solve_batch(points.size() * seen.size(), scenario_at, batch);
-    for (std::size_t k = 0; k < points.size(); ++k)
-      points[k].chi2 = judge(unknowns, seen, &outcome.ends[k * seen.size()], values[k]);
+  const std::vector<Look> seen = looks(residuals);
+  const auto box = [&](int first, int end) {
+    std::vector<Eigen::VectorXd> values;
+    for (int k = first; k < end; ++k) values.push_back(k == 0 ? guess : box_point(unknowns, guess, k));
+    return values;
+  };
+  const auto judged = [&](std::vector<ScreenedPoint>& points, int count) {
+    const auto first = points.size();
+    std::vector<Eigen::VectorXd> values = box(static_cast<int>(first), count);
+    points.resize(static_cast<std::size_t>(count));
+    const std::span fresh = std::span(points).subspan(first);
+    bool in_lanes = false;
+    if (seen.empty())
+      parallel_for(fresh.size(), threads, [&](std::size_t k) { fresh[k].chi2 = residuals.chi2(values[k]); });
+    else
+      in_lanes = judge_all(unknowns, seen, threads, values, fresh);
+    for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k].z = unknowns.z(values[k]);
+    return in_lanes;
+  };
+  std::vector<ScreenedPoint> points;
+  if (seen.empty()) {  // slides: one basin
+    judged(points, kSlides);
+    return points;
   }
-  for (std::size_t k = 0; k < points.size(); ++k) points[k].z = unknowns.z(values[k]);
+  const bool in_lanes = judged(points, kFirst);
+  judged(points, in_lanes ? kInLanes : kOneByOne);
   return points;
 }
 
-std::vector<ScreenedPoint> worth_a_descent(const Unknowns& unknowns, std::vector<ScreenedPoint> points) {
+std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points) {
   std::erase_if(points, [](const ScreenedPoint& point) { return !std::isfinite(point.chi2); });
   std::stable_sort(points.begin(), points.end(),
                    [](const ScreenedPoint& a, const ScreenedPoint& b) { return a.chi2 < b.chi2; });
-  // The lag was computed from the others: it is no dimension of the sample.
+  // The lag was computed from the others: it is no dimension of the sample. mu2 counts by its ratio to mu1.
   std::vector<Eigen::Index> axes;
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
     if (unknowns.parameter(i) != FitParameter::lag && unknowns.parameter(i) != FitParameter::delay)
       axes.push_back(i);
   if (axes.empty() || points.size() < 3) return points;
-  const double d = static_cast<double>(axes.size()), n = static_cast<double>(points.size());
-  const double critical =
-      std::pow(std::tgamma(1 + d / 2) * 4 * std::log(n) / n, 1 / d) / std::sqrt(std::numbers::pi);
-  Eigen::VectorXd low = points.front().z, high = low;
-  for (const auto& point : points) low = low.cwiseMin(point.z), high = high.cwiseMax(point.z);
+  const auto d = static_cast<Eigen::Index>(axes.size());
+  const auto coordinates = [&](const ScreenedPoint& point) {
+    const Eigen::VectorXd values = unknowns.values(point.z);
+    Eigen::VectorXd place(d);
+    for (Eigen::Index k = 0; k < d; ++k) {
+      const Eigen::Index i = axes[static_cast<std::size_t>(k)];
+      const FitParameter parameter = unknowns.parameter(i);
+      place(k) = parameter == FitParameter::mu1 ? std::log(values(i))
+                 : parameter == FitParameter::mu2
+                     ? std::log(values(i) / unknowns.value_of(FitParameter::mu1, values))
+                     : values(i);
+    }
+    return place;
+  };
+  std::vector<Eigen::VectorXd> places;
+  for (const ScreenedPoint& point : points) places.push_back(coordinates(point));
+  Eigen::VectorXd low = places.front(), high = low;
+  for (const auto& place : places) low = low.cwiseMin(place), high = high.cwiseMax(place);
+  for (auto& place : places) place = (place - low).cwiseQuotient((high - low).cwiseMax(1e-12));
+
+  const double n = static_cast<double>(points.size()), dimension = static_cast<double>(d);
+  const double critical = std::pow(std::tgamma(1 + dimension / 2) * 4 * std::log(n) / n, 1 / dimension) /
+                          std::sqrt(std::numbers::pi);
   const auto sticks = [&](const ScreenedPoint& point) {
     return unknowns.value_of(FitParameter::mu1, unknowns.values(point.z)) >
            unknowns.sliding_threshold().value_or(HUGE_VAL);
   };
-  const auto linked = [&](const ScreenedPoint& a, const ScreenedPoint& b) {
-    double square = 0;
-    for (const Eigen::Index i : axes)
-      square += std::pow((a.z(i) - b.z(i)) / std::max(high(i) - low(i), 1e-12), 2);
-    return sticks(a) == sticks(b) && square < critical * critical;
-  };
-  std::vector<ScreenedPoint> worth, rest;
+  Neighbours better(critical);
+  std::vector<ScreenedPoint> bottoms;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const bool near_a_better_one =
-        std::any_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k),
-                    [&](const ScreenedPoint& better) { return linked(points[k], better); });
-    points[k].worth_a_descent = !near_a_better_one;
-    (near_a_better_one ? rest : worth).push_back(points[k]);
+    const bool near_a_better_one = better.any(places[k], [&](std::size_t other) {
+      return sticks(points[k]) == sticks(points[other]) &&
+             (places[k] - places[other]).squaredNorm() < critical * critical;
+    });
+    better.add(places[k], k);
+    if (!near_a_better_one) bottoms.push_back(points[k]);
   }
-  worth.insert(worth.end(), rest.begin(), rest.end());
-  return worth;
+  return bottoms;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -15,6 +15,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTold = 0.1;  ///< of half an interval's width: a difference not worth telling
 
 }  // namespace
 
@@ -32,8 +33,10 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
     estimate.estimate = values(i);
     estimate.sd =
         flat[static_cast<std::size_t>(i)] ? kInfinity : std::sqrt(std::max(0.0, result.covariance(i, i)));
-    estimate.ci95 = interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd,
-                               t[static_cast<std::size_t>(i)]);
+    estimate.ci95 = estimate.covariance_ci95 =
+        interval95(unknowns.transform(i), estimate.parameter, estimate.estimate, estimate.sd,
+                   t[static_cast<std::size_t>(i)]);
+    estimate.ci95_pieces = {estimate.ci95};
     estimate.profile_ci95 = estimate.bootstrap_ci95 = {std::nan(""), std::nan("")};
     result.parameters.push_back(estimate);
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -43,13 +46,28 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
   }
 }
 
-void fill_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result) {
+void fill_profile(const std::vector<Interval>& pieces, ParameterEstimate& estimate) {
+  estimate.profile_ci95 = {pieces.front().low, pieces.back().high};
+  const Interval& by_covariance = estimate.covariance_ci95;
+  const Interval& by_profile = estimate.profile_ci95;
+  const auto close = [&](double profile_end, double covariance_end) {
+    return std::abs(profile_end - covariance_end) <= kTold * std::abs(covariance_end - estimate.estimate);
+  };
+  if (pieces.size() == 1 && close(by_profile.low, by_covariance.low) &&
+      close(by_profile.high, by_covariance.high))
+    return;
+  estimate.ci95 = by_profile;
+  estimate.ci95_pieces = pieces;
+}
+
+void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
+  const double excess = residuals.excess(minima.front().minimum.chi2);
   result.minima.emplace_back();
   for (const ParameterEstimate& p : result.parameters) result.minima.front().values[p.parameter] = p.estimate;
-  for (std::size_t i = 1; i < search.minima.size(); ++i) {
-    const Minimum& other = search.minima[i].minimum;
-    const double above = (other.chi2 - search.minima.front().minimum.chi2) / excess;
+  for (std::size_t i = 1; i < minima.size(); ++i) {
+    const Minimum& other = minima[i].minimum;
+    const double above = (other.chi2 - minima.front().minimum.chi2) / excess;
     if (above > kNearMinimum) continue;
     const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
     OneMinimum minimum;

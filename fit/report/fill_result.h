@@ -16,12 +16,10 @@ void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& resul
 /// Shifts of the parameters by 1 % in A and in w.
 void fill_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                       FitResult& result);
-/// Counts Problem::common_phase_sd and common_amplitude_sd in covariance and intervals. After the profiles.
-void add_common_errors(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                       const std::vector<double>& t, FitResult& result);
-/// All minima near the best, the lag folded; the best with its final values first. `excess`: of chi^2 at the
-/// search, Residuals::excess().
-void fill_minima(const Residuals& residuals, const Search& search, double excess, FitResult& result);
+/// The profile, and whether it is the interval to quote.
+void fill_profile(const std::vector<Interval>& pieces, ParameterEstimate& estimate);
+/// All minima near the best, the lag folded; the best with its final values first.
+void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result);
 /// Counts trial values without a motion; a warning where some lie near the minimum.
 void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result);
 

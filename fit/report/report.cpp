@@ -17,6 +17,12 @@ std::string interval(const Interval& interval, double factor) {
   return fmt::format("[{:.5g}, {:.5g}]", interval.low * factor, interval.high * factor);
 }
 
+std::string pieces(const std::vector<Interval>& pieces, double factor) {
+  std::string text;
+  for (const Interval& piece : pieces) text += (text.empty() ? "" : " or ") + interval(piece, factor);
+  return text;
+}
+
 const char* verdict_text(Verdict verdict) {
   switch (verdict) {
     case Verdict::identifiable:
@@ -47,16 +53,16 @@ std::string goodness(const FitResult& fit) {
 std::string parameter_table(const FitResult& fit) {
   const bool bootstrap = fit.bootstrap > 0;
   std::string text =
-      fmt::format("    {:<24} {:>12} {:>10}  {:<24} {}{}\n", "", "estimate", "sd", "95 % covariance",
-                  "95 % profile", bootstrap ? "               95 % bootstrap" : "");
+      fmt::format("    {:<24} {:>12} {:>10}  {:<24} {:<24} {}{}\n", "", "estimate", "sd", "95 % interval",
+                  "covariance", "profile", bootstrap ? "               95 % bootstrap" : "");
   for (const auto& p : fit.parameters) {
     const double factor = display_factor(p.parameter);
     const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
                                     ? fmt::format(" ({:.2g} %)", 100 * p.sd / std::abs(p.estimate))
                                     : "";
-    text += fmt::format("    {:<24} {:12.6g} {:10.2g}  {:<24} {}{}{}\n", to_string(p.parameter),
-                        p.estimate * factor, p.sd * factor, interval(p.ci95, factor),
-                        interval(p.profile_ci95, factor), percent,
+    text += fmt::format("    {:<24} {:12.6g} {:10.2g}  {:<24} {:<24} {}{}{}\n", to_string(p.parameter),
+                        p.estimate * factor, p.sd * factor, pieces(p.ci95_pieces, factor),
+                        interval(p.covariance_ci95, factor), interval(p.profile_ci95, factor), percent,
                         bootstrap ? "  " + interval(p.bootstrap_ci95, factor) : "");
   }
   if (bootstrap)
@@ -91,6 +97,13 @@ double FitResult::value(FitParameter parameter) const {
   for (const auto& estimate : parameters)
     if (estimate.parameter == parameter) return estimate.estimate;
   throw DataError(std::string(to_string(parameter)) + " was not fitted.");
+}
+
+Eigen::VectorXd FitResult::sd_from(const std::string& place) const {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size()));
+  for (const BudgetEntry& entry : budget)
+    if (entry.counted && entry.from == place) squares += entry.contribution.cwiseAbs2();
+  return squares.cwiseSqrt();
 }
 
 std::string FitResult::brief_report() const {

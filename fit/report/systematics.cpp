@@ -34,64 +34,7 @@ std::optional<Eigen::VectorXd> residuals_with(const Residuals& residuals, const 
   return r;
 }
 
-/// Shifts of the reported parameters to first order, -(J'J)^-1 J' dr, by a change of one (lag: rad, else
-/// relative). A parameter that is fitted takes up the change itself.
-std::optional<Eigen::VectorXd> shifts_by(FitParameter parameter, const Residuals& residuals,
-                                         const Minimum& best, const Uncertainty& uncertainty) {
-  const Unknowns& unknowns = residuals.unknowns();
-  const Eigen::VectorXd values = unknowns.values(best.z);
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(unknowns.reported());
-  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
-    if (unknowns.parameter(i) == parameter) {
-      shift(i) = parameter == FitParameter::lag ? 1 : values(i);
-      return shift;
-    }
-  const auto r = residuals_with(residuals, values, parameter);
-  if (!r) return std::nullopt;
-  const Eigen::VectorXd all =
-      -uncertainty.full_covariance * (best.jacobian.transpose() * (*r - best.residuals)) / kChange;
-  return Eigen::VectorXd(all.head(unknowns.reported()));
-}
-
-/// Wider by a standard deviation: each side in quadrature.
-Interval widened(const Interval& interval, double estimate, double by) {
-  return {estimate - std::hypot(estimate - interval.low, by),
-          estimate + std::hypot(interval.high - estimate, by)};
-}
-
 }  // namespace
-
-void add_common_errors(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                       const std::vector<double>& t, FitResult& result) {
-  const Unknowns& unknowns = residuals.unknowns();
-  const Problem& problem = unknowns.problem();
-  if (!(problem.common_phase_sd > 0 || problem.common_amplitude_sd > 0)) return;
-  const Eigen::Index n = unknowns.reported();
-  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(n, n);
-  const auto add = [&](FitParameter parameter, double sd) {
-    if (!(sd > 0)) return;
-    if (const auto shift = shifts_by(parameter, residuals, best, uncertainty))
-      common += sd * sd * *shift * shift->transpose();
-  };
-  add(FitParameter::lag, problem.common_phase_sd);
-  add(FitParameter::amplitude, problem.common_amplitude_sd);
-  result.common_error_sd = common.diagonal().cwiseSqrt();
-  result.covariance += common;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    ParameterEstimate& p = result.parameters[static_cast<std::size_t>(i)];
-    const double sd = result.common_error_sd(i), by = t[static_cast<std::size_t>(i)] * sd;
-    if (!std::isfinite(p.sd)) continue;
-    if (sd > t[static_cast<std::size_t>(i)] * p.sd) result.common_errors_dominate = true;
-    p.sd = std::hypot(p.sd, sd);
-    for (Interval* interval : {&p.ci95, &p.profile_ci95, &p.bootstrap_ci95})
-      *interval = widened(*interval, p.estimate, by);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double product = std::sqrt(result.covariance(i, i) * result.covariance(j, j));
-      if (i != j && product > 0)
-        result.correlation(i, j) = result.correlation(j, i) = result.covariance(i, j) / product;
-    }
-  }
-}
 
 void fill_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                       FitResult& result) {

@@ -124,7 +124,9 @@ void Problem::validate() const {
     if (!(known.sd > 0) || !std::isfinite(known.sd))
       throw DataError(std::string("fit.prior ") + to_string(parameter) + ": sd must be positive.");
   }
-  if (!(scale_sd >= 0) || !std::isfinite(scale_sd)) throw DataError("The scale's sd must not be negative.");
+  for (const Condition& condition : conditions)
+    if (!(condition.sd >= 0) || !std::isfinite(condition.sd))
+      throw DataError(std::string("The sd of ") + to_string(condition.quantity) + " must not be negative.");
   if (!(between_slides >= 0) || !std::isfinite(between_slides))
     throw DataError("The sd of mu1 between slides must not be negative.");
 

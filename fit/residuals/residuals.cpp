@@ -20,13 +20,8 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
     first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
     rows_ += 2 * static_cast<Eigen::Index>(point_count(first_point_.size() - 1));
   }
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
-    const FitParameter parameter = unknowns.parameter(i);
-    if (const auto it = problem.prior.find(parameter); it != problem.prior.end())
-      priors_.emplace_back(i, it->second);
-    else if (parameter == FitParameter::scale && problem.scale_sd > 0)
-      priors_.emplace_back(i, Prior{1, problem.scale_sd});
-  }
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
+    if (const auto prior = unknowns.prior(i)) priors_.emplace_back(i, *prior);
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
     if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
@@ -128,7 +123,7 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     if (jacobian)
       for (Eigen::Index j = 0; j < jacobian->cols(); ++j) whiten_common(jacobian->col(j));
   }
-  Eigen::Index row = rows_ - static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
+  Eigen::Index row = first_prior();
   for (const auto& [unknown, prior] : priors_) {
     residuals(row) = (values(unknown) - prior.mean) / prior.sd;
     if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
@@ -142,6 +137,26 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
   if (residuals.allFinite() && (!jacobian || jacobian->allFinite())) return true;
   failures_->add(values, "the modelled motion is not finite");
   return false;
+}
+
+Eigen::Index Residuals::first_prior() const {
+  return rows_ - static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
+}
+
+std::vector<Residuals::NuisancePrior> Residuals::nuisance_priors() const {
+  std::vector<NuisancePrior> result;
+  Eigen::Index row = first_prior();
+  for (const auto& [unknown, prior] : priors_) {
+    if (unknown >= unknowns_->common()) {
+      bool deviation = false;
+      for (std::size_t run = 0; run < problem_->trajectory_runs.size(); ++run)
+        deviation = deviation || unknowns_->deviation_index(run) == unknown;
+      result.push_back({row, 1, deviation ? Nuisance::deviation : Nuisance::phase});
+    }
+    ++row;
+  }
+  for (std::size_t k = 0; k < spins_.size(); ++k, row += 2) result.push_back({row, 2, Nuisance::spin});
+  return result;
 }
 
 double Residuals::chi2(const Eigen::VectorXd& values) const {

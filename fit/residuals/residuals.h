@@ -31,6 +31,9 @@ struct Weights {
   std::vector<std::vector<double>> points;  ///< trajectory runs
 };
 
+/// Unknowns of single runs that have a prior.
+enum class Nuisance { phase, spin, deviation };
+
 /// Rows of one run after a fit, unwhitened.
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
@@ -62,6 +65,8 @@ class Residuals {
   double excess(double chi2) const;
   const ExcessVariance& excess_variance() const { return scatter_; }
   void set_excess_variance(const ExcessVariance& scatter);
+  /// What SummaryRun::own adds to the covariance of each run, linearised at these values; until then nothing.
+  void set_own_errors(const Eigen::VectorXd& values);
   const Weights& weights() const { return weights_; }
   void set_weights(const Weights& weights);
   double run_weight(std::size_t run) const { return weights_.runs.empty() ? 1 : weights_.runs[run]; }
@@ -84,7 +89,7 @@ class Residuals {
 
   /// Measured less modelled displacement of a summary run, out of the whitened residuals.
   Eigen::Vector2d difference(const Eigen::VectorXd& whitened, std::size_t run) const;
-  /// The run's covariance with the scatter between runs added.
+  /// The run's covariance with its own errors and the scatter between runs added.
   Eigen::Matrix2d covariance(std::size_t summary_run) const;
   /// `common` is common_error() of the same values; without it PointResiduals::correlated holds the run's
   /// own.
@@ -92,6 +97,17 @@ class Residuals {
                         const Eigen::VectorXd& common = {}) const;
   /// Expected errors that all runs share: coefficients of their common shapes, m. Empty without such errors.
   Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
+  /// What SummaryRun::own adds to the covariance of a run.
+  Eigen::Matrix2d own_error(std::size_t summary_run) const;
+  Eigen::Index first_prior() const;  ///< row of the first prior: behind all data
+  struct NuisancePrior {
+    Eigen::Index row = 0, rows = 1;
+    Nuisance unknown = Nuisance::phase;
+  };
+  std::vector<NuisancePrior> nuisance_priors() const;
+  /// By the root of what the points' own noise is of their whole covariance, in place: what is left of a
+  /// column over all trajectory rows if errors that points share are taken out.
+  void whiten_shared(Eigen::Ref<Eigen::VectorXd> trajectory_rows) const;
   std::size_t point_count(std::size_t trajectory_run) const;
   Eigen::Index trajectory_row(std::size_t run) const;  ///< the run's first
   /// The rows of a trajectory run whose modelled points are `positions` (m, in the picture), whitened but for
@@ -143,6 +159,7 @@ class Residuals {
   Weights weights_;
   Eigen::Index rows_ = 0;
   ExcessVariance scatter_;
+  std::vector<Eigen::Matrix2d> own_;                       ///< m^2, of each summary run
   std::vector<std::shared_ptr<const Prepared>> prepared_;  ///< one for each trajectory run
   std::shared_ptr<const CorrelatedWhitening> common_;      ///< of all trajectory rows; null without
   double reference_time_ = 0;

@@ -19,12 +19,33 @@ namespace internal {
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
   const Displacement& measured = problem_->summary_runs[index].measured;
+  const Eigen::Matrix2d known = measured.covariance + own_error(index);
   const double along = scatter_.along * scatter_.along, across = scatter_.across * scatter_.across;
   const double length = measured.vector.norm();
   if (!(length > 0))  // no direction
-    return measured.covariance + std::max(along, across) * Eigen::Matrix2d::Identity();
+    return known + std::max(along, across) * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d u = measured.vector / length;
-  return measured.covariance + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
+  return known + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
+}
+
+void Residuals::set_own_errors(const Eigen::VectorXd& values) {
+  own_.assign(problem_->summary_runs.size(), Eigen::Matrix2d::Zero());
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    const SummaryRun& run = problem_->summary_runs[i];
+    if (run.own.parameters.empty()) continue;
+    const AppliedScenario applied = unknowns_->apply_summary(values, run, false);
+    try {
+      const Eigen::Matrix2Xd moved = end_point(applied.scenario, run.own.parameters, tolerance_).jacobian *
+                                     (applied.stretch / applied.scale);
+      own_[i] = moved * run.own.covariance * moved.transpose();
+    } catch (const model::InvalidParameter&) {  // no motion there: nothing to move
+    } catch (const model::StepLimitExceeded&) {
+    }
+  }
+}
+
+Eigen::Matrix2d Residuals::own_error(std::size_t index) const {
+  return own_.empty() ? Eigen::Matrix2d::Zero().eval() : own_[index];
 }
 
 Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {

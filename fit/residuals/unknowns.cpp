@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fit/residuals/free_slide.h"
 
@@ -15,10 +16,14 @@ Transform transform_of(FitParameter parameter, double w, double threshold) {
     case FitParameter::amplitude:
     case FitParameter::angular_frequency:
     case FitParameter::scale:
+    case FitParameter::amplitude_ratio:
+    case FitParameter::gravity:
       return {Kind::logarithm, 1};
     case FitParameter::mu2:
       return {Kind::hyperbola, 0.05 * threshold};
     case FitParameter::lag:
+    case FitParameter::phase_shift:
+    case FitParameter::phase_reference:
       return {Kind::linear, 1};
     case FitParameter::delay:
       return {Kind::linear, 1 / w};
@@ -53,17 +58,23 @@ class Chain {
 }  // namespace
 
 Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem.free) {
+  bool first = true;
   const auto consider = [&](const model::Scenario& scenario) {
+    if (std::exchange(first, false)) {
+      gravity_ = scenario.drive.gravity;
+      tilt_x_ = scenario.drive.tilt_x;
+      tilt_y_ = scenario.drive.tilt_y;
+    }
     if (amplitude_ > 0) return;
     amplitude_ = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
     frequency_ = scenario.drive.angular_frequency;
   };
   for (const auto& run : problem.summary_runs) consider(run.scenario);
-  for (const auto& run : problem.trajectory_runs)
-    if (!run.free_slide) consider(run.scenario);
+  for (const auto& run : problem.trajectory_runs) consider(run.scenario);
   if (!(frequency_ > 0)) frequency_ = 1;
 
-  if (problem.scale_sd > 0 && !find(FitParameter::scale)) common_.push_back(FitParameter::scale);
+  for (const Condition& condition : problem.conditions)
+    if (condition.sd > 0 && !find(condition.quantity)) common_.push_back(condition.quantity);
   for (const auto parameter : common_)
     transforms_.push_back(transform_of(parameter, frequency_, sliding_threshold().value_or(0.2)));
   for (const auto& run : problem.trajectory_runs) {
@@ -132,6 +143,10 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
       case FitParameter::tilt_y:
         units(i) = mu1;
         break;
+      case FitParameter::phase_shift:
+      case FitParameter::phase_reference:
+        units(i) = 1;
+        break;
       case FitParameter::mu2:
         units(i) = std::max(values(i), 0.05 * mu1);
         break;
@@ -164,26 +179,9 @@ Eigen::VectorXd Unknowns::first_guess() const {
   if (const auto it = problem_->fixed.find(FitParameter::mu1); it != problem_->fixed.end()) mu1 = it->second;
   mu1 = own(FitParameter::mu1).value_or(mu1);
   for (Eigen::Index i = 0; i < common(); ++i) {
-    double value = 0;
-    switch (parameter(i)) {
-      case FitParameter::mu1:
-        value = mu1;
-        break;
-      case FitParameter::mu2:
-        value = 0.2 * mu1;
-        break;
-      case FitParameter::amplitude:
-        value = amplitude_;
-        break;
-      case FitParameter::angular_frequency:
-        value = frequency_;
-        break;
-      case FitParameter::scale:
-        value = 1;
-        break;
-      default:
-        break;
-    }
+    double value = as_given(parameter(i));
+    if (parameter(i) == FitParameter::mu1) value = mu1;
+    if (parameter(i) == FitParameter::mu2) value = 0.2 * mu1;
     guess(i) = own(parameter(i)).value_or(value);
   }
   for (std::size_t run = 0, slide = 0; run < velocity_.size(); ++run)
@@ -198,16 +196,37 @@ Eigen::VectorXd Unknowns::first_guess() const {
 double Unknowns::value_of(FitParameter parameter, const Eigen::VectorXd& values) const {
   if (const auto i = find(parameter)) return values(*i);
   if (const auto it = problem_->fixed.find(parameter); it != problem_->fixed.end()) return it->second;
+  return as_given(parameter);
+}
+
+double Unknowns::as_given(FitParameter parameter) const {
   switch (parameter) {
     case FitParameter::amplitude:
       return amplitude_;
     case FitParameter::angular_frequency:
       return frequency_;
     case FitParameter::scale:
+    case FitParameter::amplitude_ratio:
       return 1;
+    case FitParameter::gravity:
+      return gravity_;
+    case FitParameter::tilt_x:
+      return tilt_x_;
+    case FitParameter::tilt_y:
+      return tilt_y_;
     default:
       return 0;
   }
+}
+
+std::optional<Prior> Unknowns::prior(Eigen::Index i) const {
+  const FitParameter quantity = parameter(i);
+  if (const auto it = problem_->prior.find(quantity); it != problem_->prior.end()) return it->second;
+  if (i < reported()) return std::nullopt;
+  double variance = 0;
+  for (const Condition& condition : problem_->conditions)
+    if (condition.quantity == quantity) variance += condition.sd * condition.sd;
+  return Prior{as_given(quantity), std::sqrt(variance)};
 }
 
 AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scenario& base,
@@ -222,20 +241,24 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   // Amplitude and frequency are those of the first driven run; the others keep their ratio to it.
   const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
   const double picture = amplitude_from_track ? result.scale : 1;
+  const double ratio = value_of(FitParameter::amplitude_ratio, values);
   drive.amplitude *= amplitude_factor * picture;
-  drive.amplitude_y *= amplitude_factor * picture;
+  drive.amplitude_y *= amplitude_factor * picture * ratio;
   const double frequency_ratio = base.drive.angular_frequency / frequency_;
   drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
 
   const double delay = value_of(FitParameter::delay, values);
   friction.nominal = value_of(FitParameter::mu1, values);
   friction.reduced = value_of(FitParameter::mu2, values);
-  friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay;
-  const auto override_tilt = [&](FitParameter parameter, double& tilt) {
-    if (find(parameter) || problem_->fixed.count(parameter)) tilt = value_of(parameter, values);
+  friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay +
+                 value_of(FitParameter::phase_reference, values);
+  drive.phase_shift += value_of(FitParameter::phase_shift, values);
+  const auto replace = [&](FitParameter parameter, double& given) {
+    if (find(parameter) || problem_->fixed.count(parameter)) given = value_of(parameter, values);
   };
-  override_tilt(FitParameter::tilt_x, drive.tilt_x);
-  override_tilt(FitParameter::tilt_y, drive.tilt_y);
+  replace(FitParameter::tilt_x, drive.tilt_x);
+  replace(FitParameter::tilt_y, drive.tilt_y);
+  replace(FitParameter::gravity, drive.gravity);
   if (!derivatives) return result;
 
   Chain chain(result, size());
@@ -243,6 +266,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   if (friction.pulse_width > 0) {
     chain.add(model::Parameter::mu2, find(FitParameter::mu2), 1);
     chain.add(model::Parameter::lag, find(FitParameter::lag), 1);
+    chain.add(model::Parameter::lag, find(FitParameter::phase_reference), 1);
     chain.add(model::Parameter::lag, find(FitParameter::delay), drive.angular_frequency);
     chain.add(model::Parameter::lag, find(FitParameter::angular_frequency), delay * frequency_ratio);
   }
@@ -251,7 +275,11 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
     if (amplitude_from_track) chain.add(parameter, find(FitParameter::scale), own * amplitude_factor);
   };
   by_amplitude(model::Parameter::amplitude, base.drive.amplitude);
-  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y);
+  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y * ratio);
+  chain.add(model::Parameter::amplitude_y, find(FitParameter::amplitude_ratio), drive.amplitude_y / ratio);
+  if (base.drive.amplitude_y > 0)
+    chain.add(model::Parameter::phase_shift, find(FitParameter::phase_shift), 1);
+  chain.add(model::Parameter::gravity, find(FitParameter::gravity), 1);
   chain.add(model::Parameter::angular_frequency, find(FitParameter::angular_frequency), frequency_ratio);
   chain.add(model::Parameter::tilt_x, find(FitParameter::tilt_x), 1);
   chain.add(model::Parameter::tilt_y, find(FitParameter::tilt_y), 1);

@@ -19,10 +19,10 @@ struct AppliedScenario {
   Eigen::MatrixXd chain;                 ///< d wanted / d unknowns
 };
 
-/// Order: the parameters of Problem::free, then the scale where it is a nuisance, then the initial velocity
-/// (x, y) of each free slide, its spin where that is seen and the deviation of its mu1 from the mean where
-/// slides differ, and the shift of the platform's phase of each trajectory run whose phase has an sd.
-/// "Values" are physical (SI), "z" the optimiser's.
+/// Order: the parameters of Problem::free, then the conditions, then the initial velocity (x, y) of each free
+/// slide, its spin where that is seen and the deviation of its mu1 from the mean where slides differ, and the
+/// shift of the platform's phase of each trajectory run whose phase has an sd. "Values" are physical (SI),
+/// "z" the optimiser's.
 class Unknowns {
  public:
   /// Refers to the problem, which must outlive the unknowns.
@@ -32,7 +32,7 @@ class Unknowns {
   Eigen::Index size() const { return static_cast<Eigen::Index>(transforms_.size()); }
   /// Those reported: Problem::free.
   Eigen::Index reported() const { return static_cast<Eigen::Index>(problem_->free.size()); }
-  /// Reported and scale; the rest are initial velocities and phase shifts.
+  /// Reported and conditions; the rest are initial velocities and phase shifts.
   Eigen::Index common() const { return static_cast<Eigen::Index>(common_.size()); }
   FitParameter parameter(Eigen::Index i) const { return common_[static_cast<std::size_t>(i)]; }
   std::optional<Eigen::Index> find(FitParameter parameter) const;
@@ -58,9 +58,15 @@ class Unknowns {
   /// mu2, the speed for a velocity.
   Eigen::VectorXd natural_units(const Eigen::VectorXd& values) const;
 
+  /// What is known beforehand of unknown i < common(): Problem::prior for a fitted one, the runs' own value
+  /// for a condition, the sds of its independent errors in quadrature.
+  std::optional<Prior> prior(Eigen::Index i) const;
+
   /// First guesses: Problem::start, else the prior's mean, else the scene's own scale.
   Eigen::VectorXd first_guess() const;
 
+  /// Value of a parameter that is neither fitted nor fixed: the first run's, 0 where runs have none.
+  double as_given(FitParameter parameter) const;
   /// Value of a parameter that is fitted or fixed or the run's own.
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
@@ -86,6 +92,7 @@ class Unknowns {
   std::optional<double> slide_mu_;
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run
   double frequency_ = 0;
+  double gravity_ = 9.81, tilt_x_ = 0, tilt_y_ = 0;
 };
 
 }  // namespace tribotrack::fit::internal

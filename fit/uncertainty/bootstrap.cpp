@@ -32,9 +32,10 @@ class Draw {
     draw_deviations(values);
     for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) summary(i);
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) trajectory(i, values);
-    for (auto& [parameter, prior] : problem_.prior)
-      if (const auto k = residuals_.unknowns().find(parameter))
-        prior.mean = values(*k) + prior.sd * normal_(random_);
+    const Unknowns& unknowns = residuals_.unknowns();
+    for (Eigen::Index k = 0; k < unknowns.common(); ++k)
+      if (const auto known = unknowns.prior(k))
+        problem_.prior[unknowns.parameter(k)] = {values(k) + known->sd * normal_(random_), known->sd};
     return problem_;
   }
 

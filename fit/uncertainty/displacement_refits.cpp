@@ -30,8 +30,8 @@ class RefitsInLanes {
       rows(r0, i) = whitened(i, drawn.summary_runs[i].measured.vector - modelled_[i]);
     for (const auto& [parameter, prior] : drawn.prior)
       if (const auto k = unknowns_.find(parameter))
-        priors(r0) -= best_.jacobian.col(*k).tail(priors(r0).size()) *
-                      (prior.mean - unknowns_.problem().prior.at(parameter).mean);
+        priors(r0) -=
+            best_.jacobian.col(*k).tail(priors(r0).size()) * (prior.mean - unknowns_.prior(*k)->mean);
     const auto minimum = curved_.minimum(r0);
     if (minimum) t = *minimum;
     return minimum.has_value();

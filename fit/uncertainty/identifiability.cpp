@@ -80,8 +80,11 @@ void worsen(Verdict& verdict, Verdict to) {
 /// The checks one after the other, each adding its findings.
 class Judge {
  public:
-  Judge(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty)
+  Judge(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+        const std::vector<ParameterEstimate>& parameters)
       : unknowns_(unknowns),
+        parameters_(parameters),
+        profiled_(!parameters.empty() && !std::isnan(parameters.front().profile_ci95.low)),
         problem_(unknowns.problem()),
         values_(values),
         uncertainty_(uncertainty),
@@ -134,7 +137,7 @@ class Judge {
     const auto& covariance = uncertainty_.covariance;
     const double difference = std::abs(values_(*mu1) - values_(*mu2));
     const double variance = covariance(*mu1, *mu1) + covariance(*mu2, *mu2) - 2 * covariance(*mu1, *mu2);
-    if (difference < kPulsesSeen * std::sqrt(std::max(0.0, variance)))
+    if (!profiled_ && difference < kPulsesSeen * std::sqrt(std::max(0.0, variance)))
       add(Verdict::not_identifiable,
           fmt::format("mu1 and mu2 agree within {} sd: the pulses may have no effect, and then the lag means "
                       "nothing; check that the actuator works, or fit mu1 alone with mu2 fixed.",
@@ -150,14 +153,37 @@ class Judge {
         if (!(std::abs(correlation) > kTradeOff)) continue;
         const double change = 0.01 * uncertainty_.units(i);
         const double other = covariance / (sd_(i) * sd_(i)) * change;
-        add(Verdict::weak,
-            fmt::format("{} is hidden by {} (correlation {}).",
-                        change_text(unknowns_.parameter(i), change, values_(i)),
-                        change_text(unknowns_.parameter(j), other, values_(j)), number(correlation, 3)));
+        result.weak_directions.push_back(fmt::format(
+            "{} is hidden by {} (correlation {}).", change_text(unknowns_.parameter(i), change, values_(i)),
+            change_text(unknowns_.parameter(j), other, values_(j)), number(correlation, 3)));
         traded = true;
       }
     if ((traded || result.verdict != Verdict::identifiable) && only_phi_varies(problem_))
       result.weak_directions.push_back(kRotationLaw);
+  }
+
+  void check_profiles() {
+    if (!profiled_) return;
+    const auto reach = [](const Interval& interval, double estimate) {
+      return std::max(interval.high - estimate, estimate - interval.low);
+    };
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      const ParameterEstimate& p = parameters_[i];
+      if (flat_[i] || dead(static_cast<Eigen::Index>(i))) continue;
+      const double by_profile = reach(p.profile_ci95, p.estimate),
+                   by_covariance = reach(p.covariance_ci95, p.estimate);
+      const std::string name = to_string(p.parameter);
+      if (!std::isfinite(by_profile))
+        add(Verdict::not_identifiable,
+            name + " is not determined: other parameters make up for any value of it on at least one side.");
+      else if (p.ci95_pieces.size() > 1)
+        add(Verdict::weak, name + ": more than one minimum fits, and the interval is in pieces.");
+      else if (by_profile > kBent * by_covariance)
+        add(Verdict::weak,
+            fmt::format("{}: the likelihood is far from a parabola, the interval quoted (profile) reaches {} "
+                        "times as far as the covariance.",
+                        name, number(by_profile / by_covariance, 2)));
+    }
   }
 
   Identifiability result;
@@ -178,7 +204,7 @@ class Judge {
     const double widest = range(unknowns_, parameter, values_), factor = display_factor(parameter);
     const std::string shown =
         fmt::format("{} = {} +- {}", name(i), number(values_(i) * factor, 4), number(sd_(i) * factor, 2));
-    if (sd_(i) > widest)
+    if (sd_(i) > widest && !profiled_)
       add(Verdict::not_identifiable,
           fmt::format("{} is not determined: its sd exceeds the range it can have ({}).", shown,
                       number(widest * factor, 2)));
@@ -192,6 +218,8 @@ class Judge {
   }
 
   const Unknowns& unknowns_;
+  const std::vector<ParameterEstimate>& parameters_;
+  bool profiled_;
   const Problem& problem_;
   const Eigen::VectorXd& values_;
   const Uncertainty& uncertainty_;
@@ -227,36 +255,18 @@ std::vector<bool> moved_by_flat_direction(const Uncertainty& uncertainty) {
 }
 
 Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                const Uncertainty& uncertainty) {
-  Judge judge(unknowns, values, uncertainty);
+                                const Uncertainty& uncertainty,
+                                const std::vector<ParameterEstimate>& parameters) {
+  Judge judge(unknowns, values, uncertainty, parameters);
   if (judge.stuck()) return judge.result;
   judge.count_data();
   judge.find_dead_parameters();
   judge.find_flat_directions();
   judge.find_loose_parameters();
+  judge.check_profiles();
   judge.check_pulses();
   judge.find_trade_offs();
   return judge.result;
-}
-
-void compare_with_profiles(const Unknowns& unknowns, const std::vector<ParameterEstimate>& parameters,
-                           Identifiability& result) {
-  const bool was_identifiable = result.verdict == Verdict::identifiable;
-  const auto reach = [](const Interval& interval, double estimate) {
-    return std::max(interval.high - estimate, estimate - interval.low);
-  };
-  for (const ParameterEstimate& p : parameters) {
-    const double by_profile = reach(p.profile_ci95, p.estimate), by_covariance = reach(p.ci95, p.estimate);
-    if (!(by_profile > kBent * by_covariance)) continue;  // NaN: no profile
-    result.weak_directions.push_back(fmt::format(
-        "{}: the likelihood is far from a parabola, its profile reaches {}: quote the profile.",
-        to_string(p.parameter),
-        std::isfinite(by_profile) ? number(by_profile / by_covariance, 2) + " times as far as the covariance"
-                                  : std::string("to infinity")));
-    worsen(result.verdict, Verdict::weak);
-  }
-  if (was_identifiable && result.verdict != Verdict::identifiable && only_phi_varies(unknowns.problem()))
-    result.weak_directions.push_back(kRotationLaw);
 }
 
 }  // namespace tribotrack::fit::internal

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "fit/minimum/multi_start.h"
 #include "fit/tools/parallel.h"
 #include "fit/uncertainty/profile.h"
 
@@ -31,6 +32,17 @@ Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) 
   }
 }
 
+/// A point this much below a minimum is a better one.
+constexpr double kLower = 0.01;
+
+MinimiseOptions held_at(Eigen::Index parameter) {
+  MinimiseOptions options;
+  options.held = parameter;
+  options.decrement = 1e-3;
+  options.max_iterations = 30;
+  return options;
+}
+
 /// The pseudo-inverse of J'J, flat directions left out.
 Eigen::MatrixXd spread(const Eigen::MatrixXd& curvature) {
   const Eigen::VectorXd scale = curvature.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -42,23 +54,27 @@ Eigen::MatrixXd spread(const Eigen::MatrixXd& curvature) {
          scale.asDiagonal();
 }
 
+/// From a point inside a region to where the constrained minimum leaves it.
 class OneSide {
  public:
-  OneSide(const Residuals& residuals, const KnownMinimum& best, Eigen::Index parameter, double rise)
-      : residuals_(residuals), best_(best), index_(parameter), target_(std::sqrt(rise)) {
-    const Eigen::MatrixXd covariance = spread(best.curvature);
+  /// `level`: chi^2 at the border; `inside` lies below it.
+  OneSide(const Residuals& residuals, const KnownMinimum& inside, Eigen::Index parameter, double lowest,
+          double level)
+      : residuals_(residuals), inside_(inside), index_(parameter), lowest_(lowest), level_(level) {
+    const Eigen::MatrixXd covariance = spread(inside.curvature);
     const double variance = covariance(index_, index_);
     sd_ = variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 1;
     along_ = variance > 0 ? Eigen::VectorXd(covariance.col(index_) / variance)
-                          : Eigen::VectorXd(Eigen::VectorXd::Unit(best.minimum.z.size(), index_));
+                          : Eigen::VectorXd(Eigen::VectorXd::Unit(inside.minimum.z.size(), index_));
   }
 
   /// z where the profile crosses; nullopt when it does not before `limit`.
   std::optional<double> cross(double limit) {
-    const double direction = limit > best_.minimum.z(index_) ? 1 : -1;
-    Point inside{best_.minimum.z, -target_};
+    const double direction = limit > inside_.minimum.z(index_) ? 1 : -1;
+    const double target = std::sqrt(level_ - lowest_);
+    Point inside{inside_.minimum.z, height(inside_.minimum.chi2)};
     std::optional<Point> outside;
-    double step = target_ * sd_;
+    double step = std::max(-inside.height, 0.1 * target) * sd_;
     for (int i = 0; i < 25; ++i) {
       double z = 0;
       if (outside) {  // regula falsi on sqrt(rise), kept off the ends
@@ -75,7 +91,7 @@ class OneSide {
         if (outside || step < 1e-3 * sd_) return std::nullopt;
         continue;
       }
-      if (std::abs(point->height) < 0.004 * target_) return z;
+      if (std::abs(point->height) < 0.004 * target) return z;
       if (point->height < 0) {
         if (z == limit) return std::nullopt;
         const double gained = (point->height - inside.height) / std::abs(z - inside.z(index_));
@@ -95,67 +111,222 @@ class OneSide {
  private:
   struct Point {
     Eigen::VectorXd z;
-    double height;  ///< sqrt(chi^2 - its minimum) - target
+    double height;  ///< root of the rise of chi^2, less the border's
   };
+
+  double height(double chi2) const {
+    return std::sqrt(std::max(0.0, chi2 - lowest_)) - std::sqrt(level_ - lowest_);
+  }
 
   std::optional<Point> at(double z, const Point& neighbour) {
     const Eigen::VectorXd start = neighbour.z + along_ * (z - neighbour.z(index_));
-    MinimiseOptions options;
-    options.held = index_;
-    options.decrement = 1e-3;
-    options.max_iterations = 30;
-    const Minimum held = minimise(residuals_, start, options);
+    const Minimum held = minimise(residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
-    const double rise = held.chi2 - best_.minimum.chi2;
-    if (rise < -0.01) better = held;
-    return Point{held.z, std::sqrt(std::max(0.0, rise)) - target_};
+    if (held.chi2 < lowest_ - kLower && admissible(residuals_.unknowns(), held.z)) better = held;
+    return Point{held.z, height(held.chi2)};
   }
 
   const Residuals& residuals_;
-  const KnownMinimum& best_;
+  const KnownMinimum& inside_;
   Eigen::Index index_;
-  double target_, sd_ = 1;
+  double lowest_, level_, sd_ = 1;
   Eigen::VectorXd along_;
+};
+
+/// Regions on one parameter's axis, in its z.
+class Pieces {
+ public:
+  /// `turn`: the axis is a circle of this length; 0: a line.
+  explicit Pieces(double turn) : turn_(turn) {}
+
+  void add(Interval piece, double middle) {
+    if (turn_ > 0 && std::isfinite(piece.low) && std::isfinite(piece.high)) {
+      const double by = turn_ * std::round((middle - 0.5 * (piece.low + piece.high)) / turn_);
+      piece = {piece.low + by, piece.high + by};
+    }
+    pieces_.push_back(piece);
+    std::sort(pieces_.begin(), pieces_.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
+    std::vector<Interval> merged;
+    for (const Interval& next : pieces_) {
+      if (!merged.empty() && next.low <= merged.back().high)
+        merged.back().high = std::max(merged.back().high, next.high);
+      else
+        merged.push_back(next);
+    }
+    // On a circle the last may reach into the first.
+    if (turn_ > 0 && merged.size() > 1 && merged.back().high - turn_ >= merged.front().low) {
+      merged.front().low = std::min(merged.front().low, merged.back().low - turn_);
+      merged.pop_back();
+    }
+    pieces_ = merged;
+  }
+  bool holds(double z) const {
+    return std::any_of(pieces_.begin(), pieces_.end(), [&](const Interval& piece) {
+      const double by = turn_ > 0 && std::isfinite(piece.low)
+                            ? turn_ * std::round((0.5 * (piece.low + piece.high) - z) / turn_)
+                            : 0;
+      return piece.low <= z + by && z + by <= piece.high;
+    });
+  }
+  bool open() const {
+    return std::any_of(pieces_.begin(), pieces_.end(), [&](const Interval& piece) {
+      return piece.high - piece.low >= (turn_ > 0 ? turn_ : kInfinity);
+    });
+  }
+  const std::vector<Interval>& all() const { return pieces_; }
+
+ private:
+  double turn_;
+  std::vector<Interval> pieces_;
+};
+
+class ParameterProfile {
+ public:
+  ParameterProfile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
+                   Eigen::Index parameter, double rise)
+      : residuals_(residuals),
+        unknowns_(residuals.unknowns()),
+        best_(minima.front().minimum),
+        index_(parameter),
+        name_(unknowns_.parameter(parameter)),
+        level_(best_.chi2 + rise),
+        pieces_(turn()) {
+    const Transform& transform = unknowns_.transform(parameter);
+    const Interval range = limits(unknowns_, name_, transform.value(best_.z(parameter)));
+    limits_ = {transform.z(range.low), transform.z(range.high)};
+    for (const KnownMinimum& minimum : minima)
+      if (minimum.minimum.chi2 < level_) follow(minimum);
+  }
+
+  /// Is there more, where no piece lies? The lowest point of the sample in each of a number of classes of the
+  /// parameter is where to look.
+  void look_between(const std::vector<ScreenedPoint>& sample) {
+    const double rise = level_ - best_.chi2;
+    struct Class {
+      const ScreenedPoint* lowest = nullptr;
+    };
+    std::vector<Class> classes(kClasses);
+    double low = kInfinity, high = -kInfinity, lowest = kInfinity;
+    for (const ScreenedPoint& point : sample) {
+      if (!std::isfinite(point.chi2)) continue;
+      low = std::min(low, point.z(index_));
+      high = std::max(high, point.z(index_));
+      lowest = std::min(lowest, point.chi2);
+    }
+    if (!(high > low)) return;
+    for (const ScreenedPoint& point : sample) {
+      if (!std::isfinite(point.chi2) || pieces_.holds(point.z(index_))) continue;
+      const double share = (point.z(index_) - low) / (high - low);
+      Class& here = classes[std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses))];
+      if (!here.lowest || point.chi2 < here.lowest->chi2) here.lowest = &point;
+    }
+    for (const Class& here : classes) {
+      if (better || pieces_.open()) return;
+      if (!here.lowest || pieces_.holds(here.lowest->z(index_))) continue;
+      if (!promises(here.lowest->z, rise)) continue;
+      const Minimum held = minimise(residuals_, here.lowest->z, held_at(index_));
+      if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
+      if (held.chi2 < best_.chi2 - kLower) {
+        better = held;
+        return;
+      }
+      follow(with_curvature(residuals_, held));
+    }
+  }
+
+  Profile result() const {
+    if (better) return {{}, better};
+    if (pieces_.open() || pieces_.all().empty()) return open_profile();
+    const Transform& transform = unknowns_.transform(index_);
+    const bool may_be_zero = name_ == FitParameter::mu1 || name_ == FitParameter::mu2;
+    Profile profile;
+    for (const Interval& piece : pieces_.all())
+      profile.pieces.push_back({std::isfinite(piece.low) ? transform.value(piece.low)
+                                : may_be_zero            ? 0
+                                                         : -kInfinity,
+                                std::isfinite(piece.high) ? transform.value(piece.high) : kInfinity});
+    return profile;
+  }
+
+  std::optional<Minimum> better;
+
+ private:
+  double turn() const {
+    if (name_ == FitParameter::lag) return 2 * std::numbers::pi;
+    return name_ == FitParameter::delay ? 2 * std::numbers::pi : 0;  // of z: w delay
+  }
+
+  void follow(const KnownMinimum& from) {
+    if (better) return;
+    // On a circle the limits move with the start.
+    const double by = turn() > 0 ? from.minimum.z(index_) - best_.z(index_) : 0;
+    OneSide side(residuals_, from, index_, best_.chi2, level_);
+    const auto low = side.cross(limits_.low + by);
+    const auto high = side.better ? std::nullopt : side.cross(limits_.high + by);
+    better = side.better;
+    pieces_.add({low.value_or(-kInfinity), high.value_or(kInfinity)}, best_.z(index_));
+  }
+
+  /// Would chi^2 come near the border if the model were linear?
+  bool promises(const Eigen::VectorXd& z, double rise) const {
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian;
+    if (!residuals_.evaluate(unknowns_.values(z), r, &jacobian)) return false;
+    Eigen::MatrixXd by_z = jacobian * unknowns_.slopes(z).asDiagonal();
+    by_z.col(index_).setZero();
+    const Eigen::VectorXd scale = by_z.colwise().norm().cwiseMax(1e-300);
+    const Eigen::MatrixXd scaled = by_z * scale.cwiseInverse().asDiagonal();
+    const Eigen::VectorXd left = r - scaled * scaled.completeOrthogonalDecomposition().solve(r);
+    return left.squaredNorm() < level_ + kFar * rise;
+  }
+
+  static constexpr std::size_t kClasses = 40;
+  static constexpr double kFar = 5;  ///< rises: a linear forecast from a point of the sample is no better
+  const Residuals& residuals_;
+  const Unknowns& unknowns_;
+  const Minimum& best_;
+  Eigen::Index index_;
+  FitParameter name_;
+  double level_;
+  Interval limits_;
+  Pieces pieces_;
 };
 
 }  // namespace
 
-Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Index parameter, double rise) {
-  const auto& unknowns = residuals.unknowns();
-  const Transform& transform = unknowns.transform(parameter);
-  const FitParameter name = unknowns.parameter(parameter);
-  const Interval range = limits(unknowns, name, transform.value(best.minimum.z(parameter)));
-  const bool may_be_zero = name == FitParameter::mu1 || name == FitParameter::mu2;
-  OneSide side(residuals, best, parameter, rise);
-  Profile result;
-  const auto low = side.cross(transform.z(range.low));
-  const auto high = side.better ? std::nullopt : side.cross(transform.z(range.high));
-  result.interval.low = low ? transform.value(*low) : may_be_zero ? 0 : -kInfinity;
-  result.interval.high = high ? transform.value(*high) : kInfinity;
-  result.better = side.better;
-  return result;
+Profile open_profile() {
+  return {{{-kInfinity, kInfinity}}, std::nullopt};
 }
 
-std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               const std::vector<double>& rises, int threads) {
+Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
+                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise) {
+  ParameterProfile profile(residuals, minima, parameter, rise);
+  profile.look_between(sample);
+  return profile.result();
+}
+
+std::vector<std::vector<Interval>> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+                                            const std::vector<ScreenedPoint>& sample,
+                                            const std::vector<bool>& open, const std::vector<double>& rises,
+                                            int threads) {
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
   Residuals rough = residuals;
   rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
   for (int restart = 0;; ++restart) {
-    std::vector<Profile> sides(n);
+    std::vector<Profile> found(n, open_profile());
     parallel_for(n, threads, [&](std::size_t i) {
-      sides[i].interval = {-kInfinity, kInfinity};
-      if (!open[i]) sides[i] = profile(rough, best, static_cast<Eigen::Index>(i), rises[i]);
+      if (!open[i]) found[i] = profile(rough, minima, sample, static_cast<Eigen::Index>(i), rises[i]);
     });
     const Profile* better = nullptr;
-    for (const Profile& side : sides)
-      if (side.better && (!better || side.better->chi2 < better->better->chi2)) better = &side;
+    for (const Profile& one : found)
+      if (one.better && (!better || one.better->chi2 < better->better->chi2)) better = &one;
     if (!better || restart == 3) {
-      std::vector<Interval> intervals;
-      for (const Profile& side : sides) intervals.push_back(side.interval);
-      return intervals;
+      std::vector<std::vector<Interval>> pieces;
+      for (const Profile& one : found)
+        pieces.push_back(one.pieces.empty() ? open_profile().pieces : one.pieces);
+      return pieces;
     }
-    best = with_curvature(residuals, minimise(residuals, better->better->z));
+    minima.insert(minima.begin(), with_curvature(residuals, minimise(residuals, better->better->z)));
   }
 }
 

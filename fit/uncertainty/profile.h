@@ -1,4 +1,10 @@
-// Profile likelihood: the reference for intervals.
+// Profile likelihood over all valleys: the interval to quote.
+//
+// The values that the data allow are { z : chi^2(z) <= chi^2_min + rise }, which may be several regions
+// apart; the interval of a parameter is the projection of all of them on its axis, in one piece or more.
+// Every region has a minimum of its own, so following the constrained minimum outwards from each minimum that
+// lies low enough, and from any point of the screened box that turns out to lie in none of the pieces found,
+// gives them all.
 #pragma once
 
 #include <optional>
@@ -6,23 +12,30 @@
 
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
+#include "fit/minimum/screen.h"
 
 namespace tribotrack::fit::internal {
 
 struct Profile {
-  Interval interval;
+  std::vector<Interval> pieces;   ///< ascending, apart from each other
   std::optional<Minimum> better;  ///< a point below the minimum: the fit must start again from there
 };
 
-/// Where min over all other unknowns of chi^2 has risen by `rise` (3.84 for 95 %) on both sides of the
-/// minimum, every point re-optimised from its neighbour's solution. Ends that are not reached within the
-/// parameter's range (half a turn for the lag, a factor of ten for scales, mu up to 10) are infinite; 0 for a
-/// mu that may be 0.
-Profile profile(const Residuals& residuals, const KnownMinimum& best, Eigen::Index parameter, double rise);
+/// Whole range, in one piece: nothing is excluded.
+Profile open_profile();
+
+/// Where min over all other unknowns of chi^2 is within `rise` of `minima.front()` (3.84 for 95 %), every
+/// point re-optimised from its neighbour's solution. Ends that are not reached within the parameter's range
+/// (half a turn for the lag, a factor of ten for scales, mu up to 10) are infinite; 0 for a mu that may be 0.
+/// Pieces of the lag lie within half a turn of the estimate.
+Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
+                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise);
 
 /// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
-/// minimum restarts them from there (three times at most); `best` is then the better minimum.
-std::vector<Interval> profiles(const Residuals& residuals, KnownMinimum& best, const std::vector<bool>& open,
-                               const std::vector<double>& rises, int threads);
+/// minimum restarts them from there (three times at most); `minima.front()` is then the better one.
+std::vector<std::vector<Interval>> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+                                            const std::vector<ScreenedPoint>& sample,
+                                            const std::vector<bool>& open, const std::vector<double>& rises,
+                                            int threads);
 
 }  // namespace tribotrack::fit::internal

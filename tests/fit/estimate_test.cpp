@@ -166,7 +166,7 @@ TEST(Estimate, TheScalesUncertaintyEntersTheCovariance) {
   options.profiles = false;
   options.multi_starts = 2;
   const FitResult sharp = estimate(problem, options);
-  problem.scale_sd = 0.02;
+  problem.conditions = {{FitParameter::scale, 0.02, "test"}};
   const FitResult blurred = estimate(problem, options);
   EXPECT_EQ(blurred.parameters.size(), 3U);
   EXPECT_GT(blurred.parameters[1].sd, 1.3 * sharp.parameters[1].sd);

@@ -1,0 +1,284 @@
+#include "fit/uncertainty/budget.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "fit/tools/parameter_text.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr const char* kTracking = "tracking noise";
+constexpr const char* kShared = "errors common to frames";
+constexpr const char* kOwn = "gate and phase of single runs";
+constexpr const char* kScatter = "scatter between runs";
+constexpr const char* kSpin = "spin of slides";
+constexpr const char* kSlides = "differences between slides";
+constexpr const char* kStartPhase = "phase at the start of single runs";
+/// A contribution below this share of every sd is not worth a line.
+constexpr double kNegligible = 1e-3;
+
+std::string source_name(FitParameter quantity) {
+  switch (quantity) {
+    case FitParameter::amplitude:
+      return "platform's amplitude";
+    case FitParameter::amplitude_ratio:
+      return "ratio of the platform's amplitudes";
+    case FitParameter::angular_frequency:
+      return "platform's frequency";
+    case FitParameter::phase_shift:
+      return "platform's phase shift";
+    case FitParameter::phase_reference:
+      return "phase reference";
+    case FitParameter::scale:
+      return "scale";
+    case FitParameter::gravity:
+      return "gravity";
+    case FitParameter::tilt_x:
+    case FitParameter::tilt_y:
+      return "tilt";
+    default:
+      return std::string("prior of ") + to_string(quantity);
+  }
+}
+
+/// An error to imagine in what was taken as exact, SI.
+double assumed_error(FitParameter quantity, double value) {
+  switch (quantity) {
+    case FitParameter::phase_shift:
+    case FitParameter::phase_reference:
+      return 0.01;
+    case FitParameter::tilt_x:
+    case FitParameter::tilt_y:
+      return 1e-3;
+    default:
+      return 0.01 * std::abs(value);
+  }
+}
+
+class Sources {
+ public:
+  Sources(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty)
+      : residuals_(residuals),
+        unknowns_(residuals.unknowns()),
+        problem_(unknowns_.problem()),
+        best_(best),
+        uncertainty_(uncertainty),
+        n_(unknowns_.reported()),
+        by_rows_(-uncertainty.full_covariance.topRows(n_) * best.jacobian.transpose()) {}
+
+  std::vector<BudgetEntry> counted() {
+    summary_runs();
+    trajectory_runs();
+    conditions_and_priors();
+    nuisances();
+    std::erase_if(entries_, [&](const BudgetEntry& entry) { return negligible(entry.contribution); });
+    std::stable_sort(entries_.begin(), entries_.end(), [&](const BudgetEntry& a, const BudgetEntry& b) {
+      return weight(a.contribution) > weight(b.contribution);
+    });
+    return std::move(entries_);
+  }
+
+  /// Sensitivities to what is neither fitted nor a condition, from the exact derivatives.
+  std::vector<BudgetEntry> taken_as_exact() const {
+    Problem all = problem_;
+    std::vector<FitParameter> exact;
+    for (const FitParameter quantity :
+         {FitParameter::amplitude, FitParameter::amplitude_ratio, FitParameter::angular_frequency,
+          FitParameter::phase_shift, FitParameter::phase_reference, FitParameter::scale,
+          FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y}) {
+      if (unknowns_.find(quantity) || problem_.fixed.count(quantity)) continue;
+      exact.push_back(quantity);
+      all.conditions.push_back({quantity, 1, ""});
+    }
+    const Unknowns wide(all);
+    Residuals rows(wide);
+    rows.set_tolerance(kTolerance);
+    rows.set_excess_variance(residuals_.excess_variance());
+    rows.set_weights(residuals_.weights());
+    const Eigen::VectorXd values = widened(wide);
+    rows.set_own_errors(values);
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian;
+    std::vector<BudgetEntry> entries;
+    if (!rows.evaluate(values, r, &jacobian)) return entries;
+    const Eigen::Index data = residuals_.first_prior();
+    for (const FitParameter quantity : exact) {
+      BudgetEntry entry;
+      entry.source = source_name(quantity);
+      entry.quantity = to_string(quantity);
+      entry.sd = assumed_error(quantity, wide.as_given(quantity));
+      entry.from = "taken as exact";
+      entry.counted = false;
+      entry.sensitivity = by_rows_.leftCols(data) * jacobian.col(*wide.find(quantity)).head(data);
+      entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
+      if (!negligible(entry.contribution)) entries.push_back(entry);
+    }
+    return entries;
+  }
+
+ private:
+  static constexpr double kTolerance = 1e-7;
+
+  /// The best values in the wider problem: what is new there has its given value.
+  Eigen::VectorXd widened(const Unknowns& wide) const {
+    const Eigen::VectorXd values = unknowns_.values(best_.z);
+    Eigen::VectorXd result(wide.size());
+    for (Eigen::Index i = 0; i < wide.common(); ++i) {
+      const auto here = unknowns_.find(wide.parameter(i));
+      result(i) = here ? values(*here) : wide.as_given(wide.parameter(i));
+    }
+    const Eigen::Index rest = values.size() - unknowns_.common();
+    result.tail(rest) = values.tail(rest);
+    return result;
+  }
+
+  /// Sum over the parameters of shares of the variance.
+  double weight(const Eigen::VectorXd& contribution) const {
+    return (contribution.array().square() / uncertainty_.covariance.diagonal().array().max(1e-300)).sum();
+  }
+  bool negligible(const Eigen::VectorXd& contribution) const {
+    return weight(contribution) < kNegligible * kNegligible;
+  }
+
+  /// `variance`: of each parameter.
+  void add(const char* source, const Eigen::VectorXd& variance, const std::string& from = "") {
+    const auto place = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const BudgetEntry& entry) { return entry.source == source; });
+    BudgetEntry& entry = place == entries_.end() ? entries_.emplace_back() : *place;
+    entry.source = source;
+    entry.from = from;
+    if (entry.contribution.size() == 0) entry.contribution = Eigen::VectorXd::Zero(n_);
+    entry.contribution =
+        (entry.contribution.array().square() + variance.array().max(0)).sqrt();  // of independent errors
+  }
+
+  void summary_runs() {
+    for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) {
+      const auto row = 2 * static_cast<Eigen::Index>(i);
+      const Eigen::Matrix2d all = residuals_.covariance(i);
+      const Eigen::LLT<Eigen::Matrix2d> factor(all);
+      // Rows are whitened by L^-1: to the parameters per metre of displacement.
+      const Eigen::MatrixX2d by_metre =
+          std::sqrt(residuals_.run_weight(i)) *
+          (factor.matrixU().solve(by_rows_.middleCols(row, 2).transpose())).transpose();
+      const auto variance = [&](const Eigen::Matrix2d& covariance) {
+        return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
+      };
+      const Eigen::Matrix2d measured = problem_.summary_runs[i].measured.covariance,
+                            own = residuals_.own_error(i);
+      add(kTracking, variance(measured), "the runs' own sds");
+      add(kOwn, variance(own), "lamp, trace, or marker of each run");
+      add(kScatter, variance(all - measured - own), "residuals of the fit");
+    }
+  }
+
+  void trajectory_runs() {
+    const std::size_t runs = problem_.trajectory_runs.size();
+    if (runs == 0) return;
+    const Eigen::Index first = residuals_.trajectory_row(0), rows = residuals_.trajectory_row(runs) - first;
+    Eigen::VectorXd noise(n_), all(n_);
+    for (Eigen::Index p = 0; p < n_; ++p) {
+      Eigen::VectorXd by_row = by_rows_.row(p).segment(first, rows);
+      all(p) = by_row.squaredNorm();
+      residuals_.whiten_shared(by_row);
+      noise(p) = by_row.squaredNorm();
+    }
+    add(kTracking, noise, "the points' own sds");
+    add(kShared, all - noise, "tracks and their residuals");
+  }
+
+  void conditions_and_priors() {
+    for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
+      const auto prior = unknowns_.prior(i);
+      if (!prior) continue;
+      const FitParameter quantity = unknowns_.parameter(i);
+      const Eigen::VectorXd by_value = uncertainty_.full_covariance.col(i).head(n_) / (prior->sd * prior->sd);
+      const auto place = [&](double sd, const std::string& from) {
+        BudgetEntry entry;
+        entry.source = source_name(quantity);
+        entry.quantity = to_string(quantity);
+        entry.sd = sd;
+        entry.from = from;
+        entry.sensitivity = by_value;
+        entry.contribution = by_value.cwiseAbs() * sd;
+        entries_.push_back(entry);
+      };
+      if (problem_.prior.count(quantity) > 0)
+        place(prior->sd, "[fit.prior]");
+      else
+        for (const Condition& condition : problem_.conditions)
+          if (condition.quantity == quantity && condition.sd > 0) place(condition.sd, condition.from);
+    }
+  }
+
+  /// Phases, spins and deviations of single runs: by their priors' rows.
+  void nuisances() {
+    for (const auto& [row, rows, unknown] : residuals_.nuisance_priors()) {
+      const Eigen::VectorXd variance = by_rows_.middleCols(row, rows).rowwise().squaredNorm();
+      switch (unknown) {
+        case Nuisance::phase:
+          add(kStartPhase, variance, "marker of each run");
+          break;
+        case Nuisance::spin:
+          add(kSpin, variance, "angle seen in each slide");
+          break;
+        case Nuisance::deviation:
+          add(kSlides, variance, "slides one by one");
+      }
+    }
+  }
+
+  const Residuals& residuals_;
+  const Unknowns& unknowns_;
+  const Problem& problem_;
+  const Minimum& best_;
+  const Uncertainty& uncertainty_;
+  Eigen::Index n_;
+  Eigen::MatrixXd by_rows_;  ///< d parameters / d rows
+  std::vector<BudgetEntry> entries_;
+};
+
+const char* advice(const BudgetEntry& entry) {
+  const std::string& source = entry.source;
+  if (source == kTracking) return "film more runs or more cycles, or the part larger in the picture";
+  if (source == kShared) return "look at lens, light and focus, or film more runs";
+  if (source == kOwn) return "film a gate lamp at a higher rate, or more cycles of it";
+  if (source == kScatter) return "repeat runs: they differ by more than tracking explains";
+  if (source == kSlides) return "film more slides";
+  if (source == kSpin) return "mark the part so that its turning is seen, or start it without spin";
+  if (source == kStartPhase) return "film more cycles of the marker before the part starts";
+  if (entry.quantity == to_string(FitParameter::scale)) return "measure the part's diameter better";
+  if (entry.quantity == to_string(FitParameter::phase_reference))
+    return "film a gate lamp (gate_px), or calibrate where the phase sensor fires";
+  return "measure it better, or in more runs";
+}
+
+}  // namespace
+
+std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
+                                const Uncertainty& uncertainty) {
+  if (uncertainty.rank < residuals.unknowns().reported() || best.jacobian.rows() == 0) return {};
+  Sources sources(residuals, best, uncertainty);
+  std::vector<BudgetEntry> entries = sources.counted();
+  for (BudgetEntry& entry : sources.taken_as_exact()) entries.push_back(std::move(entry));
+  return entries;
+}
+
+std::string improve_first(const std::vector<BudgetEntry>& budget,
+                          const std::vector<ParameterEstimate>& parameters) {
+  if (budget.empty() || !budget.front().counted) return "";
+  const BudgetEntry& largest = budget.front();
+  std::string shares;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double share = std::pow(largest.contribution(static_cast<Eigen::Index>(i)) / parameters[i].sd, 2);
+    shares += fmt::format("{}{} % of {}", shares.empty() ? "" : ", ", number(100 * std::min(1.0, share), 2),
+                          to_string(parameters[i].parameter));
+  }
+  return fmt::format("Improve first: {} ({} of the variance): {}.", largest.source, shares, advice(largest));
+}
+
+}  // namespace tribotrack::fit::internal
