@@ -39,6 +39,7 @@ PointWhitening::PointWhitening(const std::vector<double>& times, const std::vect
     point.predicted = seen * covariance * seen.transpose();
     const Eigen::Matrix2d whole = own[i] + point.predicted;
     point.white = factor * inverse_root(whole);
+    point.own = Eigen::Matrix2d(own[i].llt().matrixL()) / factor;
     if (slow_ == 0) continue;
     const Eigen::MatrixXd gain = whole.ldlt().solve(seen * covariance).transpose();
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(size, size) - gain * seen;
@@ -84,6 +85,20 @@ void PointWhitening::colour(Eigen::Ref<Eigen::VectorXd> column) const {
       x = gain->decay * x + gain->gain * innovation;
       ++gain;
     }
+  }
+}
+
+// The transpose of apply(), from the last point to the first: `moves` is how the sum goes with the state.
+void PointWhitening::take_own(Eigen::Ref<Eigen::VectorXd> column) const {
+  if (slow_ == 0) return;
+  std::vector<Eigen::Vector2d> moves(slow_, Eigen::Vector2d::Zero());
+  for (std::size_t i = points_.size(); i-- > 0;) {
+    auto here = column.segment<2>(2 * static_cast<Eigen::Index>(i));
+    const Gain* gain = gains_.data() + i * slow_;
+    Eigen::Vector2d by_point = points_[i].white.transpose() * here;
+    for (std::size_t p = 0; p < slow_; ++p) by_point += gain[p].gain.transpose() * moves[p];
+    for (std::size_t p = 0; p < slow_; ++p) moves[p] = gain[p].decay * moves[p] - points_[i].share * by_point;
+    here = points_[i].own.transpose() * by_point;
   }
 }
 

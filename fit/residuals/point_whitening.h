@@ -30,7 +30,11 @@ class PointWhitening {
   void apply(Eigen::Ref<Eigen::VectorXd> column) const;
   /// L column: errors of covariance V out of independent numbers of variance 1.
   void colour(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// The same two for all columns of a matrix.
+  /// Of a sum g' L^-1 y of whitened rows, g = `column`, in place: what it is of the points' own noise, in
+  /// units of its sd, so that the squares of g add up to the sum's variance and those that are left to what
+  /// of it is the points' own.
+  void take_own(Eigen::Ref<Eigen::VectorXd> column) const;
+  /// L^-1 for all columns of a matrix.
   void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
   /// Columns of a shift of all points along x and along y.
   Eigen::MatrixX2d shift() const;
@@ -42,6 +46,7 @@ class PointWhitening {
  private:
   struct Point {
     Eigen::Matrix2d white;      ///< L^-1 of the innovation, times the factor
+    Eigen::Matrix2d own;        ///< lower root of its own noise over the factor
     Eigen::Matrix2d predicted;  ///< a^2 times the covariance of the slow errors given all points before
     double share = 1;           ///< a
   };

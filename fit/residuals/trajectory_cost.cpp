@@ -130,12 +130,14 @@ void Residuals::whiten_common(Eigen::Ref<Eigen::VectorXd> column) const {
 }
 
 void Residuals::whiten_shared(Eigen::Ref<Eigen::VectorXd> column) const {
-  // The rows' covariance is root by root: V^(-1/2) = (common) (own) (points), each root symmetric.
+  // The rows' covariance is root by root: V^(-1/2) = (common) (own) (points), the first two symmetric.
   if (common_) common_->apply(column);
   const Eigen::Index first = trajectory_row(0);
-  for (std::size_t i = 0; i < prepared_.size(); ++i)
-    prepared_[i]->correlated.apply(
-        column.segment(trajectory_row(i) - first, 2 * static_cast<Eigen::Index>(point_count(i))));
+  for (std::size_t i = 0; i < prepared_.size(); ++i) {
+    auto rows = column.segment(trajectory_row(i) - first, 2 * static_cast<Eigen::Index>(point_count(i)));
+    prepared_[i]->correlated.apply(rows);
+    prepared_[i]->points.take_own(rows);
+  }
 }
 
 void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,

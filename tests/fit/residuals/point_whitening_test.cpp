@@ -79,6 +79,29 @@ TEST(PointWhitening, IsCholeskysOfTheDenseCovariance) {
   }
 }
 
+// Of what a sum of whitened rows scatters by, the part of the points' own noise.
+TEST(PointWhitening, TakesTheOwnNoiseOutOfASum) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  for (const auto& slow : kSlow) {
+    const TrackTable track = track_of(40, slow, random);
+    const PointWhitening whitening = whitening_of(track);
+    const Eigen::LLT<Eigen::MatrixXd> factor(dense(track));
+    Eigen::VectorXd sum(80);
+    for (double& value : sum) value = normal(random);
+    const Eigen::VectorXd by_point = factor.matrixU().solve(sum);
+    double expected = 0;
+    for (std::size_t i = 0; i < track.time.size(); ++i) {
+      const Eigen::Vector2d h = by_point.segment<2>(2 * static_cast<Eigen::Index>(i));
+      expected += h.dot((point_errors(track, i).own + 1e-6 * Eigen::Matrix2d::Identity()) * h);
+    }
+    whitening.take_own(sum);
+    EXPECT_NEAR(sum.squaredNorm(), expected, 1e-11 * expected);
+  }
+}
+
 // The sum of the three is what the table says of each point, and nobody's own noise is negative.
 TEST(TrackErrors, AddUpToThePointsOwnCovariance) {
   const unsigned seed = 8;
