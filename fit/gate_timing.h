@@ -7,14 +7,12 @@
 //   else std::puts(gate.why_not.c_str());
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fit/measurement.h"
-#include "model/scenario.h"
 
 namespace tribotrack::fit {
 
@@ -74,10 +72,5 @@ struct FoldedLamp {
 FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
 /// The same under the fitted edges and the exposure: a trapezoid.
 FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
-
-/// J C J', m^2, to add to the covariance of a displacement: J = d(displacement)/d(phi, dtau) of the scenario
-/// (first guesses of its mu1, mu2, lag suffice), C the covariance of the measured phi and dtau, rad^2.
-Eigen::Matrix2d displacement_covariance_of_gate(const model::Scenario& scenario,
-                                                const Eigen::Matrix2d& gate_covariance);
 
 }  // namespace tribotrack::fit

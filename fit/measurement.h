@@ -86,6 +86,9 @@ struct PlatformMotion {
   std::optional<Estimate> frequency_drift;
   std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
   double noise_factor = 1;  ///< what the standard deviations were widened by for residuals beyond white sigma
+  /// Relative, in the sds of both amplitudes: what an exposure that is not known can hide of them. All
+  /// recordings of a camera share it.
+  double exposure_doubt = 0;
   bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };
 

@@ -105,6 +105,8 @@ struct TrajectoryRun {
   /// prior mean. It moves drive and pulses alike.
   double start_phase_sd = 0;
   std::optional<DiscSpin> spin = std::nullopt;  ///< of a free slide; needs track.radius
+  /// Of its gate, and of what else this run alone is known by; the phase at the start has start_phase_sd.
+  OwnErrors own = {};
 };
 
 struct Problem {

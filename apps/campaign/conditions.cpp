@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "apps/campaign/own_errors.h"
 #include "apps/files/scope_file.h"
 #include "apps/program/errors.h"
 #include "fit/gate_timing.h"
@@ -101,21 +102,6 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   return evidence;
 }
 
-/// The gate as it was in place of the gate as commanded.
-void use_measured_gate(AnalysedRun& analysed) {
-  const fit::GateTiming& gate = *analysed.measurement->gate;
-  model::Scenario& scenario = analysed.scenario;
-  scenario.friction.phase = gate.phi.value;
-  scenario.friction.pulse_width = std::clamp(gate.dtau.value, 0.0, 2 * std::numbers::pi);
-  Eigen::Matrix2d covariance;
-  covariance << gate.phi.sd * gate.phi.sd, gate.covariance, gate.covariance, gate.dtau.sd * gate.dtau.sd;
-  model::Scenario guess = scenario;
-  guess.friction.nominal = 0.8 * scenario.drive.acceleration(0).norm() / scenario.drive.gravity;
-  guess.friction.reduced = 0.2 * guess.friction.nominal;
-  analysed.displacement.covariance += fit::displacement_covariance_of_gate(guess, covariance);
-  fit::derive_alpha_and_v(analysed.displacement);
-}
-
 /// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
 void require_accepted(const CampaignRun& run, const TrackFile& track) {
   if (track.facts.accepted) return;
@@ -141,7 +127,6 @@ GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed)
   GivenConditions given;
   given.angular_frequency =
       run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
-  given.amplitude = run.amplitude ? run.amplitude : campaign.platform.amplitude;
   given.phase_shift = campaign.platform.phase_shift;
   given.phase_at_zero = run.phase_at_zero;
   given.phi = run.phi;
@@ -185,13 +170,12 @@ void measure_again(const Campaign& campaign, AnalysedRun& analysed) {
   analysed.measurement.reset();
   analysed.amplitude_from_track = false;
   analysed.scenario = {};
+  analysed.own = {};
   if (analysed.track && !run.free_slide)
     analysed.measurement = measure_run(run.name, *analysed.track, given_for(campaign, analysed));
-  const RunMeasurement* measured = analysed.measurement ? &*analysed.measurement : nullptr;
+  RunMeasurement* measured = analysed.measurement ? &*analysed.measurement : nullptr;
   model::Scenario& scenario = analysed.scenario;
   scenario.drive = drive_of(campaign, run, measured, analysed.amplitude_from_track);
-  scenario.friction.phase = run.phi;
-  scenario.friction.pulse_width = run.dtau;
   scenario.start = run.start;
   scenario.cycles = run.cycles;
   if (measured != nullptr) {
@@ -202,14 +186,11 @@ void measure_again(const Campaign& campaign, AnalysedRun& analysed) {
                       run.place, run.name));
     analysed.displacement = *measured->displacement;
     scenario.cycles = analysed.displacement.cycles;
-    scenario.start_phase = measured->phase_source == "assumed 0" && run.start_phase
-                               ? *run.start_phase
-                               : measured->phase_at_start;
-    if (measured->gate) use_measured_gate(analysed);
+    analysed.own = settle_timing(run, *measured, scenario);
   } else if (!run.free_slide) {
     analysed.displacement = fit::displacement_from_alpha_v({*run.alpha, *run.alpha_sd}, {*run.v, *run.v_sd},
                                                            scenario.drive.angular_frequency, run.cycles);
-    scenario.start_phase = run.start_phase.value_or(0);
+    analysed.own = timing_as_given(run, scenario);
   }
 }
 

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign/measure_run.h"
 #include "apps/files/campaign.h"
 #include "apps/files/track_file.h"
+#include "apps/measuring/measure_run.h"
 #include "apps/text/input_file.h"
+#include "fit/problem.h"
 
 namespace tribotrack::apps {
 
@@ -22,6 +23,7 @@ struct AnalysedRun {
   std::optional<RunMeasurement> measurement;  ///< runs with pulses and a video
   model::Scenario scenario;                   ///< mu1, mu2, lag still to be filled in
   fit::Displacement displacement;             ///< runs with pulses
+  fit::OwnErrors own;                         ///< of what this run alone is known by
   bool amplitude_from_track = false;
   std::string failure;  ///< one sentence, empty when all went well
 };

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/campaign/measure_slide.h"
 #include "apps/campaign/problem.h"
 #include "apps/files/scenario_file.h"
+#include "apps/measuring/measure_slide.h"
 
 namespace tribotrack::apps {
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <string>
+#include <utility>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/problem.h"
@@ -53,18 +54,19 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
   return runs;
 }
 
-FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                  const std::optional<SharedScale>& shared, const Context& context, fit::FitOptions options) {
+FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs, SharedFindings shared,
+                  const Context& context, fit::FitOptions options) {
   FitStage stage;
-  stage.shared = shared;
+  stage.shared = std::move(shared);
   options.threads = threads_to_use(context);
   StageProgress progress(context.quiet);
   options.progress = [&progress](const char* name, std::size_t done, std::size_t total) {
     progress.update(std::string("fit, ") + name, done, total);
   };
-  stage.result = fit::estimate(problem_of(campaign, runs), options);
+  stage.result = fit::estimate(problem_of(campaign, runs, stage.shared.conditions), options);
   stage.json = fit_json(campaign, runs, stage.result);
-  add_to(stage.json, shared);
+  add_to(stage.json, stage.shared.scale);
+  add_to(stage.json, stage.shared.conditions);
   return stage;
 }
 
@@ -86,6 +88,7 @@ void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, c
                 Context& context) {
   const fit::FitResult& result = stage.result;
   say(context.quiet, explain ? result.full_report() : result.brief_report());
+  if (explain) say(context.quiet, conditions_text(stage.shared.conditions.table));
   for (const Json& warning : stage.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
   if (coder_exceeds_interval(result)) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/campaign/conditions.h"
+#include "apps/campaign/shared_conditions.h"
 #include "apps/campaign/shared_scale.h"
 #include "apps/files/campaign.h"
 #include "apps/files/meta_file.h"
@@ -21,16 +22,21 @@ namespace tribotrack::apps {
 std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
                                       const std::function<AnalysedRun(std::size_t index)>& work);
 
+/// What the runs share, as found before the fit.
+struct SharedFindings {
+  std::optional<SharedScale> scale;
+  SharedConditions conditions;
+};
+
 struct FitStage {
-  std::optional<SharedScale> shared;  ///< as found before the fit
+  SharedFindings shared;
   fit::FitResult result;
   Json json;  ///< the object of fit.json
 };
 
-/// Fits all runs that did not fail, whose scales have been shared. Throws fit::DataError.
-FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                  const std::optional<SharedScale>& shared, const Context& context,
-                  fit::FitOptions options = {});
+/// Fits all runs that did not fail, whose scale and conditions have been shared. Throws fit::DataError.
+FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs, SharedFindings shared,
+                  const Context& context, fit::FitOptions options = {});
 
 /// What stands beside fit.json: the campaign and what its runs were read from.
 MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs);

@@ -37,7 +37,7 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   if (run.marker_px) camera.marker_px = run.marker_px;
   if (run.mm_per_px) {
     camera.mm_per_px = run.mm_per_px;
-    camera.mm_per_px_sd = 0;
+    camera.mm_per_px_sd = run.mm_per_px_sd.value_or(0);
   }
   apply(campaign.part, camera, job);
   if (job.mm_per_px) job.calibration.reset();

@@ -1,6 +1,11 @@
 #include "apps/campaign/problem.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "apps/campaign/own_errors.h"
 
 namespace tribotrack::apps {
 
@@ -15,7 +20,79 @@ double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
   return count > 0 ? sum / count : 1;
 }
 
-fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+namespace {
+
+using fit::FitParameter;
+
+void add_run(const Campaign& campaign, const AnalysedRun& run, fit::Problem& problem) {
+  const std::string& name = run.run->name;
+  if (run.run->free_slide) {
+    problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
+  } else if (campaign.fit.trajectory && run.track) {
+    fit::TrajectoryRun trajectory{name, run.scenario, run.track->table, false, run.amplitude_from_track};
+    trajectory.start_phase_sd = sd_of(run.own, model::Parameter::start_phase);
+    trajectory.own = without(run.own, {model::Parameter::start_phase});
+    problem.trajectory_runs.push_back(std::move(trajectory));
+  } else {
+    problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track, run.own});
+  }
+}
+
+/// The drive whose amplitude and frequency a fit names: that of its first driven run.
+model::Drive reference_drive(const fit::Problem& problem) {
+  for (const auto& run : problem.summary_runs)
+    if (run.scenario.drive.amplitude > 0 || run.scenario.drive.amplitude_y > 0) return run.scenario.drive;
+  for (const auto& run : problem.trajectory_runs)
+    if (run.scenario.drive.amplitude > 0 || run.scenario.drive.amplitude_y > 0) return run.scenario.drive;
+  if (!problem.summary_runs.empty()) return problem.summary_runs.front().scenario.drive;
+  return problem.trajectory_runs.empty() ? model::Drive{} : problem.trajectory_runs.front().scenario.drive;
+}
+
+/// What a relative error is relative to, or 1.
+double size_of(FitParameter quantity, const model::Drive& drive) {
+  switch (quantity) {
+    case FitParameter::amplitude:
+      return std::max(drive.amplitude, drive.amplitude_y);
+    case FitParameter::angular_frequency:
+      return drive.angular_frequency;
+    case FitParameter::gravity:
+      return drive.gravity;
+    default:
+      return 1;
+  }
+}
+
+/// The value that the runs have, as a fit counts it.
+double value_of(FitParameter quantity, const model::Drive& drive) {
+  switch (quantity) {
+    case FitParameter::tilt_x:
+      return drive.tilt_x;
+    case FitParameter::tilt_y:
+      return drive.tilt_y;
+    default:
+      return size_of(quantity, drive);
+  }
+}
+
+/// Each shared error is a condition, or the prior of what is fitted.
+void add_conditions(const SharedConditions& shared, fit::Problem& problem) {
+  const model::Drive drive = reference_drive(problem);
+  std::map<FitParameter, double> variance;
+  for (const SharedError& error : shared.errors) {
+    const double sd = error.sd * size_of(error.quantity, drive);
+    if (std::count(problem.free.begin(), problem.free.end(), error.quantity) == 0)
+      problem.conditions.push_back({error.quantity, sd, error.from});
+    else if (error.known_beforehand)
+      variance[error.quantity] += sd * sd;
+  }
+  for (const auto& [quantity, sum] : variance)
+    problem.prior.try_emplace(quantity, fit::Prior{value_of(quantity, drive), std::sqrt(sum)});
+}
+
+}  // namespace
+
+fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                        const SharedConditions& shared) {
   fit::Problem problem;
   problem.free = campaign.fit.parameters;
   const double mm_per_px = reference_mm_per_px(runs);
@@ -28,45 +105,9 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   for (const auto& [parameter, prior] : campaign.fit.prior)
     problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
 
-  double scale_sd = 0, phase_sd = 0, amplitude_sd = 0;
-  double amplitude = 0;  // of the first driven run
-  int scaled = 0, driven = 0;
-  for (const AnalysedRun& run : runs) {
-    if (!run.failure.empty()) continue;
-    const std::string& name = run.run->name;
-    if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
-      scale_sd += run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
-      ++scaled;
-    }
-    if (!run.run->free_slide) {
-      if (driven++ == 0) amplitude = std::max(run.scenario.drive.amplitude, run.scenario.drive.amplitude_y);
-      if (run.measurement && run.measurement->coded) {
-        phase_sd += run.measurement->coded->delay_sd;
-        if (run.amplitude_from_track) amplitude_sd += run.measurement->coded->attenuation_sd;
-      }
-    }
-    if (run.run->free_slide)
-      problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
-    else if (campaign.fit.trajectory && run.track) {
-      problem.trajectory_runs.push_back(
-          {name, run.scenario, run.track->table, false, run.amplitude_from_track});
-      if (run.measurement && run.measurement->platform &&
-          (run.measurement->phase_source == "marker" || run.measurement->phase_source == "texture"))
-        problem.trajectory_runs.back().start_phase_sd = run.measurement->platform->phase_at_zero.sd;
-    } else
-      problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track});
-  }
-  // Runs that share one scale share its sd; where they do not, most of it is common (the part's true
-  // diameter).
-  const auto know = [&](fit::FitParameter quantity, double sd, const char* from) {
-    if (sd > 0) problem.conditions.push_back({quantity, sd, from});
-  };
-  know(fit::FitParameter::scale, scaled > 0 ? scale_sd / scaled : 0, "part's diameter");
-  // A coder errs alike in all of them: what is common moves the parameters by the mean over the runs.
-  if (driven > 0) {
-    know(fit::FitParameter::phase_reference, phase_sd / driven, fit::kFromCoder);
-    know(fit::FitParameter::amplitude, amplitude_sd / driven * amplitude, fit::kFromCoder);
-  }
+  for (const AnalysedRun& run : runs)
+    if (run.failure.empty()) add_run(campaign, run, problem);
+  add_conditions(shared, problem);
   return problem;
 }
 

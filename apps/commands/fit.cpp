@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <utility>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
@@ -80,9 +81,11 @@ void fit_command(const FitCommandOptions& options, Context& context) {
     const CampaignRun& run = campaign.runs[index];
     return analyse(campaign, run, track_of(campaign, run, options));
   });
-  const std::optional<SharedScale> shared = share_scale(campaign, runs);
+  SharedFindings shared;
+  shared.scale = share_scale(campaign, runs);
   allow_for_missing(runs, options, context);
-  const FitStage stage = fit_runs(campaign, runs, shared, context, options.fit);
+  shared.conditions = share_conditions(campaign, runs);
+  const FitStage stage = fit_runs(campaign, runs, std::move(shared), context, options.fit);
   write_fit(options.output, stage, meta_of_fit(campaign, runs));
   if (!is_standard_output(options.output))
     print_text(options.json ? text_of(stage.json) : parameter_table(stage.json) + slide_table(stage.json));

@@ -15,23 +15,38 @@ namespace {
 constexpr const char* kCampaign = R"(# A tribotrack campaign: edit the lines that are not comments, then
 #   tribotrack run campaign.toml -o out
 # Units stand in the key names. Angles are radians: a number, or a text such as "pi/3".
+# Each given quantity may have its standard deviation beside it, KEY_sd: amplitude_mm_sd = 0.001. The intervals count
+# it; a value without one is taken as exact, and fit.json lists it under taken_as_exact. What is given and also seen in
+# the recordings is compared once for all runs (conditions in fit.json).
 
 [platform]                      # xi = A cos(wt) to the right, eta = A cos(wt + epsilon) upwards
 # amplitude_mm = 0.28           # A; leave out to measure it from the marker. 0 = platform at rest
+# amplitude_mm_sd = 0.001
 # angular_frequency_rad_s = 62.8  # w; likewise
+# angular_frequency_rad_s_sd = 0.001
 phase_shift_rad = "pi/2"        # epsilon: pi/2 turns clockwise, "-pi/2" counter-clockwise (as seen, y up)
-gravity_m_s2 = 9.81
+# phase_shift_rad_sd = 0.01
+gravity_m_s2 = 9.81             # also: gravity_m_s2_sd
+# tilt_x_rad = 0.0              # slope of the platform towards +x, +y: gravity pulls g sin(tilt)
+# tilt_x_rad_sd = 0.0002        # what a spirit level leaves open; likewise tilt_y_rad, tilt_y_rad_sd
+# amplitude_y_mm = 0.28         # where the platform moves on an ellipse; amplitude_y_mm_sd
 
 [part]
 diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
+# diameter_mm_sd = 0.005        # by a caliper
+# height_mm = 0.8               # with working_distance_mm: the part's top is nearer to the camera than the mark; height_mm_sd
 
 [camera]
 # frame_rate_hz = 1000.0        # only where the recording does not give it (see `tribotrack probe VIDEO`)
 # frame_rate_reason = "..."     # how you know it, where it is but the playback rate the file states
+# frame_rate_hz_sd = 0.01
 # mm_per_px = 0.02
+# mm_per_px_sd = 0.00002
+# working_distance_mm = 100.0   # from lens to platform; working_distance_mm_sd
 # rehearse = true               # lossy recordings (x264, MJPEG, MPEG-4): code the tracked motion once more to know the coder's errors
 # row_time_s = 0.0              # rolling shutter: from one row of the picture to the next one below
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
+# xi_axis_rad_sd = 0.01
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
 marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none
 # marker = "texture"            # without marker_px: by the platform's own texture (as by itself where that moves); "auto": a round mark, else texture; "none"
@@ -59,6 +74,8 @@ cycles = 20                     # whole cycles alpha and v are measured over, at
 video = "phi000_dtau060.cine"   # relative to this file
 phi_rad = 0
 dtau_rad = "pi/3"
+# phi_rad_sd = 0.005            # of this run alone, as its dtau_rad_sd, amplitude_mm_sd, angular_frequency_rad_s_sd,
+# dtau_rad_sd = 0.005           # phase_at_zero_rad_sd, start_phase_rad_sd, mm_per_px_sd beside the run's own values
 
 [[run]]
 video = "phi090_dtau060.cine"

@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "apps/campaign/measure_run.h"
-#include "apps/campaign/measure_slide.h"
-#include "apps/campaign/measure_text.h"
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/measuring/measure_run.h"
+#include "apps/measuring/measure_slide.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -89,7 +89,9 @@ void measure_command(const MeasureOptions& options, Context& context) {
   if (options.free_slide && options.angular_frequency)
     throw UsageError("--free-slide and --omega-rad-s contradict each other: a free slide's platform rests");
   if (options.free_slide) return measure_free_slide(options, track, context);
-  const RunMeasurement measurement = measure_run(options.track, track, given);
+  RunMeasurement measurement = measure_run(options.track, track, given);
+  for (std::string& difference : differences(options.track, measurement, given))
+    measurement.warnings.push_back(std::move(difference));
   if (!measurement.displacement) return measure_free_slide(options, track, context);
   if (options.gravity)
     throw UsageError("--gravity-m-s2 belongs to free slides; this track shows a moving platform");

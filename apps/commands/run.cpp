@@ -59,6 +59,7 @@ class CampaignRunner {
   void take_folder();
   void measure_runs();
   void share_scale();
+  void share_conditions();
   void refuse_if_none_is_left();
   void fit_and_report();
   void write_log() const;
@@ -81,7 +82,7 @@ class CampaignRunner {
   std::optional<RunFolderLock> lock_;
   std::vector<RunLog> logs_;
   std::vector<AnalysedRun> runs_;
-  std::optional<SharedScale> shared_;
+  SharedFindings shared_;
   FitStage fit_;
 };
 
@@ -188,10 +189,15 @@ void CampaignRunner::write_measurement(const AnalysedRun& run) const {
 }
 
 void CampaignRunner::share_scale() {
-  shared_ = apps::share_scale(campaign_, runs_);
-  if (!shared_ || !shared_->used) return;
+  shared_.scale = apps::share_scale(campaign_, runs_);
+  if (!shared_.scale || !shared_.scale->used) return;
   for (const AnalysedRun& run : runs_)
     if (run.failure.empty()) write_measurement(run);
+}
+
+/// Refuses a campaign that contradicts its recordings; their tracks stay.
+void CampaignRunner::share_conditions() {
+  shared_.conditions = apps::share_conditions(campaign_, runs_);
 }
 
 /// Failed runs are named; finished tracks stay for the next call.
@@ -209,7 +215,8 @@ void CampaignRunner::fit_and_report() {
   fit_ = fit_runs(campaign_, runs_, shared_, context_);
   const MetaFile meta = meta_of_fit(campaign_, runs_);
   write_fit(folder_.fit(), fit_, meta);
-  write_file(folder_.report(), report_page({campaign_, runs_, fit_.result, shared_, meta.json(), folder_}));
+  write_file(folder_.report(),
+             report_page({campaign_, runs_, fit_.result, fit_.shared, meta.json(), folder_}));
 }
 
 void CampaignRunner::write_log() const {
@@ -261,6 +268,7 @@ void run_command(const RunOptions& options, Context& context) {
   runner.measure_runs();
   runner.share_scale();
   runner.refuse_if_none_is_left();
+  runner.share_conditions();
   runner.fit_and_report();
   runner.write_log();
   runner.print_result();

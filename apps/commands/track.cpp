@@ -96,9 +96,9 @@ void apply_config(RecordingJob& job, const std::string& file) {
   StrictTable top = StrictTable::read(file);
   PartSection part;
   CameraSection camera;
-  if (auto table = top.table("part")) part = read_part(*table);
+  if (auto table = top.table("part")) part = read_part(*table, WithSd::no);
   if (auto table = top.table("camera"))
-    camera = read_camera(*table, std::filesystem::path(file).parent_path());
+    camera = read_camera(*table, std::filesystem::path(file).parent_path(), WithSd::no);
   apply(part, camera, job);
   if (auto track = top.table("track")) {
     job.track.min_ncc = track->number("min_ncc").value_or(job.track.min_ncc);

@@ -16,7 +16,7 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
   return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
 }
 
-CameraSection read_camera(StrictTable& table, const fs::path& folder) {
+CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   CameraSection camera;
   camera.frame_rate_hz = table.positive("frame_rate_hz");
   camera.frame_rate_reason = table.text("frame_rate_reason").value_or("");
@@ -33,6 +33,11 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   camera.rehearse = table.boolean("rehearse").value_or(false);
   camera.row_time_s = table.number("row_time_s").value_or(0);
   camera.working_distance_mm = table.positive("working_distance_mm");
+  if (with_sd == WithSd::yes) {
+    camera.frame_rate_sd_hz = read_sd(table, "frame_rate_hz");
+    camera.xi_axis_sd_rad = read_sd(table, "xi_axis_rad");
+    camera.working_distance_sd_mm = read_sd(table, "working_distance_mm");
+  }
   camera.disc_px = read_circle(table, "disc_px");
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
@@ -44,11 +49,19 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   return camera;
 }
 
-PartSection read_part(StrictTable& table) {
+PartSection read_part(StrictTable& table, WithSd with_sd) {
   PartSection part;
   part.diameter_mm = table.positive("diameter_mm");
-  part.diameter_sd_mm = table.not_negative("diameter_sd_mm").value_or(0);
+  const auto earlier_name = table.not_negative("diameter_sd_mm");
+  const auto diameter_sd = read_sd(table, "diameter_mm");
+  if (earlier_name && diameter_sd)
+    table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
+  if (earlier_name.value_or(0) > 0 && !part.diameter_mm)
+    table.fail("diameter_sd_mm",
+               "is the sd of `diameter_mm`, which is not given here: give both, or neither");
+  part.diameter_sd_mm = diameter_sd.value_or(earlier_name.value_or(0));
   part.height_mm = table.positive("height_mm");
+  if (with_sd == WithSd::yes) part.height_sd_mm = read_sd(table, "height_mm");
   table.finish();
   return part;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/text/given_sd.h"
 #include "apps/text/strict_toml.h"
 #include "vision/picture.h"
 #include "vision/tracker.h"
@@ -13,7 +14,8 @@ namespace tribotrack::apps {
 
 struct PartSection {
   std::optional<double> diameter_mm, height_mm;
-  double diameter_sd_mm = 0;
+  double diameter_sd_mm = 0;  ///< 0: exact
+  std::optional<double> height_sd_mm;
 };
 
 struct CameraSection {
@@ -26,14 +28,16 @@ struct CameraSection {
   bool rehearse = false;  ///< lossy recordings whose coder is known, see vision/rehearsal.h
   double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below
   std::optional<double> working_distance_mm;
+  std::optional<double> frame_rate_sd_hz, xi_axis_sd_rad, working_distance_sd_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
   /// Without marker_px: how the platform's motion is seen.
   vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::automatic;
 };
 
-/// Both read the whole table and refuse unknown keys. Throw InvalidInput with file, line and column.
-PartSection read_part(StrictTable& table);
-CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder);
+/// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit
+/// can count. Throw InvalidInput with file, line and column.
+PartSection read_part(StrictTable& table, WithSd with_sd);
+CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder, WithSd with_sd);
 
 /// [x, y, radius] under a key, the radius above 0.
 std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);

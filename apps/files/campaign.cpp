@@ -133,6 +133,27 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
   return section;
 }
 
+/// The sds of what this run alone is given.
+void read_sds(StrictTable& table, CampaignRun& run) {
+  for (const auto& [key, sd] : {std::pair{"phi_rad", &run.phi_sd}, std::pair{"dtau_rad", &run.dtau_sd},
+                                std::pair{"amplitude_mm", &run.amplitude_sd},
+                                std::pair{"angular_frequency_rad_s", &run.angular_frequency_sd},
+                                std::pair{"phase_at_zero_rad", &run.phase_at_zero_sd},
+                                std::pair{"start_phase_rad", &run.start_phase_sd}}) {
+    *sd = read_sd(table, key);
+    if (*sd && run.free_slide)
+      table.fail(std::string(key) + "_sd", "belongs to a driven run: a free slide's platform rests");
+  }
+  if (run.amplitude_sd) *run.amplitude_sd *= 1e-3;
+  run.mm_per_px_sd = read_sd(table, "mm_per_px");
+  if (!run.video)
+    for (const auto& [key, sd] : {std::pair{"phase_at_zero_rad_sd", run.phase_at_zero_sd},
+                                  std::pair{"mm_per_px_sd", run.mm_per_px_sd}})
+      if (sd) table.fail(key, "belongs to a run with a video");
+  if (run.start_phase_sd && run.phase_at_zero)
+    table.fail("start_phase_rad_sd", "is not needed: phase_at_zero_rad gives the phase at the start");
+}
+
 CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefaults& defaults) {
   CampaignRun run;
   run.place = table.place();
@@ -157,6 +178,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
     run.last_frame = (*frames)[1];
   }
   run.mm_per_px = table.positive("mm_per_px");
+  read_sds(table, run);
   run.disc_px = read_circle(table, "disc_px");
   run.marker_px = read_circle(table, "marker_px");
   if (const auto scope = table.text("scope")) run.scope = campaign.file.parent_path() / *scope;
@@ -235,20 +257,53 @@ StrictTable parse_campaign(const std::string& text, const fs::path& file) {
 
 }  // namespace
 
+namespace {
+
+/// sds that have nothing to act on, or that say the same as a prior.
+void check_sds(const Campaign& campaign, StrictTable& top) {
+  const CameraSection& camera = campaign.camera;
+  if (campaign.part.height_sd_mm && !camera.working_distance_mm && !camera.calibration)
+    top.table("part")->fail("height_mm_sd",
+                            "needs working_distance_mm (or a calibration) in [camera]: without "
+                            "it the height is not used");
+  if (camera.working_distance_sd_mm && (!campaign.part.height_mm || camera.calibration))
+    top.table("camera")->fail("working_distance_mm_sd",
+                              camera.calibration
+                                  ? "is not used: the calibration holds its own distance"
+                                  : "needs height_mm in [part]: without it the distance is not "
+                                    "used");
+  const PlatformSection& p = campaign.platform;
+  const std::map<FitParameter, bool> known = {
+      {FitParameter::amplitude, p.amplitude_sd.has_value()},
+      {FitParameter::angular_frequency, p.angular_frequency_sd.has_value()},
+      {FitParameter::tilt_x, p.tilt_x_sd.has_value()},
+      {FitParameter::tilt_y, p.tilt_y_sd.has_value()},
+      {FitParameter::scale, camera.mm_per_px_sd > 0}};
+  for (const auto& [parameter, has_sd] : known)
+    if (has_sd && campaign.fit.prior.contains(parameter))
+      top.table("fit")->table("prior")->fail(
+          fit::to_string(parameter),
+          fmt::format("and {}_sd are the same knowledge; give one of them", fit::to_string(parameter)));
+}
+
+}  // namespace
+
 Campaign read_campaign(const fs::path& file) {
   const std::string text = read_text(file);
   StrictTable top = parse_campaign(text, file);
   Campaign campaign;
   campaign.file = file;
   campaign.input = hashed_input(file, text);
-  if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
-  if (auto table = top.table("part")) campaign.part = read_part(*table);
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, file.parent_path());
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
+  if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
+  if (auto table = top.table("camera"))
+    campaign.camera = read_camera(*table, file.parent_path(), WithSd::yes);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
   top.finish();
+  check_sds(campaign, top);
   if (campaign.runs.empty())
     throw InvalidInput(
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
@@ -270,33 +325,50 @@ std::vector<fs::path> Campaign::input_files() const {
   return files;
 }
 
+namespace {
+
+Json in_mm(const std::optional<double>& metres) {
+  return metres ? Json(*metres * 1e3) : Json();
+}
+
+}  // namespace
+
 Json Campaign::effective_configuration(const CampaignRun& run) const {
   return {{"name", run.name},
           {"video", run.video ? Json(run.video->filename().string()) : Json()},
           {"kind", run.free_slide ? "free_slide" : "pulses"},
           {"phi_rad", run.phi},
+          {"phi_rad_sd", optional_json(run.phi_sd)},
           {"dtau_rad", run.dtau},
+          {"dtau_rad_sd", optional_json(run.dtau_sd)},
           {"start", model::to_string(run.start)},
           {"cycles", run.cycles},
-          {"amplitude_mm", run.amplitude || platform.amplitude
-                               ? Json(run.amplitude.value_or(platform.amplitude.value_or(0)) * 1e3)
-                               : Json()},
-          {"amplitude_y_mm", platform.amplitude_y ? Json(*platform.amplitude_y * 1e3) : Json()},
+          {"amplitude_mm", in_mm(run.amplitude ? run.amplitude : platform.amplitude)},
+          {"amplitude_mm_sd", in_mm(run.amplitude ? run.amplitude_sd : platform.amplitude_sd)},
+          {"amplitude_y_mm", in_mm(platform.amplitude_y)},
           {"angular_frequency_rad_s",
            optional_json(run.angular_frequency ? run.angular_frequency : platform.angular_frequency)},
+          {"angular_frequency_rad_s_sd",
+           optional_json(run.angular_frequency ? run.angular_frequency_sd : platform.angular_frequency_sd)},
           {"phase_shift_rad", optional_json(platform.phase_shift)},
           {"phase_at_zero_rad", optional_json(run.phase_at_zero)},
+          {"phase_at_zero_rad_sd", optional_json(run.phase_at_zero_sd)},
           {"start_phase_rad", optional_json(run.start_phase)},
+          {"start_phase_rad_sd", optional_json(run.start_phase_sd)},
           {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
           {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
+          {"frame_rate_hz_sd", optional_json(camera.frame_rate_sd_hz)},
           {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
-          {"mm_per_px_sd", camera.mm_per_px_sd},
+          {"mm_per_px_sd", run.mm_per_px ? run.mm_per_px_sd.value_or(0) : camera.mm_per_px_sd},
           {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
           {"diameter_mm", optional_json(part.diameter_mm)},
           {"diameter_sd_mm", part.diameter_sd_mm},
           {"height_mm", optional_json(part.height_mm)},
+          {"height_mm_sd", optional_json(part.height_sd_mm)},
           {"working_distance_mm", optional_json(camera.working_distance_mm)},
+          {"working_distance_mm_sd", optional_json(camera.working_distance_sd_mm)},
           {"xi_axis_rad", camera.xi_axis_rad},
+          {"xi_axis_rad_sd", optional_json(camera.xi_axis_sd_rad)},
           {"rehearse", camera.rehearse},
           {"row_time_s", camera.row_time_s},
           {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
@@ -311,13 +383,20 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
 
 Json Campaign::effective_configuration() const {
   Json json;
-  json["platform"] = {{"amplitude_mm", platform.amplitude ? Json(*platform.amplitude * 1e3) : Json()},
-                      {"amplitude_y_mm", platform.amplitude_y ? Json(*platform.amplitude_y * 1e3) : Json()},
+  json["platform"] = {{"amplitude_mm", in_mm(platform.amplitude)},
+                      {"amplitude_mm_sd", in_mm(platform.amplitude_sd)},
+                      {"amplitude_y_mm", in_mm(platform.amplitude_y)},
+                      {"amplitude_y_mm_sd", in_mm(platform.amplitude_y_sd)},
                       {"angular_frequency_rad_s", optional_json(platform.angular_frequency)},
+                      {"angular_frequency_rad_s_sd", optional_json(platform.angular_frequency_sd)},
                       {"phase_shift_rad", optional_json(platform.phase_shift)},
+                      {"phase_shift_rad_sd", optional_json(platform.phase_shift_sd)},
                       {"gravity_m_s2", platform.gravity},
+                      {"gravity_m_s2_sd", optional_json(platform.gravity_sd)},
                       {"tilt_x_rad", platform.tilt_x},
-                      {"tilt_y_rad", platform.tilt_y}};
+                      {"tilt_x_rad_sd", optional_json(platform.tilt_x_sd)},
+                      {"tilt_y_rad", platform.tilt_y},
+                      {"tilt_y_rad_sd", optional_json(platform.tilt_y_sd)}};
   json["scope"] = {{"sensor_channel", scope.sensor_channel},
                    {"actuator_channel", scope.actuator_channel},
                    {"carrier_hz", scope.carrier_hz},
@@ -328,7 +407,8 @@ Json Campaign::effective_configuration() const {
                    {"tie_sd_s", scope.tie_sd_s}};
   json["part"] = {{"diameter_mm", optional_json(part.diameter_mm)},
                   {"diameter_sd_mm", part.diameter_sd_mm},
-                  {"height_mm", optional_json(part.height_mm)}};
+                  {"height_mm", optional_json(part.height_mm)},
+                  {"height_mm_sd", optional_json(part.height_sd_mm)}};
   Json fit_json;
   fit_json["parameters"] = Json::array();
   for (const FitParameter parameter : fit.parameters)

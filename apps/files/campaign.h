@@ -46,10 +46,12 @@ struct CampaignRun {
   double phi = 0, dtau = 0;                            ///< rad
   std::optional<double> amplitude, angular_frequency;  ///< SI, of this run
   std::optional<double> phase_at_zero, start_phase;    ///< rad
+  // Of the above, in the same units; empty: exact.
+  std::optional<double> phi_sd, dtau_sd, amplitude_sd, angular_frequency_sd, phase_at_zero_sd, start_phase_sd;
   model::Start start = model::Start::rest;
   int cycles = 20;
   std::optional<std::int64_t> first_frame, last_frame;
-  std::optional<double> mm_per_px;
+  std::optional<double> mm_per_px, mm_per_px_sd;
   std::optional<vision::Circle> disc_px, marker_px;
   std::optional<std::filesystem::path> scope;
   // Measured elsewhere.

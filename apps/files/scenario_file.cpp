@@ -48,9 +48,24 @@ const std::map<std::string, Setter>& setters() {
   return table;
 }
 
+void read_sds(StrictTable& table, PlatformSection& platform) {
+  const auto millimetres = [&](const char* key) {
+    auto sd = read_sd(table, key);
+    if (sd) *sd *= 1e-3;
+    return sd;
+  };
+  platform.amplitude_sd = millimetres("amplitude_mm");
+  platform.amplitude_y_sd = millimetres("amplitude_y_mm");
+  platform.angular_frequency_sd = read_sd(table, "angular_frequency_rad_s");
+  platform.phase_shift_sd = read_sd(table, "phase_shift_rad");
+  platform.gravity_sd = read_sd(table, "gravity_m_s2");
+  platform.tilt_x_sd = read_sd(table, "tilt_x_rad");
+  platform.tilt_y_sd = read_sd(table, "tilt_y_rad");
+}
+
 }  // namespace
 
-PlatformSection read_platform(StrictTable& table) {
+PlatformSection read_platform(StrictTable& table, WithSd with_sd) {
   PlatformSection platform;
   const auto millimetres = [&](const char* key) {
     auto value = table.not_negative(key);
@@ -64,6 +79,7 @@ PlatformSection read_platform(StrictTable& table) {
   platform.gravity = table.positive("gravity_m_s2").value_or(9.81);
   platform.tilt_x = table.angle("tilt_x_rad").value_or(0);
   platform.tilt_y = table.angle("tilt_y_rad").value_or(0);
+  if (with_sd == WithSd::yes) read_sds(table, platform);
   table.finish();
   return platform;
 }
@@ -85,7 +101,7 @@ ScenarioFile read_scenario_file(const std::filesystem::path& path) {
 ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
   if (auto table = top.table("platform")) {
-    const PlatformSection platform = read_platform(*table);
+    const PlatformSection platform = read_platform(*table, WithSd::no);
     auto& drive = file.scenario.drive;
     drive.amplitude = platform.amplitude.value_or(drive.amplitude);
     drive.amplitude_y = platform.amplitude_y.value_or(drive.amplitude);

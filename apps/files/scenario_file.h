@@ -6,21 +6,25 @@
 #include <string>
 #include <vector>
 
+#include "apps/text/given_sd.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"
 
 namespace tribotrack::apps {
 
-/// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured.
+/// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured. The
+/// standard deviations are a campaign's; a value without one is exact.
 struct PlatformSection {
   std::optional<double> amplitude, amplitude_y;  ///< m
   std::optional<double> angular_frequency;       ///< rad/s
   std::optional<double> phase_shift;             ///< rad
   double gravity = 9.81;
   double tilt_x = 0, tilt_y = 0;
+  std::optional<double> amplitude_sd, amplitude_y_sd, angular_frequency_sd, phase_shift_sd, gravity_sd,
+      tilt_x_sd, tilt_y_sd;
 };
-PlatformSection read_platform(StrictTable& table);
+PlatformSection read_platform(StrictTable& table, WithSd with_sd);
 
 /// Keys: [platform]; [friction] mu1, mu2 or mu1_over_mu2, phi_rad, dtau_rad, lag_rad; [run] cycles, start,
 /// start_phase_rad, velocity_x_mm_s, velocity_y_mm_s, samples_per_cycle and, of a

@@ -50,17 +50,22 @@ double seen_share(double w, double exposure) {
   return half > 0 ? std::sin(half) / half : 1;
 }
 
+/// Of the amplitude, relative: anything from no exposure to a whole frame interval is possible, a one-sided
+/// doubt. 0 where the exposure is known.
+double doubt_of(double w, const TrackTable& track) {
+  if (track.exposure > 0) return 0;
+  const double interval =
+      (track.time.back() - track.time.front()) / static_cast<double>(track.time.size() - 1);
+  return (1 - std::max(0.2, seen_share(w, interval))) / std::sqrt(3.0);
+}
+
 /// The platform's own amplitude from that of its picture.
 Estimate sharpened(const Estimate& seen, double w, const TrackTable& track) {
   if (track.exposure > 0) {
     const double share = seen_share(w, track.exposure);
     return share > 0.2 ? Estimate{seen.value / share, seen.sd / share} : seen;
   }
-  // Anything from no exposure to a whole frame interval is possible: a one-sided doubt.
-  const double interval =
-      (track.time.back() - track.time.front()) / static_cast<double>(track.time.size() - 1);
-  const double most = seen.value * (1 - std::max(0.2, seen_share(w, interval)));
-  return {seen.value, std::hypot(seen.sd, most / std::sqrt(3.0))};
+  return {seen.value, std::hypot(seen.sd, doubt_of(w, track) * seen.value)};
 }
 
 /// Variance of the marker's noise over its sigma squared, and the covariance of the fit with it.
@@ -119,6 +124,7 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
 
   motion.amplitude = sharpened(x.amplitude, fit.w, track);
   motion.amplitude_y = sharpened(y.amplitude, fit.w, track);
+  motion.exposure_doubt = doubt_of(fit.w, track);
   motion.angular_frequency = {fit.w, std::sqrt(fit.covariance(8, 8))};
   motion.residual_rms = std::sqrt(mean_square);
   const bool moves_x = x.amplitude.value > 3 * x.amplitude.sd;

@@ -133,6 +133,9 @@ class OneSide {
   Eigen::VectorXd along_;
 };
 
+/// Pieces less apart than this share of all of them are one: ends are known no better.
+constexpr double kGap = 0.01;
+
 /// Regions on one parameter's axis, in its z.
 class Pieces {
  public:
@@ -148,7 +151,7 @@ class Pieces {
     std::sort(pieces_.begin(), pieces_.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
     std::vector<Interval> merged;
     for (const Interval& next : pieces_) {
-      if (!merged.empty() && next.low <= merged.back().high)
+      if (!merged.empty() && next.low <= merged.back().high + kGap * (next.high - merged.front().low))
         merged.back().high = std::max(merged.back().high, next.high);
       else
         merged.push_back(next);

@@ -38,6 +38,15 @@ struct ReportGiven {
   std::string source;  ///< "campaign", "measured from the marker", ...
 };
 
+/// A condition that all runs share, in the unit that its key carries.
+struct ReportCondition {
+  std::string quantity;  ///< campaign key
+  double given = no_value, given_sd = no_value, measured = no_value, sd = no_value;
+  double difference_in_sd = no_value;  ///< measured less given
+  double used = no_value, used_sd = no_value;
+  std::string from;  ///< where the used one came from
+};
+
 /// One observable of one run against the model.
 struct ReportResidual {
   std::string observable;  ///< "dx_mm", "dy_mm", "alpha_rad", "v_mm_s", ...
@@ -201,6 +210,7 @@ struct ReportData {
   bool fitted = true;  ///< false: there is no fit (yet); the page shows the measurements alone
   std::vector<ReportParameter> parameters;
   std::vector<ReportGiven> given;
+  std::vector<ReportCondition> conditions;
   std::vector<std::vector<double>> correlation;  ///< in the order of parameters
   std::string phase_reference;                   ///< what phi counts from: a sentence
   double chi2 = no_value;

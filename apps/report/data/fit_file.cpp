@@ -133,6 +133,19 @@ void read_slides(const Json& fit, ReportData& data) {
 
 }  // namespace
 
+void read_conditions(const Json& conditions, ReportData& data) {
+  for (const Json& row : conditions)
+    data.conditions.push_back({.quantity = text_at(row, "quantity"),
+                               .given = number_at(row, "given"),
+                               .given_sd = number_at(row, "given_sd"),
+                               .measured = number_at(row, "measured"),
+                               .sd = number_at(row, "sd"),
+                               .difference_in_sd = number_at(row, "difference_in_sd"),
+                               .used = number_at(row, "used"),
+                               .used_sd = number_at(row, "used_sd"),
+                               .from = text_at(row, "from")});
+}
+
 void read_fit(const Json& fit, ReportData& data) {
   const JsonPlace place{fit, ""};
   data.converged = place.at("converged").boolean();
@@ -143,6 +156,7 @@ void read_fit(const Json& fit, ReportData& data) {
   read_identifiability(place.at("identifiability"), data);
   data.warnings = sentences_at(fit, "warnings");
   data.phase_reference = text_at(fit, "phase_reference");
+  read_conditions(fit.value("conditions", Json::array()), data);
   read_other_minima(fit, data);
   read_checks(fit, data);
   read_slides(fit, data);

@@ -10,4 +10,7 @@ namespace tribotrack::apps {
 /// where a key that every fit.json holds is missing or of the wrong kind.
 void read_fit(const Json& fit, ReportData& data);
 
+/// The array `conditions`.
+void read_conditions(const Json& conditions, ReportData& data);
+
 }  // namespace tribotrack::apps

@@ -6,6 +6,7 @@
 #include "apps/campaign/problem.h"
 #include "apps/files/scenario_file.h"
 #include "apps/report/data/curves.h"
+#include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
 #include "apps/report/data/platform_drawing.h"
 #include "apps/report/data/sources.h"
@@ -135,10 +136,13 @@ void add_fit(const ReportInput& input, ReportData& data) {
   data.weak_directions = fit.identifiability.weak_directions;
   data.phase_reference = phase_reference(input.campaign, input.runs);
   data.warnings = warnings_of(input.campaign, input.runs, fit);
-  if (input.shared_scale) {
-    data.shared_scale = input.shared_scale->finding;
-    if (!input.shared_scale->used) data.warnings.push_back(input.shared_scale->finding);
+  if (const auto& scale = input.shared.scale) {
+    data.shared_scale = scale->finding;
+    if (!scale->used) data.warnings.push_back(scale->finding);
   }
+  const SharedConditions& conditions = input.shared.conditions;
+  data.warnings.insert(data.warnings.end(), conditions.warnings.begin(), conditions.warnings.end());
+  read_conditions(conditions_json(conditions.table), data);
   add_parameters(fit, mm_per_px, data);
   add_checks(fit, data);
   add_slide_results(fit, data);

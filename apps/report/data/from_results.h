@@ -1,11 +1,10 @@
 // From the results of a campaign, in memory, to the content of its report.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "apps/campaign/conditions.h"
-#include "apps/campaign/shared_scale.h"
+#include "apps/campaign/fit_stage.h"
 #include "apps/files/run_folder.h"
 #include "apps/report/data/data.h"
 #include "apps/text/json.h"
@@ -18,7 +17,7 @@ struct ReportInput {
   const Campaign& campaign;
   const std::vector<AnalysedRun>& runs;  ///< at the scale that was used
   const fit::FitResult& fit;
-  const std::optional<SharedScale>& shared_scale;
+  const SharedFindings& shared;
   const Json& meta;         ///< of fit.json: version, inputs by their hashes, effective configuration
   const RunFolder& folder;  ///< holds the pictures
 };

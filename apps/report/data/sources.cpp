@@ -1,5 +1,7 @@
 #include "apps/report/data/sources.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -24,6 +26,16 @@ std::string title_of(const fs::path& campaign) {
   return plain ? folder : campaign.stem().string();
 }
 
+bool is_sd(const std::string& name) {
+  return name.ends_with("_sd") || name == "diameter_sd_mm";
+}
+
+/// With its sd where one was given; else the fit takes it as exact.
+std::string source_of_given(const Json& section, const std::string& name) {
+  const double sd = number_at(section, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
+  return sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, taken as exact";
+}
+
 void add_given(const JsonPlace& configuration, ReportData& data) {
   const auto fitted = [&](const std::string& name) {
     return std::any_of(data.parameters.begin(), data.parameters.end(),
@@ -32,8 +44,8 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
   for (const char* section : {"platform", "part"})
     if (const auto found = configuration.value.find(section); found != configuration.value.end())
       for (const auto& [name, value] : found->items())
-        if (value.is_number() && !fitted(name) && !(name == "diameter_sd_mm" && value == 0))
-          data.given.push_back({name, value.get<double>(), "campaign"});
+        if (value.is_number() && !fitted(name) && !is_sd(name))
+          data.given.push_back({name, value.get<double>(), source_of_given(*found, name)});
   const JsonPlace fixed = configuration.at("fit").at("fixed").object();
   for (const auto& item : fixed.value.items())
     data.given.push_back({item.key(), fixed.at(item.key()).number(), "campaign, held fixed"});

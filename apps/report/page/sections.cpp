@@ -40,6 +40,29 @@ std::string given_table(const ReportData& data) {
   return html + "</tbody></table></div>\n";
 }
 
+/// A value in the unit of its key; multiples of pi as such where no sd says more.
+std::string quantity_cell(double value, double sd, const std::string& unit) {
+  if (std::isnan(value)) return number_cell("–");
+  if (unit == "rad" && std::isnan(sd)) return number_cell(angle(value));
+  return number_cell((std::isnan(sd) ? number(value, 6) : value_and_sd(value, sd)) + " " + unit);
+}
+
+std::string condition_table(const ReportData& data) {
+  if (data.conditions.empty()) return "";
+  std::string html =
+      "<h3>Conditions that the runs share</h3>\n<div class=\"wide\" tabindex=\"0\"><table "
+      "class=\"compact conditions\"><thead><tr><th></th><th class=\"n\">given</th><th "
+      "class=\"n\">measured</th><th class=\"n\">difference</th><th>used</th></tr></thead><tbody>";
+  for (const ReportCondition& c : data.conditions) {
+    const ParameterText shown = parameter_text(c.quantity);
+    html += fmt::format("<tr><th>{}</th>", shown.symbol);
+    html += quantity_cell(c.given, c.given_sd, shown.unit) + quantity_cell(c.measured, c.sd, shown.unit);
+    html += number_cell(std::isnan(c.difference_in_sd) ? "–" : number(c.difference_in_sd, 2) + " σ");
+    html += cell(escape_html(c.from)) + "</tr>";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
 /// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
 std::string correlation_colour(double r) {
   const double strength = std::min(std::abs(r), 1.0);
@@ -132,7 +155,7 @@ std::string parameter_section(const ReportData& data) {
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
   html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
           shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
-          "</div>\n</div>\n";
+          condition_table(data) + "</div>\n</div>\n";
   return html + "</section>\n";
 }
 

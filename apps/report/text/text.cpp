@@ -164,7 +164,6 @@ ParameterText parameter_text(const std::string& key) {
       {"angular_frequency_rad_s", {"ω", "rad/s", "angular frequency of the platform"}},
       {"phase_shift_rad", {"ε", "rad", "phase shift between the platform’s two axes"}},
       {"diameter_mm", {"diameter", "mm", "diameter of the part"}},
-      {"diameter_sd_mm", {"sd of diameter", "mm", "standard deviation of the part’s diameter"}},
       {"height_mm", {"height", "mm", "height of the part"}},
       {"gravity_m_s2", {"g", "m/s²", "acceleration of gravity"}},
       {"mm_per_px", {"scale", "mm/px", "millimetres per pixel"}},

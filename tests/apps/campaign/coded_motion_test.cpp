@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "apps/campaign/measure_run.h"
+#include "apps/measuring/measure_run.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -83,24 +83,25 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
-  KnownMinimum best = with_curvature(residuals, minimise(residuals, unknowns.z(truth)));
-  const double lowest = best.minimum.chi2;
+  std::vector<KnownMinimum> best = {with_curvature(residuals, minimise(residuals, unknowns.z(truth)))};
+  const double lowest = best.front().minimum.chi2;
   const std::vector<bool> open(3, false);
   const std::vector<double> rises(3, 3.84);
-  const auto expected = profiles(residuals, best, open, rises, 1);
-  EXPECT_EQ(best.minimum.chi2, lowest);
+  const auto expected = profiles(residuals, best, {}, open, rises, 1);
+  EXPECT_EQ(best.front().minimum.chi2, lowest);
 
   Minimum mistaken;
   mistaken.z = unknowns.z(Eigen::Vector3d(1.05 * truth(0), truth(1), truth(2) - 0.1));
   mistaken.chi2 = residuals.chi2(unknowns.values(mistaken.z));
   ASSERT_GT(mistaken.chi2, lowest + 1);
-  KnownMinimum restarted = with_curvature(residuals, mistaken);
-  const auto found = profiles(residuals, restarted, open, rises, 2);
-  EXPECT_NEAR(restarted.minimum.chi2, lowest, 1e-6);
+  std::vector<KnownMinimum> restarted = {with_curvature(residuals, mistaken)};
+  const auto found = profiles(residuals, restarted, {}, open, rises, 2);
+  EXPECT_NEAR(restarted.front().minimum.chi2, lowest, 1e-6);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double width = expected[i].high - expected[i].low;
-    EXPECT_NEAR(found[i].low, expected[i].low, 0.02 * width);
-    EXPECT_NEAR(found[i].high, expected[i].high, 0.02 * width);
+    ASSERT_EQ(found[i].size(), 1U);
+    const Interval &there = found[i].front(), &here = expected[i].front();
+    EXPECT_NEAR(there.low, here.low, 0.02 * (here.high - here.low));
+    EXPECT_NEAR(there.high, here.high, 0.02 * (here.high - here.low));
   }
 }
 

@@ -1,11 +1,11 @@
-#include "apps/campaign/measure_slide.h"
+#include "apps/measuring/measure_slide.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/campaign/measure_run.h"
+#include "apps/measuring/measure_run.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::apps {

@@ -1,4 +1,4 @@
-#include "apps/campaign/measure_text.h"
+#include "apps/measuring/measure_text.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,11 @@
-#include "apps/campaign/measure_run.h"
+#include "apps/measuring/measure_run.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "apps/measuring/unit_slip.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -31,16 +32,6 @@ void require_same_sense(const std::string& name, const fit::PlatformMotion& seen
                   "whether the picture is mirrored",
                   name, seen.clockwise ? "clockwise" : "counter-clockwise", phase_shift,
                   seen.clockwise ? "counter-clockwise" : "clockwise", -phase_shift));
-}
-
-void compare(std::vector<std::string>& warnings, const std::string& name, const char* what,
-             const fit::Estimate& seen, double given) {
-  const double off = std::abs(seen.value - given);
-  if (off > 5 * seen.sd && off > 2e-3 * std::abs(given))
-    warnings.push_back(fmt::format(
-        "{}: the marker shows {} = {:.6g} +- {:.2g}, the campaign gives {:.6g}: the given value is "
-        "used; leave it out to use the measured one",
-        name, what, seen.value, seen.sd, given));
 }
 
 /// The platform's phase over the camera's time; nullopt where it is unknown.
@@ -165,6 +156,10 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
   if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
 }
 
+bool is_slip(double given, double measured) {
+  return std::abs(measured / given - 1) > kSlipShare;
+}
+
 void put(Json& json, const std::string& name, const fit::Estimate& estimate, double unit = 1) {
   json[name] = estimate.value / unit;
   json[name + "_sd"] = estimate.sd / std::abs(unit);
@@ -180,20 +175,12 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
   m.platform = fit::measure_platform_motion(track.table);
   allow_for_coding(name, track, m);
   if (m.platform && given.phase_shift) require_same_sense(name, *m.platform, *given.phase_shift);
-  if (m.platform && given.angular_frequency)
-    compare(m.warnings, name, "angular_frequency_rad_s", m.platform->angular_frequency,
-            *given.angular_frequency);
-  if (m.platform && given.amplitude && *given.amplitude > 0) {
-    const fit::Estimate mm{m.platform->amplitude.value * 1e3, m.platform->amplitude.sd * 1e3};
-    compare(m.warnings, name, "amplitude_mm", mm, *given.amplitude * 1e3);
-  }
-
   if (given.angular_frequency)
     m.angular_frequency = fit::Estimate{*given.angular_frequency, 0};
   else if (m.platform)
     m.angular_frequency = m.platform->angular_frequency;
 
-  const double start = track.table.time.front();
+  const double start = m.start_time = track.table.time.front();
   if (m.platform) {
     // The measured w carries the measured phase to the start: they were fitted together.
     m.phase_at_start = m.platform->angular_frequency.value * start + m.platform->phase_at_zero.value;
@@ -217,10 +204,27 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
     try {
       m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
     } catch (const fit::DataError& error) {
-      throw fit::DataError(fmt::format("{}: {}", name, error.what()));
+      if (!m.platform || !is_slip(m.angular_frequency->value, m.platform->angular_frequency.value))
+        throw fit::DataError(fmt::format("{}: {}", name, error.what()));
+      // The given w is no w of this recording: what it does show can be told.
+      m.angular_frequency = m.platform->angular_frequency;
+      m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
     }
   }
   return m;
+}
+
+std::vector<std::string> differences(const std::string& name, const RunMeasurement& measured,
+                                     const GivenConditions& given) {
+  if (!measured.platform || !given.angular_frequency) return {};
+  const fit::Estimate& seen = measured.platform->angular_frequency;
+  const double off = std::abs(seen.value - *given.angular_frequency);
+  if (off <= 5 * seen.sd || off <= 2e-3 * *given.angular_frequency) return {};
+  const bool used = measured.angular_frequency->value == *given.angular_frequency;
+  return {fmt::format("{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}: {}",
+                      name, seen.value, seen.sd, *given.angular_frequency,
+                      used ? "the given value is used; leave it out to use the measured one"
+                           : "the measured value is used, the given one leaves nothing to measure")};
 }
 
 std::string CodedMotion::sentence() const {

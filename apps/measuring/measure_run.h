@@ -31,7 +31,6 @@ struct ScopeEvidence {
 /// What is known beforehand of one run's conditions; what is empty is measured from the marker.
 struct GivenConditions {
   std::optional<double> angular_frequency;  ///< rad/s
-  std::optional<double> amplitude;          ///< m
   std::optional<double> phase_shift;        ///< rad
   std::optional<double> phase_at_zero;      ///< rad
   std::optional<double> phi, dtau;          ///< rad, as commanded: only compared with what is seen
@@ -55,7 +54,8 @@ struct RunMeasurement {
   std::optional<fit::PlatformMotion> platform;
   std::optional<fit::Displacement> displacement;   ///< empty where w is neither given nor measured
   std::optional<fit::Estimate> angular_frequency;  ///< the one used: given (sd 0) or measured
-  double phase_at_start = 0;                       ///< wt at the first tracked frame, rad
+  double start_time = 0;                           ///< s, of the first tracked frame
+  double phase_at_start = 0;                       ///< wt there, rad
   std::string phase_source;                        ///< "marker", "texture", "given", "assumed 0"
   std::optional<fit::GateTiming> gate;             ///< phi and dtau as they were
   /// What phi counts from: "camera" (the platform's phase in the picture: a turned camera cancels) or
@@ -69,6 +69,10 @@ struct RunMeasurement {
 /// Throws fit::DataError (track shorter than one cycle) and InvalidInput (measured sense contradicts the
 /// given one); `name` stands in their messages.
 RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given);
+
+/// Where a given w lies beyond five standard deviations of the measured one: a sentence.
+std::vector<std::string> differences(const std::string& name, const RunMeasurement& measured,
+                                     const GivenConditions& given);
 
 /// The gate's timing comes from the lamp's brightness (its width maybe from an oscilloscope): its levels are
 /// known.

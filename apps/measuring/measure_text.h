@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "apps/campaign/measure_run.h"
-#include "apps/campaign/measure_slide.h"
+#include "apps/measuring/measure_run.h"
+#include "apps/measuring/measure_slide.h"
 
 namespace tribotrack::apps {
 

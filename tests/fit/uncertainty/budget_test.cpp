@@ -1,0 +1,93 @@
+// The budget: every source is a part of the variance, and all of them are the whole.
+#include "fit/uncertainty/budget.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::fit {
+namespace {
+
+Problem noisy_campaign() {
+  std::mt19937 random(21);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& scenario : test::fourteen({}))
+    problem.summary_runs.push_back(test::summary_run(scenario, 0.02, 0.05e-3, &random, 1000));
+  const model::Drive& drive = problem.summary_runs.front().scenario.drive;
+  using enum FitParameter;
+  problem.conditions = {{amplitude, 2e-3 * drive.amplitude, "marker"},
+                        {amplitude, 1e-3 * drive.amplitude, "coder"},
+                        {amplitude_ratio, 1e-3, "marker"},
+                        {angular_frequency, 1e-3 * drive.angular_frequency, "marker"},
+                        {phase_shift, 2e-3, "marker"},
+                        {phase_reference, 0.01, "sensor"},
+                        {gravity, 0.01, "campaign"},
+                        {tilt_x, 1e-3, "campaign"}};
+  for (SummaryRun& run : problem.summary_runs)
+    run.own = {{model::Parameter::phi, model::Parameter::dtau},
+               (Eigen::Matrix2d() << 4e-4, 1e-4, 1e-4, 1e-4).finished()};
+  return problem;
+}
+
+FitOptions quick() {
+  FitOptions options;
+  options.multi_starts = 1;
+  options.profiles = options.next_experiment = false;
+  return options;
+}
+
+TEST(Budget, AddsUpToTheVariance) {
+  const FitResult result = estimate(noisy_campaign(), quick());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(3);
+  std::size_t counted = 0;
+  for (const BudgetEntry& entry : result.budget)
+    if (entry.counted) sum += entry.contribution.cwiseAbs2(), ++counted;
+  EXPECT_GE(counted, 9U);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double sd = result.parameters[static_cast<std::size_t>(i)].sd;
+    // Sources of less than a thousandth of every sd are left out.
+    EXPECT_NEAR(std::sqrt(sum(i)), sd, 1e-5 * sd);
+  }
+  EXPECT_FALSE(result.improve_first.empty());
+}
+
+/// A sensitivity is what a fit with another value of the quantity finds.
+TEST(Budget, SensitivitiesAreThoseOfRefits) {
+  Problem problem = noisy_campaign();
+  const FitResult result = estimate(problem, quick());
+  const auto entry_of = [&](FitParameter quantity, bool counted) {
+    for (const BudgetEntry& entry : result.budget)
+      if (entry.quantity == to_string(quantity) && entry.counted == counted) return entry;
+    ADD_FAILURE() << to_string(quantity);
+    return BudgetEntry{};
+  };
+  const auto shift_by = [&](const auto& change, double by) {
+    Problem more = problem, less = problem;
+    for (auto& run : more.summary_runs) change(run.scenario.drive, by);
+    for (auto& run : less.summary_runs) change(run.scenario.drive, -by);
+    const FitResult up = estimate(more, quick()), down = estimate(less, quick());
+    Eigen::Vector3d shift;
+    for (std::size_t i = 0; i < 3; ++i)
+      shift(static_cast<Eigen::Index>(i)) =
+          (up.parameters[i].estimate - down.parameters[i].estimate) / (2 * by);
+    return shift;
+  };
+  const Eigen::Vector3d gravity = shift_by([](auto&drive, double by) { drive.gravity += by; }, 0.02),
+                        tilt = shift_by([](auto&drive, double by) { drive.tilt_y += by; }, 1e-4);
+  const BudgetEntry known = entry_of(FitParameter::gravity, true),
+                    exact = entry_of(FitParameter::tilt_y, false);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double sd = result.parameters[static_cast<std::size_t>(i)].sd;
+    EXPECT_NEAR(known.sensitivity(i) * 0.02, gravity(i) * 0.02,
+                0.02 * std::abs(gravity(i)) * 0.02 + 1e-3 * sd);
+    EXPECT_NEAR(exact.sensitivity(i) * 1e-3, tilt(i) * 1e-3, 0.03 * std::abs(tilt(i)) * 1e-3 + 1e-3 * sd);
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
