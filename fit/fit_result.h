@@ -240,7 +240,7 @@ struct FitResult {
   std::string improve_first;        ///< a sentence: what to do about the largest
   /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
   Eigen::VectorXd sd_from(const std::string& place) const;
-  /// Shifts of the parameters by an error in what was taken as known: "A up 1 %: mu1 up 1.02 %".
+  /// What was taken as exact, a sentence each: "gravity is taken as exact; with 1 % more of it: mu1 down 1 %".
   std::vector<std::string> systematics;
 
   // The search for the minimum.

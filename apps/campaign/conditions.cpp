@@ -2,17 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
-#include <algorithm>
 #include <new>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "apps/campaign/own_errors.h"
 #include "apps/files/scope_file.h"
 #include "apps/program/errors.h"
-#include "fit/gate_timing.h"
 
 namespace tribotrack::apps {
 

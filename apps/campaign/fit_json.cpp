@@ -100,8 +100,8 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
   if (!analysed.run->free_slide) {
     const auto* gate =
         analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
-    json["phi_rad"] = gate ? gate->phi.value : analysed.run->phi;
-    json["dtau_rad"] = gate ? gate->dtau.value : analysed.run->dtau;
+    json["phi_rad"] = analysed.scenario.friction.phase;
+    json["dtau_rad"] = analysed.scenario.friction.pulse_width;
     json["phi_from"] = gate ? gate->source : "commanded";
     if (gate) {
       json["phi_rad_sd"] = gate->phi.sd;
@@ -157,6 +157,12 @@ Json next_json(const fit::NextExperiment& next, double mm_per_px) {
   return json;
 }
 
+/// Of a source's quantity, to the unit that its name carries.
+double quantity_unit(const std::string& quantity, double mm_per_px) {
+  if (quantity == fit::to_string(fit::FitParameter::amplitude)) return 1e3;
+  return quantity == fit::to_string(fit::FitParameter::scale) ? mm_per_px : 1;
+}
+
 /// What was looked at besides the parameters: outliers, models, systematics.
 void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
   json["p_value"] = finite_json(result.p_value);
@@ -179,6 +185,8 @@ void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
                               {"sentence", model.sentence}});
   json["left_out"] = result.left_out;
   json["systematics"] = result.systematics;
+  json["budget"] = budget_json(result, mm_per_px);
+  json["improve_first"] = result.improve_first;
   if (const Eigen::VectorXd sd = result.sd_from(fit::kFromCoder); (sd.array() > 0).any()) {
     for (std::size_t i = 0; i < result.parameters.size(); ++i) {
       const fit::FitParameter parameter = result.parameters[i].parameter;
@@ -193,6 +201,29 @@ void add_checks(const fit::FitResult& result, double mm_per_px, Json& json) {
 }
 
 }  // namespace
+
+Json budget_json(const fit::FitResult& result, double mm_per_px) {
+  Json json = Json::array();
+  for (const fit::BudgetEntry& entry : result.budget) {
+    const double quantity = quantity_unit(entry.quantity, mm_per_px);
+    Json row = {{"source", entry.source},
+                {"quantity", entry.quantity.empty() ? Json() : Json(entry.quantity)},
+                {"sd_of_source", entry.quantity.empty() ? Json() : finite_json(entry.sd * quantity)},
+                {"from", entry.from},
+                {"counted", entry.counted}};
+    for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+      const fit::FitParameter parameter = result.parameters[i].parameter;
+      const auto column = static_cast<Eigen::Index>(i);
+      const double unit = campaign_unit_per_si(parameter, mm_per_px);
+      row["contribution"][fit::to_string(parameter)] = finite_json(entry.contribution(column) * unit);
+      if (entry.sensitivity.size() > 0)
+        row["sensitivity"][fit::to_string(parameter)] =
+            finite_json(entry.sensitivity(column) * unit / quantity);
+    }
+    json.push_back(row);
+  }
+  return json;
+}
 
 double campaign_unit_per_si(fit::FitParameter parameter, double mm_per_px) {
   return parameter == fit::FitParameter::scale ? mm_per_px : 1 / si_per_campaign_unit(parameter);
@@ -286,9 +317,17 @@ std::string parameter_table(const Json& fit) {
   const auto number = [](const Json& value) {
     return value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : std::string("open");
   };
-  for (const auto& [name, p] : fit.at("parameters").items())
-    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", name, number(p["estimate"]), number(p["sd"]),
+  for (const auto& [name, p] : fit.at("parameters").items()) {
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}", name, number(p["estimate"]), number(p["sd"]),
                          number(p["ci95"][0]), number(p["ci95"][1]));
+    if (const auto pieces = p.find("ci95_pieces"); pieces != p.end()) {
+      table += "  ";
+      for (std::size_t i = 0; i < pieces->size(); ++i)
+        table +=
+            fmt::format("{}{} to {}", i > 0 ? " or " : "", number((*pieces)[i][0]), number((*pieces)[i][1]));
+    }
+    table += "\n";
+  }
   return table;
 }
 

@@ -14,6 +14,9 @@ namespace tribotrack::apps {
 /// The object of fit.json. Parameters stand in campaign units, as their names say.
 Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result);
 
+/// Its array `budget`.
+Json budget_json(const fit::FitResult& result, double mm_per_px);
+
 /// Factor from SI to the unit a parameter has in campaigns and fit.json; `scale` counts in mm/px.
 double campaign_unit_per_si(fit::FitParameter parameter, double mm_per_px);
 

@@ -253,6 +253,8 @@ void Sharing::compare(SharedConditions& shared) {
 
 /// Runs that are given a value: it, or its mean with the measured one.
 void Sharing::use_given(SharedQuantity& result) {
+  const bool all_alike = std::all_of(entries_.begin(), entries_.end(),
+                                     [](const Entry& e) { return group_of(e) == Group::platform; });
   for (Entry& e : entries_) {
     if (!e.given) continue;
     const double given_sd = relative(e.given->value.sd, e.given->value.value);
@@ -270,7 +272,7 @@ void Sharing::use_given(SharedQuantity& result) {
     // What is common to all that is measured stands beside as errors of their own.
     const double sd =
         mostly_measured ? std::hypot((1 - share) * given_sd, share * to_given_->own_sd) : used.sd;
-    if (e.given->of_run) {
+    if (e.given->of_run || !all_alike) {
       add_error(e.run->own, quantity_.parameter, square(quantity_.angle ? sd : sd * value));
       result.own = result.own || sd > 0;
     } else {

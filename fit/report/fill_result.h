@@ -13,9 +13,6 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
                      const std::vector<double>& t, FitResult& result);
 /// Residuals of every run; a warning names outlying points.
 void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
-/// Shifts of the parameters by 1 % in A and in w.
-void fill_systematics(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                      FitResult& result);
 /// The profile, and whether it is the interval to quote.
 void fill_profile(const std::vector<Interval>& pieces, ParameterEstimate& estimate);
 /// All minima near the best, the lag folded; the best with its final values first.

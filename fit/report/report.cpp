@@ -71,6 +71,24 @@ std::string parameter_table(const FitResult& fit) {
   return text;
 }
 
+std::string budget_table(const FitResult& fit) {
+  std::string text = fmt::format("    {:<38} {:<24}", "source (sd it gives to)", "sd of the source");
+  for (const auto& p : fit.parameters) text += fmt::format(" {:>12}", to_string(p.parameter));
+  text += "  from\n";
+  for (const BudgetEntry& entry : fit.budget) {
+    if (!entry.counted) continue;
+    text += fmt::format("    {:<38} {:<24}", entry.source,
+                        entry.quantity.empty() ? "" : number(entry.sd, 2) + " " + entry.quantity + " (SI)");
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+      text += fmt::format(" {:>12.2g}", entry.contribution(static_cast<Eigen::Index>(i)) *
+                                            display_factor(fit.parameters[i].parameter));
+    text += "  " + entry.from + "\n";
+  }
+  text += fmt::format("    {:<38} {:<24}", "all", "");
+  for (const auto& p : fit.parameters) text += fmt::format(" {:>12.2g}", p.sd * display_factor(p.parameter));
+  return text + "\n";
+}
+
 std::string correlations_above(const FitResult& fit, double least) {
   std::string text;
   for (Eigen::Index i = 0; i < fit.correlation.rows(); ++i)
@@ -133,10 +151,11 @@ std::string FitResult::full_report() const {
 
   text += fmt::format("[[Identifiability]]\n    {}\n", verdict_text(identifiability.verdict));
   text += lines(identifiability.weak_directions);
-  for (const auto& sentence : systematics) text += "    If wrong: " + sentence + "\n";
   if (next_experiment) text += "    " + next_experiment->sentence + "\n";
   for (const auto& other : other_next_experiments) text += "    " + other.sentence + "\n";
 
+  if (!budget.empty()) text += "[[Uncertainty budget]]\n" + budget_table(*this) + lines(systematics);
+  if (!improve_first.empty()) text += "    " + improve_first + "\n";
   if (!models.empty()) text += "[[Models compared]]\n";
   for (const auto& model : models)
     text += fmt::format("    {:<20} {:2} unknowns, chi2 {:<8.5g} AIC {:<8.5g} BIC {:<8.5g} {}\n", model.name,

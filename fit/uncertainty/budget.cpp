@@ -268,6 +268,23 @@ std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
   return entries;
 }
 
+std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,
+                                        const std::vector<ParameterEstimate>& parameters) {
+  std::vector<std::string> sentences;
+  for (const BudgetEntry& entry : budget) {
+    if (entry.counted || entry.sensitivity.size() == 0) continue;
+    const bool angle = entry.quantity.ends_with("_rad");
+    std::string text = fmt::format("{} ({}) is taken as exact; with {} more of it: ", entry.source,
+                                   entry.quantity, angle ? number(entry.sd, 2) + " rad" : std::string("1 %"));
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      text += (i > 0 ? ", " : "") + change_text(parameters[i].parameter,
+                                                entry.sensitivity(static_cast<Eigen::Index>(i)) * entry.sd,
+                                                parameters[i].estimate);
+    sentences.push_back(text + ".");
+  }
+  return sentences;
+}
+
 std::string improve_first(const std::vector<BudgetEntry>& budget,
                           const std::vector<ParameterEstimate>& parameters) {
   if (budget.empty() || !budget.front().counted) return "";

@@ -19,6 +19,10 @@ namespace tribotrack::fit::internal {
 std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
                                 const Uncertainty& uncertainty);
 
+/// "gravity is taken as exact; with 1 % more of it: mu1 down 1 %, ...": a sentence for each such entry.
+std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,
+                                        const std::vector<ParameterEstimate>& parameters);
+
 /// The largest source of the parameters' variances and what to do about it.
 std::string improve_first(const std::vector<BudgetEntry>& budget,
                           const std::vector<ParameterEstimate>& parameters);

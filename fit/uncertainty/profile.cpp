@@ -151,7 +151,8 @@ class Pieces {
     std::sort(pieces_.begin(), pieces_.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
     std::vector<Interval> merged;
     for (const Interval& next : pieces_) {
-      if (!merged.empty() && next.low <= merged.back().high + kGap * (next.high - merged.front().low))
+      const double reach = merged.empty() ? 0 : next.high - merged.front().low;
+      if (!merged.empty() && next.low <= merged.back().high + (std::isfinite(reach) ? kGap * reach : 0))
         merged.back().high = std::max(merged.back().high, next.high);
       else
         merged.push_back(next);
@@ -173,7 +174,8 @@ class Pieces {
   }
   bool open() const {
     return std::any_of(pieces_.begin(), pieces_.end(), [&](const Interval& piece) {
-      return piece.high - piece.low >= (turn_ > 0 ? turn_ : kInfinity);
+      return turn_ > 0 ? !(piece.high - piece.low < turn_)
+                       : piece.low == -kInfinity && piece.high == kInfinity;
     });
   }
   const std::vector<Interval>& all() const { return pieces_; }

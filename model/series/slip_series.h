@@ -110,6 +110,9 @@ double SlipSeries<T>::step(double tolerance, int first) const {
     if (derivative_count < T >> 0 && direction[k - 1] > 0)
       h = std::fmin(h, std::pow(1e2 * tolerance / direction[k - 1], 1.0 / (k - 1)));
   }
+  // Behind a zero of U at the distance sqrt(q_0/q_2) the sums for the direction cancel to rounding errors that
+  // grow as (h/distance)^k; along a line, where the direction is constant, nothing else would show it.
+  if (!frictionless && square[2] != 0) h = std::fmin(h, std::sqrt(square[0] / std::fabs(square[2])));
   // Where a motion has settled its coefficients do not show how fast neighbours settle; its derivatives need
   // that.
   if (derivative_count < T >> 0 && first == 0 && kappa_value > 0)
@@ -123,38 +126,34 @@ double SlipSeries<T>::stays_above(double low, double h) const {
   double change = 0;
   for (int k = order - 1; k >= 1; --k) change = (change + std::fabs(square[k])) * h;
   if (square[0] - change > low) return h;
+  const auto square_at = [&](double t) { return evaluate(square, order - 1, t); };
+  const auto slope_at = [&](double t) {
+    double slope = 0;
+    for (int k = order - 1; k >= 1; --k) slope = slope * t + k * square[k];
+    return slope;
+  };
   constexpr int kSamples = 24;
-  double before = 0;
+  double before = 0, slope_before = slope_at(0);
   for (int i = 1; i <= kSamples; ++i) {
-    double t = h * i / kSamples;
-    double slope = 0, f = square[order - 1];
-    for (int k = order - 2; k >= 0; --k) {
-      slope = slope * t + f;
-      f = f * t + square[k];
-    }
-    // A dip between two samples shows in a value below low or in a tangent that reaches below it.
-    if (f > low && f - std::fabs(slope) * h / kSamples > low) {
-      before = t;
-      continue;
-    }
-    double high = t;
-    if (f > low) {  // look closer
-      bool below = false;
-      for (int j = 1; j < 16 && !below; ++j) {
-        t = before + (high - before) * j / 8;
-        below = t <= h && evaluate(square, order - 1, t) <= low;
-        if (below) high = t;
-      }
-      if (!below) {
-        before = high;
-        continue;
+    const double sample = h * i / kSamples, slope = slope_at(sample);
+    double high = sample;
+    if (square_at(high) > low && slope_before < 0 && slope > 0) {
+      // A dip in between: to its bottom, however narrow it is.
+      double falls = before, rises = sample;
+      for (int j = 0; j < 50; ++j) {
+        high = 0.5 * (falls + rises);
+        (slope_at(high) < 0 ? falls : rises) = high;
       }
     }
-    for (int j = 0; j < 30; ++j) {
-      const double middle = 0.5 * (before + high);
-      (evaluate(square, order - 1, middle) > low ? before : high) = middle;
+    if (square_at(high) <= low) {
+      for (int j = 0; j < 30; ++j) {
+        const double middle = 0.5 * (before + high);
+        (square_at(middle) > low ? before : high) = middle;
+      }
+      return before > 0 ? before : high;
     }
-    return before > 0 ? before : high;
+    before = sample;
+    slope_before = slope;
   }
   return h;
 }

@@ -251,7 +251,8 @@ void Stepper<T>::slip(double target) {
   Piece<T> piece = begin_piece();
   SlipSeries<T> series;
   series.expand(drive(), kappa(), s_, u_, order_);
-  const double small = 0.9 * kSmallSpeed * strength();
+  // Not below what rounding leaves of |U|^2 where it runs through 0.
+  const double small = std::fmax(0.9 * kSmallSpeed * strength(), 3e-7 * std::sqrt(series.square[0]));
   const double reach = std::fmin(target - s_, series.step(tolerance_));
   const double h = series.stays_above(std::fmin(small * small, 0.5 * series.square[0]), reach);
   piece.span = h;

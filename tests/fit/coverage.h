@@ -14,10 +14,11 @@ class SequentialCoverage {
  public:
   enum class Decision { undecided, nominal, too_low, too_high };
   explicit SequentialCoverage(double error = 1e-3) : bound_(-std::log(error)) {}
-  void add(bool covered) {
+  /// `weight`: below 1 for trials that are not independent of each other, as parameters of one fit.
+  void add(bool covered, double weight = 1) {
     ++trials;
     hits += covered;
-    const auto ratio = [&](double p) { return std::log(covered ? p / 0.95 : (1 - p) / 0.05); };
+    const auto ratio = [&](double p) { return weight * std::log(covered ? p / 0.95 : (1 - p) / 0.05); };
     low_ += ratio(0.90);
     high_ += ratio(0.98);
   }

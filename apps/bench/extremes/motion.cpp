@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "apps/bench/extremes/laws.h"
+#include "apps/bench/extremes/shaken_plane.h"
 
 namespace tribotrack::bench {
 
@@ -116,10 +117,26 @@ void add_tilts(ExtremeList& list) {
     }
 }
 
+/// Hardly braked, without rests, next to where they begin, and with them.
+void add_shaken_planes(ExtremeList& list) {
+  const double boundary = static_cast<double>(ShakenPlane::least_eta_with_rests());
+  for (const double eta : {1e-3, 0.3, boundary, 0.8}) {
+    const double angle = pi / 6;
+    Scenario s = shaken_plane_scenario(eta, angle);
+    s.cycles = list.slip.base.cycles - 0.25;
+    const auto tau = static_cast<ShakenPlane::Real>(2 * pi * s.cycles);
+    const double x = static_cast<double>(ShakenPlane(eta, tau).position(tau)) *
+                     std::hypot(s.drive.amplitude, s.drive.amplitude_y);
+    list.add("shaken along a line, mu g = " + number(eta) + " a", s,
+             ends_at("closed form of code_aster's SDND104", {x * std::cos(angle), x * std::sin(angle)}));
+  }
+}
+
 }  // namespace
 
 void add_drive_extremes(ExtremeList& list) {
   add_ellipses(list);
+  add_shaken_planes(list);
   add_scales(list);
   add_smooth_take_offs(list);
   add_tilts(list);

@@ -1,14 +1,9 @@
 #include "apps/bench/fit/coverage.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <numbers>
-#include <random>
 
-#include "apps/bench/peers/baselines.h"
 #include "fit/estimate.h"
 #include "fit/tools/parallel.h"
 
@@ -18,120 +13,110 @@ using namespace fit;
 
 namespace {
 
-using std::numbers::pi;
-
-/// What one fit said of its parameters.
-struct Outcome {
-  bool slipping = true, tilted = false, usable = false, weak = false;
-  std::vector<bool> covered, covered_by_profile;
+struct Group {
+  Design design;
+  NoiseLevel level;
+  std::vector<FitParameter> parameters = {};
+  std::vector<JudgedCampaign> campaigns = {};
 };
 
-bool holds(const Interval& interval, double truth) {
-  return interval.low <= truth && truth <= interval.high;
+/// P(X <= k) for X binomial.
+double binomial_cdf(int k, int n, double p) {
+  double sum = 0;
+  for (int i = 0; i <= k; ++i)
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) +
+                    (n - i) * std::log1p(-p));
+  return sum;
 }
 
-Outcome judge(const CoverageCampaign& campaign, bool profiles) {
-  FitOptions options;
-  options.profiles = profiles;
-  options.next_experiment = false;
-  const FitResult result = estimate(campaign.problem, options);
-  Outcome outcome{campaign.slipping,
-                  campaign.tilted,
-                  result.usable(),
-                  result.identifiability.verdict == Verdict::weak,
-                  {},
-                  {}};
-  for (std::size_t i = 0; i < campaign.truth.size(); ++i) {
-    outcome.covered.push_back(holds(result.parameters[i].ci95, campaign.truth[i]));
-    outcome.covered_by_profile.push_back(holds(result.parameters[i].profile_ci95, campaign.truth[i]));
+/// p in (0, 1) where a falling function of it crosses `level`.
+template <class Function>
+double where_it_falls_to(double level, const Function& f) {
+  double low = 0, high = 1;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2;
+    (f(middle) > level ? low : high) = middle;
   }
-  return outcome;
+  return (low + high) / 2;
 }
 
-std::string kind_of(const Outcome& outcome) {
-  return std::string(outcome.slipping ? "slipping" : "sticking") + (outcome.tilted ? ", tilt fitted" : "");
+std::vector<CoverageRow> rows_of(const Group& group) {
+  std::vector<CoverageRow> rows;
+  for (std::size_t i = 0; i < group.parameters.size(); ++i) {
+    CoverageRow row;
+    row.design = group.design;
+    row.level = group.level;
+    row.parameter = fit::to_string(group.parameters[i]);
+    for (const JudgedCampaign& campaign : group.campaigns) {
+      ++row.campaigns;
+      if (campaign.parameters.empty()) continue;
+      const JudgedInterval& interval = campaign.parameters[i];
+      row.covered_of_all += interval.holds;
+      if (!campaign.usable) continue;
+      ++row.usable;
+      row.weak += campaign.weak;
+      row.open += interval.open;
+      row.covered += interval.holds;
+      row.score += interval.score;
+    }
+    if (row.usable > 0) row.score /= row.usable;
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 }  // namespace
 
-CoverageCampaign coverage_campaign(std::uint64_t seed, int index) {
-  std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
-                      static_cast<std::uint32_t>(index)};
-  std::mt19937_64 random(mixed);
-  std::normal_distribution<double> normal;
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  CoverageCampaign campaign;
-  campaign.slipping = index % 5 < 3;
-  campaign.tilted = index / 5 % 2 == 1;
-  const double mu1 = campaign.slipping ? uniform(0.07, 0.108) : uniform(0.116, 0.128);
-  const double mu2 = mu1 * uniform(0.05, 0.3), lag = uniform(-0.5, 0.5);
-  Problem& problem = campaign.problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  campaign.truth = {mu1, mu2, lag};
-  model::Scenario truth;
-  truth.friction = {mu1, mu2, 0, 0, lag};
-  if (campaign.tilted) {
-    truth.drive.tilt_x = pi / 1800 * normal(random);
-    truth.drive.tilt_y = pi / 1800 * normal(random);
-    problem.free.insert(problem.free.end(), {FitParameter::tilt_x, FitParameter::tilt_y});
-    campaign.truth.insert(campaign.truth.end(), {truth.drive.tilt_x, truth.drive.tilt_y});
+Interval binomial_ci95(int hits, int trials) {
+  return {
+      hits > 0 ? where_it_falls_to(0.975, [&](double p) { return binomial_cdf(hits - 1, trials, p); }) : 0,
+      hits < trials ? where_it_falls_to(0.025, [&](double p) { return binomial_cdf(hits, trials, p); }) : 1};
+}
+
+Interval CoverageRow::share_ci95() const {
+  return binomial_ci95(covered, usable);
+}
+
+JudgedCampaign judge(const CoverageCampaign& campaign) {
+  FitOptions options;
+  options.next_experiment = false;
+  JudgedCampaign judged;
+  try {
+    const FitResult result = estimate(campaign.problem, options);
+    judged.usable = result.usable();
+    judged.weak = result.identifiability.verdict == Verdict::weak;
+    for (std::size_t i = 0; i < campaign.truth.size(); ++i)
+      judged.parameters.push_back(judge_quoted(result.parameters[i], campaign.truth[i], campaign.bound[i]));
+  } catch (const std::exception& failure) {
+    judged.failure = failure.what();
   }
-  const auto film = [&](double phi, double dtau) {
-    model::Scenario scenario = truth;
-    scenario.friction.phase = phi;
-    scenario.friction.pulse_width = dtau;
-    const Eigen::Vector2d exact = dormand_prince(scenario, segmented_dormand_prince(scenario, 1e-9)).position;
-    SummaryRun run;
-    run.name = "run" + std::to_string(problem.summary_runs.size() + 1);
-    run.scenario = scenario;
-    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;  // the fit does not see the truth
-    run.scenario.friction.lag = run.scenario.drive.tilt_x = run.scenario.drive.tilt_y = 0;
-    const double sigma = 0.01 * exact.norm() + 1e-6;
-    run.measured.vector = exact + sigma * Eigen::Vector2d(normal(random), normal(random));
-    run.measured.covariance = sigma * sigma * Eigen::Matrix2d::Identity();
-    run.measured.duration = scenario.end_time();
-    run.measured.cycles = static_cast<int>(scenario.cycles);
-    derive_alpha_and_v(run.measured);
-    problem.summary_runs.push_back(run);
-  };
-  const double dtau = uniform(0.6, 1.6), phi = uniform(0, 2 * pi);
-  for (int k = 0; k < 8; ++k) film(k * pi / 4, dtau);
-  for (int k = 1; k <= 6; ++k) film(phi, k * pi / 6);
-  return campaign;
+  return judged;
 }
 
 std::vector<CoverageRow> coverage(const CoverageOptions& options) {
-  std::vector<Outcome> outcomes(static_cast<std::size_t>(options.campaigns));
-  std::atomic<int> done{0};
+  std::vector<Group> groups;
+  for (const Design design : options.designs)
+    for (const NoiseLevel level : options.levels) {
+      groups.push_back({design, level});
+      const int count = design == Design::trajectories ? options.of_trajectories : options.campaigns;
+      groups.back().campaigns.resize(static_cast<std::size_t>(std::max(0, count)));
+      groups.back().parameters = draw_campaign(design, level, options.seed, 0).problem.free;
+    }
+  std::vector<std::pair<Group*, int>> work;
+  for (Group& group : groups)
+    for (std::size_t k = 0; k < group.campaigns.size(); ++k) work.emplace_back(&group, static_cast<int>(k));
+  int done = 0;
   std::mutex mutex;
-  fit::internal::parallel_for(outcomes.size(), options.threads, [&](std::size_t k) {
-    outcomes[k] = judge(coverage_campaign(options.seed, static_cast<int>(k)), options.profiles);
+  fit::internal::parallel_for(work.size(), options.threads, [&](std::size_t i) {
+    const auto [group, k] = work[i];
+    group->campaigns[static_cast<std::size_t>(k)] =
+        judge(draw_campaign(group->design, group->level, options.seed, k));
     const std::lock_guard lock(mutex);
-    if (options.progress) options.progress(++done, options.campaigns);
+    if (options.progress) options.progress(++done, static_cast<int>(work.size()));
   });
-
   std::vector<CoverageRow> rows;
-  const char* names[] = {"mu1", "mu2", "phase_lag_rad", "tilt_x_rad", "tilt_y_rad"};
-  const auto row_for = [&](const std::string& kind, std::size_t i) -> CoverageRow& {
-    for (CoverageRow& row : rows)
-      if (row.kind == kind && row.parameter == names[i]) return row;
-    rows.push_back({kind, names[i]});
-    return rows.back();
-  };
-  for (const char* kind : {"all", "slipping", "slipping, tilt fitted", "sticking", "sticking, tilt fitted"})
-    for (const Outcome& outcome : outcomes)
-      for (std::size_t i = 0; i < outcome.covered.size(); ++i) {
-        if (std::string(kind) != "all" && kind != kind_of(outcome)) continue;
-        CoverageRow& row = row_for(kind, i);
-        row.unusable += !outcome.usable;
-        if (!outcome.usable) continue;
-        ++row.campaigns;
-        row.weak += outcome.weak;
-        row.covered += outcome.covered[i];
-        row.covered_by_profile += outcome.covered_by_profile[i];
-      }
+  for (const Group& group : groups)
+    for (const CoverageRow& row : rows_of(group)) rows.push_back(row);
   return rows;
 }
 

@@ -1,4 +1,5 @@
-// Do 95 % intervals hold the truth 95 % of the time? Simulated campaigns with known truth.
+// Do 95 % intervals hold the truth 95 % of the time, and are they no wider than they must be? Simulated
+// campaigns of every design (designs.h).
 #pragma once
 
 #include <cstdint>
@@ -6,46 +7,52 @@
 #include <string>
 #include <vector>
 
-#include "fit/problem.h"
+#include "apps/bench/fit/designs.h"
+#include "apps/bench/fit/quoted_interval.h"
 
 namespace tribotrack::bench {
 
 struct CoverageOptions {
-  int campaigns = 1000;
-  std::uint64_t seed = 20210701;  ///< of truths and noise; campaign k depends on seed and k alone
-  bool profiles = true;
-  int threads = 1;
+  int campaigns = 200;       ///< of each design and level
+  int of_trajectories = 50;  ///< and of Design::trajectories, whose fits take seconds
+  std::uint64_t seed =
+      20210701;  ///< of truths and noise: campaign k depends on design, level, seed and k alone
+  std::vector<Design> designs{kDesigns.begin(), kDesigns.end()};
+  std::vector<NoiseLevel> levels{kNoiseLevels.begin(), kNoiseLevels.end()};
+  int threads = 1;  ///< over campaigns
   std::function<void(int done, int total)> progress;
 };
 
-/// One campaign: its data and its truth.
-struct CoverageCampaign {
-  fit::Problem problem;
-  std::vector<double> truth;  ///< in the order of problem.free, SI
-  bool slipping = true;       ///< mu1 g < A w^2: never sticks; else it may stop between the pulses
-  bool tilted = false;        ///< an unknown tilt, fitted
+/// What one fit said of its parameters.
+struct JudgedCampaign {
+  bool usable = false, weak = false;
+  std::vector<JudgedInterval> parameters;
+  std::string failure;  ///< of a fit that threw
 };
 
-/// 14 runs from rest, 20 cycles: 8 values of phi at one dtau, 6 values of dtau at one phi. mu1 drawn from
-/// [0.07, 0.108] (slipping, three of five) or [0.116, 0.128] (sticking), mu2/mu1 from [0.05, 0.3], the lag
-/// from [-0.5, 0.5]; in every other campaign a tilt with components of 0.1 deg sd. Displacements by a
-/// segmented Dormand-Prince integrator (peers/baselines.h), which shares nothing with the one that fits; each
-/// with independent errors of 1 % of its length along and across, given as its covariance.
-CoverageCampaign coverage_campaign(std::uint64_t seed, int index);
+/// Fits with profiles and blind starts, as `fit` does.
+JudgedCampaign judge(const CoverageCampaign& campaign);
 
-/// Counts of one kind of campaign and one parameter.
+/// Counts of one design, level and parameter.
 struct CoverageRow {
-  std::string kind;       ///< "slipping", "slipping, tilt fitted", "sticking", ..., "all"
+  Design design = Design::both_sweeps;
+  NoiseLevel level = NoiseLevel::low;
   std::string parameter;  ///< as in campaigns
-  int campaigns = 0;      ///< identifiable ones (verdict identifiable or weak): those counted below
-  int weak = 0;           ///< of them, with the verdict weak
-  int unusable = 0;       ///< not identifiable or not converged: counted apart
-  int covered = 0;        ///< by ci95
-  int covered_by_profile = 0;
-  double share() const { return campaigns > 0 ? double(covered) / campaigns : 0; }
-  double profile_share() const { return campaigns > 0 ? double(covered_by_profile) / campaigns : 0; }
+  int campaigns = 0;
+  int usable = 0;          ///< verdict identifiable or weak: those counted below
+  int weak = 0;            ///< of them, with the verdict weak
+  int open = 0;            ///< of them, with an interval infinite on a side
+  int covered = 0;         ///< of them, by the quoted interval, open ones included
+  int covered_of_all = 0;  ///< of all campaigns, whatever the verdict
+  double score = 0;  ///< mean of JudgedInterval::score of the usable ones: what an open one costs is in it
+  double share() const { return usable > 0 ? double(covered) / usable : 0; }
+  double share_of_all() const { return campaigns > 0 ? double(covered_of_all) / campaigns : 0; }
+  fit::Interval share_ci95() const;  ///< Clopper and Pearson's
 };
 
 std::vector<CoverageRow> coverage(const CoverageOptions& options = {});
+
+/// The exact 95 % interval of a probability after `hits` of `trials` (Clopper and Pearson 1934).
+fit::Interval binomial_ci95(int hits, int trials);
 
 }  // namespace tribotrack::bench

@@ -67,13 +67,24 @@ BenchTable table_of(const std::vector<FitBenchRow>& rows) {
 BenchTable table_of(const std::vector<CoverageRow>& rows) {
   using Row = CoverageRow;
   const Columns<Row> columns{
-      {"campaigns", &Row::kind, "95 % intervals hold in", "<24"},
+      {"design", [](const Row& r) { return std::string(to_string(r.design)); }, "95 % intervals hold in",
+       "<24"},
+      {"noise", [](const Row& r) { return to_string(r.level); }, "noise", "<5"},
       {"parameter", bare(&Row::parameter), "parameter", "<14"},
-      {"counted", &Row::campaigns, "counted", ">8"},
-      {"weak", &Row::weak, "weak", ">6"},
-      {"unusable", &Row::unusable, "unusable", ">9"},
-      {"covered", percent(&Row::share), "covariance", ">12", "{:.1f} %"},
-      {"covered_by_profile", percent(&Row::profile_share), "profile", ">12", "{:.1f} %"},
+      {"campaigns", &Row::campaigns, "campaigns", ">9"},
+      {"usable", &Row::usable, "usable", ">6"},
+      {"weak", &Row::weak, "weak", ">5"},
+      {"open", &Row::open, "open", ">5"},
+      {"covered", percent(&Row::share), "covered", ">8", "{:.1f} %"},
+      {"covered_low", [](const Row& r) { return Percent{r.share_ci95().low}; }},
+      {"covered_high", [](const Row& r) { return Percent{r.share_ci95().high}; }},
+      {"",
+       [](const Row& r) {
+         return fmt::format("{:.1f} to {:.1f} %", 100 * r.share_ci95().low, 100 * r.share_ci95().high);
+       },
+       "its 95 % range", ">15"},
+      {"covered_of_all", percent(&Row::share_of_all), "of all", ">8", "{:.1f} %"},
+      {"score", &Row::score, "score", ">6", "{:.2f}"},
   };
   return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
 }

@@ -26,9 +26,19 @@ struct ReportParameter {
   std::string name;  ///< campaign key: "mu1", "phase_lag_rad", "amplitude_mm", ...
   double estimate = no_value;
   double sd = no_value;
-  ReportInterval ci95;                 ///< from the covariance
+  ReportInterval ci95;                 ///< to quote
+  std::vector<ReportInterval> pieces;  ///< of it, where there are more than one
+  ReportInterval covariance_ci95;      ///< from the covariance
   ReportInterval profile_ci95;         ///< from the profile likelihood
   ReportInterval bootstrap_ci95 = {};  ///< from refits to simulated data; only on request
+};
+
+/// A source of uncertainty.
+struct ReportBudgetEntry {
+  std::string source, quantity, from;
+  double sd = no_value;              ///< of the quantity, in the unit of its name
+  bool counted = true;               ///< false: taken as exact
+  std::vector<double> contribution;  ///< sd that it gives to each parameter, in their order and units
 };
 
 /// A value that was given, not fitted.
@@ -226,12 +236,14 @@ struct ReportData {
 
   int bootstrap_refits = 0;  ///< 0: none requested
   unsigned bootstrap_seed = 0;
-  std::string shared_scale;              ///< the scale the recordings share: a sentence
-  double p_value = no_value;             ///< of chi-square before scatter seen in the residuals was added
-  double runs_test_p_value = no_value;   ///< small: neighbouring residuals share their sign
-  std::vector<ReportOutlier> outliers;   ///< farthest first
-  std::vector<ReportModel> models;       ///< the one fitted first; empty where none was compared
-  std::vector<std::string> left_out;     ///< analyses that were not needed, and why
+  std::string shared_scale;             ///< the scale the recordings share: a sentence
+  double p_value = no_value;            ///< of chi-square before scatter seen in the residuals was added
+  double runs_test_p_value = no_value;  ///< small: neighbouring residuals share their sign
+  std::vector<ReportOutlier> outliers;  ///< farthest first
+  std::vector<ReportModel> models;      ///< the one fitted first; empty where none was compared
+  std::vector<std::string> left_out;    ///< analyses that were not needed, and why
+  std::vector<ReportBudgetEntry> budget;
+  std::string improve_first;
   std::vector<std::string> systematics;  ///< effect of an error in a given value, a sentence each
 
   std::vector<ReportRun> runs;

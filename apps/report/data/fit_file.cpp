@@ -5,6 +5,14 @@
 namespace tribotrack::apps {
 namespace {
 
+std::vector<ReportInterval> pieces_of(const Json& parameter) {
+  std::vector<ReportInterval> pieces;
+  const Json list = parameter.value("ci95_pieces", Json::array());
+  const JsonPlace place{list, "ci95_pieces"};
+  for (std::size_t i = 0; i < list.size(); ++i) pieces.push_back(place.at(i).interval());
+  return pieces;
+}
+
 void read_parameters(const JsonPlace& fit, ReportData& data) {
   const JsonPlace parameters = fit.at("parameters").object();
   if (parameters.value.empty()) parameters.refuse("an object with the fitted parameters");
@@ -14,6 +22,8 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
                                .estimate = p.at("estimate").number(),
                                .sd = p.at("sd").number_or_null(),
                                .ci95 = p.at("ci95").interval(),
+                               .pieces = pieces_of(p.value),
+                               .covariance_ci95 = interval_at(p.value, "covariance_ci95"),
                                .profile_ci95 = interval_at(p.value, "profile_ci95"),
                                .bootstrap_ci95 = interval_at(p.value, "bootstrap_ci95")});
   }
@@ -77,6 +87,7 @@ void read_checks(const Json& fit, ReportData& data) {
                              number_at(model, "aic"), number_at(model, "bic"), text_at(model, "sentence")});
   data.left_out = sentences_at(fit, "left_out");
   data.systematics = sentences_at(fit, "systematics");
+  data.improve_first = text_at(fit, "improve_first");
 }
 
 ReportNextRun next_run(const Json& next, const std::vector<ReportParameter>& parameters) {
@@ -133,6 +144,21 @@ void read_slides(const Json& fit, ReportData& data) {
 
 }  // namespace
 
+void read_budget(const Json& budget, ReportData& data) {
+  for (const Json& row : budget) {
+    ReportBudgetEntry entry{.source = text_at(row, "source"),
+                            .quantity = text_at(row, "quantity"),
+                            .from = text_at(row, "from"),
+                            .sd = number_at(row, "sd_of_source"),
+                            .counted = row.value("counted", true),
+                            .contribution = {}};
+    const Json contribution = row.value("contribution", Json::object());
+    for (const ReportParameter& parameter : data.parameters)
+      entry.contribution.push_back(number_at(contribution, parameter.name));
+    data.budget.push_back(entry);
+  }
+}
+
 void read_conditions(const Json& conditions, ReportData& data) {
   for (const Json& row : conditions)
     data.conditions.push_back({.quantity = text_at(row, "quantity"),
@@ -157,6 +183,7 @@ void read_fit(const Json& fit, ReportData& data) {
   data.warnings = sentences_at(fit, "warnings");
   data.phase_reference = text_at(fit, "phase_reference");
   read_conditions(fit.value("conditions", Json::array()), data);
+  read_budget(fit.value("budget", Json::array()), data);
   read_other_minima(fit, data);
   read_checks(fit, data);
   read_slides(fit, data);

@@ -10,6 +10,9 @@ namespace tribotrack::apps {
 /// where a key that every fit.json holds is missing or of the wrong kind.
 void read_fit(const Json& fit, ReportData& data);
 
+/// The array `budget`. After the parameters.
+void read_budget(const Json& budget, ReportData& data);
+
 /// The array `conditions`.
 void read_conditions(const Json& conditions, ReportData& data);
 

@@ -41,7 +41,12 @@ void add_parameters(const fit::FitResult& fit, double mm_per_px, ReportData& dat
                                .estimate = finite(p.estimate * unit),
                                .sd = finite(p.sd * unit),
                                .ci95 = interval(p.ci95, unit),
+                               .pieces = {},
+                               .covariance_ci95 = interval(p.covariance_ci95, unit),
                                .profile_ci95 = interval(p.profile_ci95, unit)});
+    if (p.ci95_pieces.size() > 1)
+      for (const fit::Interval& piece : p.ci95_pieces)
+        data.parameters.back().pieces.push_back(interval(piece, unit));
     if (fit.bootstrap > 0) data.parameters.back().bootstrap_ci95 = interval(p.bootstrap_ci95, unit);
   }
   for (Eigen::Index i = 0; i < fit.correlation.rows(); ++i) {
@@ -74,6 +79,7 @@ void add_checks(const fit::FitResult& fit, ReportData& data) {
                            finite(model.bic), model.sentence});
   data.left_out = fit.left_out;
   data.systematics = fit.systematics;
+  data.improve_first = fit.improve_first;
   for (std::size_t k = 1; k < fit.minima.size(); ++k) data.other_minima.push_back(fit.minima[k].sentence);
   data.bootstrap_refits = fit.bootstrap;
   if (fit.bootstrap > 0) data.bootstrap_seed = fit.bootstrap_seed;
@@ -145,6 +151,7 @@ void add_fit(const ReportInput& input, ReportData& data) {
   read_conditions(conditions_json(conditions.table), data);
   add_parameters(fit, mm_per_px, data);
   add_checks(fit, data);
+  read_budget(budget_json(fit, mm_per_px), data);
   add_slide_results(fit, data);
   if (fit.next_experiment) {
     data.next_experiment = fit.next_experiment->sentence;
@@ -225,9 +232,8 @@ ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportDat
   run.failure = analysed.failure;
   if (!run.failure.empty()) return run;
   if (!given.free_slide) {
-    const bool gate = analysed.measurement && analysed.measurement->gate;
-    run.phi_rad = finite(gate ? analysed.measurement->gate->phi.value : given.phi);
-    run.dtau_rad = finite(gate ? analysed.measurement->gate->dtau.value : given.dtau);
+    run.phi_rad = finite(analysed.scenario.friction.phase);
+    run.dtau_rad = finite(analysed.scenario.friction.pulse_width);
   }
   if (!given.video && given.alpha) {
     run.alpha_rad = *given.alpha;

@@ -18,9 +18,10 @@ struct IntervalColumn {
 };
 
 std::vector<IntervalColumn> interval_columns(const ReportData& data) {
-  std::vector<IntervalColumn> columns = {{"95 % covariance interval", &ReportParameter::ci95},
-                                         {"95 % profile interval", &ReportParameter::profile_ci95},
-                                         {"95 % bootstrap interval", &ReportParameter::bootstrap_ci95}};
+  std::vector<IntervalColumn> columns = {{"95 % interval", &ReportParameter::ci95},
+                                         {"by covariance", &ReportParameter::covariance_ci95},
+                                         {"by profile", &ReportParameter::profile_ci95},
+                                         {"by bootstrap", &ReportParameter::bootstrap_ci95}};
   std::erase_if(columns, [&](const IntervalColumn& column) {
     return std::all_of(data.parameters.begin(), data.parameters.end(), [&](const ReportParameter& p) {
       return std::isnan((p.*column.interval).low) || std::isnan((p.*column.interval).high);
@@ -37,15 +38,16 @@ bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval Repor
 /// What each interval shown is, and which covariance stands behind the first.
 std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
   std::string html =
-      "<p class=\"note\">The covariance interval comes from the fit’s covariance, assuming that "
-      "χ² is a parabola about its minimum";
-  const bool profile = has_column(columns, &ReportParameter::profile_ci95);
-  if (profile)
+      "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from the "
+      "covariance’s by more than a tenth, over all minima that the data allow. The covariance interval "
+      "assumes "
+      "that χ² is a parabola about its minimum";
+  if (has_column(columns, &ReportParameter::profile_ci95))
     html += "; the profile interval follows χ² itself, with all other parameters fitted again at every step";
   if (has_column(columns, &ReportParameter::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
                         data.bootstrap_refits, data.bootstrap_seed);
-  html += profile ? ". Where they differ, trust the profile.</p>\n" : ".</p>\n";
+  html += ".</p>\n";
   if (!data.covariance_meaning.empty())
     html += "<p class=\"note\"><b>Which covariance this is:</b> " + sentence_html(data.covariance_meaning) +
             "</p>\n";
@@ -53,6 +55,14 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 }
 
 }  // namespace
+
+std::string quoted_interval(const ReportParameter& parameter) {
+  if (parameter.pieces.empty()) return interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd);
+  std::string text;
+  for (const ReportInterval& piece : parameter.pieces)
+    text += (text.empty() ? "" : " or ") + interval_text(piece.low, piece.high, parameter.sd);
+  return text;
+}
 
 std::string interval_table(const ReportData& data) {
   const std::vector<IntervalColumn> columns = interval_columns(data);
@@ -67,8 +77,11 @@ std::string interval_table(const ReportData& data) {
     html += "<tr><th>" + shown.symbol + "</th>" + number_cell(rounded(p.estimate, p.sd)) +
             number_cell(rounded(p.sd, p.sd));
     for (const IntervalColumn& column : columns)
-      html += fmt::format("<td class=\"n ends\">{}</td>",
-                          interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd));
+      html += "<td class=\"n ends\">" +
+              (column.interval == &ReportParameter::ci95
+                   ? quoted_interval(p)
+                   : interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd)) +
+              "</td>";
     html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n" + interval_note(data, columns);

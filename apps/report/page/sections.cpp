@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/page/budget.h"
 #include "apps/report/page/intervals.h"
 #include "apps/report/page/verdict.h"
 #include "apps/report/text/text.h"
@@ -50,15 +51,16 @@ std::string quantity_cell(double value, double sd, const std::string& unit) {
 std::string condition_table(const ReportData& data) {
   if (data.conditions.empty()) return "";
   std::string html =
-      "<h3>Conditions that the runs share</h3>\n<div class=\"wide\" tabindex=\"0\"><table "
-      "class=\"compact conditions\"><thead><tr><th></th><th class=\"n\">given</th><th "
-      "class=\"n\">measured</th><th class=\"n\">difference</th><th>used</th></tr></thead><tbody>";
+      "<h3>Conditions that the runs share: given and measured</h3>\n<div class=\"wide\" "
+      "tabindex=\"0\"><table class=\"compact conditions\"><thead><tr><th></th><th class=\"n\">given</th><th "
+      "class=\"n\">measured</th><th class=\"n\">difference</th><th class=\"n\">used</th><th>from</th></tr>"
+      "</thead><tbody>";
   for (const ReportCondition& c : data.conditions) {
     const ParameterText shown = parameter_text(c.quantity);
     html += fmt::format("<tr><th>{}</th>", shown.symbol);
     html += quantity_cell(c.given, c.given_sd, shown.unit) + quantity_cell(c.measured, c.sd, shown.unit);
     html += number_cell(std::isnan(c.difference_in_sd) ? "–" : number(c.difference_in_sd, 2) + " σ");
-    html += cell(escape_html(c.from)) + "</tr>";
+    html += quantity_cell(c.used, c.used_sd, shown.unit) + cell(escape_html(c.from)) + "</tr>";
   }
   return html + "</tbody></table></div>\n";
 }
@@ -117,14 +119,15 @@ std::string identifiability_text(const ReportData& data) {
     html += "<p><b>Remedy:</b> " + sentence_html(remedy) + "</p>\n";
   if (!data.other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals hold for the best "
-        "minimum only.</p>\n" +
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
+        "them where they are within 95 %.</p>\n" +
         html_list(data.other_minima);
   return html;
 }
 
+/// Of files without a budget.
 std::string systematics(const ReportData& data) {
-  if (data.systematics.empty()) return "";
+  if (data.systematics.empty() || !data.budget.empty()) return "";
   return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
          "χ² may not show and which the intervals above do not include.</p>\n" +
          html_list(data.systematics);
@@ -155,7 +158,7 @@ std::string parameter_section(const ReportData& data) {
   std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
   html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
           shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
-          condition_table(data) + "</div>\n</div>\n";
+          "</div>\n</div>\n" + budget_table(data) + condition_table(data);
   return html + "</section>\n";
 }
 

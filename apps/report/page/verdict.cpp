@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/report/page/intervals.h"
 #include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
@@ -19,8 +20,7 @@ std::string finding(const ReportParameter& parameter) {
   std::string text =
       fmt::format("<b>{} = {}{}</b>", shown.symbol, value_and_sd(parameter.estimate, parameter.sd), unit);
   if (std::isfinite(parameter.ci95.low) && std::isfinite(parameter.ci95.high))
-    text += fmt::format(" (95 % interval {})",
-                        interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd));
+    text += fmt::format(" (95 % interval {})", quoted_interval(parameter));
   return text;
 }
 

@@ -77,7 +77,8 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
       "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
       "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
   EXPECT_EQ(first_line(out / "bench_fit_coverage.csv"),
-            "campaigns,parameter,counted,weak,unusable,covered,covered_by_profile");
+            "design,noise,parameter,campaigns,usable,weak,open,covered,covered_low,covered_high,covered_of_"
+            "all,score");
   for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
     EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
   EXPECT_EQ(first_line(out / "bench_model_batch.csv"),

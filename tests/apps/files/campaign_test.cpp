@@ -151,5 +151,45 @@ TEST_F(CampaignTest, RunsWithoutANameGetOneOfTheirOwn) {
   EXPECT_EQ(c.runs[2].name, "run03");
 }
 
+TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
+  const Campaign c = read(
+      "[platform]\namplitude_mm = 0.28\namplitude_mm_sd = 0.001\nphase_shift_rad = 1.5\n"
+      "phase_shift_rad_sd = \"pi/180\"\n[part]\ndiameter_mm = 6\ndiameter_mm_sd = 0.01\n"
+      "[camera]\nxi_axis_rad = 0.1\nxi_axis_rad_sd = 0.02\n" +
+      kRun + "phi_rad_sd = 0.003\n");
+  EXPECT_DOUBLE_EQ(*c.platform.amplitude_sd, 1e-6);
+  EXPECT_DOUBLE_EQ(*c.platform.phase_shift_sd, pi / 180);
+  EXPECT_EQ(c.part.diameter_sd_mm, 0.01);
+  EXPECT_EQ(*c.camera.xi_axis_sd_rad, 0.02);
+  EXPECT_EQ(*c.runs[0].phi_sd, 0.003);
+  const Json json = c.effective_configuration();
+  EXPECT_EQ(json["platform"]["amplitude_mm_sd"], 0.001);
+  EXPECT_TRUE(json["platform"]["gravity_m_s2_sd"].is_null());
+  EXPECT_EQ(json["runs"][0]["phi_rad_sd"], 0.003);
+  EXPECT_EQ(json["runs"][0]["xi_axis_rad_sd"], 0.02);
+}
+
+TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
+  EXPECT_THAT(
+      complaint("[platform]\namplitude_mm_sd = 0.001\n" + kRun),
+      HasSubstr(
+          "c.toml:2:1: `amplitude_mm_sd` in [platform] is the sd of `amplitude_mm`, which is not given"));
+  EXPECT_THAT(complaint("[platform]\ngravity_m_s2 = 9.81\ngravity_m_s2_sd = -1\n" + kRun),
+              HasSubstr("c.toml:3:1: `gravity_m_s2_sd` in [platform] must be greater than 0, not -1"));
+  EXPECT_THAT(complaint("[platform]\ntilt_x_rad = 0\ntilt_x_rad_sd = nan\n" + kRun), HasSubstr("finite"));
+  EXPECT_THAT(complaint("[part]\nheight_mm = 1\nheight_mm_sd = 0.1\n" + kRun),
+              HasSubstr("needs working_distance_mm"));
+  EXPECT_THAT(complaint("[camera]\nworking_distance_mm = 100\nworking_distance_mm_sd = 1\n" + kRun),
+              HasSubstr("needs height_mm"));
+  EXPECT_THAT(complaint("[part]\ndiameter_mm = 6\ndiameter_mm_sd = 0.1\ndiameter_sd_mm = 0.1\n" + kRun),
+              HasSubstr("mean the same"));
+  EXPECT_THAT(complaint(kRun + "phase_at_zero_rad = 0\nphase_at_zero_rad_sd = 0.1\n"),
+              HasSubstr("with a video"));
+  EXPECT_THAT(complaint("[platform]\ntilt_x_rad = 0\ntilt_x_rad_sd = 0.001\n[fit]\nparameters = [\"mu1\", "
+                        "\"tilt_x_rad\"]\n[fit.prior]\ntilt_x_rad = { mean = 0, sd = 0.1 }\n" +
+                        kRun),
+              HasSubstr("are the same knowledge"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

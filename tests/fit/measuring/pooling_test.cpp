@@ -23,8 +23,7 @@ TEST(Pooling, ThreeValuesByHand) {
   EXPECT_DOUBLE_EQ(pooled.mean.value, mean);
   EXPECT_DOUBLE_EQ(pooled.mean.sd, 1 / 1.5);
   EXPECT_DOUBLE_EQ(pooled.own_sd, 1 / 1.5);
-  EXPECT_DOUBLE_EQ(pooled.chi2,
-                   std::pow(1 - mean, 2) + std::pow(2 - mean, 2) / 4 + std::pow(4 - mean, 2));
+  EXPECT_DOUBLE_EQ(pooled.chi2, std::pow(1 - mean, 2) + std::pow(2 - mean, 2) / 4 + std::pow(4 - mean, 2));
   EXPECT_NEAR(pooled.p_value, std::exp(-pooled.chi2 / 2), 1e-14);  // two degrees of freedom
   EXPECT_EQ(pooled.count, 3u);
   EXPECT_TRUE(pooled.one_value());

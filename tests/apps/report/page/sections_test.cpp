@@ -33,6 +33,23 @@ TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
               HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">–</td><td>1</td>"));
 }
 
+TEST(ParameterSection, GivenAndMeasuredConditionsStandSideBySide) {
+  const std::string html = parameter_section(sample::campaign());
+  EXPECT_THAT(
+      html,
+      HasSubstr(
+          "<th>A</th><td class=\"n\">0.281 mm</td><td class=\"n\">0.279965 ± 0.000019 "
+          "mm</td><td class=\"n\">−55 σ</td><td class=\"n\">0.281 mm</td><td>campaign, taken as exact</td>"));
+  EXPECT_THAT(
+      html,
+      HasSubstr(
+          "<th>ε</th><td class=\"n\">–</td><td class=\"n\">1.570810 ± 0.000020 rad</td>"
+          "<td class=\"n\">–</td><td class=\"n\">1.570810 ± 0.000020 rad</td><td>marker, 14 runs</td>"));
+  ReportData data = sample::campaign();
+  data.conditions.clear();
+  EXPECT_THAT(parameter_section(data), Not(HasSubstr("Conditions that the runs share")));
+}
+
 TEST(ParameterSection, WhatWasTakenAsKnownIsListedWithItsSource) {
   const std::string html = parameter_section(sample::campaign());
   EXPECT_THAT(html,

@@ -1,0 +1,353 @@
+// Campaigns whose tracks are made of numbers: a marker on its circle with noise, a part that drifts.
+#include "apps/campaign/shared_conditions.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "apps/campaign/job.h"
+#include "apps/campaign/own_errors.h"
+#include "apps/campaign/problem.h"
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using fit::FitParameter;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double pi = std::numbers::pi;
+
+struct Drive {
+  double amplitude = 0.28e-3, amplitude_y = 0.28e-3, w = 62.8, epsilon = pi / 2;
+};
+
+/// 1 s at 400 frames/s; the marker's noise is 1 um, which tells A to 5e-8 m, 0.018 %.
+TrackFile track_of(unsigned seed, const Drive& drive) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1e-6);
+  TrackFile track;
+  for (int k = 0; k < 400; ++k) {
+    const double t = k / 400.0, phase = drive.w * t + 0.4;
+    track.table.frame.push_back(k);
+    track.table.time.push_back(t);
+    track.table.position.emplace_back(3e-3 * t + noise(random), -2e-3 * t + noise(random));
+    track.table.covariance.push_back(1e-12 * Eigen::Matrix2d::Identity());
+    track.table.marker.emplace_back(drive.amplitude * std::cos(phase) + noise(random),
+                                    drive.amplitude_y * std::cos(phase + drive.epsilon) + noise(random));
+    track.table.marker_sigma.push_back(1e-6);
+  }
+  track.table.platform_frame = true;
+  track.table.exposure = 1e-4;
+  track.mm_per_px = track.facts.mm_per_px = 0.1;
+  track.mm_per_px_sd = track.facts.mm_per_px_sd = 0;
+  track.facts.scale_source = "given";
+  track.frames = 400;
+  return track;
+}
+
+class SharedConditionsTest : public ProgramTest {
+ protected:
+  /// `platform`, `camera`: further lines of these tables. A track for each of `drives`, a run each.
+  void campaign(const std::string& platform, const std::vector<Drive>& drives, const std::string& camera = "",
+                const std::vector<std::string>& of_runs = {}, const std::string& part = "") {
+    std::string text =
+        "[platform]\n" + platform + "\n[part]\n" + part + "\n[camera]\nmm_per_px = 0.1\n" + camera + "\n";
+    for (std::size_t k = 0; k < drives.size(); ++k)
+      text += "[[run]]\nname = \"r" + std::to_string(k) +
+              "\"\nvideo = \"v.cine\"\nphi_rad = 1\ndtau_rad = 2\ncycles = 8\n" +
+              (k < of_runs.size() ? of_runs[k] : "") + "\n";
+    put(in_folder("c.toml"), text);
+    campaign_ = read_campaign(in_folder("c.toml"));
+    runs_.clear();
+    for (std::size_t k = 0; k < drives.size(); ++k)
+      runs_.push_back(
+          analyse(campaign_, campaign_.runs[k], track_of(static_cast<unsigned>(k) + 1, drives[k])));
+    shared_ = {};
+    shared_ = share_conditions(campaign_, runs_);
+  }
+  std::string refusal(const std::string& platform, const std::vector<Drive>& drives = {{}, {}}) {
+    return complaint_of([&] { campaign(platform, drives); });
+  }
+  const ConditionRow& row(const std::string& quantity) const {
+    const auto found = std::find_if(shared_.table.begin(), shared_.table.end(),
+                                    [&](const ConditionRow& r) { return r.quantity == quantity; });
+    EXPECT_NE(found, shared_.table.end()) << quantity;
+    return *found;
+  }
+  /// Relative or absolute, as SharedError has it; 0 where there is none.
+  double error_of(FitParameter quantity) const {
+    double variance = 0;
+    for (const SharedError& e : shared_.errors)
+      if (e.quantity == quantity) variance += e.sd * e.sd;
+    return std::sqrt(variance);
+  }
+  bool exact(const std::string& key) const {
+    const auto& list = shared_.taken_as_exact;
+    return std::find(list.begin(), list.end(), key) != list.end();
+  }
+  const fit::PlatformMotion& seen(std::size_t run) const { return *runs_[run].measurement->platform; }
+
+  Campaign campaign_;
+  std::vector<AnalysedRun> runs_;
+  SharedConditions shared_;
+};
+
+TEST_F(SharedConditionsTest, WhatAllRunsMeasureIsOneQuantityWithOneError) {
+  campaign("", {{}, {}, {}, {}});
+  double sum = 0, weights = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const fit::Estimate a = seen(k).amplitude;
+    sum += a.value / (a.sd * a.sd);
+    weights += 1 / (a.sd * a.sd);
+  }
+  for (const AnalysedRun& run : runs_) {
+    EXPECT_NEAR(run.scenario.drive.amplitude, sum / weights, 1e-15);
+    EXPECT_EQ(run.scenario.drive.angular_frequency, runs_[0].scenario.drive.angular_frequency);
+    EXPECT_EQ(run.scenario.drive.phase_shift, runs_[0].scenario.drive.phase_shift);
+    EXPECT_TRUE(run.amplitude_from_track);
+    EXPECT_EQ(sd_of(run.own, model::Parameter::amplitude), 0);
+  }
+  // Independent A and A_y of one relative sd: their mean is known to 1/sqrt(2) of it, their ratio to sqrt(2).
+  const double relative = std::sqrt(1 / weights) / (sum / weights);
+  EXPECT_NEAR(error_of(FitParameter::amplitude), relative / std::sqrt(2.0), 0.01 * relative);
+  EXPECT_NEAR(error_of(FitParameter::amplitude_ratio), relative * std::sqrt(2.0), 0.02 * relative);
+  EXPECT_NEAR(row("amplitude_mm").used.value, 0.28, 5 * row("amplitude_mm").used.sd);
+  EXPECT_EQ(row("amplitude_mm").from, "marker, 4 runs");
+  EXPECT_FALSE(row("amplitude_mm").given);
+  EXPECT_FALSE(exact("amplitude_mm"));
+  EXPECT_TRUE(shared_.warnings.empty());
+}
+
+TEST_F(SharedConditionsTest, RunsThatDifferKeepTheirOwn) {
+  campaign("angular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"", {{}, {}, {.amplitude = 0.283e-3}});
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(runs_[k].scenario.drive.amplitude, seen(k).amplitude.value);
+    EXPECT_NEAR(sd_of(runs_[k].own, model::Parameter::amplitude), seen(k).amplitude.sd, 1e-15);
+    // A_y is the same in all.
+    EXPECT_EQ(runs_[k].scenario.drive.amplitude_y, runs_[0].scenario.drive.amplitude_y);
+  }
+  ASSERT_EQ(shared_.warnings.size(), 1u);
+  EXPECT_THAT(shared_.warnings[0], HasSubstr("amplitude_mm is not one quantity in all runs: 0.27"));
+  EXPECT_THAT(shared_.warnings[0], HasSubstr("at 2 degrees of freedom"));
+  EXPECT_LT(row("amplitude_mm").p_value, 1e-3);
+}
+
+TEST_F(SharedConditionsTest, AGivenValueWithoutSdIsExactAndSaidSo) {
+  campaign("amplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"", {{}, {}});
+  EXPECT_DOUBLE_EQ(runs_[1].scenario.drive.amplitude, 0.28e-3);
+  EXPECT_FALSE(runs_[1].amplitude_from_track);
+  EXPECT_TRUE(shared_.errors.empty());
+  for (const char* key : {"amplitude_mm", "amplitude_y_mm", "angular_frequency_rad_s", "phase_shift_rad",
+                          "gravity_m_s2", "tilt_x_rad", "mm_per_px", "xi_axis_rad", "phi_rad", "dtau_rad"})
+    EXPECT_TRUE(exact(key)) << key;
+  const ConditionRow& a = row("amplitude_mm");
+  EXPECT_EQ(a.given->value, 0.28);
+  EXPECT_EQ(a.from, "campaign, taken as exact");
+  EXPECT_NEAR(*a.difference_in_sd, (a.measured->value - 0.28) / a.measured->sd, 1e-9);
+  const Json json = conditions_json(shared_.table);
+  EXPECT_TRUE(json[0]["given_sd"].is_null());
+  EXPECT_THAT(conditions_text(shared_.table), HasSubstr("0.28, campaign, taken as exact"));
+}
+
+TEST_F(SharedConditionsTest, GivenAndMeasuredMeetByTheirWeights) {
+  // The marker tells A to about 3.5e-8 m in two runs.
+  campaign("amplitude_mm = 0.2801\namplitude_mm_sd = 0.00004\nangular_frequency_rad_s = 62.8", {{}, {}});
+  const ConditionRow& a = row("amplitude_mm");
+  const double g = 1 / (0.00004 * 0.00004), m = 1 / (a.measured->sd * a.measured->sd);
+  EXPECT_NEAR(a.used.value, (g * 0.2801 + m * a.measured->value) / (g + m), 1e-9);
+  EXPECT_NEAR(a.used.sd, 1 / std::sqrt(g + m), 1e-8);
+  EXPECT_NEAR(runs_[0].scenario.drive.amplitude, a.used.value * 1e-3, 1e-15);
+  EXPECT_FALSE(exact("amplitude_mm"));
+  EXPECT_THAT(a.from, HasSubstr("campaign and marker, 2 runs"));
+}
+
+TEST_F(SharedConditionsTest, RunsCommandedDifferentlyArePooledByTheirRatio) {
+  const std::vector<Drive> drives = {{.amplitude = 0.202e-3, .amplitude_y = 0.202e-3},
+                                     {},
+                                     {.amplitude = 0.3535e-3, .amplitude_y = 0.3535e-3}};
+  const std::vector<std::string> commanded = {"amplitude_mm = 0.2", "", "amplitude_mm = 0.35"};
+  campaign("amplitude_mm = 0.2772\nangular_frequency_rad_s = 62.8", drives, "", commanded);
+  const ConditionRow& a = row("amplitude_mm");
+  EXPECT_NEAR(a.measured->value / a.given->value, 1.01, 5e-4);  // all a percent more than commanded
+  EXPECT_GT(a.p_value, 1e-3);
+  EXPECT_EQ(a.runs, 3u);
+  EXPECT_EQ(runs_[0].scenario.drive.amplitude, 0.2e-3);
+  ASSERT_EQ(shared_.warnings.size(), 1u) << shared_.warnings.back();  // once, A_y with it
+  EXPECT_THAT(shared_.warnings[0], HasSubstr("in 3 runs"));
+}
+
+TEST_F(SharedConditionsTest, SlipsAreRefusedByName) {
+  EXPECT_THAT(refusal("angular_frequency_rad_s = 9.995"), HasSubstr("9.995 is 62.8 rad/s in Hz"));
+  EXPECT_THAT(refusal("angular_frequency_rad_s = 600"),
+              HasSubstr("600 is 62.83 rad/s in revolutions per minute"));
+  EXPECT_THAT(refusal("angular_frequency_rad_s = 0.1"), HasSubstr("0.1 s is the period of 62.83 rad/s"));
+  EXPECT_THAT(refusal("amplitude_mm = 0.56"), HasSubstr("0.56 is 0.28 mm peak to peak"));
+  EXPECT_THAT(refusal("amplitude_mm = 280"), HasSubstr("280 is 0.28 mm in um"));
+  EXPECT_THAT(refusal("phase_shift_rad = 90"), HasSubstr("90 is 1.571 rad in degrees"));
+  EXPECT_THAT(refusal("amplitude_mm = 0.4"),
+              HasSubstr("or diameter_mm or mm_per_px, by which it was measured"));
+  EXPECT_THAT(refusal("amplitude_mm = 0.28", {{.amplitude_y = 0.1e-3}}),
+              HasSubstr("amplitude_y_mm = 0.28 (amplitude_mm, as it is not given)"));
+  EXPECT_THAT(refusal("amplitude_mm = 0"), HasSubstr("amplitude_mm = 0"));
+  EXPECT_EQ(refusal("amplitude_mm = 0.24"), "no complaint");  // 17 %: warned
+  EXPECT_EQ(shared_.warnings.size(), 1u);
+}
+
+TEST_F(SharedConditionsTest, ASlipInOneRunNamesTheRun) {
+  const std::string text = complaint_of([&] {
+    campaign("amplitude_mm = 0.28", {{}, {}, {}}, "", {"", "amplitude_mm = 0.56", ""});
+  });
+  EXPECT_THAT(text, HasSubstr("run \"r1\": amplitude_mm = 0.56"));
+  EXPECT_THAT(text, HasSubstr("c.toml:"));
+}
+
+TEST_F(SharedConditionsTest, ADiameterChecksAGivenScale) {
+  std::vector<AnalysedRun> runs;
+  campaign("", {{}, {}}, "", {}, "diameter_mm = 3");
+  for (AnalysedRun& run : runs_) run.track->facts.disc_radius_px = 30;  // 6 mm
+  EXPECT_THAT(complaint_of([&] { share_conditions(campaign_, runs_); }),
+              HasSubstr("3 is 6 mm as its radius"));
+  campaign_.part.diameter_mm = 6.1;
+  const SharedConditions shared = share_conditions(campaign_, runs_);
+  EXPECT_EQ(shared.table.back().quantity, "diameter_mm");
+  EXPECT_NEAR(shared.table.back().measured->value, 6, 1e-12);
+}
+
+// Whatever key an sd has, the problem that is fitted holds it.
+TEST_F(SharedConditionsTest, EachSdReachesTheFit) {
+  const std::string platform =
+      "amplitude_mm = 0.28\namplitude_y_mm = 0.28\nangular_frequency_rad_s = 62.8\nphase_shift_rad = "
+      "1.5708\ngravity_m_s2 = 9.81\ntilt_x_rad = 0\ntilt_y_rad = 0\n";
+  const std::string camera = "frame_rate_hz = 400\nxi_axis_rad = 0\nworking_distance_mm = 100\n";
+  const std::string part = "height_mm = 1\ndiameter_mm = 6\n";
+  const std::string run = "amplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
+  const auto fingerprint = [&] {
+    const fit::Problem problem = problem_of(campaign_, runs_, shared_);
+    std::string text;
+    for (const fit::Condition& c : problem.conditions)
+      text += fmt::format("{} {}\n", fit::to_string(c.quantity), c.sd);
+    for (const auto& r : problem.summary_runs) {
+      for (std::size_t i = 0; i < r.own.parameters.size(); ++i)
+        text += fmt::format("{} {}\n", model::to_string(r.own.parameters[i]),
+                            r.own.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+      text += fmt::format("{}\n", r.scenario.start_phase);
+    }
+    return text;
+  };
+  campaign(platform, {{}, {}}, camera, {"", run}, part);
+  std::set<std::string> all = {fingerprint()};
+  for (const char* key : {"amplitude_mm_sd = 1e-3", "amplitude_y_mm_sd = 1.1e-3",
+                          "angular_frequency_rad_s_sd = 0.01", "phase_shift_rad_sd = 0.012",
+                          "gravity_m_s2_sd = 0.013", "tilt_x_rad_sd = 0.014", "tilt_y_rad_sd = 0.015"}) {
+    campaign(platform + key, {{}, {}}, camera, {"", ""}, part);
+    EXPECT_TRUE(all.insert(fingerprint()).second) << key;
+  }
+  for (const char* key : {"frame_rate_hz_sd = 0.4", "xi_axis_rad_sd = 0.02", "working_distance_mm_sd = 1"}) {
+    campaign(platform, {{}, {}}, camera + key, {"", run}, part);
+    EXPECT_TRUE(all.insert(fingerprint()).second) << key;
+  }
+  campaign(platform, {{}, {}}, camera, {"", run}, part + "height_mm_sd = 0.1");
+  EXPECT_TRUE(all.insert(fingerprint()).second) << "height_mm_sd";
+  for (const char* key : {"amplitude_mm_sd = 1e-3", "angular_frequency_rad_s_sd = 0.01", "phi_rad_sd = 0.01",
+                          "dtau_rad_sd = 0.011", "phase_at_zero_rad = 0.4\nphase_at_zero_rad_sd = 1e-4"}) {
+    campaign(platform, {{}, {}}, camera, {"", run + key}, part);
+    EXPECT_TRUE(all.insert(fingerprint()).second) << key;
+  }
+  campaign(platform, {{}, {}}, camera, {"", "mm_per_px = 0.1\nmm_per_px_sd = 0.001"}, part);
+  EXPECT_EQ(job_for(campaign_, campaign_.runs[1]).mm_per_px_sd, 0.001);
+  campaign(platform, {{}, {}}, camera + "mm_per_px_sd = 0.002", {}, part + "diameter_mm_sd = 0.01");
+  EXPECT_EQ(job_for(campaign_, campaign_.runs[0]).mm_per_px_sd, 0.002);
+  EXPECT_EQ(job_for(campaign_, campaign_.runs[0]).diameter_sd_mm, 0.01);
+}
+
+TEST_F(SharedConditionsTest, AClockThatIsOffIsAGravityThatIsOffTwice) {
+  campaign("", {{}, {}}, "frame_rate_hz = 400\nframe_rate_hz_sd = 0.4");
+  EXPECT_NEAR(error_of(FitParameter::gravity), 2e-3, 1e-15);
+  EXPECT_NEAR(row("angular_frequency_rad_s").measured->sd, 62.8e-3, 1e-4);
+}
+
+TEST_F(SharedConditionsTest, AnSdIsThePriorOfWhatIsFitted) {
+  put(in_folder("c.toml"),
+      "[platform]\namplitude_mm = 0.28\namplitude_mm_sd = 0.002\nangular_frequency_rad_s = 62.8\ntilt_x_rad "
+      "= "
+      "0.001\ntilt_x_rad_sd = 0.0005\n[fit]\nparameters = [\"mu1\", \"mu2\", \"amplitude_mm\", "
+      "\"tilt_x_rad\"]\n[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = "
+      "4\nv_sd_mm_s = 0.05\n");
+  campaign_ = read_campaign(in_folder("c.toml"));
+  runs_ = {analyse(campaign_, campaign_.runs[0], std::nullopt)};
+  shared_ = share_conditions(campaign_, runs_);
+  const fit::Problem problem = problem_of(campaign_, runs_, shared_);
+  EXPECT_TRUE(problem.conditions.empty());
+  EXPECT_NEAR(problem.prior.at(FitParameter::amplitude).sd, 2e-6, 1e-15);
+  EXPECT_NEAR(problem.prior.at(FitParameter::amplitude).mean, 0.28e-3, 1e-15);
+  EXPECT_NEAR(problem.prior.at(FitParameter::tilt_x).mean, 0.001, 1e-15);
+  EXPECT_NEAR(problem.prior.at(FitParameter::tilt_x).sd, 0.0005, 1e-15);
+}
+
+/// Tracks as `run` leaves them, for the program itself.
+class ConditionsOfTheProgram : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    std::filesystem::create_directory(in_folder("tracks"));
+    for (unsigned run = 0; run < 3; ++run) {
+      std::mt19937 random(run + 1);
+      std::normal_distribution<double> noise(0, 0.01);
+      std::string csv =
+          "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,"
+          "marker_x_px,marker_y_px,marker_sigma_px,marker_ncc\n";
+      for (int k = 0; k < 400; ++k) {
+        const double t = k / 400.0, phase = 62.8 * t, x = 30 * t + noise(random), y = 20 * t + noise(random);
+        csv += fmt::format("{},{},{},{},0.01,0.01,0,1,ok,{},{},0.001,0.001,{},{},0.01,1\n", k, t, 100 + x,
+                           100 + y, 0.1 * x, -0.1 * y, 50 + 2.8 * std::cos(phase) + noise(random),
+                           50 + 2.8 * std::sin(phase) + noise(random));
+      }
+      const std::string name = "tracks/r" + std::to_string(run) + ".csv";
+      put(in_folder(name), csv);
+      put(in_folder(name + ".meta.json"),
+          R"({"scale": {"mm_per_px": 0.1, "mm_per_px_sd": 0, "source": "given"}, "recording": {"exposure_s": 1e-4}})");
+    }
+  }
+  void write(const std::string& platform) {
+    std::string text = "[platform]\n" + platform + "\n[camera]\nmm_per_px = 0.1\n[fit]\ncycles = 8\n";
+    for (int k = 0; k < 3; ++k)
+      text += fmt::format("[[run]]\nname = \"r{}\"\nvideo = \"v.cine\"\nphi_rad = {}\ndtau_rad = {}\n", k, k,
+                          1 + 0.5 * k);
+    put(in_folder("c.toml"), text);
+  }
+};
+
+TEST_F(ConditionsOfTheProgram, TheTableStandsInFitJsonAndInExplain) {
+  write("amplitude_mm = 0.281\namplitude_mm_sd = 0.0005");
+  const Outcome outcome = run("fit c.toml --tracks tracks -o fit.json --explain");
+  ASSERT_TRUE(std::filesystem::exists(in_folder("fit.json"))) << outcome.err;
+  const Json fit = Json::parse(content_of(in_folder("fit.json")));
+  const Json& a = fit["conditions"][0];
+  EXPECT_EQ(a["quantity"], "amplitude_mm");
+  EXPECT_EQ(a["given"], 0.281);
+  EXPECT_EQ(a["given_sd"], 0.0005);
+  EXPECT_NEAR(a["measured"], 0.28, 5 * a["sd"].get<double>());
+  EXPECT_NEAR(a["difference_in_sd"], -2, 0.3);
+  EXPECT_EQ(fit["conditions"][2]["quantity"], "angular_frequency_rad_s");
+  EXPECT_TRUE(fit["conditions"][2]["given"].is_null());
+  EXPECT_THAT(fit["taken_as_exact"].dump(), HasSubstr("gravity_m_s2"));
+  EXPECT_THAT(fit["taken_as_exact"].dump(), Not(HasSubstr("\"amplitude_mm\"")));
+  EXPECT_THAT(outcome.err, HasSubstr("0.28100 +- 0.00050"));
+}
+
+TEST_F(ConditionsOfTheProgram, ASlipIsExit3BeforeTheFit) {
+  write("angular_frequency_rad_s = 9.995");
+  expect_refused(run("fit c.toml --tracks tracks -o fit.json -q"), 3,
+                 {"c.toml: angular_frequency_rad_s = 9.995", "9.995 is 62.8 rad/s in Hz"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("fit.json")));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
