@@ -161,7 +161,7 @@ struct CodedErrors {
 struct SlowPart {
   std::string from;  ///< "pictures", "halves", "coder": what told of it
   double sd = 0;     ///< px, of one coordinate, its mean over the track removed
-  double time = 0;   ///< s, the integral of its autocorrelation; 0: frames do not share it after all
+  double time = 0;   ///< s, the integral of its autocorrelation
 };
 
 /// What is known of a track as a whole.

@@ -248,7 +248,8 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
       type.ratio = std::sqrt(own->second.value);
       summary.audit.by_frame_type.emplace_back(type.type, *type.ratio);
     }
-  if (found.added_sd > 0) summary.slow.push_back({"coder", found.added_sd, found.slow_time});
+  if (found.added_sd > 0 && found.slow_time > 0)
+    summary.slow.push_back({"coder", found.added_sd, found.slow_time});
   if (std::string warning = coding_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));
   summary.coded = std::move(found);

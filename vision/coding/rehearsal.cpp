@@ -298,7 +298,8 @@ void take_over(const std::map<char, double>& variances, TrackResult& result) {
   CodedErrors& coded = *summary.coded;
   coded.added_sd = std::sqrt(added / std::max(1.0, count));
   std::erase_if(summary.slow, [](const SlowPart& part) { return part.from == "coder"; });
-  if (coded.added_sd > 0) summary.slow.push_back({"coder", coded.added_sd, coded.slow_time});
+  if (coded.added_sd > 0 && coded.slow_time > 0)
+    summary.slow.push_back({"coder", coded.added_sd, coded.slow_time});
   for (CodedErrors::OfType& type : coded.types)
     type.rehearsed_sd = std::sqrt(rehearsed(variances, type.type));
 }
