@@ -33,7 +33,7 @@ struct Estimate {
 /// section 2.2) from it.
 struct Displacement {
   Eigen::Vector2d vector = Eigen::Vector2d::Zero();      ///< m
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2: noise of both ends, interpolation, w
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2: errors of both ends, interpolation, w
   int cycles = 0;                                        ///< N
   double start_time = 0;                                 ///< s, the first analysed frame
   double duration = 0;                                   ///< s, N 2 pi / w

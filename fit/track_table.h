@@ -16,16 +16,28 @@
 
 namespace tribotrack::fit {
 
+/// An error that changes slowly, of each coordinate by itself: stationary, of covariance
+/// sd^2 exp(-|t - t'|/time) (Ornstein and Uhlenbeck, Phys. Rev. 36 (1930) 823).
+struct SlowError {
+  double sd = 0;    ///< m
+  double time = 0;  ///< s, its correlation time
+};
+
 /// Tracked points in time order, measured rows only (lost ones are left out). Axes x right, y up, turned by
 /// -xi_axis, so that x is the direction of xi in eq. (1).
 struct TrackTable {
   std::vector<std::int64_t> frame;
-  std::vector<double> time;                 ///< s, 0 at the recording's first stored image
-  std::vector<Eigen::Vector2d> position;    ///< m, relative to the first point
-  std::vector<Eigen::Matrix2d> covariance;  ///< m^2, each point's own noise
-  bool platform_frame = false;              ///< true: platform's motion subtracted; false: camera's frame
-  std::vector<Eigen::Vector2d> marker;      ///< m, the marker in the camera's frame; empty without a marker
-  std::vector<double> marker_sigma;         ///< m, per axis
+  std::vector<double> time;               ///< s, 0 at the recording's first stored image
+  std::vector<Eigen::Vector2d> position;  ///< m, relative to the first point
+  std::vector<Eigen::Matrix2d>
+      covariance;               ///< m^2, of each point: the sum of its own noise and of the two below
+  std::vector<SlowError> slow;  ///< errors that neighbouring points share
+  /// F of each point, 2 x K, m: errors common to all of the track, F_i F_j' between points i and j. Empty, or
+  /// one for each point.
+  std::vector<Eigen::Matrix2Xd> shared;
+  bool platform_frame = false;          ///< true: platform's motion subtracted; false: camera's frame
+  std::vector<Eigen::Vector2d> marker;  ///< m, the marker in the camera's frame; empty without a marker
+  std::vector<double> marker_sigma;     ///< m, per axis
   /// rad, how far the part has turned (its sense does not matter), with sd; NaN where that is not seen, empty
   /// in a track without.
   std::vector<double> angle, angle_sigma;

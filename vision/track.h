@@ -156,6 +156,14 @@ struct CodedErrors {
   std::optional<CodedResponse> part, mark;
 };
 
+/// An error that neighbouring frames share: of each coordinate by itself, stationary, of covariance
+/// sd^2 exp(-|t - t'|/time) between two frames. It is included in every point's standard deviations.
+struct SlowPart {
+  std::string from;  ///< "pictures", "halves", "coder": what told of it
+  double sd = 0;     ///< px, of one coordinate, its mean over the track removed
+  double time = 0;   ///< s, the integral of its autocorrelation
+};
+
 /// What is known of a track as a whole.
 struct TrackSummary : FrameCounts {
   Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
@@ -170,11 +178,11 @@ struct TrackSummary : FrameCounts {
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
-  /// Errors that the points of a track have in common beyond each point's own: standard deviation of
-  /// one coordinate, px, their mean removed, and their correlation time, s (the integral of the
-  /// autocorrelation). Both are included in the per-point standard deviations; a mean over many points does
-  /// not average them out.
-  double slow_sd = 0, slow_time = 0;
+  /// Errors that the points of a track have in common beyond each point's own, independent of each other. A
+  /// mean over many points does not average them out.
+  std::vector<SlowPart> slow;
+  double slow_sd() const;    ///< px, of all of them
+  double slow_time() const;  ///< s, their mean by variance
   Audit audit;
   std::optional<CodedErrors> coded;  ///< of a lossy recording
   std::vector<PlanStage> plan;

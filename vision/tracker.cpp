@@ -208,8 +208,8 @@ void Tracking::measure_layers() {
   audited_ = std::move(layers.audited);
   add(summary.warnings, layers.warnings);
   summary.limit_px = layers.limit_px;
-  summary.slow_sd = layers.slow_sd;
-  summary.slow_time = layers.slow_time;
+  if (layers.slow_sd > 0 && layers.slow_time > 0)
+    summary.slow = {{"pictures", layers.slow_sd, layers.slow_time}};
   if (layers.disc_radius > 0) {
     summary.disc.radius = layers.disc_radius;
     summary.disc_radius_sd = layers.disc_radius_sd;

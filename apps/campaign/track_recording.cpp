@@ -209,6 +209,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.height_px = info.height;
   facts.in_camera_frame = !recording.result.track.has_marker;
   facts.warnings = summary.warnings;
+  facts.slow = summary.slow;
   facts.audit = summary.audit;
   if (summary.coded)
     facts.coding = CodingFacts{summary.coded->coder,     summary.coded->rehearsed, summary.coded->part_play,
@@ -233,8 +234,8 @@ Json summary_json(const TrackedRecording& recording) {
                {"disc_px", circle_json(s.disc)},
                {"disc_radius_sd_px", s.disc_radius_sd},
                {"disc_radius_common_sd_px", s.disc_radius_common_sd},
-               {"slow_sd_px", s.slow_sd},
-               {"slow_time_s", s.slow_time},
+               {"slow_sd_px", s.slow_sd()},
+               {"slow_time_s", s.slow_time()},
                {"audit", json_of(s.audit)},
                {"disc_blur_px", s.disc_blur},
                {"noise_levels", s.noise_levels},
@@ -279,6 +280,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                                   {"calibrated_camera", recording.geometry->calibrated()}}
                            : Json();
   meta.more["summary"] = summary_json(recording);
+  meta.more["slow_errors"] = json_of(recording.result.summary.slow);
   meta.more["audit"] = json_of(recording.result.summary.audit);
   if (recording.result.summary.coded) meta.more["coding"] = json_of(*recording.result.summary.coded);
   meta.more["plan"] = json_of(recording.result.summary.plan);

@@ -55,6 +55,13 @@ Json json_of(const std::vector<vision::PlanStage>& plan) {
   return json;
 }
 
+Json json_of(const std::vector<vision::SlowPart>& slow) {
+  Json json = Json::array();
+  for (const auto& part : slow)
+    json.push_back({{"from", part.from}, {"sd_px", part.sd}, {"time_s", part.time}});
+  return json;
+}
+
 Json json_of(const vision::Audit& audit) {
   Json by_type = Json::object();
   for (const auto& [type, ratio] : audit.by_frame_type) by_type[std::string(1, type)] = ratio;

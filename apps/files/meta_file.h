@@ -34,6 +34,7 @@ void write_result(const std::filesystem::path& path, std::string_view text, cons
 
 Json json_of(const vision::TimeBase& time_base);
 Json json_of(const std::vector<vision::PlanStage>& plan);
+Json json_of(const std::vector<vision::SlowPart>& slow);
 Json json_of(const vision::Audit& audit);
 Json json_of(const vision::CodedErrors& coded);
 

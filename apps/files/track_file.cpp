@@ -97,6 +97,20 @@ std::optional<double> number_at(const Json& object, const char* key) {
   return found->get<double>();
 }
 
+/// A track of an older version has their sum alone.
+std::vector<vision::SlowPart> slow_from(const Json& meta, const Json& summary) {
+  std::vector<vision::SlowPart> slow;
+  if (const auto parts = meta.find("slow_errors"); parts != meta.end()) {
+    for (const Json& part : *parts)
+      slow.push_back(
+          {part.value("from", ""), part.at("sd_px").get<double>(), part.at("time_s").get<double>()});
+    return slow;
+  }
+  if (const double sd = number_at(summary, "slow_sd_px").value_or(0); sd > 0)
+    slow.push_back({"all", sd, number_at(summary, "slow_time_s").value_or(0)});
+  return slow;
+}
+
 vision::Audit audit_from(const Json& json) {
   vision::Audit audit;
   audit.halves_x = number_at(json, "halves_x");
@@ -147,6 +161,9 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
   file.table.platform_frame = rows.has_marker;
   file.table.exposure = facts.exposure_s.value_or(0);
   file.table.radius = facts.disc_radius_px * facts.mm_per_px.value_or(0) * 1e-3;
+  for (const vision::SlowPart& part : facts.slow)
+    if (facts.mm_per_px && part.sd > 0 && part.time > 0)
+      file.table.slow.push_back({part.sd * *facts.mm_per_px * 1e-3, part.time});
   file.lamp.exposure = facts.exposure_s;
   file.lamp.clipped = facts.gate_clipped_share > kClippedShare;
   file.frames = rows.rows.size();
@@ -199,6 +216,7 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.disc_radius_common_sd_px = number_at(summary, "disc_radius_common_sd_px").value_or(0);
     if (const auto disc = summary.find("disc_px"); disc != summary.end() && disc->size() == 3)
       facts.disc_radius_px = disc->at(2).get<double>();
+    facts.slow = slow_from(meta, summary);
     facts.audit = audit_from(object_at("audit"));
     facts.coding = coding_from(object_at("coding"));
     facts.frames = summary.value("frames", std::int64_t{0});

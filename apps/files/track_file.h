@@ -50,6 +50,8 @@ struct TrackFacts {
   int width_px = 0, height_px = 0;
   bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
   std::vector<std::string> warnings;
+  /// Errors that neighbouring frames share, in the rows' standard deviations.
+  std::vector<vision::SlowPart> slow;
   vision::Audit audit;
   std::optional<CodingFacts> coding;  ///< of a lossy recording
   std::vector<PlannedStage> plan;

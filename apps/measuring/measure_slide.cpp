@@ -45,8 +45,8 @@ SlideMeasurement measure_slide(const std::string& name, const TrackFile& track, 
   m.stop_seen = m.slide.stop_time < track.table.time.back();
   const double start = fit.runs.front().nuisance.at("onset_time_s");
   const double seen = std::min(m.slide.stop_time, fit.runs.front().nuisance.at("end_time_s")) - start;
-  const double slow_sd = track.facts.audit.slow_sd * track.mm_per_px.value_or(0) * 1e-3;
-  m.deceleration_slow_sd = slow_curvature_sd(slow_sd, track.facts.audit.slow_time, seen);
+  for (const fit::SlowError& slow : track.table.slow)
+    m.deceleration_slow_sd = std::hypot(m.deceleration_slow_sd, slow_curvature_sd(slow.sd, slow.time, seen));
   m.warnings = fit.warnings;
   if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
     m.warnings.push_back(

@@ -107,7 +107,7 @@ std::string slide_measurement_text(const SlideMeasurement& m, const TrackFile& t
   text += line("speed", fmt::format("{:.4g} mm/s at its first point", 1e3 * s.speed));
   text += line("deceleration", with_sd(m.deceleration, kMillimetre) + " mm/s^2");
   if (m.deceleration_slow_sd > 0)
-    text += line("  slow sd", fmt::format("{:.2g} mm/s^2: what the track's slow errors can add",
+    text += line("  slow sd", fmt::format("{:.2g} mm/s^2 of it: what the track's slow errors can make",
                                           1e3 * m.deceleration_slow_sd));
   text += line("mu1", fmt::format("{} with g = {} m/s^2",
                                   with_sd({s.mu1.value, m.deceleration.sd / m.gravity}), m.gravity));

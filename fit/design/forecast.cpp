@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "fit/residuals/end_point.h"
+#include "fit/residuals/point_whitening.h"
+#include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -105,26 +107,28 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   const PointModel points = model_points(unknowns, applied, times,
                                          {!like.track.platform_frame, like.track.exposure}, tolerance, true);
   const auto& scatter = residuals_.excess_variance().trajectories[*track_];
-  const double variance =
-      0.5 * like.track.covariance.front().trace() + scatter.between_points * scatter.between_points;
+  const double variance = 0.5 * point_errors(like.track, 0).own.trace() +
+                          scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
   // Of one of the n points, which stand for all that are seen.
   const double white =
       variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
-  ErrorShapes correlated = error_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
-                                        residuals_.reference_time(), kAllParts);
-  for (std::size_t j = 0; j < correlated.count(); ++j)
-    correlated.values.col(static_cast<Eigen::Index>(j)) *=
-        std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]] / white);
-  correlated.values.rowwise() -= correlated.values.colwise().mean().eval();
-  const Eigen::LLT<Eigen::MatrixXd> factor(
-      Eigen::MatrixXd::Identity(correlated.values.cols(), correlated.values.cols()) +
-      correlated.values.transpose() * correlated.values);
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(known + 1, known + 1);
-  for (Eigen::Index axis = 0; axis < 2; ++axis) {  // its own start point: less the mean
-    Eigen::MatrixXd rows = points.jacobian(Eigen::seqN(axis, n, 2), Eigen::all);
-    rows.rowwise() -= rows.colwise().mean().eval();
-    const Eigen::MatrixXd hidden = factor.matrixL().solve(correlated.values.transpose() * rows);
-    information += (rows.transpose() * rows - hidden.transpose() * hidden) / white;
+  const PointWhitening whitening(times, std::vector<Eigen::Matrix2d>(n, white * Eigen::Matrix2d::Identity()),
+                                 std::vector<double>(n, 1), like.track.slow);
+  const Eigen::MatrixX2d start = orthonormal(whitening.shift());
+  const CorrelatedVariances& variances = residuals_.excess_variance().correlated;
+  ErrorParts present{};
+  for (std::size_t part = 0; part < kErrorParts; ++part) present[part] = variances[part] > 0;
+  const ErrorShapes correlated = error_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
+                                              residuals_.reference_time(), present);
+  const Eigen::MatrixXd rows = whitened_columns(points.jacobian, whitening, start);
+  const Eigen::MatrixXd errors = whitened_columns(error_columns(correlated), whitening, start) *
+                                 column_variances(correlated, variances).cwiseSqrt().asDiagonal();
+  Eigen::MatrixXd information = rows.transpose() * rows;
+  if (errors.cols() > 0) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd::Identity(errors.cols(), errors.cols()) +
+                                             errors.transpose() * errors);
+    const Eigen::MatrixXd hidden = factor.matrixL().solve(errors.transpose() * rows);
+    information -= hidden.transpose() * hidden;
   }
   if (like.start_phase_sd > 0) {
     const Eigen::VectorXd by_phase = information.col(known).head(known);

@@ -14,7 +14,9 @@
 namespace tribotrack::fit {
 namespace {
 
+using internal::covariance_of_sum;
 using internal::LocalPolynomial;
+using internal::WeightedPoints;
 
 void check(const TrackTable& track, const Estimate& w, int cycles) {
   const std::size_t points = track.time.size();
@@ -51,7 +53,7 @@ std::vector<std::size_t> frames_of_same_phase(const TrackTable& track, double ti
 
 struct Interpolated {
   Eigen::Vector2d position, velocity;
-  Eigen::Matrix2d noise;          ///< of the tracked points used, without the error of interpolating
+  WeightedPoints points;          ///< whose sum the position is
   Eigen::Matrix2d interpolation;  ///< mean square error of interpolating
 };
 
@@ -76,7 +78,9 @@ LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t
   for (const std::size_t i : frames) {
     const LocalPolynomial around(track.time, track.time[i], points, i);
     const Eigen::Vector2d difference = around.value(track.position) - track.position[i];
-    const Eigen::Matrix2d noise = around.covariance(track.covariance) + track.covariance[i];
+    WeightedPoints points_of_difference = around.points();
+    points_of_difference.emplace_back(i, -1);
+    const Eigen::Matrix2d noise = covariance_of_sum(track, points_of_difference);
     const double own_product = (track.time[i] - track.time[i - 1]) * (track.time[i + 1] - track.time[i]);
     const double factor = product / own_product;
     result.mean_square += factor * factor * (difference * difference.transpose() - noise);
@@ -106,8 +110,7 @@ Interpolated interpolate(const TrackTable& track, double time, double w, std::si
   }
   const LocalPolynomial here(track.time, time, best_points);
   const LocalPolynomial slope(track.time, time, std::min<std::size_t>(4, track.time.size()));
-  return {here.value(track.position), slope.derivative(track.position), here.covariance(track.covariance),
-          best.mean_square};
+  return {here.value(track.position), slope.derivative(track.position), here.points(), best.mean_square};
 }
 
 [[noreturn]] void refuse_short(double span, double period, double w) {
@@ -198,7 +201,9 @@ Displacement measure_displacement(const TrackTable& track, const Estimate& angul
   result.vector = last.position - track.position.front();
   // End time N 2 pi / w: d(end)/dw = -u T / w. In the camera's frame u holds the platform's velocity, too.
   const Eigen::Vector2d by_w = -last.velocity * result.duration / w;
-  result.covariance = track.covariance.front() + last.noise + last.interpolation;
+  WeightedPoints both_ends = last.points;
+  both_ends.emplace_back(0, -1);
+  result.covariance = covariance_of_sum(track, both_ends) + last.interpolation;
   derive_alpha_and_v(result);
   const double sd_w = angular_frequency.sd;
   const double length = result.vector.norm();

@@ -52,9 +52,9 @@ Eigen::Vector2d LocalPolynomial::derivative(const std::vector<Eigen::Vector2d>& 
   return sum;
 }
 
-Eigen::Matrix2d LocalPolynomial::covariance(const std::vector<Eigen::Matrix2d>& covariances) const {
-  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (std::size_t k = 0; k < index_.size(); ++k) sum += weight_[k] * weight_[k] * covariances[index_[k]];
+WeightedPoints LocalPolynomial::points() const {
+  WeightedPoints sum;
+  for (std::size_t k = 0; k < index_.size(); ++k) sum.emplace_back(index_[k], weight_[k]);
   return sum;
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "fit/tools/track_errors.h"
+
 namespace tribotrack::fit::internal {
 
 /// The polynomial through `points` neighbours of `time`, as many before as after where the track allows
@@ -20,8 +22,8 @@ class LocalPolynomial {
 
   Eigen::Vector2d value(const std::vector<Eigen::Vector2d>& positions) const;
   Eigen::Vector2d derivative(const std::vector<Eigen::Vector2d>& positions) const;
-  /// Of the value, from the points' own, taken as independent.
-  Eigen::Matrix2d covariance(const std::vector<Eigen::Matrix2d>& covariances) const;
+  /// The value as a sum of points.
+  WeightedPoints points() const;
 
  private:
   std::vector<std::size_t> index_;

@@ -55,19 +55,26 @@ ErrorShapes error_shapes(const std::vector<double>& times, double w, double star
   return shapes;
 }
 
-Eigen::MatrixXd whitened_shapes(const ErrorShapes& shapes, const Eigen::MatrixX2d& white) {
-  const Eigen::Index rows = white.rows();
-  Eigen::MatrixXd whitened(rows, 2 * shapes.values.cols());
+Eigen::MatrixXd error_columns(const ErrorShapes& shapes) {
+  const Eigen::Index points = shapes.values.rows();
+  Eigen::MatrixXd columns(2 * points, 2 * shapes.values.cols());
   for (Eigen::Index j = 0; j < shapes.values.cols(); ++j) {
-    const Eigen::MatrixX2d turned = white * shapes.axes(static_cast<std::size_t>(j));
-    for (Eigen::Index axis = 0; axis < 2; ++axis)
-      for (Eigen::Index i = 0; i < rows; ++i)
-        whitened(i, 2 * j + axis) = turned(i, axis) * shapes.values(i / 2, j);
+    const Eigen::Matrix2d axes = shapes.axes(static_cast<std::size_t>(j));
+    for (Eigen::Index i = 0; i < points; ++i) columns.block<2, 2>(2 * i, 2 * j) = shapes.values(i, j) * axes;
   }
+  return columns;
+}
+
+Eigen::MatrixXd whitened_columns(Eigen::MatrixXd columns, const PointWhitening& points,
+                                 const Eigen::MatrixX2d& start) {
+  points.apply(Eigen::Ref<Eigen::MatrixXd>(columns));
+  columns -= start * (start.transpose() * columns).eval();
+  return columns;
+}
+
+Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& white) {
   const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(white);
-  const Eigen::MatrixX2d q = qr.householderQ() * Eigen::MatrixX2d::Identity(rows, 2);
-  whitened -= q * (q.transpose() * whitened).eval();
-  return whitened;
+  return qr.householderQ() * Eigen::MatrixX2d::Identity(white.rows(), 2);
 }
 
 Eigen::VectorXd column_variances(const ErrorShapes& shapes, const CorrelatedVariances& variances) {
@@ -96,11 +103,6 @@ void CorrelatedWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
   if (empty() || column.isZero(0)) return;
   const Eigen::VectorXd along = root_.cwiseProduct(shapes_.transpose() * column);
   column.noalias() -= shapes_ * along;
-}
-
-Eigen::VectorXd CorrelatedWhitening::expected(const Eigen::VectorXd& column) const {
-  if (empty()) return Eigen::VectorXd::Zero(column.size());
-  return shapes_ * expected_.cwiseProduct(shapes_.transpose() * column);
 }
 
 // With S = U G^(1/2) R, S'S = diag(l), and x = V^(-1/2) y: S' V^-1 y = S' V^(-1/2) x = diag((1 + l)^(-1/2))

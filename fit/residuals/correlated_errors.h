@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "fit/residuals/point_whitening.h"
+
 namespace tribotrack::fit::internal {
 
 // clang-format off
@@ -50,10 +52,16 @@ constexpr ErrorParts kAllParts{true, true, true, true, true, true, true};
 ErrorShapes error_shapes(const std::vector<double>& times, double angular_frequency, double start_phase,
                          double reference_time, const ErrorParts& wanted);
 
-/// U: the shapes in both axes behind the points' own whitening, `white` = the stack of L^-1 (LL' the points'
-/// covariances, times the root of their weight), the unknown start point (the columns of `white`) projected
-/// out. Column 2 j + k is shape j along the k-th of its axes.
-Eigen::MatrixXd whitened_shapes(const ErrorShapes& shapes, const Eigen::MatrixX2d& white);
+/// The shapes in both axes, two rows a point: column 2 j + k is shape j along the k-th of its axes.
+Eigen::MatrixXd error_columns(const ErrorShapes& shapes);
+
+/// U: such columns behind the points' own whitening, the unknown start point, which `start` spans behind it
+/// with orthonormal columns, projected out.
+Eigen::MatrixXd whitened_columns(Eigen::MatrixXd columns, const PointWhitening& points,
+                                 const Eigen::MatrixX2d& start);
+
+/// Orthonormal columns that span those of `white`.
+Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& white);
 
 /// (I + U G U')^(-1/2), G diagonal, through the eigenvalues l of G^(1/2) U'U G^(1/2) = R diag(l) R':
 /// I - U G^(1/2) R diag((1 - (1 + l)^(-1/2)) / l) R' G^(1/2) U' (Woodbury's identity for a root).
@@ -66,9 +74,6 @@ class CorrelatedWhitening {
   bool empty() const { return shapes_.cols() == 0; }
   /// In place; columns that are zero stay so.
   void apply(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// The expected correlated errors of the points given `column` (whitened by their own noise alone):
-  /// U G U' V^-1 column, whitened like it.
-  Eigen::VectorXd expected(const Eigen::VectorXd& column) const;
   /// The expected coefficients of the shapes, G U' V^-1 column, given V^(-1/2) column.
   Eigen::VectorXd coefficients(const Eigen::VectorXd& whitened) const;
   /// The degrees of freedom of that expectation: sum of l/(1 + l).
@@ -81,7 +86,7 @@ class CorrelatedWhitening {
   double rows_taken_ = 0;
 };
 
-/// Of the shapes' columns in whitened_shapes().
+/// Of the shapes' columns in error_columns().
 Eigen::VectorXd column_variances(const ErrorShapes& shapes, const CorrelatedVariances& variances);
 
 }  // namespace tribotrack::fit::internal

@@ -38,8 +38,12 @@ enum class Nuisance { phase, spin, deviation };
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
   std::vector<Eigen::Vector2d> residual;
-  std::vector<Eigen::Vector2d> correlated;  ///< expectation of the part that neighbouring points share
-  double rows_taken = 0;                    ///< degrees of freedom of that expectation
+  std::vector<Eigen::Vector2d> correlated;  ///< expectation of the part that all points share
+  /// What is left without it and without what the points before tell of the track's slow errors, and its
+  /// covariance by the track, m^2.
+  std::vector<Eigen::Vector2d> innovation;
+  std::vector<Eigen::Matrix2d> innovation_covariance;
+  double rows_taken = 0;  ///< degrees of freedom of that expectation
   Eigen::Vector2d start_point = Eigen::Vector2d::Zero();
 };
 
@@ -113,7 +117,10 @@ class Residuals {
   void whiten_common(Eigen::Ref<Eigen::VectorXd> column) const;
   /// Shapes of correlated errors over the run's points; none for a free slide.
   ErrorShapes shapes(std::size_t trajectory_run, const ErrorParts& wanted) const;
-  /// L^-1 of every point, one above the other, times the roots of their weights.
+  /// Columns, two rows a point, whitened as those of the residuals before what all runs share: by the points'
+  /// own noise and the track's errors, the start point projected out, and the run's correlated errors.
+  Eigen::MatrixXd whitened(std::size_t trajectory_run, Eigen::MatrixXd columns) const;
+  /// L^-1 of the points' own noise and slow errors: PointWhitening::shift().
   const Eigen::MatrixX2d& white(std::size_t trajectory_run) const { return prepared_[trajectory_run]->white; }
   double reference_time() const { return reference_time_; }  ///< s, of the longest driven run
 
@@ -126,9 +133,11 @@ class Residuals {
   /// What the rows of a trajectory run need, whatever the unknowns are.
   struct Prepared {
     std::vector<double> times;       ///< s, of its points, from the first
-    Eigen::MatrixX2d white;          ///< also the columns of the start point
+    PointWhitening points;           ///< their noise and slow errors
+    Eigen::MatrixX2d white;          ///< behind it, the columns of the start point
     Eigen::MatrixX2d start;          ///< orthonormal, spans `white`
-    CorrelatedWhitening correlated;  ///< of its own errors
+    Eigen::MatrixXd own;             ///< columns of its own errors, those of the track first, not whitened
+    CorrelatedWhitening correlated;  ///< of them
     ErrorShapes common;              ///< shapes of the errors that it shares with all runs
   };
   void prepare();

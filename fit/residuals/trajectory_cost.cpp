@@ -1,20 +1,14 @@
 // Every tracked point against the model's dense trajectory. The start point is linear: it is projected out,
 // so that it costs no unknown and is counted exactly.
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
+#include <utility>
 
 #include "fit/residuals/residuals.h"
 #include "fit/tools/parallel.h"
+#include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
-namespace {
-
-constexpr double kFinestSigma = 1e-9;  ///< m; no camera sees less
-
-}  // namespace
-
 PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index,
                                       bool derivatives) const {
   const TrajectoryRun& run = problem_->trajectory_runs[index];
@@ -57,9 +51,8 @@ void Residuals::prepare_common() {
   for (std::size_t i = 0; i < prepared_.size(); ++i) {
     const Prepared& prepared = *prepared_[i];
     if (prepared.common.count() == 0) continue;
-    auto rows = stacked.middleRows(trajectory_row(i) - first, prepared.white.rows());
-    rows = whitened_shapes(prepared.common, prepared.white);
-    for (Eigen::Index j = 0; j < columns; ++j) prepared.correlated.apply(rows.col(j));
+    stacked.middleRows(trajectory_row(i) - first, prepared.white.rows()) =
+        whitened(i, error_columns(prepared.common));
   }
   common_ = std::make_shared<CorrelatedWhitening>(std::move(stacked),
                                                   column_variances(like->common, scatter_.correlated));
@@ -76,29 +69,47 @@ void Residuals::prepare(std::size_t index) {
   const auto& track = problem_->trajectory_runs[index].track;
   const auto& scatter = scatter_.trajectories[index];
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
-  const double uncorrelated = 1 / std::sqrt(scatter.correlation_time);
   const std::size_t first = first_point_[index], n = point_count(index);
   auto prepared = std::make_shared<Prepared>();
-  prepared->white.resize(2 * static_cast<Eigen::Index>(n), 2);
+  std::vector<Eigen::Matrix2d> own;
+  std::vector<double> slow_share;
+  prepared->own.resize(2 * static_cast<Eigen::Index>(n),
+                       track.shared.empty() ? 0 : track.shared.front().cols());
   for (std::size_t i = 0; i < n; ++i) {
+    const PointErrors errors = point_errors(track, first + i);
     prepared->times.push_back(track.time[first + i] - track.time[first]);
-    const Eigen::LLT<Eigen::Matrix2d> factor(
-        Eigen::Matrix2d(track.covariance[first + i] + added * Eigen::Matrix2d::Identity()));
-    prepared->white.middleRows<2>(2 * static_cast<Eigen::Index>(i)) =
-        uncorrelated * std::sqrt(point_weight(index, i)) *
-        factor.matrixL().solve(Eigen::Matrix2d::Identity()).eval();
+    own.emplace_back((errors.own + added * Eigen::Matrix2d::Identity()) / point_weight(index, i));
+    slow_share.push_back(errors.slow);
+    prepared->own.middleRows<2>(2 * static_cast<Eigen::Index>(i)) = errors.all;
   }
-  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(prepared->white);
-  prepared->start = qr.householderQ() * Eigen::MatrixX2d::Identity(prepared->white.rows(), 2);
+  prepared->points =
+      PointWhitening(prepared->times, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));
+  prepared->white = prepared->points.shift();
+  prepared->start = orthonormal(prepared->white);
   prepared_[index] = prepared;  // for shapes()
-  if (scatter_.correlated == CorrelatedVariances{}) return;
-  ErrorParts own{}, shared{};
+  ErrorParts separate{}, common{};
   for (std::size_t part = 0; part < kErrorParts; ++part)
-    (is_common(part) ? shared : own)[part] = scatter_.correlated[part] > 0;
-  prepared->common = shapes(index, shared);
-  if (const ErrorShapes correlated = shapes(index, own); correlated.count() > 0)
-    prepared->correlated = CorrelatedWhitening(whitened_shapes(correlated, prepared->white),
-                                               column_variances(correlated, scatter_.correlated));
+    (is_common(part) ? common : separate)[part] = scatter_.correlated[part] > 0;
+  const bool any = scatter_.correlated != CorrelatedVariances{};
+  if (any) prepared->common = shapes(index, common);
+  const ErrorShapes correlated = any ? shapes(index, separate) : ErrorShapes{};
+  const Eigen::Index told = prepared->own.cols(), found = 2 * static_cast<Eigen::Index>(correlated.count());
+  if (told + found == 0) return;
+  Eigen::VectorXd variances = Eigen::VectorXd::Ones(told + found);
+  if (found > 0) {
+    prepared->own.conservativeResize(Eigen::NoChange, told + found);
+    prepared->own.rightCols(found) = error_columns(correlated);
+    variances.tail(found) = column_variances(correlated, scatter_.correlated);
+  }
+  prepared->correlated =
+      CorrelatedWhitening(whitened_columns(prepared->own, prepared->points, prepared->start), variances);
+}
+
+Eigen::MatrixXd Residuals::whitened(std::size_t index, Eigen::MatrixXd columns) const {
+  const Prepared& prepared = *prepared_[index];
+  columns = whitened_columns(std::move(columns), prepared.points, prepared.start);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) prepared.correlated.apply(columns.col(j));
+  return columns;
 }
 
 void Residuals::whiten(std::size_t index, const Eigen::Matrix2Xd& positions,
@@ -107,8 +118,8 @@ void Residuals::whiten(std::size_t index, const Eigen::Matrix2Xd& positions,
   const Prepared& prepared = *prepared_[index];
   const std::size_t first = first_point_[index];
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
-    rows.segment<2>(2 * i) = prepared.white.middleRows<2>(2 * i) *
-                             (run.track.position[first + static_cast<std::size_t>(i)] - positions.col(i));
+    rows.segment<2>(2 * i) = run.track.position[first + static_cast<std::size_t>(i)] - positions.col(i);
+  prepared.points.apply(rows);
   rows -= prepared.start * (prepared.start.transpose() * rows).eval();
   prepared.correlated.apply(rows);
 }
@@ -119,12 +130,14 @@ void Residuals::whiten_common(Eigen::Ref<Eigen::VectorXd> column) const {
 }
 
 void Residuals::whiten_shared(Eigen::Ref<Eigen::VectorXd> column) const {
-  // The rows' covariance is root by root: V^(-1/2) = (common) (own) (points), each root symmetric.
+  // The rows' covariance is root by root: V^(-1/2) = (common) (own) (points), the first two symmetric.
   if (common_) common_->apply(column);
   const Eigen::Index first = trajectory_row(0);
-  for (std::size_t i = 0; i < prepared_.size(); ++i)
-    prepared_[i]->correlated.apply(
-        column.segment(trajectory_row(i) - first, 2 * static_cast<Eigen::Index>(point_count(i))));
+  for (std::size_t i = 0; i < prepared_.size(); ++i) {
+    auto rows = column.segment(trajectory_row(i) - first, 2 * static_cast<Eigen::Index>(point_count(i)));
+    prepared_[i]->correlated.apply(rows);
+    prepared_[i]->points.take_own(rows);
+  }
 }
 
 void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
@@ -139,8 +152,8 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
   for (Eigen::Index j = 0; j < by_unknowns.cols(); ++j) {
     auto column = by_unknowns.col(j);
     if (column.isZero(0)) continue;
-    for (Eigen::Index k = 0; k < column.size(); k += 2)
-      column.segment<2>(k) = -(prepared.white.middleRows<2>(k) * column.segment<2>(k)).eval();
+    column *= -1;
+    prepared.points.apply(Eigen::Ref<Eigen::VectorXd>(column));
     column -= q * (q.transpose() * column).eval();
     prepared.correlated.apply(column);
     jacobian->col(j).segment(row, column.size()) = column;
@@ -149,30 +162,46 @@ void Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
 
 PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index,
                                  const Eigen::VectorXd& common) const {
-  const TrajectoryRun& run = problem_->trajectory_runs[index];
+  const auto& track = problem_->trajectory_runs[index].track;
+  const Prepared& prepared = *prepared_[index];
   const std::size_t first = first_point_[index], n = point_count(index);
   const Eigen::Matrix2Xd positions = modelled_points(values, index, false).positions;
-  const Eigen::MatrixX2d& start = white(index);
-  const CorrelatedWhitening& correlated_errors = prepared_[index]->correlated;
+  const Eigen::MatrixX2d& start = prepared.white;
+  const auto normal = (start.transpose() * start).eval().ldlt();
   PointResiduals result;
-  Eigen::VectorXd whitened(start.rows());
+  Eigen::VectorXd white(start.rows());
   for (std::size_t i = 0; i < n; ++i) {
-    const auto k = 2 * static_cast<Eigen::Index>(i);
+    const auto k = static_cast<Eigen::Index>(i);
     result.row.push_back(first + i);
-    result.residual.push_back(run.track.position[first + i] - positions.col(static_cast<Eigen::Index>(i)));
-    whitened.segment<2>(k) = start.middleRows<2>(k) * result.residual.back();
+    result.residual.push_back(track.position[first + i] - positions.col(k));
+    white.segment<2>(2 * k) = result.residual.back();
   }
-  result.start_point = (start.transpose() * start).ldlt().solve(start.transpose() * whitened);
-  Eigen::VectorXd shared = Eigen::VectorXd::Zero(whitened.size());
-  if (common.size() > 0 && prepared_[index]->common.count() > 0)
-    shared = whitened_shapes(prepared_[index]->common, start) * common;
-  const Eigen::VectorXd correlated =
-      shared + correlated_errors.expected(whitened - start * result.start_point - shared);
-  result.rows_taken = correlated_errors.rows_taken();
+  prepared.points.apply(Eigen::Ref<Eigen::VectorXd>(white));
+  result.start_point = normal.solve(start.transpose() * white);
+  white -= start * result.start_point;
+  // What the points share, less what a start point takes of it: as it is and whitened.
+  Eigen::VectorXd shared = Eigen::VectorXd::Zero(white.size());
+  const auto subtract = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
+    Eigen::VectorXd errors = columns * coefficients, whitened_errors = errors;
+    prepared.points.apply(Eigen::Ref<Eigen::VectorXd>(whitened_errors));
+    const Eigen::Vector2d taken = normal.solve(start.transpose() * whitened_errors);
+    shared += errors - taken.replicate(static_cast<Eigen::Index>(n), 1);
+    white -= whitened_errors - start * taken;
+  };
+  if (common.size() > 0 && prepared.common.count() > 0) subtract(error_columns(prepared.common), common);
+  if (!prepared.correlated.empty()) {
+    Eigen::VectorXd alone = white;
+    prepared.correlated.apply(alone);
+    subtract(prepared.own, prepared.correlated.coefficients(alone));
+  }
+  result.rows_taken = prepared.correlated.rows_taken();
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
     result.residual[i] -= result.start_point;
-    result.correlated.push_back(Eigen::Matrix2d(start.middleRows<2>(k)).inverse() * correlated.segment<2>(k));
+    result.correlated.emplace_back(shared.segment<2>(k));
+    result.innovation.push_back(prepared.points.innovation(i, white.segment<2>(k)));
+    result.innovation_covariance.emplace_back(point_errors(track, first + i).own +
+                                              prepared.points.predicted(i));
   }
   return result;
 }

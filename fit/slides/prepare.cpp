@@ -23,6 +23,7 @@ void cut(TrackTable& track, const Stretch& stretch) {
   keep(track.time, stretch);
   keep(track.position, stretch);
   keep(track.covariance, stretch);
+  keep(track.shared, stretch);
   keep(track.angle, stretch);
   keep(track.angle_sigma, stretch);
   keep(track.marker, stretch);

@@ -63,7 +63,7 @@ CorrelatedSums correlated_sums_of(const Residuals& residuals, const Eigen::Vecto
   for (std::size_t i = 0; i < residuals.excess_variance().trajectories.size(); ++i) {
     const ErrorShapes shapes = white.shapes(i, kOwnParts);
     if (shapes.count() == 0) continue;
-    const Eigen::MatrixXd u = whitened_shapes(shapes, white.white(i));
+    const Eigen::MatrixXd u = white.whitened(i, error_columns(shapes));
     std::vector<std::size_t> common_part;
     CorrelatedRunSums run{u.transpose() * u,
                           u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()),

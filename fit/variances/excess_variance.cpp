@@ -154,10 +154,10 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
     auto& scatter = result.trajectories[i];
     covariances.clear();
     std::vector<double> x, y;
-    std::vector<Eigen::Vector2d> quick;  // correlated errors are separate
+    std::vector<Eigen::Vector2d> quick;  // without what is known to be slow
     for (std::size_t k = 0; k < run.row.size(); ++k) {
-      covariances.push_back(problem.trajectory_runs[i].track.covariance[run.row[k]]);
-      quick.push_back(run.residual[k] - run.correlated[k]);
+      covariances.push_back(run.innovation_covariance[k]);
+      quick.push_back(run.innovation[k]);
       x.push_back(quick.back().x());
       y.push_back(quick.back().y());
     }

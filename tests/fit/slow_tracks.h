@@ -57,4 +57,20 @@ inline fit::TrajectoryRun slow_track(const model::Scenario& truth, double rate, 
   return run;
 }
 
+/// A process of this covariance by its own recursion, in x and in y, and the table says so.
+inline void add_slow(fit::TrackTable& track, const fit::SlowError& slow, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto pair = [&] { return Eigen::Vector2d(normal(random), normal(random)); };
+  Eigen::Vector2d error = slow.sd * pair();
+  for (std::size_t i = 0; i < track.time.size(); ++i) {
+    if (i > 0) {
+      const double kept = std::exp(-(track.time[i] - track.time[i - 1]) / slow.time);
+      error = kept * error + slow.sd * std::sqrt(1 - kept * kept) * pair();
+    }
+    track.position[i] += error;
+    track.covariance[i] += slow.sd * slow.sd * Eigen::Matrix2d::Identity();
+  }
+  track.slow.push_back(slow);
+}
+
 }  // namespace tribotrack::test

@@ -82,10 +82,8 @@ void apply(const Audit& found, Track& track, TrackSummary& summary) {
     p.sigma_y = std::sqrt(found.white_factor * p.sigma_y * p.sigma_y + slow);
     p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
   }
-  const double before = found.white_factor * summary.slow_sd * summary.slow_sd;
-  if (before + slow > 0)
-    summary.slow_time = (before * summary.slow_time + slow * found.slow_time) / (before + slow);
-  summary.slow_sd = std::sqrt(before + slow);
+  for (SlowPart& part : summary.slow) part.sd *= std::sqrt(found.white_factor);
+  if (slow > 0) summary.slow.push_back({"halves", found.slow_sd, found.slow_time});
   summary.audit = found;
   if (std::string warning = audit_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));

@@ -248,9 +248,8 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
       type.ratio = std::sqrt(own->second.value);
       summary.audit.by_frame_type.emplace_back(type.type, *type.ratio);
     }
-  const double before = square(summary.slow_sd), more = square(found.added_sd);
-  if (more > 0) summary.slow_time = (before * summary.slow_time + more * found.slow_time) / (before + more);
-  summary.slow_sd = std::sqrt(before + more);
+  if (found.added_sd > 0 && found.slow_time > 0)
+    summary.slow.push_back({"coder", found.added_sd, found.slow_time});
   if (std::string warning = coding_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));
   summary.coded = std::move(found);

@@ -296,9 +296,10 @@ void take_over(const std::map<char, double>& variances, TrackResult& result) {
     ++count;
   }
   CodedErrors& coded = *summary.coded;
-  const double before = std::max(0.0, std::pow(summary.slow_sd, 2) - std::pow(coded.added_sd, 2));
   coded.added_sd = std::sqrt(added / std::max(1.0, count));
-  summary.slow_sd = std::hypot(std::sqrt(before), coded.added_sd);
+  std::erase_if(summary.slow, [](const SlowPart& part) { return part.from == "coder"; });
+  if (coded.added_sd > 0 && coded.slow_time > 0)
+    summary.slow.push_back({"coder", coded.added_sd, coded.slow_time});
   for (CodedErrors::OfType& type : coded.types)
     type.rehearsed_sd = std::sqrt(rehearsed(variances, type.type));
 }

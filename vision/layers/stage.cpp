@@ -147,6 +147,11 @@ PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first
                           100 * result.crossed_share);
   reason += "; noise from frame to frame: " + result.candidates;
   reason += fmt::format("; positions moved by {:.4f} px rms", moved);
+  // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
+  reason += fmt::format(
+      "; what frames share through the noise of the pictures, some {:.1f} % of a position's variance, is not "
+      "counted between them",
+      200.0 / std::max(1, result.windows));
   return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
 }
 

@@ -131,6 +131,34 @@ TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
   EXPECT_EQ(complaint(kHeader + row), "no complaint");
 }
 
+// Slow errors are part of a point's standard deviations: in the fit's table they stand in metres beside them.
+TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
+  const std::vector<vision::SlowPart> slow{{"pictures", 0.003, 0.04}, {"coder", 0.01 / 3, 0.2}};
+  Json meta = {{"slow_errors", json_of(slow)}, {"summary", {{"slow_sd_px", 5}, {"slow_time_s", 6}}}};
+  const TrackFacts facts = track_facts_from(meta, "t.csv.meta.json");
+  ASSERT_EQ(facts.slow.size(), 2u);
+  EXPECT_EQ(json_of(facts.slow), meta.at("slow_errors"));
+  EXPECT_EQ(facts.slow[1].sd, slow[1].sd);
+
+  const std::string row = "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
+  meta["scale"] = {{"mm_per_px", 0.02}};
+  const fit::TrackTable table = read(kHeader + row, meta.dump()).table;
+  ASSERT_EQ(table.slow.size(), 2u);
+  EXPECT_NEAR(table.slow[0].sd, 0.003 * 0.02e-3, 1e-20);
+  EXPECT_EQ(table.slow[0].time, 0.04);
+  EXPECT_NEAR(table.covariance[0](0, 0), std::pow(0.1 * 0.02e-3, 2), 1e-24);
+
+  // A track of a version that knew their sum alone; and one without any.
+  meta.erase("slow_errors");
+  meta["summary"] = {{"slow_sd_px", 0.5}, {"slow_time_s", 0.3}};
+  ASSERT_EQ(track_facts_from(meta, "").slow.size(), 1u);
+  EXPECT_EQ(read(kHeader + row, meta.dump()).table.slow.at(0).time, 0.3);
+  meta["summary"] = {{"slow_sd_px", 0}};
+  EXPECT_TRUE(track_facts_from(meta, "").slow.empty());
+  meta["slow_errors"] = {{{"from", "halves"}, {"sd_px", "much"}}};
+  EXPECT_THROW(track_facts_from(meta, "t.csv.meta.json"), InvalidInput);
+}
+
 TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
   vision::Audit audit;
   audit.frames = 240;

@@ -49,5 +49,33 @@ TEST(DisplacementErrors, AreAsLargeAsTheirCovarianceSays) {
     }
 }
 
+// What both ends share does not move one against the other.
+TEST(DisplacementErrors, CountWhatBothEndsShare) {
+  const unsigned seed = 12;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> phase(0, 2 * pi);
+  const int runs = 400;
+  double told = 0, silent = 0;
+  for (int k = 0; k < runs; ++k) {
+    const model::Scenario scenario = test::scenario({}, phase(random), 1, 21);
+    TrajectoryRun run = test::slow_track(scenario, 250, 0.3e-6, {}, random);
+    test::add_slow(run.track, {1e-6, 5}, random);
+    const double w = scenario.drive.angular_frequency;
+    const Displacement measured = measure_displacement(run.track, {w, 0}, 20);
+    run.track.slow.clear();
+    const Displacement alone = measure_displacement(run.track, {w, 0}, 20);
+    const auto motion = model::integrate(scenario, {});
+    const Eigen::Vector2d error =
+        measured.vector - (motion.at(measured.duration).position - motion.at(0).position);
+    told += error.dot(measured.covariance.ldlt().solve(error)) / (2 * runs);
+    silent += error.dot(alone.covariance.ldlt().solve(error)) / (2 * runs);
+  }
+  std::printf("a slow error of 5 s: displacement errors / sd %.2f rms, %.2f where the track does not tell\n",
+              std::sqrt(told), std::sqrt(silent));
+  EXPECT_NEAR(std::sqrt(told), 1, 0.08);  // 3 sd of 800 squares
+  EXPECT_LT(std::sqrt(silent), 0.7);
+}
+
 }  // namespace
 }  // namespace tribotrack::fit

@@ -27,17 +27,15 @@ std::vector<double> times_of(int n, double rate) {
   return times;
 }
 
-// The stack of L^-1 for points whose axes are correlated and unequal.
-Eigen::MatrixX2d white_of(int n, std::mt19937& random) {
+// Points whose axes are correlated and unequal.
+std::vector<Eigen::Matrix2d> covariances_of(int n, std::mt19937& random) {
   std::uniform_real_distribution<double> sigma(0.5, 2);
-  Eigen::MatrixX2d white(2 * n, 2);
+  std::vector<Eigen::Matrix2d> covariances;
   for (int k = 0; k < n; ++k) {
     const double a = sigma(random), b = sigma(random);
-    Eigen::Matrix2d covariance;
-    covariance << a * a, 0.3 * a * b, 0.3 * a * b, b * b;
-    white.middleRows<2>(2 * k) = covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity()).eval();
+    covariances.push_back((Eigen::Matrix2d() << a * a, 0.3 * a * b, 0.3 * a * b, b * b).finished());
   }
-  return white;
+  return covariances;
 }
 
 // Without a limit on modes: sum of products of Karhunen-Loeve modes = min(s, t).
@@ -60,9 +58,12 @@ TEST(CorrelatedErrors, WhiteningIsThatOfTheDenseCovariance) {
   const int n = 90;
   const auto times = times_of(n, 100);
   const ErrorShapes shapes = error_shapes(times, 30, 0.4, 1.7, kOwnParts);
-  const Eigen::MatrixX2d white = white_of(n, random);
+  const std::vector<Eigen::Matrix2d> covariances = covariances_of(n, random);
+  const PointWhitening points(times, covariances, std::vector<double>(n, 1), {});
+  const Eigen::MatrixX2d white = points.shift();
   const CorrelatedVariances variances{3, 0.5, 0.1, 20};
-  const CorrelatedWhitening whitening(whitened_shapes(shapes, white), column_variances(shapes, variances));
+  const CorrelatedWhitening whitening(whitened_columns(error_columns(shapes), points, orthonormal(white)),
+                                      column_variances(shapes, variances));
 
   // V of the points as they are; the start point projected out by its normal equations under V.
   const auto rows = static_cast<Eigen::Index>(2 * n);

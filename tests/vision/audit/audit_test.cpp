@@ -65,7 +65,7 @@ TEST(Audit, NothingReportsLessThanItFinds) {
   apply(found, track, summary);
   EXPECT_NEAR(track.points[7].sigma_x, 2 * kSigma, 0.15 * kSigma);
   EXPECT_NEAR(track.points[7].rho_xy, 0.4, 1e-12);  // the whole covariance is multiplied
-  EXPECT_EQ(summary.slow_sd, 0);
+  EXPECT_TRUE(summary.slow.empty());
   ASSERT_EQ(summary.warnings.size(), 1U);
   EXPECT_NE(summary.warnings[0].find("left and the right half"), std::string::npos);
 
@@ -77,8 +77,7 @@ TEST(Audit, NothingReportsLessThanItFinds) {
 TEST(Audit, ASlowPartIsAddedAndNotMultiplied) {
   Track track = track_of(4000, 1, at_rest, noise(1));
   TrackSummary summary;
-  summary.slow_sd = 0.3 * kSigma;
-  summary.slow_time = 0.02;
+  summary.slow = {{"pictures", 0.3 * kSigma, 0.02}};
   const auto wave = [](std::int64_t k, int component, std::mt19937& random) {
     return white(random) + 2 * kSigma * std::sqrt(2.0) * std::sin(0.005 * static_cast<double>(k) + component);
   };
@@ -89,10 +88,10 @@ TEST(Audit, ASlowPartIsAddedAndNotMultiplied) {
   apply(found, track, summary);
   const double total = std::sqrt(found.white_factor * kSigma * kSigma + found.slow_sd * found.slow_sd);
   EXPECT_NEAR(track.points[9].sigma_x, total, 1e-12);
-  EXPECT_NEAR(summary.slow_sd,
+  EXPECT_NEAR(summary.slow_sd(),
               std::sqrt(found.white_factor * std::pow(0.3 * kSigma, 2) + std::pow(found.slow_sd, 2)), 1e-12);
-  EXPECT_GT(summary.slow_time, 0.02);
-  EXPECT_LT(summary.slow_time, found.slow_time);
+  EXPECT_GT(summary.slow_time(), 0.02);
+  EXPECT_LT(summary.slow_time(), found.slow_time);
 }
 
 TEST(Audit, WhatTheReportedOnesHoldAlreadyIsNotAddedAgain) {

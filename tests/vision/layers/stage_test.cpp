@@ -91,7 +91,7 @@ TEST(LayeredStage, HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
   EXPECT_GT(e.standardised, 0.9);
   EXPECT_LT(e.standardised, 1.1);
   // Nothing in this scene changes slowly.
-  EXPECT_LT(result.summary.slow_sd, 0.5 * s.bound());
+  EXPECT_LT(result.summary.slow_sd(), 0.5 * s.bound());
 }
 
 // The light's slope over the disc changes along the path, which no frame by itself sees well: taken for one

@@ -1,0 +1,32 @@
+// The errors of a track's points, and how they hang together.
+//
+// The covariance of two points is  delta_ij own_i + a_i a_j sum_p s_p^2 exp(-|t_i - t_j|/T_p) + F_i F_j',
+// with s_p, T_p and F those of TrackTable::slow and ::shared, and own_i what they leave of the point's
+// covariance. a_i = 1, except where a point is known better than the slow errors say.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "fit/track_table.h"
+
+namespace tribotrack::fit::internal {
+
+/// One point's share of the three.
+struct PointErrors {
+  Eigen::Matrix2d own;   ///< m^2, of no other point
+  double slow = 1;       ///< a
+  Eigen::Matrix2Xd all;  ///< F, m
+};
+
+PointErrors point_errors(const TrackTable& track, std::size_t point);
+
+/// Points and their weights in a sum.
+using WeightedPoints = std::vector<std::pair<std::size_t, double>>;
+
+/// Covariance of the sum of positions, m^2. A point may stand in it more than once.
+Eigen::Matrix2d covariance_of_sum(const TrackTable& track, const WeightedPoints& sum);
+
+}  // namespace tribotrack::fit::internal
