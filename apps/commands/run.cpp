@@ -13,11 +13,11 @@
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
-#include "apps/campaign/job.h"
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/recording/job.h"
 #include "apps/report/report.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"

@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include "apps/campaign/job.h"
-#include "apps/campaign/track_recording.h"
 #include "apps/commands/command.h"
 #include "apps/files/camera_section.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/recording/job.h"
+#include "apps/recording/track_recording.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"

@@ -16,11 +16,13 @@ void thin(TrackTable& track, std::size_t every) {
   TrackTable few;
   few.platform_frame = track.platform_frame;
   few.radius = track.radius;
+  few.slow = track.slow;
   for (std::size_t i = 0; i < n; i += every) {
     if (i < track.frame.size()) few.frame.push_back(track.frame[i]);
     few.time.push_back(track.time[i]);
     few.position.push_back(track.position[i]);
     few.covariance.push_back(track.covariance[i]);
+    if (!track.shared.empty()) few.shared.push_back(track.shared[i]);
   }
   track = few;
 }

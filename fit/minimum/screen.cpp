@@ -16,7 +16,7 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kRunsLookedAt = 8;
+constexpr std::size_t kRunsLookedAt = 6;
 constexpr int kInLanes = 10000, kOneByOne = 1500, kFirst = 500, kSlides = 24;
 constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
@@ -246,6 +246,13 @@ class Neighbours {
 };
 
 }  // namespace
+
+double refinable(const Residuals& residuals) {
+  constexpr double kOff = 0.15;
+  double sum = 0;
+  for (const Look& look : looks(residuals)) sum += (look.white * look.measured).squaredNorm();
+  return kOff * kOff * sum;
+}
 
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads) {
   const Unknowns& unknowns = residuals.unknowns();

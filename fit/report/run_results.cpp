@@ -6,6 +6,7 @@
 
 #include "fit/report/fill_result.h"
 #include "fit/tools/statistics.h"
+#include "fit/tools/track_errors.h"
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 
@@ -62,11 +63,10 @@ std::vector<Residual> displacement(const Residuals& residuals, const TrajectoryR
     correlated += excess.correlated[shapes.part[j]] * std::pow(column(column.size() - 1) - column(0), 2);
   }
   const double between_points = excess.trajectories[index].between_points;
+  const Eigen::Matrix2d told = covariance_of_sum(run.track, {{points.row[0], -1}, {points.row[last], 1}});
   std::vector<Residual> result;
   for (int axis = 0; axis < 2; ++axis) {
-    const double variance = correlated + run.track.covariance[points.row[last]](axis, axis) +
-                            run.track.covariance[points.row[0]](axis, axis) +
-                            2 * between_points * between_points;
+    const double variance = correlated + told(axis, axis) + 2 * between_points * between_points;
     result.push_back({kAxes[axis], 1e3 * measured(axis), 1e3 * modelled(axis), 1e3 * std::sqrt(variance),
                       (measured(axis) - modelled(axis)) / std::sqrt(variance)});
   }

@@ -9,6 +9,7 @@
 
 #include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
+#include "fit/tools/track_errors.h"
 #include "fit/uncertainty/displacement_refits.h"
 #include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
@@ -58,6 +59,26 @@ class Draw {
     measured.vector += noise_ * Eigen::Vector2d(factor.matrixL() * pair());
   }
 
+  /// What the tracker tells of errors that points share.
+  std::vector<Eigen::Vector2d> draw_told(const TrackTable& track, const std::vector<std::size_t>& rows) {
+    std::vector<Eigen::Vector2d> told(rows.size(), Eigen::Vector2d::Zero());
+    for (const SlowError& slow : track.slow) {
+      Eigen::Vector2d state = pair();
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (k > 0) {
+          const double rho = std::exp(-(track.time[rows[k]] - track.time[rows[k - 1]]) / slow.time);
+          state = rho * state + std::sqrt(1 - rho * rho) * pair();
+        }
+        told[k] += point_errors(track, rows[k]).slow * slow.sd * state;
+      }
+    }
+    if (track.shared.empty()) return told;
+    Eigen::VectorXd size(track.shared.front().cols());
+    for (double& value : size) value = normal_(random_);
+    for (std::size_t k = 0; k < rows.size(); ++k) told[k] += track.shared[rows[k]] * size;
+    return told;
+  }
+
   void trajectory(std::size_t i, const Eigen::VectorXd& values) {
     TrajectoryRun& run = problem_.trajectory_runs[i];
     auto& track = run.track;
@@ -74,13 +95,14 @@ class Draw {
     // A first-order process with the residuals' correlation time.
     const double time = scatter.correlation_time, rho = (time - 1) / (time + 1);
     Eigen::Vector2d wander = pair();
+    const std::vector<Eigen::Vector2d> told = draw_told(track, points.row);
     for (std::size_t k = 0; k < points.row.size(); ++k) {
-      const Eigen::Matrix2d covariance = track.covariance[points.row[k]] + scatter.between_points *
-                                                                               scatter.between_points *
-                                                                               Eigen::Matrix2d::Identity();
+      const Eigen::Matrix2d covariance =
+          point_errors(track, points.row[k]).own +
+          scatter.between_points * scatter.between_points * Eigen::Matrix2d::Identity();
       if (k > 0) wander = rho * wander + std::sqrt(1 - rho * rho) * pair();
       track.position[points.row[k]] +=
-          noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) - points.residual[k];
+          noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) + told[k] - points.residual[k];
     }
     const ErrorShapes correlated = residuals_.shapes(i, kAllParts);
     std::size_t shared = 0;

@@ -119,10 +119,18 @@ class OneSide {
   }
 
   std::optional<Point> at(double z, const Point& neighbour) {
-    const Eigen::VectorXd start = neighbour.z + along_ * (z - neighbour.z(index_));
+    // The valley is straight in values rather than in z, which a small mu2 stretches.
+    const Unknowns& unknowns = residuals_.unknowns();
+    const Transform& axis = unknowns.transform(index_);
+    const double moved =
+        (axis.value(z) - axis.value(neighbour.z(index_))) / axis.slope(inside_.minimum.z(index_));
+    Eigen::VectorXd start = neighbour.z + along_ * moved;
+    start(index_) = z;
     const Minimum held = minimise(residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
-    if (held.chi2 < lowest_ - kLower && admissible(residuals_.unknowns(), held.z)) better = held;
+    // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
+    if (!admissible(unknowns, held.z)) return Point{held.z, std::sqrt(level_ - lowest_)};
+    if (held.chi2 < lowest_ - kLower) better = held;
     return Point{held.z, height(held.chi2)};
   }
 
@@ -206,7 +214,7 @@ class ParameterProfile {
   /// Is there more, where no piece lies? The lowest point of the sample in each of a number of classes of the
   /// parameter is where to look.
   void look_between(const std::vector<ScreenedPoint>& sample) {
-    const double rise = level_ - best_.chi2;
+    const double rise = level_ - best_.chi2, near = refinable(residuals_);
     struct Class {
       const ScreenedPoint* lowest = nullptr;
     };
@@ -220,7 +228,7 @@ class ParameterProfile {
     }
     if (!(high > low)) return;
     for (const ScreenedPoint& point : sample) {
-      if (!std::isfinite(point.chi2) || pieces_.holds(point.z(index_))) continue;
+      if (!(point.chi2 < lowest + near) || pieces_.holds(point.z(index_))) continue;
       const double share = (point.z(index_) - low) / (high - low);
       Class& here = classes[std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses))];
       if (!here.lowest || point.chi2 < here.lowest->chi2) here.lowest = &point;
@@ -241,7 +249,7 @@ class ParameterProfile {
 
   Profile result() const {
     if (better) return {{}, better};
-    if (pieces_.open() || pieces_.all().empty()) return open_profile();
+    if (pieces_.all().empty() || (turn() > 0 && pieces_.open())) return open_profile();
     const Transform& transform = unknowns_.transform(index_);
     const bool may_be_zero = name_ == FitParameter::mu1 || name_ == FitParameter::mu2;
     Profile profile;

@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "apps/campaign/job.h"
+#include "apps/recording/job.h"
 #include "apps/campaign/own_errors.h"
 #include "apps/campaign/problem.h"
 #include "apps/program.h"

@@ -1,4 +1,4 @@
-#include "apps/campaign/track_recording.h"
+#include "apps/recording/track_recording.h"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
 // First: how a run's recording is to be tracked.
 #pragma once
 
-#include "apps/campaign/track_recording.h"
 #include "apps/files/camera_section.h"
 #include "apps/files/campaign.h"
+#include "apps/recording/track_recording.h"
 
 namespace tribotrack::apps {
 

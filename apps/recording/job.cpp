@@ -1,4 +1,4 @@
-#include "apps/campaign/job.h"
+#include "apps/recording/job.h"
 
 namespace tribotrack::apps {
 
