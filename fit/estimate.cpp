@@ -288,6 +288,7 @@ FitResult Estimation::report() {
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);
+  add_models(result.models, result.parameters, result.budget);
   result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
   fill_failures(residuals_, best, result);

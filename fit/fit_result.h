@@ -124,7 +124,8 @@ struct ModelComparison {
   double chi2 = 0;     ///< with the data's own sigma
   /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
   double aic = 0, bic = 0;
-  std::string sentence;  ///< its additional parameters
+  std::map<FitParameter, double> values;  ///< of the fitted parameters under it; empty for the paper's
+  std::string sentence;                   ///< its additional parameters
 };
 
 /// A source of uncertainty and what it does to the parameters (JCGM 100:2008, sections 5 and 8). The squares

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <tuple>
 
@@ -57,6 +58,13 @@ std::string strength_text(Kind kind, const RivalFit& fit, double w) {
   }
 }
 
+/// The first of `values` are the fitted parameters'.
+std::map<FitParameter, double> fitted_values(const Unknowns& unknowns, const Eigen::VectorXd& values) {
+  std::map<FitParameter, double> fitted;
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) fitted[unknowns.parameter(i)] = values(i);
+  return fitted;
+}
+
 /// The fit with the tilt free, from the minimum without.
 std::optional<ModelComparison> with_tilt(const Residuals& residuals, const Minimum& best,
                                          const Criteria& criteria) {
@@ -79,6 +87,7 @@ std::optional<ModelComparison> with_tilt(const Residuals& residuals, const Minim
   ModelComparison row = criteria.row("tilt", minimum.chi2, tilted.size());
   const Eigen::VectorXd found = tilted.values(minimum.z);
   const double x = found(*tilted.find(FitParameter::tilt_x)), y = found(*tilted.find(FitParameter::tilt_y));
+  row.values = fitted_values(unknowns, found);
   row.sentence = "tilt_x_rad = " + number(x) + ", tilt_y_rad = " + number(y);
   return row;
 }
@@ -132,6 +141,7 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
   if (tilted) {
     result.models.push_back(criteria.row("tilt", tilted->chi2, unknowns.size() + 2));
     result.models.back().sentence = tilted->sentence;
+    result.models.back().values = tilted->values;
   }
   const auto at_rest = [](const auto& run) { return run.scenario.start == model::Start::rest; };
   const bool rest = std::all_of(problem.summary_runs.begin(), problem.summary_runs.end(), at_rest) &&
@@ -146,6 +156,7 @@ void compare_models(const Residuals& residuals, const Minimum& best, const FitOp
         continue;
       }
       result.models.push_back(criteria.row(to_string(kind), rival.chi2, unknowns.size() + 1));
+      result.models.back().values = fitted_values(unknowns, unknowns.values(rival.z));
       result.models.back().sentence = strength_text(kind, rival, unknowns.reference_frequency());
     }
   } else {

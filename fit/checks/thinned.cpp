@@ -35,6 +35,11 @@ Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
     if (const Eigen::Index phase = unknowns.phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase);
     run.start_phase_sd = 0;
+    if (const Eigen::Index own = unknowns.own_index(i); own >= 0)
+      for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
+        run.scenario.set(run.own.parameters[k], run.scenario.get(run.own.parameters[k]) +
+                                                    values(own + static_cast<Eigen::Index>(k)));
+    run.own = {};
     thin(run.track, every_of(run));
   }
   return problem;
@@ -51,7 +56,7 @@ Thinned::Thinned(const Residuals& residuals, const Minimum& best)
   ExcessVariance scatter = residuals_.excess_variance();
   scatter.correlated = residuals.excess_variance().correlated;
   residuals_.set_excess_variance(scatter);
-  // The phases came last.
+  // The phases and own errors came last.
   best_ = minimise(residuals_, best.z.head(unknowns_.size()), {.held = {}, .decrement = 1e-6});
 }
 

@@ -46,6 +46,10 @@ void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
+  const auto errors = static_cast<Eigen::Index>(run.own.parameters.size());
+  if (run.own.covariance.rows() != errors || run.own.covariance.cols() != errors ||
+      (errors > 0 && Eigen::LLT<Eigen::MatrixXd>(run.own.covariance).info() != Eigen::Success))
+    throw DataError("Run '" + run.name + "': the covariance of its own errors is not positive definite.");
   if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !std::isfinite(run.spin->rate) ||
                    !std::isfinite(run.spin->bearing) ||
                    Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))

@@ -25,17 +25,25 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
     if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
+  const auto know = [&](Eigen::Index unknown, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                        Nuisance kind) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    joint_.push_back(
+        {unknown, mean, factor.matrixL().solve(Eigen::MatrixXd::Identity(mean.size(), mean.size())), kind});
+  };
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run) {
+    if (const Eigen::Index own = unknowns.own_index(run); own >= 0) {
+      const Eigen::MatrixXd& covariance = problem.trajectory_runs[run].own.covariance;
+      know(own, Eigen::VectorXd::Zero(covariance.rows()), covariance, Nuisance::own);
+    }
     if (const Eigen::Index spin = unknowns.spin_index(run); spin >= 0) {
       const DiscSpin& known = *problem.trajectory_runs[run].spin;
-      const Eigen::LLT<Eigen::Matrix2d> factor(known.covariance);
-      spins_.push_back(
-          {spin, {known.rate, known.bearing}, factor.matrixL().solve(Eigen::Matrix2d::Identity())});
+      know(spin, Eigen::Vector2d(known.rate, known.bearing), known.covariance, Nuisance::spin);
     }
     if (const Eigen::Index deviation = unknowns.deviation_index(run); deviation >= 0)
       priors_.emplace_back(deviation, Prior{0, problem.between_slides});
   }
-  rows_ += static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
+  rows_ += prior_rows();
   scatter_.trajectories.resize(problem.trajectory_runs.size());
   prepared_.resize(problem.trajectory_runs.size());
   for (const auto& run : problem.trajectory_runs)
@@ -65,8 +73,7 @@ Eigen::Index Residuals::trajectory_row(std::size_t run) const {
 }
 
 double Residuals::degrees_of_freedom() const {
-  double dof = 2.0 * static_cast<double>(problem_->summary_runs.size()) +
-               static_cast<double>(priors_.size() + 2 * spins_.size()) -
+  double dof = 2.0 * static_cast<double>(problem_->summary_runs.size()) + static_cast<double>(prior_rows()) -
                static_cast<double>(unknowns_->size());
   for (std::size_t i = 0; i < first_point_.size(); ++i)
     dof += 2.0 * static_cast<double>(point_count(i)) / scatter_.trajectories[i].correlation_time - 2;
@@ -129,18 +136,25 @@ bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residua
     if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
     ++row;
   }
-  for (const SpinPrior& prior : spins_) {
-    residuals.segment<2>(row) = prior.white * (values.segment<2>(prior.unknown) - prior.mean);
-    if (jacobian) jacobian->block<2, 2>(row, prior.unknown) = prior.white;
-    row += 2;
+  for (const JointPrior& prior : joint_) {
+    const Eigen::Index n = prior.mean.size();
+    residuals.segment(row, n) = prior.white * (values.segment(prior.unknown, n) - prior.mean);
+    if (jacobian) jacobian->block(row, prior.unknown, n, n) = prior.white;
+    row += n;
   }
   if (residuals.allFinite() && (!jacobian || jacobian->allFinite())) return true;
   failures_->add(values, "the modelled motion is not finite");
   return false;
 }
 
+Eigen::Index Residuals::prior_rows() const {
+  auto rows = static_cast<Eigen::Index>(priors_.size());
+  for (const JointPrior& prior : joint_) rows += prior.mean.size();
+  return rows;
+}
+
 Eigen::Index Residuals::first_prior() const {
-  return rows_ - static_cast<Eigen::Index>(priors_.size() + 2 * spins_.size());
+  return rows_ - prior_rows();
 }
 
 std::vector<Residuals::NuisancePrior> Residuals::nuisance_priors() const {
@@ -155,7 +169,10 @@ std::vector<Residuals::NuisancePrior> Residuals::nuisance_priors() const {
     }
     ++row;
   }
-  for (std::size_t k = 0; k < spins_.size(); ++k, row += 2) result.push_back({row, 2, Nuisance::spin});
+  for (const JointPrior& prior : joint_) {
+    result.push_back({row, prior.mean.size(), prior.kind});
+    row += prior.mean.size();
+  }
   return result;
 }
 

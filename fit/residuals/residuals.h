@@ -32,7 +32,7 @@ struct Weights {
 };
 
 /// Unknowns of single runs that have a prior.
-enum class Nuisance { phase, spin, deviation };
+enum class Nuisance { phase, spin, deviation, own };
 
 /// Rows of one run after a fit, unwhitened.
 struct PointResiduals {
@@ -149,12 +149,15 @@ class Residuals {
   int threads_;
   double tolerance_ = 1e-10;
   std::vector<std::pair<Eigen::Index, Prior>> priors_;
-  struct SpinPrior {
-    Eigen::Index unknown;
-    Eigen::Vector2d mean;
-    Eigen::Matrix2d white;  ///< L^-1
+  /// Of several unknowns together.
+  struct JointPrior {
+    Eigen::Index unknown;  ///< the first
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd white;  ///< L^-1
+    Nuisance kind;
   };
-  std::vector<SpinPrior> spins_;
+  std::vector<JointPrior> joint_;
+  Eigen::Index prior_rows() const;
   std::vector<std::size_t> first_point_;
   Weights weights_;
   Eigen::Index rows_ = 0;

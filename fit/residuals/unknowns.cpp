@@ -102,6 +102,12 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     phase_.push_back(unknown ? size() : -1);
     if (unknown) transforms_.emplace_back(Transform::Kind::linear, run.start_phase_sd);
   }
+  for (const auto& run : problem.trajectory_runs) {
+    const bool known = !run.free_slide && !run.own.parameters.empty();
+    own_.push_back(known ? size() : -1);
+    for (Eigen::Index k = 0; known && k < run.own.covariance.rows(); ++k)
+      transforms_.emplace_back(Transform::Kind::linear, std::sqrt(run.own.covariance(k, k)));
+  }
 }
 
 std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {
@@ -163,6 +169,11 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   }
   for (const Eigen::Index phase : phase_)
     if (phase >= 0) units(phase) = 1;
+  for (std::size_t run = 0; run < own_.size(); ++run)
+    if (own_[run] >= 0) {
+      const Eigen::MatrixXd& covariance = problem_->trajectory_runs[run].own.covariance;
+      units.segment(own_[run], covariance.rows()) = covariance.diagonal().cwiseSqrt();
+    }
   return units;
 }
 
@@ -307,10 +318,14 @@ AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::s
                                            bool derivatives) const {
   const TrajectoryRun& data = problem_->trajectory_runs[run];
   AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
-  const Eigen::Index shift = phase_[run];
-  if (shift < 0) return result;
-  result.scenario.start_phase += values(shift);
-  if (derivatives) Chain(result, size()).add(model::Parameter::start_phase, shift, 1);
+  Chain chain(result, size());
+  const auto move = [&](model::Parameter parameter, Eigen::Index by) {
+    result.scenario.set(parameter, result.scenario.get(parameter) + values(by));
+    if (derivatives) chain.add(parameter, by, 1);
+  };
+  if (phase_[run] >= 0) move(model::Parameter::start_phase, phase_[run]);
+  for (std::size_t k = 0; own_[run] >= 0 && k < data.own.parameters.size(); ++k)
+    move(data.own.parameters[k], own_[run] + static_cast<Eigen::Index>(k));
   return result;
 }
 

@@ -21,7 +21,8 @@ struct AppliedScenario {
 
 /// Order: the parameters of Problem::free, then the conditions, then the initial velocity (x, y) of each free
 /// slide, its spin where that is seen and the deviation of its mu1 from the mean where slides differ, and the
-/// shift of the platform's phase of each trajectory run whose phase has an sd. "Values" are physical (SI),
+/// shift of the platform's phase of each trajectory run whose phase has an sd,
+/// and then the errors of what it alone is known by. "Values" are physical (SI),
 /// "z" the optimiser's.
 class Unknowns {
  public:
@@ -47,6 +48,9 @@ class Unknowns {
 
   /// Of the phase shift of trajectory run `run`, -1 where its phase is taken as exact.
   Eigen::Index phase_index(std::size_t run) const { return phase_[run]; }
+
+  /// Of what trajectory run `run` alone is known by (TrajectoryRun::own), -1 where nothing is.
+  Eigen::Index own_index(std::size_t run) const { return own_[run]; }
 
   Eigen::VectorXd values(const Eigen::VectorXd& z) const;
   Eigen::VectorXd z(const Eigen::VectorXd& values) const;
@@ -87,7 +91,7 @@ class Unknowns {
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;
-  std::vector<Eigen::Index> velocity_, spin_, deviation_, phase_;
+  std::vector<Eigen::Index> velocity_, spin_, deviation_, phase_, own_;
   std::vector<Eigen::Vector2d> slide_velocity_;  ///< first guesses
   std::optional<double> slide_mu_;
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run

@@ -84,6 +84,15 @@ class Draw {
     auto& track = run.track;
     if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
+    if (const Eigen::Index own = residuals_.unknowns().own_index(i); own >= 0) {
+      const Eigen::LLT<Eigen::MatrixXd> factor(run.own.covariance);
+      Eigen::VectorXd drawn(run.own.covariance.rows());
+      for (double& value : drawn) value = normal_(random_);
+      drawn = values.segment(own, drawn.size()) + factor.matrixL() * drawn;
+      for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
+        run.scenario.set(run.own.parameters[k],
+                         run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
+    }
     if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
       const Eigen::LLT<Eigen::Matrix2d> factor(run.spin->covariance);
       const Eigen::Vector2d drawn = values.segment<2>(spin) + factor.matrixL() * pair();

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "fit/tools/parameter_text.h"
 
@@ -117,10 +118,35 @@ class Sources {
       entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
       if (!negligible(entry.contribution)) entries.push_back(entry);
     }
+    if (const auto start = other_start()) entries.push_back(*start);
     return entries;
   }
 
  private:
+  /// What it would change if runs that are said to start at rest had started in their steady motion.
+  std::optional<BudgetEntry> other_start() const {
+    Problem steady = problem_;
+    bool at_rest = false;
+    for (SummaryRun& run : steady.summary_runs)
+      if (run.scenario.start == model::Start::rest) run.scenario.start = model::Start::steady, at_rest = true;
+    if (!at_rest || !problem_.trajectory_runs.empty()) return std::nullopt;
+    const Unknowns unknowns(steady);
+    Residuals rows(unknowns);
+    rows.set_tolerance(kTolerance);
+    rows.set_excess_variance(residuals_.excess_variance());
+    rows.set_weights(residuals_.weights());
+    const Eigen::VectorXd values = unknowns_.values(best_.z);
+    rows.set_own_errors(values);
+    Eigen::VectorXd r;
+    if (!rows.evaluate(values, r, nullptr)) return std::nullopt;
+    BudgetEntry entry;
+    entry.source = "start: steady instead of rest";
+    entry.from = "as given";
+    entry.counted = false;
+    entry.contribution = (by_rows_ * (r - best_.residuals)).cwiseAbs();
+    return entry;
+  }
+
   static constexpr double kTolerance = 1e-7;
 
   /// The best values in the wider problem: what is new there has its given value.
@@ -223,6 +249,9 @@ class Sources {
         case Nuisance::phase:
           add(kStartPhase, variance, "marker of each run");
           break;
+        case Nuisance::own:
+          add(kOwn, variance, "lamp, trace, or marker of each run");
+          break;
         case Nuisance::spin:
           add(kSpin, variance, "angle seen in each slide");
           break;
@@ -266,6 +295,22 @@ std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
   std::vector<BudgetEntry> entries = sources.counted();
   for (BudgetEntry& entry : sources.taken_as_exact()) entries.push_back(std::move(entry));
   return entries;
+}
+
+void add_models(const std::vector<ModelComparison>& models, const std::vector<ParameterEstimate>& parameters,
+                std::vector<BudgetEntry>& budget) {
+  for (const ModelComparison& model : models) {
+    if (model.values.empty()) continue;
+    BudgetEntry entry;
+    entry.source = "model choice: " + model.name;
+    entry.from = "compared, not counted";
+    entry.counted = false;
+    entry.contribution.resize(static_cast<Eigen::Index>(parameters.size()));
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      entry.contribution(static_cast<Eigen::Index>(i)) =
+          std::abs(model.values.at(parameters[i].parameter) - parameters[i].estimate);
+    budget.push_back(entry);
+  }
 }
 
 std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,
