@@ -125,7 +125,7 @@ TEST(CoverageCampaigns, DependOnTheirArgumentsAlone) {
 /// independent trials.
 constexpr double kWeight = 0.5;
 /// Campaigns that tell 90 % from 95 %: see the second test.
-constexpr std::size_t kMost = 120;
+constexpr std::size_t kMost = 100;
 
 /// Campaigns of the designs that are fitted fast, in turn, at both levels, until 95 % are told from 90 and
 /// from 98 %, or 90 % would have been seen.
