@@ -12,9 +12,11 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of twice the log-likelihood. What is common to all runs rests on few coefficients and, where it is there
-/// by chance, costs most: chances are 2 % and 0.7 % (half of chi^2 with one degree of freedom).
-constexpr double kLeastGain = 4, kLeastCommonGain = 6;
+/// Of twice the log-likelihood. Of each run's own parts none is asked for: a part left out by a test is one
+/// taken as exactly 0, and intervals after it are too short wherever it nearly passed (a drift beside a walk,
+/// which explains most of a line, hardly ever does). What is common to all runs rests on few coefficients and,
+/// where it is there by chance, costs most: the chance is 0.7 % (half of chi^2 with one degree of freedom).
+constexpr double kLeastGain = 0, kLeastCommonGain = 6;
 constexpr int kRounds = 60;
 constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
