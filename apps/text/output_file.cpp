@@ -1,7 +1,7 @@
 #include "apps/text/output_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <pthread.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -239,14 +239,25 @@ void remove_leftovers(const fs::path& folder) {
 }
 
 void clean_up_on_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, number);
-  // Blocked in this thread and all that it starts; the one below takes them, outside of any signal handler.
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([signals] {
-    int number = 0;
-    if (sigwait(&signals, &number) != 0) return;
+  // Threads that libraries started before main() cannot be kept from taking a signal, so that blocking it
+  // here is not enough: whichever thread takes it passes its number on, and the one below does what no signal
+  // handler may.
+  static int way[2];
+  if (::pipe2(way, O_CLOEXEC) != 0) return;
+  struct sigaction action {};
+  action.sa_handler = [](int number) {
+    const auto told = static_cast<unsigned char>(number);
+    [[maybe_unused]] const ssize_t written = ::write(way[1], &told, 1);
+  };
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(number, &action, nullptr);
+  std::thread([] {
+    unsigned char number = 0;
+    ssize_t count = 0;
+    do count = ::read(way[0], &number, 1);
+    while (count < 0 && errno == EINTR);
+    if (count != 1) return;
     TemporaryNames::of_this_process().remove_all();
     vision::remove_partial_files();
     ::_exit(128 + number);

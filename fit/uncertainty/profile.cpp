@@ -60,50 +60,64 @@ class OneSide {
   /// `level`: chi^2 at the border; `inside` lies below it.
   OneSide(const Residuals& residuals, const KnownMinimum& inside, Eigen::Index parameter, double lowest,
           double level)
-      : residuals_(residuals), inside_(inside), index_(parameter), lowest_(lowest), level_(level) {
+      : residuals_(residuals),
+        inside_(inside),
+        index_(parameter),
+        axis_(residuals.unknowns().transform(parameter)),
+        by_value_(residuals.unknowns().parameter(parameter) == FitParameter::mu2),
+        lowest_(lowest),
+        level_(level) {
     const Eigen::MatrixXd covariance = spread(inside.curvature);
     const double variance = covariance(index_, index_);
     sd_ = variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 1;
     along_ = variance > 0 ? Eigen::VectorXd(covariance.col(index_) / variance)
                           : Eigen::VectorXd(Eigen::VectorXd::Unit(inside.minimum.z.size(), index_));
+    if (!by_value_) return;
+    const double slope = axis_.slope(inside.minimum.z(index_));
+    sd_ *= slope;
+    along_ /= slope;
   }
 
   /// z where the profile crosses; nullopt when it does not before `limit`.
   std::optional<double> cross(double limit) {
     const double direction = limit > inside_.minimum.z(index_) ? 1 : -1;
-    const double target = std::sqrt(level_ - lowest_);
+    const double target = std::sqrt(level_ - lowest_), end = place(limit);
     Point inside{inside_.minimum.z, height(inside_.minimum.chi2)};
     std::optional<Point> outside;
     double step = std::max(-inside.height, 0.1 * target) * sd_;
     for (int i = 0; i < 25; ++i) {
-      double z = 0;
+      const double here = place(inside.z(index_));
+      double next = 0;
       if (outside) {  // regula falsi on sqrt(rise), kept off the ends
         const double share = std::clamp(-inside.height / (outside->height - inside.height), 0.05, 0.95);
-        z = inside.z(index_) + share * (outside->z(index_) - inside.z(index_));
+        next = here + share * (place(outside->z(index_)) - here);
       } else {
-        z = inside.z(index_) + direction * step;
-        if (direction * (z - limit) > 0) z = limit;
+        next = here + direction * step;
+        if (direction * (next - end) > 0) next = end;
       }
-      const auto point = at(z, outside && outside->height < -inside.height ? *outside : inside);
+      const auto point = at(next, outside && outside->height < -inside.height ? *outside : inside);
       if (better) return std::nullopt;
       if (!point) {  // the model cannot be evaluated there
         step *= 0.5;
         if (outside || step < 1e-3 * sd_) return std::nullopt;
         continue;
       }
-      if (std::abs(point->height) < 0.004 * target) return z;
+      if (std::abs(point->height) < 0.004 * target) return point->z(index_);
       if (point->height < 0) {
-        if (z == limit) return std::nullopt;
-        const double gained = (point->height - inside.height) / std::abs(z - inside.z(index_));
+        if (next == end) return std::nullopt;
+        const double gained = (point->height - inside.height) / std::abs(next - here);
         inside = *point;
         if (!outside)
           step = std::clamp(gained > 0 ? -1.05 * point->height / gained : 4 * step, 0.05 * step, 4 * step);
       } else {
         outside = *point;
       }
-      if (outside && std::abs(outside->z(index_) - inside.z(index_)) < 1e-6 * std::max(sd_, 1e-12)) return z;
+      if (outside &&
+          std::abs(place(outside->z(index_)) - place(inside.z(index_))) < 1e-6 * std::max(sd_, 1e-12))
+        return point->z(index_);
     }
-    return outside ? std::optional(0.5 * (inside.z(index_) + outside->z(index_))) : std::nullopt;
+    return outside ? std::optional(from_place(0.5 * (place(inside.z(index_)) + place(outside->z(index_)))))
+                   : std::nullopt;
   }
 
   std::optional<Minimum> better;
@@ -118,14 +132,15 @@ class OneSide {
     return std::sqrt(std::max(0.0, chi2 - lowest_)) - std::sqrt(level_ - lowest_);
   }
 
-  std::optional<Point> at(double z, const Point& neighbour) {
-    // The valley is straight in values rather than in z, which a small mu2 stretches.
+  /// Where a z lies on the axis along which the search steps: the value itself of mu2, whose z a small value
+  /// stretches without end.
+  double place(double z) const { return by_value_ ? axis_.value(z) : z; }
+  double from_place(double place) const { return by_value_ ? axis_.z(place) : place; }
+
+  std::optional<Point> at(double next, const Point& neighbour) {
     const Unknowns& unknowns = residuals_.unknowns();
-    const Transform& axis = unknowns.transform(index_);
-    const double moved =
-        (axis.value(z) - axis.value(neighbour.z(index_))) / axis.slope(inside_.minimum.z(index_));
-    Eigen::VectorXd start = neighbour.z + along_ * moved;
-    start(index_) = z;
+    Eigen::VectorXd start = neighbour.z + along_ * (next - place(neighbour.z(index_)));
+    start(index_) = from_place(next);
     const Minimum held = minimise(residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
@@ -137,6 +152,8 @@ class OneSide {
   const Residuals& residuals_;
   const KnownMinimum& inside_;
   Eigen::Index index_;
+  const Transform& axis_;
+  bool by_value_;
   double lowest_, level_, sd_ = 1;
   Eigen::VectorXd along_;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,11 +13,12 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of twice the log-likelihood. Of each run's own parts none is asked for: a part left out by a test is one
-/// taken as exactly 0, and intervals after it are too short wherever it nearly passed (a drift beside a walk,
-/// which explains most of a line, hardly ever does). What is common to all runs rests on few coefficients and,
-/// where it is there by chance, costs most: the chance is 0.7 % (half of chi^2 with one degree of freedom).
-constexpr double kLeastGain = 0, kLeastCommonGain = 6;
+/// Of twice the log-likelihood. The parts that each run has for itself stand or fall together: one left out
+/// by a test is one taken as exactly 0, and intervals after it are too short wherever it nearly passed (a
+/// drift beside a walk, which explains most of a line, hardly ever does). By chance all four gain as much in
+/// 2 % of campaigns (chi-bar-squared: half of them are 0 by chance). What is common to all runs rests on few
+/// coefficients and, where it is there by chance, costs most: the chance is 0.7 %.
+constexpr double kLeastGain = 8.5, kLeastCommonGain = 6;
 constexpr int kRounds = 60;
 constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
@@ -56,19 +58,15 @@ Place most_likely(const CorrelatedSums& sums, const ErrorParts& allowed, PartNum
   return here;
 }
 
-double least_gain(std::size_t part) {
-  return is_common(part) ? kLeastCommonGain : kLeastGain;
-}
-
-/// The part that the likelihood needs least: Wald's statistic over the gain required of it.
-std::size_t least_of(const Place& place) {
-  std::size_t least = 0;
+/// The part common to all runs that the likelihood needs least, by Wald's statistic; nullopt without one.
+std::optional<std::size_t> least_common(const Place& place) {
+  std::optional<std::size_t> least;
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < kErrorParts; ++g) {
     const auto k = static_cast<Eigen::Index>(g);
     const double size = place.variances(k);
-    if (!(size > 0)) continue;
-    const double asks = size * size * place.likelihood.information(k, k) / least_gain(g);
+    if (!is_common(g) || !(size > 0)) continue;
+    const double asks = size * size * place.likelihood.information(k, k);
     if (asks < lowest) lowest = asks, least = g;
   }
   return least;
@@ -88,15 +86,19 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
     if (is_common(part)) allowed[part] = sums.common;
   PartNumbers guess = Eigen::Map<const PartNumbers>(residuals.excess_variance().correlated.data());
   Place place = most_likely(sums, allowed, guess.cwiseQuotient(sums.unit));
-  while (place.variances.maxCoeff() > 0) {
+  while (const auto least = least_common(place)) {
     for (std::size_t g = 0; g < kErrorParts; ++g)
-      allowed[g] = place.variances(static_cast<Eigen::Index>(g)) > 0;
-    const std::size_t least = least_of(place);
-    allowed[least] = false;
+      if (is_common(g)) allowed[g] = place.variances(static_cast<Eigen::Index>(g)) > 0;
+    allowed[*least] = false;
     Place without = most_likely(sums, allowed, place.variances);
-    if (!(2 * (place.likelihood.log - without.likelihood.log) < least_gain(least))) break;
+    if (!(2 * (place.likelihood.log - without.likelihood.log) < kLeastCommonGain)) break;
     place = std::move(without);
   }
+  ErrorParts without_own = allowed;
+  for (std::size_t part = 0; part < kErrorParts; ++part)
+    without_own[part] = is_common(part) && place.variances(static_cast<Eigen::Index>(part)) > 0;
+  Place white = most_likely(sums, without_own, place.variances);
+  if (2 * (place.likelihood.log - white.likelihood.log) < kLeastGain) place = std::move(white);
 
   const PartNumbers& best = place.variances;
   const CorrelatedLikelihood& at = place.likelihood;

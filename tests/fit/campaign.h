@@ -48,6 +48,13 @@ inline fit::SummaryRun summary_run(const model::Scenario& truth, double alpha_sd
   return run;
 }
 
+/// The sentence that begins so; empty without.
+inline std::string sentence_of(const std::string& beginning, const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences)
+    if (sentence.rfind(beginning, 0) == 0) return sentence;
+  return "";
+}
+
 /// 8 values of phi at dtau = pi/3, then 6 values of dtau, k pi/6, at phi = 0.3.
 inline std::vector<model::Scenario> fourteen(const Truth& truth) {
   std::vector<model::Scenario> runs;

@@ -10,10 +10,10 @@
 #include <random>
 #include <set>
 
-#include "apps/recording/job.h"
 #include "apps/campaign/own_errors.h"
 #include "apps/campaign/problem.h"
 #include "apps/program.h"
+#include "apps/recording/job.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -50,7 +50,7 @@ disc_px = [640, 400, 150]
 marker_px = [200, 180, 24]
 gate_px = [30, 30, 6]
 [fit]
-parameters = ["mu1", "mu2", "phase_lag_rad", "tilt_x_rad"]
+parameters = ["mu1", "mu2", "phase_lag_rad", "tilt_x_rad", "amplitude_mm"]
 data = "summary"
 start = "circling"
 cycles = 18
@@ -92,7 +92,7 @@ frames = [120, 480]
   EXPECT_DOUBLE_EQ(*c.platform.amplitude, 0.28e-3);
   EXPECT_DOUBLE_EQ(*c.platform.phase_shift, pi / 2);
   EXPECT_DOUBLE_EQ(c.platform.tilt_y, 0.001);
-  EXPECT_EQ(c.fit.parameters.size(), 4u);
+  EXPECT_EQ(c.fit.parameters.size(), 5u);
   EXPECT_EQ(c.fit.parameters[3], fit::FitParameter::tilt_x);
   EXPECT_DOUBLE_EQ(c.fit.guess.at(fit::FitParameter::lag), pi / 8);
   EXPECT_DOUBLE_EQ(c.fit.fixed.at(fit::FitParameter::delay), 1e-4);

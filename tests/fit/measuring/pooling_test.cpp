@@ -94,21 +94,18 @@ TEST(Pooling, TwoOpinionsAndExactOnes) {
 }
 
 TEST(Pooling, OneOfTwoKnownTogetherMovesTheOther) {
-  Eigen::VectorXd values(2);
-  values << 1, 2;
-  Eigen::MatrixXd covariance(2, 2);
-  covariance << 4, -3, -3, 9;
-  Eigen::VectorXd exact = values;
-  Eigen::MatrixXd known = covariance;
+  const Eigen::Vector2d both(1, 2);
+  const Eigen::Matrix2d together = (Eigen::Matrix2d() << 4, -3, -3, 9).finished();
+  Eigen::VectorXd values = both, exact = both;
+  Eigen::MatrixXd covariance = together, known = together;
   take_in(exact, known, 1, {5, 0});  // conditional on the second
   EXPECT_DOUBLE_EQ(exact(0), 1 - 3.0 / 9 * 3);
   EXPECT_DOUBLE_EQ(exact(1), 5);
   EXPECT_DOUBLE_EQ(known(0, 0), 4 - 9.0 / 9);
   EXPECT_NEAR(known(1, 1), 0, 1e-15);
 
-  const Eigen::MatrixXd information = covariance.inverse();
   take_in(values, covariance, 1, {5, 2});
-  Eigen::MatrixXd more = information;
+  Eigen::Matrix2d more = together.inverse();
   more(1, 1) += 0.25;
   EXPECT_TRUE(covariance.isApprox(more.inverse(), 1e-12));
 }

@@ -12,8 +12,8 @@
 #include "apps/report/data/json.h"
 #include "apps/report/page/check.h"
 #include "apps/report/page/parameters/next.h"
-#include "apps/report/page/sections.h"
 #include "apps/report/page/parameters/verdict.h"
+#include "apps/report/page/sections.h"
 
 namespace tribotrack::apps {
 namespace {

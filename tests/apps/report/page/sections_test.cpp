@@ -17,11 +17,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TEST(ParameterSection, EachParameterHasItsRow) {
   const std::string html = parameter_section(sample::campaign());
-  EXPECT_THAT(
-      html,
-      HasSubstr("<th>μ<sub>1</sub></th><td class=\"n\">0.10012</td><td class=\"n\">0.00031</td>"
-                "<td class=\"n ends\">0.09952 to 0.10073</td><td class=\"n ends\">0.09949 to 0.10079</td>"
-                "<td>1</td>"));
+  EXPECT_THAT(html, HasSubstr("<th>μ<sub>1</sub></th><td class=\"n\">0.10012</td><td class=\"n\">0.00031</td>"
+                              "<td class=\"n ends\">0.09952 to 0.10073</td><td class=\"n ends\">0.09952 to "
+                              "0.10073</td><td class=\"n ends\">0.09949 to 0.10079</td>"
+                              "<td>1</td>"));
   EXPECT_THAT(html, HasSubstr("−0.71</td>"));
 }
 
@@ -30,7 +29,8 @@ TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
   data.parameters[0].ci95 = {0.05, infinity};
   data.parameters[0].profile_ci95 = {};
   EXPECT_THAT(parameter_section(data),
-              HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">–</td><td>1</td>"));
+              HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">0.09952 to 0.10073</td>"
+                        "<td class=\"n ends\">–</td><td>1</td>"));
 }
 
 TEST(ParameterSection, GivenAndMeasuredConditionsStandSideBySide) {
