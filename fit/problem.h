@@ -120,6 +120,9 @@ struct Problem {
   /// What is not fitted but known to an sd only; independent errors of one quantity may stand apart. One that
   /// is fitted is left out.
   std::vector<Condition> conditions;
+  /// Conditions that also rest on a value taken as exact, by its name: {scale, "diameter_mm"}. For the
+  /// budget.
+  std::vector<std::pair<FitParameter, std::string>> exact;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

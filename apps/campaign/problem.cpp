@@ -108,6 +108,8 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   for (const AnalysedRun& run : runs)
     if (run.takes_part()) add_run(campaign, run, problem);
   add_conditions(shared, problem);
+  for (const std::string& key : shared.taken_as_exact)
+    if (key == "diameter_mm" || key == "mm_per_px") problem.exact.emplace_back(fit::FitParameter::scale, key);
   return problem;
 }
 

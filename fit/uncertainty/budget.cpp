@@ -118,6 +118,20 @@ class Sources {
       entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
       if (!negligible(entry.contribution)) entries.push_back(entry);
     }
+    for (const auto& [quantity, name] : problem_.exact) {
+      const auto unknown = unknowns_.find(quantity);
+      if (!unknown || *unknown < n_) continue;
+      const double sd = unknowns_.prior(*unknown)->sd;
+      BudgetEntry entry;
+      entry.source = source_name(quantity) + " by " + name;
+      entry.quantity = to_string(quantity);
+      entry.sd = assumed_error(quantity, unknowns_.as_given(quantity));
+      entry.from = "taken as exact";
+      entry.counted = false;
+      entry.sensitivity = uncertainty_.full_covariance.col(*unknown).head(n_) / (sd * sd);
+      entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
+      entries.push_back(entry);
+    }
     if (const auto start = other_start()) entries.push_back(*start);
     return entries;
   }
