@@ -335,11 +335,14 @@ std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,
     const bool angle = entry.quantity.ends_with("_rad");
     std::string text = fmt::format("{} ({}) is taken as exact; with {} more of it: ", entry.source,
                                    entry.quantity, angle ? number(entry.sd, 2) + " rad" : std::string("1 %"));
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      text += (i > 0 ? ", " : "") + change_text(parameters[i].parameter,
-                                                entry.sensitivity(static_cast<Eigen::Index>(i)) * entry.sd,
-                                                parameters[i].estimate);
-    sentences.push_back(text + ".");
+    std::string changes;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const double change = entry.sensitivity(static_cast<Eigen::Index>(i)) * entry.sd;
+      if (std::abs(change) < kNegligible * parameters[i].sd) continue;
+      changes += (changes.empty() ? "" : ", ") +
+                 change_text(parameters[i].parameter, change, parameters[i].estimate);
+    }
+    sentences.push_back(text + changes + ".");
   }
   return sentences;
 }

@@ -110,8 +110,8 @@ double SlipSeries<T>::step(double tolerance, int first) const {
     if (derivative_count < T >> 0 && direction[k - 1] > 0)
       h = std::fmin(h, std::pow(1e2 * tolerance / direction[k - 1], 1.0 / (k - 1)));
   }
-  // Behind a zero of U at the distance sqrt(q_0/q_2) the sums for the direction cancel to rounding errors that
-  // grow as (h/distance)^k; along a line, where the direction is constant, nothing else would show it.
+  // Behind a zero of U at the distance sqrt(q_0/q_2) the sums for the direction cancel to rounding errors
+  // that grow as (h/distance)^k; along a line, where the direction is constant, nothing else would show it.
   if (!frictionless && square[2] != 0) h = std::fmin(h, std::sqrt(square[0] / std::fabs(square[2])));
   // Where a motion has settled its coefficients do not show how fast neighbours settle; its derivatives need
   // that.

@@ -46,7 +46,8 @@ TEST(ShakenPlane, FollowsTheClosedFormInEveryDirection) {
         const Sample at = run.at(t);
         const double x = static_cast<double>(exact.position(tau)),
                      u = static_cast<double>(exact.velocity(tau));
-        EXPECT_NEAR((at.position / shaken.unit() - x * shaken.line()).norm(), 0, 2e-13 + 2e-14 * std::abs(x)) << t;
+        EXPECT_NEAR((at.position / shaken.unit() - x * shaken.line()).norm(), 0, 2e-13 + 2e-14 * std::abs(x))
+            << t;
         EXPECT_NEAR((at.velocity / speed - u * shaken.line()).norm(), 0, 2e-13) << t;
       }
     }

@@ -242,7 +242,7 @@ struct ReportData {
   std::vector<ReportOutlier> outliers;  ///< farthest first
   std::vector<ReportModel> models;      ///< the one fitted first; empty where none was compared
   std::vector<std::string> left_out;    ///< analyses that were not needed, and why
-  bool scatter_dominates = false;  ///< FitResult::scatter_dominates
+  bool scatter_dominates = false;       ///< FitResult::scatter_dominates
   std::vector<ReportBudgetEntry> budget;
   std::string improve_first;
   std::vector<std::string> systematics;  ///< effect of an error in a given value, a sentence each

@@ -39,12 +39,14 @@ bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval Repor
 std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
   const bool profile = has_column(columns, &ReportParameter::profile_ci95);
   std::string html =
-      profile ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from the "
-                "covariance’s by more than a tenth, over all minima that the data allow. The covariance interval "
-                "assumes that χ² is a parabola about its minimum; the profile follows χ² itself, with all other "
-                "parameters fitted again at every step"
-              : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
-                "parabola about its minimum";
+      profile
+          ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from "
+            "the "
+            "covariance’s by more than a tenth, over all minima that the data allow. The covariance interval "
+            "assumes that χ² is a parabola about its minimum; the profile follows χ² itself, with all other "
+            "parameters fitted again at every step"
+          : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
+            "parabola about its minimum";
   if (has_column(columns, &ReportParameter::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
                         data.bootstrap_refits, data.bootstrap_seed);
