@@ -7,6 +7,7 @@
 
 #include "fit/slides/slide_spin.h"
 #include "fit/tools/parallel.h"
+#include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -95,7 +96,14 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
     if (run.free_slide) runs.push_back(&run);
   parallel_for(runs.size(), threads, [&](std::size_t i) {
     Problem alone = problem_of_one(problem, *runs[i], together);
-    const FitResult fit = fit_with_spin(alone, fit_alone);
+    FitResult fit = fit_with_spin(alone, fit_alone);
+    // Where the slide contradicts what the tracker tells of its errors, their division into slow and white is
+    // not to be trusted either: their size is, and how long they last is found from the residuals.
+    if (fit.p_value < kSurprise && !runs[i]->track.slow.empty()) {
+      runs[i]->track.slow.clear();
+      alone.trajectory_runs.front().track.slow.clear();
+      fit = fit_with_spin(alone, fit_alone);
+    }
     runs[i]->spin = alone.trajectory_runs.front().spin;
     if (runs[i]->spin)
       slides[i].bearing = {std::exp(runs[i]->spin->bearing),

@@ -15,7 +15,9 @@ namespace tribotrack::fit::internal {
 using FitAlone = std::function<FitResult(const Problem&)>;
 
 /// Fits mu1 to every free slide by itself and fills in what prepare_slides() left open. Where the angle is
-/// seen, spin and friction are found in turn until the spin settles; the problem's slides keep it.
+/// seen, spin and friction are found in turn until the spin settles; the problem's slides keep it. A
+/// slide that contradicts what is told of its errors (p < 0.001) keeps their size alone, TrackTable::slow
+/// cleared.
 void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
                     std::vector<SlideResult>& slides);
 
