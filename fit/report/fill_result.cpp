@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/minimum/multi_start.h"
 #include "fit/residuals/sticking.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/thresholds.h"

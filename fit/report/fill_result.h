@@ -3,7 +3,6 @@
 
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
-#include "fit/minimum/multi_start.h"
 #include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {

@@ -232,10 +232,7 @@ class ParameterProfile {
   /// parameter is where to look.
   void look_between(const std::vector<ScreenedPoint>& sample) {
     const double rise = level_ - best_.chi2, near = refinable(residuals_);
-    struct Class {
-      const ScreenedPoint* lowest = nullptr;
-    };
-    std::vector<Class> classes(kClasses);
+    std::vector<const ScreenedPoint*> lowest_of(kClasses, nullptr);
     double low = kInfinity, high = -kInfinity, lowest = kInfinity;
     for (const ScreenedPoint& point : sample) {
       if (!std::isfinite(point.chi2)) continue;
@@ -247,14 +244,15 @@ class ParameterProfile {
     for (const ScreenedPoint& point : sample) {
       if (!(point.chi2 < lowest + near) || pieces_.holds(point.z(index_))) continue;
       const double share = (point.z(index_) - low) / (high - low);
-      Class& here = classes[std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses))];
-      if (!here.lowest || point.chi2 < here.lowest->chi2) here.lowest = &point;
+      const ScreenedPoint*& here =
+          lowest_of[std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses))];
+      if (!here || point.chi2 < here->chi2) here = &point;
     }
-    for (const Class& here : classes) {
+    for (const ScreenedPoint* here : lowest_of) {
       if (better || pieces_.open()) return;
-      if (!here.lowest || pieces_.holds(here.lowest->z(index_))) continue;
-      if (!promises(here.lowest->z, rise)) continue;
-      const Minimum held = minimise(residuals_, here.lowest->z, held_at(index_));
+      if (!here || pieces_.holds(here->z(index_))) continue;
+      if (!promises(here->z, rise)) continue;
+      const Minimum held = minimise(residuals_, here->z, held_at(index_));
       if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
       if (held.chi2 < best_.chi2 - kLower) {
         better = held;
@@ -282,8 +280,8 @@ class ParameterProfile {
 
  private:
   double turn() const {
-    if (name_ == FitParameter::lag) return 2 * std::numbers::pi;
-    return name_ == FitParameter::delay ? 2 * std::numbers::pi : 0;  // of z: w delay
+    // The z of a delay is w delay.
+    return name_ == FitParameter::lag || name_ == FitParameter::delay ? 2 * std::numbers::pi : 0;
   }
 
   void follow(const KnownMinimum& from) {

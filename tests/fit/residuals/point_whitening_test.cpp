@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "fit/dense_covariance.h"
 #include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
@@ -39,21 +40,8 @@ PointWhitening whitening_of(const TrackTable& track) {
   return {track.time, own, share, track.slow};
 }
 
-// By the definition in track_errors.h.
 Eigen::MatrixXd dense(const TrackTable& track) {
-  const auto n = static_cast<Eigen::Index>(track.time.size());
-  Eigen::MatrixXd v = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-      const PointErrors first = point_errors(track, a), second = point_errors(track, b);
-      double covariance = 0;
-      for (const SlowError& s : track.slow)
-        covariance += s.sd * s.sd * std::exp(-std::abs(track.time[a] - track.time[b]) / s.time);
-      v.block<2, 2>(2 * i, 2 * j) = first.slow * second.slow * covariance * Eigen::Matrix2d::Identity();
-      if (i == j) v.block<2, 2>(2 * i, 2 * i) += first.own + 1e-6 * Eigen::Matrix2d::Identity();
-    }
-  return v;
+  return test::dense_covariance(track, 1e-6);
 }
 
 const std::vector<std::vector<SlowError>> kSlow{

@@ -8,6 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/coverage.h"
+#include "fit/dense_covariance.h"
 #include "fit/estimate.h"
 #include "fit/slow_tracks.h"
 #include "fit/tools/track_errors.h"
@@ -56,18 +57,7 @@ TEST(ToldErrors, AreWhitenedAsTheDenseCovarianceSays) {
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
 
   const auto n = static_cast<Eigen::Index>(track.time.size());
-  Eigen::MatrixXd v(2 * n, 2 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-      const PointErrors first = point_errors(track, a), second = point_errors(track, b);
-      double slow = 0;
-      for (const SlowError& s : track.slow)
-        slow += s.sd * s.sd * std::exp(-std::abs(track.time[a] - track.time[b]) / s.time);
-      v.block<2, 2>(2 * i, 2 * j) =
-          first.slow * second.slow * slow * Eigen::Matrix2d::Identity() + first.all * second.all.transpose();
-      if (i == j) v.block<2, 2>(2 * i, 2 * i) += first.own + 1e-18 * Eigen::Matrix2d::Identity();
-    }
+  const Eigen::MatrixXd v = test::dense_covariance(track, 1e-18);
   // Residuals and derivatives as they are, out of differences of the points' residuals.
   Eigen::MatrixXd data(2 * n, 4);
   const auto plain = [&](const Eigen::Vector3d& values) {
