@@ -28,6 +28,7 @@ void TrackOptions::validate() const {
   if (!(min_ncc > 0 && min_ncc < 1)) throw std::invalid_argument("min_ncc must lie between 0 and 1");
   if (!(max_lost_share >= 0 && max_lost_share <= 1))
     throw std::invalid_argument("max_lost_share must lie between 0 and 1");
+  if (threads < 1) throw std::invalid_argument("threads must be at least 1");
   if (search_margin_px < 0) throw std::invalid_argument("search_margin_px must not be negative");
   const auto check = [](const Circle& c, const char* what) {
     if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))

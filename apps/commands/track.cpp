@@ -240,6 +240,7 @@ void check_outputs(const TrackCommandOptions& options) {
 void track_command(const TrackCommandOptions& options, Context& context) {
   RecordingJob job = job_of(options);
   check_outputs(options);
+  job.track.threads = threads_to_use(context);
 
   std::optional<vision::DebugFolder> debug;
   if (!options.debug.empty()) {

@@ -193,7 +193,8 @@ void QuinticSpline::sample_window(double x0, double y0, int width, int height, f
                                   float* slope_y) const {
   const int ix = static_cast<int>(std::floor(x0));
   const int iy = static_cast<int>(std::floor(y0));
-  spline_kernels().window(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows_,
+  thread_local std::vector<float> rows;
+  spline_kernels().window(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows,
                           value, slope_x, slope_y);
 }
 

@@ -67,7 +67,6 @@ class QuinticSpline {
   }
   int width_ = 0, height_ = 0, stride_ = 0;
   std::vector<float> coefficients_;  ///< padded by kPad on every side
-  mutable std::vector<float> rows_;  ///< scratch of sample_window
 };
 
 /// How white noise of unit variance passes through the interpolation at a fraction of a pixel, along one

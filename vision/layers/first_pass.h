@@ -35,6 +35,7 @@ struct LayeredOptions {
   double noise_variance = 1;                        ///< a start
   std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known
   std::function<void(std::int64_t done)> progress;  ///< frames measured
+  int threads = 1;                                  ///< the result is the same for any number
   DebugSink* debug = nullptr;                       ///< pictures of the layers, if wanted
   std::vector<ShownFrame> shown;                    ///< and of these frames
 };

@@ -3,23 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "vision/kernels/median.h"
+#include "vision/kernels/parallel.h"
 #include "vision/layers/first_pass.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 64;  ///< windows of most rounds
-constexpr int kLastRounds = 10;     ///< over all of them
-constexpr int kMostRounds = 8;
-constexpr int kFirstFine = 2;      ///< rounds with all pixels, however strange
-constexpr int kLook = 2;           ///< round over all windows in which a slope of the light is looked for
+constexpr std::size_t kEarly = 64;                ///< windows of most rounds
+constexpr int kMostRounds = 8, kLastRounds = 10;  ///< over these, over all
+constexpr int kFewestRounds = 2;
+constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
+constexpr int kFirstLook = 2,
+              kLooks = 2;          ///< round over all windows in which a slope of the light is looked for
 constexpr double kInsideRim = 3;   ///< blurs of the rim inside which it does not show
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
-constexpr double kSettled = 0.03;  ///< of the standard deviation: windows that move less have settled
+constexpr double kRest = 0.14;     ///< of the standard deviation: what is left makes it a percent larger
+constexpr double kSlowest = 0.9;   ///< by which a round's moves are taken to shrink
 constexpr std::size_t kFewestSlopes = 20;
 constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
 
@@ -58,26 +62,35 @@ class Learning {
         ground_(ground),
         registration_(registration),
         options_(options),
+        fixes_(windows.size()),
         explained_(windows.size(), true) {
     const int half = layered_half(options.radius, options.blur);
-    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur, ground.mean());
-    ground.see_beside(windows, out_.part, options.hidden, options.noise_variance);
+    out_.part = options.start ? options.start->part
+                              : as_shown(windows[windows.size() / 2], half, options.radius, options.blur,
+                                         ground.mean());
+    prior_share_ = blurred_rim(half, options.radius, options.blur);
+    if (options.start)
+      for (std::size_t k = 0; k < windows.size(); ++k) windows[k].state = options.start->states[k];
     if (options.turning)
       out_.texture =
           std::make_unique<TurningTexture>(half, options.radius, options.blur, turned_round(windows));
-    prior_share_ = out_.part.share;
     if (options.standing_light)
       out_.standing = std::make_unique<StandingLight>(ground.region(), prior_share_);
   }
 
   LearntPart run() {
     // A part of the windows finds the pictures, all of them then make them quiet.
-    active_ = std::span(windows_).first(options_.standing_light ? windows_.size() : spread_first());
-    const bool all = active_.size() == windows_.size();
-    rounds(kMostRounds, false);
-    if (!all) {
-      active_ = windows_;
-      measure_windows(false);
+    const bool few = !options_.start && !options_.standing_light && windows_.size() > kEarly;
+    few ? look_at_few() : look_at_all();
+    see_ground();
+    if (few) {
+      rounds(kMostRounds, false);
+      out_.early = {states(), out_.part};
+      look_at_all();
+    }
+    if (few || options_.start) {
+      if (options_.start) registration_.set_part(out_.part, static_cast<double>(active_.size()));
+      measure_windows();
     }
     // Pictures far from the truth would show a slope of the light where there is none.
     rounds(kLastRounds, !options_.even_light);
@@ -88,74 +101,113 @@ class Learning {
   }
 
  private:
-  std::size_t spread_first();
+  void look_at_few();
+  void look_at_all();
+  std::vector<LayeredState> states() const;
+  std::vector<const KeptWindow*> explained_windows() const;
   void rounds(int most, bool look_for_light);
   void learn_pictures();
-  double measure_windows(bool look_for_light);
+  void see_ground();
+  void refine_windows(bool look_for_light);
+  double measure_windows();
   void learn_light();
 
   std::vector<KeptWindow>& windows_;
-  std::span<KeptWindow> active_;  ///< those at work
+  std::vector<std::size_t> active_;  ///< places of the windows at work
   GroundPicture& ground_;
   LayeredRegistration& registration_;
   const LearningOptions& options_;
   Picture prior_share_;
+  std::vector<std::optional<LayeredFix>> fixes_;  ///< of the last measurement, by the window's place
   std::vector<bool> explained_;
-  std::vector<LayeredFix> fixes_;
   LearntPart out_;
 };
 
-/// Brings some windows, spread over all, to the front. How many.
-std::size_t Learning::spread_first() {
-  const std::size_t windows = windows_.size(), few = std::min(kEarly, windows);
-  std::vector<KeptWindow> first, rest;
-  for (std::size_t k = 0; k < windows; ++k) {
-    const bool taken = k * few / windows != (k + 1) * few / windows;
-    (taken ? first : rest).push_back(std::move(windows_[k]));
-  }
-  std::ranges::move(rest, std::ranges::move(first, windows_.begin()).out);
-  return few;
+/// Some windows, spread over all.
+void Learning::look_at_few() {
+  active_.clear();
+  for (std::size_t k = 0; k < windows_.size(); ++k)
+    if (k * kEarly / windows_.size() != (k + 1) * kEarly / windows_.size()) active_.push_back(k);
 }
 
+void Learning::look_at_all() {
+  active_.resize(windows_.size());
+  std::iota(active_.begin(), active_.end(), std::size_t{0});
+}
+
+std::vector<LayeredState> Learning::states() const {
+  std::vector<LayeredState> out;
+  for (const KeptWindow& w : windows_) out.push_back(w.state);
+  return out;
+}
+
+std::vector<const KeptWindow*> Learning::explained_windows() const {
+  std::vector<const KeptWindow*> out;
+  for (const std::size_t k : active_)
+    if (explained_[k]) out.push_back(&windows_[k]);
+  return out;
+}
+
+/// Until what further rounds would move is lost in the noise.
 void Learning::rounds(int most, bool look_for_light) {
+  double before = 0;
+  int looks = look_for_light ? kLooks : 0;
   for (int round = 1; round <= most; ++round) {
     ++out_.rounds;
     learn_pictures();
-    const bool look = look_for_light && (round == kLook || (round == kLook + 2 && out_.light.known()));
-    const double moved = measure_windows(look);
-    if (out_.rounds >= kFirstFine)
-      ground_.see_beside(active_, out_.part, options_.hidden, options_.noise_variance);
-    if (look) learn_light();
+    const bool look = looks > 0 && round >= kFirstLook;
+    if (look) {
+      learn_light();
+      looks = out_.light.known() ? looks - 1 : 0;
+    }
+    const double moved = measure_windows();
+    if (out_.rounds >= kFirstFine) see_ground();
     if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
       out_.standing->learn(windows_, out_.part, face_of(options_));
-    if (round > kLook + 2 && moved < kSettled * out_.sigma) break;
+    // Rounds shrink in a geometric series: so much is left of it.
+    const double shrinks = std::min(kSlowest, before > 0 ? moved / before : kSlowest);
+    const bool settled = moved * shrinks / (1 - shrinks) < kRest * out_.sigma;
+    before = look ? 0 : moved;
+    if (settled && !look && looks == 0 && round > kFewestRounds) break;
   }
 }
 
 void Learning::learn_pictures() {
+  const std::vector<const KeptWindow*> windows = explained_windows();
   PartRegression regression(out_.part, ground_);
-  for (std::size_t k = 0; k < active_.size(); ++k) {
-    if (!explained_[k]) continue;
-    Picture turned;
-    if (out_.texture) turned = out_.texture->at(active_[k].state.theta);
-    regression.add(active_[k], out_.rounds > kFirstFine, out_.texture ? &turned : nullptr);
-  }
+  regression.add(windows, out_.rounds > kFirstFine, out_.texture.get(), options_.threads);
   out_.part = regression.solve(options_.noise_variance, prior_share_, options_.standing_light);
-  if (out_.texture) out_.texture->learn(active_, explained_, out_.part, ground_);
+  if (out_.texture) out_.texture->learn(windows, out_.part, ground_);
   registration_.set_part(out_.part, static_cast<double>(active_.size()), out_.texture.get());
 }
 
+void Learning::see_ground() {
+  std::vector<const KeptWindow*> windows;
+  for (const std::size_t k : active_) windows.push_back(&windows_[k]);
+  ground_.see_beside(windows, out_.part, options_.hidden, options_.noise_variance, options_.threads);
+}
+
+/// Where each window shows the part by the pictures as they stand; windows keep their states.
+void Learning::refine_windows(bool look_for_light) {
+  std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, options_.threads)),
+                                                 registration_);
+  parallel_for(active_.size(), options_.threads, [&](std::size_t i, std::size_t worker) {
+    const KeptWindow& w = windows_[active_[i]];
+    const LightPrior light =
+        look_for_light ? LightPrior{0, 0, kWeakSlope / options_.radius} : out_.light.at(w.state.centre);
+    fixes_[active_[i]] = registrations[worker].refine(w.picture, w.x, w.y, w.state, light);
+  });
+}
+
 /// Px rms by which the windows moved, without the mean.
-double Learning::measure_windows(bool look_for_light) {
-  fixes_.clear();
+double Learning::measure_windows() {
+  refine_windows(false);
   std::vector<double> chi_squared, sigma;
   double square = 0;
   Point sum;
-  for (std::size_t k = 0; k < active_.size(); ++k) {
-    KeptWindow& w = active_[k];
-    const LightPrior light =
-        look_for_light ? LightPrior{0, 0, kWeakSlope / options_.radius} : out_.light.at(w.state.centre);
-    const auto fix = registration_.refine(w.picture, w.x, w.y, w.state, light);
+  for (const std::size_t k : active_) {
+    KeptWindow& w = windows_[k];
+    const auto& fix = fixes_[k];
     explained_[k] = fix.has_value();
     if (!fix) continue;
     const double x = fix->state.centre.x - w.state.centre.x, y = fix->state.centre.y - w.state.centre.y;
@@ -165,11 +217,10 @@ double Learning::measure_windows(bool look_for_light) {
     w.state = fix->state;
     chi_squared.push_back(fix->chi_squared);
     sigma.push_back(std::sqrt(0.5 * fix->covariance.trace()));
-    fixes_.push_back(*fix);
   }
-  const auto n = static_cast<double>(fixes_.size());
-  out_.explained = fixes_.size();
-  if (fixes_.empty()) return 0;
+  const auto n = static_cast<double>(sigma.size());
+  out_.explained = sigma.size();
+  if (sigma.empty()) return 0;
   out_.chi_squared = median(chi_squared);
   out_.sigma = median(sigma) * std::sqrt(out_.chi_squared);
   return std::sqrt(std::max(0.0, (square - (sum.x * sum.x + sum.y * sum.y) / n) / (2 * n)));
@@ -177,11 +228,13 @@ double Learning::measure_windows(bool look_for_light) {
 
 /// How uneven the light is, by the windows: a frame alone hardly sees it.
 void Learning::learn_light() {
-  if (fixes_.size() < kFewestSlopes) return;
+  refine_windows(true);
   std::vector<MeasuredSlope> slopes;
-  for (const LayeredFix& f : fixes_)
-    slopes.push_back({f.state.centre, f.state.slope_x, f.state.slope_y, f.slope_variance * out_.chi_squared});
-  out_.light = IlluminationSlope(slopes);
+  for (const std::size_t k : active_)
+    if (const auto& f = fixes_[k])
+      slopes.push_back(
+          {f->state.centre, f->state.slope_x, f->state.slope_y, f->slope_variance * out_.chi_squared});
+  if (slopes.size() >= kFewestSlopes) out_.light = IlluminationSlope(slopes);
 }
 
 }  // namespace

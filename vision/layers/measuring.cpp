@@ -1,13 +1,18 @@
 #include "vision/layers/measuring.h"
 
+#include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <utility>
 
 #include "vision/audit/runs.h"
 #include "vision/io/window.h"
+#include "vision/kernels/parallel.h"
 
 namespace tribotrack::vision {
 namespace {
 
+constexpr std::size_t kAtOnce = 64;  ///< frames shared among the threads
 constexpr int kPasses = 3;
 constexpr double kClose = 0.02;    ///< px: a light known to a tenth of its slope per pixel then moves nothing
 constexpr std::size_t kRun = 128;  ///< frames over which a constant residual is an offset
@@ -86,28 +91,48 @@ std::optional<LayeredFix> measure(const FirstPassFrame& f, const Rect& window, c
   return fix;
 }
 
+/// What one frame gives.
+struct Sight {
+  std::optional<LayeredFix> fix;
+  std::optional<HalvesError> halves;
+  ClusterPulls pulls;
+};
+
 }  // namespace
 
 MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                              LayeredRegistration& registration, const LearntPart& learnt,
+                              const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
   Runs runs(out, registration);
   const std::vector<AuditRun> wanted = audit_runs(0, static_cast<std::int64_t>(frames.size()));
-  Picture picture;
-  std::int64_t done = 0;
-  for (const FirstPassFrame& f : frames) {
-    const Rect window = window_about(f.centre, registration.reach() + 1, source.bounds());
-    source.read(f.index, window, picture);
-    out.fixes.push_back(measure(f, window, picture, registration, learnt));
-    if (out.fixes.back()) {
-      if (in_audit(wanted, done))
-        if (const auto halves = registration.halves())
-          out.audited.push_back({.index = done, .error = *halves});
-      runs.add(registration.cluster_pulls());
+  std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, threads)),
+                                                 registration);
+  std::mutex reading;
+  std::vector<Sight> sights;
+  for (std::size_t first = 0; first < frames.size(); first += kAtOnce) {
+    sights.assign(std::min(kAtOnce, frames.size() - first), {});
+    parallel_for(sights.size(), threads, [&](std::size_t i, std::size_t worker) {
+      const FirstPassFrame& f = frames[first + i];
+      LayeredRegistration& own = registrations[worker];
+      const Rect window = window_about(f.centre, own.reach() + 1, source.bounds());
+      thread_local Picture picture;
+      {
+        const std::lock_guard lock(reading);
+        source.read(f.index, window, picture);
+      }
+      sights[i].fix = measure(f, window, picture, own, learnt);
+      if (!sights[i].fix) return;
+      if (in_audit(wanted, static_cast<std::int64_t>(first + i))) sights[i].halves = own.halves();
+      sights[i].pulls = own.cluster_pulls();
+    });
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      out.fixes.push_back(sights[i].fix);
+      if (sights[i].halves)
+        out.audited.push_back({.index = static_cast<std::int64_t>(first + i), .error = *sights[i].halves});
+      if (sights[i].fix) runs.add(std::move(sights[i].pulls));
     }
-    ++done;
-    if (progress) progress(done);
+    if (progress) progress(static_cast<std::int64_t>(first + sights.size()));
   }
   runs.finish();
   for (AuditFrame& frame : out.audited) {

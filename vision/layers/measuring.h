@@ -25,7 +25,7 @@ struct MeasuredFrames {
 
 /// `registration` holds the pictures learnt. `progress` may be empty.
 MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                              LayeredRegistration& registration, const LearntPart& learnt,
+                              const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress);
 
 }  // namespace tribotrack::vision

@@ -58,8 +58,10 @@ class LayeredPass {
     keep_windows();
     std::vector<Candidate> candidates;
     candidates.push_back(tried("pictures that do not turn", {}));
+    const LearningStart early = std::move(candidates.front().learnt.early);
     if (candidates.front().learnt.light.known())
-      candidates.push_back(tried("in even light", {.even_light = true}));
+      candidates.push_back(
+          tried("in even light", {.even_light = true, .start = early.states.empty() ? nullptr : &early}));
     if (options_.static_light && candidates.front().learnt.standing_evidence > kStands)
       candidates.push_back(tried("with light that stands in the picture", {.standing_light = true}));
     if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));
@@ -84,6 +86,7 @@ class LayeredPass {
   LearningFrames learning_frames_;
   GroundPicture ground_;
   std::vector<KeptWindow> kept_;
+  std::vector<LayeredState> first_states_;  ///< of these
   LayeredRegistration registration_;
   bool measured_once_ = false;  ///< progress is told of once
   double hidden_ = 0;           ///< px about the part within which there is no ground
@@ -92,6 +95,7 @@ class LayeredPass {
 void LayeredPass::keep_windows() {
   const auto running = clock_.enter(Stage::layers_learning);
   kept_ = learning_frames_.read(ground_);
+  for (const KeptWindow& w : kept_) first_states_.push_back(w.state);
   // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
   hidden_ = layered_half(options_.disc.radius, options_.blur) - kTaper;
   if (ground_.known_share() < kFewestKnown) {
@@ -125,16 +129,22 @@ Candidate LayeredPass::tried(const char* name, LearningOptions learning) {
   Candidate out{.name = name, .learnt = {}, .measured = {}, .even_light = learning.even_light};
   {
     const auto running = clock_.enter(Stage::layers_learning);
-    std::vector<KeptWindow> windows = kept_;
+    learning.threads = options_.threads;
     learning.radius = options_.disc.radius;
     learning.blur = options_.blur;
     learning.noise_variance = options_.noise_variance;
     learning.hidden = hidden_;
-    out.learnt = learn_part(windows, ground_, registration_, learning);
+    if (learning.standing_light) {  // it is taken out of the windows
+      std::vector<KeptWindow> windows = kept_;
+      out.learnt = learn_part(windows, ground_, registration_, learning);
+    } else {
+      out.learnt = learn_part(kept_, ground_, registration_, learning);
+      for (std::size_t k = 0; k < kept_.size(); ++k) kept_[k].state = first_states_[k];
+    }
   }
   if (out.learnt.explained < kFewest) return out;
   const auto running = clock_.enter(Stage::layers_measuring);
-  out.measured = measure_frames(source_, frames_, registration_, out.learnt,
+  out.measured = measure_frames(source_, frames_, registration_, out.learnt, options_.threads,
                                 measured_once_ ? nullptr : options_.progress);
   measured_once_ = true;
   std::vector<TimedPoint> track;

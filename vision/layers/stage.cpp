@@ -77,6 +77,7 @@ LayeredOptions options_of(const FrameSource& source, const FirstPassResult& firs
     out.progress = [&progress = options.progress, total = first.total](std::int64_t done) {
       progress(total + done, 2 * total);
     };
+  out.threads = options.threads;
   out.debug = options.debug;
   out.shown = shown;
   return out;

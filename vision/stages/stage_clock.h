@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <thread>
 #include <vector>
 
 #include "vision/frame_source.h"
@@ -29,7 +30,8 @@ enum class Stage {
 const char* to_string(Stage stage);
 
 /// A stage that calls another is interrupted by it, so that the times add up to the whole. A change of stage
-/// costs one reading of the steady clock.
+/// costs one reading of the steady clock. Only the thread that made the clock changes stages: what others do
+/// meanwhile belongs to the stage in which they were started.
 class StageClock {
  public:
   class [[nodiscard]] Running {
@@ -40,7 +42,8 @@ class StageClock {
 
    private:
     friend class StageClock;
-    Running(StageClock& clock, Stage stage) : clock_(clock), interrupted_(clock.now_in_) {
+    Running(StageClock& clock, Stage stage)
+        : clock_(clock), interrupted_(clock.is_own() ? clock.now_in_ : Stage::other) {
       clock.switch_to(stage);
     }
     StageClock& clock_;
@@ -55,12 +58,15 @@ class StageClock {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kStages = static_cast<std::size_t>(Stage::other) + 1;
+  bool is_own() const { return std::this_thread::get_id() == owner_; }
   void switch_to(Stage next) {
+    if (!is_own()) return;
     const Clock::time_point now = Clock::now();
     spent_[static_cast<std::size_t>(now_in_)] += now - since_;
     since_ = now;
     now_in_ = next;
   }
+  std::thread::id owner_ = std::this_thread::get_id();
   Stage now_in_ = Stage::other;
   Clock::time_point since_ = Clock::now();
   std::array<Clock::duration, kStages> spent_{};

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "vision/kernels/median.h"
+#include "vision/kernels/parallel.h"
+#include "vision/kernels/vector_kernels.h"
 #include "vision/layers/model/part.h"
 
 namespace tribotrack::vision {
@@ -197,51 +199,87 @@ void GroundPicture::form(double noise_variance) {
   spline_ = QuinticSpline(level);
 }
 
-void GroundPicture::see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
-                               double noise_variance) {
+namespace {
+
+/// A row of a window's places beside the part.
+struct RowBeside {
+  const float *seen, *shown, *through;  ///< I, F and alpha
+  float u, v;                           ///< of the first place on the part's grid
+  float gain, slope_x, slope_y, under;  ///< a, a s, b
+  float mean, hidden_square;
+  int count;
+};
+
+TRIBOTRACK_CLONES
+void see_row(const RowBeside& w, float* sum, float* squares, float* count, float* frames) {
+  const float v_square = w.v * w.v;
+  for (int i = 0; i < w.count; ++i) {
+    const float u = w.u + static_cast<float>(i);
+    const float shine = w.gain + w.slope_x * u + w.slope_y * w.v;
+    const float through = w.through[i] > kLeastShare ? w.through[i] : kLeastShare;
+    const float ground = (w.seen[i] - shine * (w.shown[i] - w.mean * through)) / (w.under * through);
+    const float ok = w.through[i] < kLeastShare ? 0.0F : (u * u + v_square > w.hidden_square ? 0.0F : 1.0F);
+    const float weight = ok * through * through;
+    sum[i] += weight * ground;
+    squares[i] += weight * ground * ground;
+    count[i] += weight;
+    frames[i] += ok;
+  }
+}
+
+}  // namespace
+
+/// By bands of rows, each of which sees all windows.
+void GroundPicture::see_beside(WindowSpan windows, const PartPictures& part, double hidden,
+                               double noise_variance, int threads) {
+  constexpr int kBand = 32;
   for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_, &frames_beside_})
     std::ranges::fill(p->levels(), 0.0F);
-  const int half = part.half - 1;
   const QuinticSpline level(part.level), share(part.share);
-  const auto mean = static_cast<float>(mean_);
-  std::vector<float> seen, shown, through;
-  for (const KeptWindow& w : windows) {
-    const LayeredState& s = w.state;
-    // Places of the ground about the part that lie in the window and in the region.
-    const double x = s.centre.x - s.ground.x, y = s.centre.y - s.ground.y;
-    const Rect places = common({static_cast<int>(std::lround(x)) - half,
-                                static_cast<int>(std::lround(y)) - half, 2 * half + 1, 2 * half + 1},
-                               common(region_, {static_cast<int>(std::ceil(w.x - s.ground.x)),
-                                                static_cast<int>(std::ceil(w.y - s.ground.y)),
-                                                w.picture.width() - 1, w.picture.height() - 1}));
-    if (places.width <= 0 || places.height <= 0) continue;
-    const auto count = static_cast<std::size_t>(places.width) * static_cast<std::size_t>(places.height);
-    for (auto* of : {&seen, &shown, &through}) of->resize(count);
-    const double u0 = places.x - x, v0 = places.y - y;  // on the part's grid
-    w.spline.sample_window(places.x + s.ground.x - w.x, places.y + s.ground.y - w.y, places.width,
-                           places.height, seen.data(), nullptr, nullptr);
-    level.sample_window(u0 + part.half, v0 + part.half, places.width, places.height, shown.data(), nullptr,
-                        nullptr);
-    share.sample_window(u0 + part.half, v0 + part.half, places.width, places.height, through.data(), nullptr,
-                        nullptr);
-    for (int j = 0; j < places.height; ++j)
-      for (int i = 0; i < places.width; ++i) {
-        const auto k = static_cast<std::size_t>(j) * static_cast<std::size_t>(places.width) +
-                       static_cast<std::size_t>(i);
-        const double u = u0 + i, v = v0 + j;
-        if (through[k] < kLeastShare || u * u + v * v > hidden * hidden) continue;
-        const auto shine = static_cast<float>(s.gain * (1 + s.slope_x * u + s.slope_y * v));
-        const float ground = (seen[k] - shine * (shown[k] - mean * through[k])) /
-                             (static_cast<float>(s.ground_gain) * through[k]);
-        const float weight = through[k] * through[k];
-        const int at_x = places.x + i - region_.x, at_y = places.y + j - region_.y;
-        sum_beside_.at(at_x, at_y) += weight * ground;
-        squares_beside_.at(at_x, at_y) += weight * ground * ground;
-        count_beside_.at(at_x, at_y) += weight;
-        frames_beside_.at(at_x, at_y) += 1;
-      }
-  }
+  const auto bands = static_cast<std::size_t>((region_.height + kBand - 1) / kBand);
+  parallel_for(bands, threads, [&](std::size_t band, std::size_t) {
+    const Rect rows{region_.x, region_.y + static_cast<int>(band) * kBand, region_.width,
+                    std::min(kBand, region_.height - static_cast<int>(band) * kBand)};
+    for (const KeptWindow* window : windows) see_beside(*window, part.half, level, share, hidden, rows);
+  });
   form(noise_variance);
+}
+
+/// What a window shows of these rows of the region.
+void GroundPicture::see_beside(const KeptWindow& w, int part_half, const QuinticSpline& level,
+                               const QuinticSpline& share, double hidden, const Rect& rows) {
+  thread_local std::vector<float> seen, shown, through;
+  const LayeredState& s = w.state;
+  const int half = part_half - 1;
+  // Places of the ground about the part that lie in the window.
+  const double x = s.centre.x - s.ground.x, y = s.centre.y - s.ground.y;
+  const Rect places = common({static_cast<int>(std::lround(x)) - half,
+                              static_cast<int>(std::lround(y)) - half, 2 * half + 1, 2 * half + 1},
+                             common(rows, {static_cast<int>(std::ceil(w.x - s.ground.x)),
+                                           static_cast<int>(std::ceil(w.y - s.ground.y)),
+                                           w.picture.width() - 1, w.picture.height() - 1}));
+  if (places.width <= 0 || places.height <= 0) return;
+  const auto width = static_cast<std::size_t>(places.width);
+  for (auto* of : {&seen, &shown, &through}) of->resize(width * static_cast<std::size_t>(places.height));
+  const double u0 = places.x - x, v0 = places.y - y;  // on the part's grid
+  w.spline.sample_window(places.x + s.ground.x - w.x, places.y + s.ground.y - w.y, places.width,
+                         places.height, seen.data(), nullptr, nullptr);
+  level.sample_window(u0 + part_half, v0 + part_half, places.width, places.height, shown.data(), nullptr,
+                      nullptr);
+  share.sample_window(u0 + part_half, v0 + part_half, places.width, places.height, through.data(), nullptr,
+                      nullptr);
+  for (int j = 0; j < places.height; ++j) {
+    const std::size_t here = static_cast<std::size_t>(j) * width;
+    const auto at =
+        static_cast<std::size_t>(places.y + j - region_.y) * static_cast<std::size_t>(region_.width) +
+        static_cast<std::size_t>(places.x - region_.x);
+    see_row({seen.data() + here, shown.data() + here, through.data() + here, static_cast<float>(u0),
+             static_cast<float>(v0 + j), static_cast<float>(s.gain), static_cast<float>(s.gain * s.slope_x),
+             static_cast<float>(s.gain * s.slope_y), static_cast<float>(s.ground_gain),
+             static_cast<float>(mean_), static_cast<float>(hidden * hidden), places.width},
+            sum_beside_.levels().data() + at, squares_beside_.levels().data() + at,
+            count_beside_.levels().data() + at, frames_beside_.levels().data() + at);
+  }
 }
 
 void GroundPicture::sample(double x0, double y0, int width, int height, float* level, float* variance,

@@ -37,8 +37,9 @@ class GroundPicture {
   void finish(double noise_variance);
   /// And once the part's pictures are known: what the windows show of the ground within `hidden` px of the
   /// part where at least half of it shows, (I - a S) / (b alpha), takes the place of what was said before.
-  void see_beside(std::span<const KeptWindow> windows, const PartPictures& part, double hidden,
-                  double noise_variance);
+  /// The same for any number of threads.
+  void see_beside(WindowSpan windows, const PartPictures& part, double hidden, double noise_variance,
+                  int threads = 1);
 
   const Rect& region() const { return region_; }
   /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border. Slopes may
@@ -62,6 +63,8 @@ class GroundPicture {
  private:
   template <class Uncovered>
   void add_held(const Uncovered& uncovered);
+  void see_beside(const KeptWindow& window, int part_half, const QuinticSpline& level,
+                  const QuinticSpline& share, double hidden, const Rect& rows);
   void summarise(double noise_variance);
   void form(double noise_variance);
 

@@ -33,10 +33,10 @@ void for_each_place(int size, const Act& act) {
 
 }  // namespace
 
-Picture ring_fit(const Picture& values, const Picture& weights, double sd) {
+Picture ring_fit(const Picture& values, const Picture& weights, double sd, double most) {
   const int size = values.width();
   std::vector<Ring> rings(static_cast<std::size_t>(size) + 2);
-  for (Ring& ring : rings) ring.normal = Eigen::Matrix<double, 5, 5>::Identity() / (sd * sd);
+  for (Ring& ring : rings) ring.normal.setZero();
   for_each_place(size, [&](std::size_t at, std::size_t below, double above, const Waves& waves) {
     const auto weight = static_cast<double>(weights.levels()[at]);
     const auto value = static_cast<double>(values.levels()[at]);
@@ -46,7 +46,11 @@ Picture ring_fit(const Picture& values, const Picture& weights, double sd) {
     }
   });
   std::vector<Waves> fitted;
-  for (const Ring& ring : rings) fitted.push_back(ring.normal.ldlt().solve(ring.right));
+  const Eigen::Matrix<double, 5, 5> prior = Eigen::Matrix<double, 5, 5>::Identity() / (sd * sd);
+  for (const Ring& ring : rings) {
+    const double share = ring.normal(0, 0) > most ? most / ring.normal(0, 0) : 1;
+    fitted.push_back((prior + share * ring.normal).ldlt().solve(share * ring.right));
+  }
   Picture out(size, size);
   for_each_place(size, [&](std::size_t at, std::size_t below, double above, const Waves& waves) {
     out.levels()[at] =

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "vision/kernels/bspline.h"
 #include "vision/picture.h"
@@ -37,5 +38,8 @@ struct KeptWindow {
   QuinticSpline spline;
   std::int64_t frame = 0;
 };
+
+/// Some of the kept windows.
+using WindowSpan = std::span<const KeptWindow* const>;
 
 }  // namespace tribotrack::vision

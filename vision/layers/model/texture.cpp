@@ -39,15 +39,13 @@ TurningTexture::Places TurningTexture::face_turned(double theta) const {
   return out;
 }
 
-void TurningTexture::learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
-                           const PartPictures& part, const GroundPicture& ground) {
+void TurningTexture::learn(WindowSpan windows, const PartPictures& part, const GroundPicture& ground) {
   const QuinticSpline level(part.level), share(part.share);
   const auto mean = static_cast<float>(ground.mean());
   std::vector<float> sum(face_.size(), 0), weight(face_.size(), 0);
   std::vector<float> seen, shown, through, below, in_x, in_y, on_x, on_y;
-  for (std::size_t k = 0; k < windows.size(); ++k) {
-    if (!explained[k]) continue;
-    const KeptWindow& w = windows[k];
+  for (const KeptWindow* window : windows) {
+    const KeptWindow& w = *window;
     const LayeredState& s = w.state;
     const Places places = face_turned(s.theta);
     const std::size_t n = places.pixel.size();

@@ -20,8 +20,7 @@ class TurningTexture {
   TurningTexture(int half, double radius, double blur, bool turned_round);
 
   /// From the windows in their present states: what part and ground as they stand leave unexplained.
-  void learn(std::span<const KeptWindow> windows, const std::vector<bool>& explained,
-             const PartPictures& part, const GroundPicture& ground);
+  void learn(WindowSpan windows, const PartPictures& part, const GroundPicture& ground);
 
   /// T(R(-theta) u) on the part's grid. `slope`, if wanted, receives its derivative by theta.
   Picture at(double theta, Picture* slope = nullptr) const;

@@ -60,7 +60,10 @@ void LayeredRegistration::turn_to(double theta) {
     level_ = QuinticSpline(standing_);
     return;
   }
-  if (std::abs(theta - formed_theta_) * half_ < kTurnTolerance) return;
+  // On a lattice of angles: what a frame gives does not depend on the frames before it.
+  const double step = kTurnTolerance / half_;
+  theta = step * std::round(theta / step);
+  if (theta == formed_theta_) return;
   Picture slope, shown = texture_->at(theta, &slope);
   for (std::size_t i = 0; i < shown.levels().size(); ++i) shown.levels()[i] += standing_.levels()[i];
   level_ = QuinticSpline(shown);
