@@ -13,7 +13,7 @@
 
 #if defined(__x86_64__)
 #define TRIBOTRACK_AVX2 [[gnu::target("avx2,fma")]]
-#define TRIBOTRACK_CLONES [[gnu::target_clones("arch=haswell", "default")]]
+#define TRIBOTRACK_CLONES [[gnu::target_clones("arch=x86-64-v3", "default")]]
 #else
 #define TRIBOTRACK_AVX2
 #define TRIBOTRACK_CLONES

@@ -211,8 +211,10 @@ struct RowBeside {
 };
 
 TRIBOTRACK_CLONES
-void see_row(const RowBeside& w, float* sum, float* squares, float* count, float* frames) {
+void see_row(const RowBeside& row, float* sum, float* squares, float* count, float* frames) {
+  const RowBeside w = row;  // what the loop writes does not change these
   const float v_square = w.v * w.v;
+#pragma GCC ivdep
   for (int i = 0; i < w.count; ++i) {
     const float u = w.u + static_cast<float>(i);
     const float shine = w.gain + w.slope_x * u + w.slope_y * w.v;

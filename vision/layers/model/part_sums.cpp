@@ -20,7 +20,7 @@ struct WindowTiles {
   const float *unsure, *counts;                    ///< var G, 1 where the window shows the place
   const float *u, *v, *part, *share, *variance;    ///< of before
   const float *share_x, *share_y;
-  const float* turned;  ///< null where nothing turns
+  const float* turned;  ///< 0 where nothing turns
   float gain, slope_x, slope_y, under, mean;
   float passed, trim, blend;  ///< of white noise, squared sd, kappa
 };
@@ -30,26 +30,29 @@ struct SumTiles {
 };
 
 TRIBOTRACK_CLONES
-void add_tiles(const WindowTiles& w, const SumTiles& s, std::size_t count) {
-  const bool turns = w.turned != nullptr;
+void add_tiles(const WindowTiles& window, const SumTiles& sums, std::size_t count) {
+  const WindowTiles w = window;  // what the loop writes does not change these
+  const SumTiles s = sums;
+#pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
     const float a = w.gain + w.slope_x * w.u[i] + w.slope_y * w.v[i];
     const float h = w.under * (w.below[i] + w.mean) - a * w.mean;
-    const float part = turns ? w.part[i] + w.turned[i] : w.part[i];
+    const float part = w.part[i] + w.turned[i];
     const float q = w.under * (w.share_x[i] * w.below_x[i] + w.share_y[i] * w.below_y[i]);
     const float y = w.level[i] - a * part - w.blend * q, r = y - w.share[i] * h;
     const float seen = w.share[i] * w.under, sd2 = w.variance[i] + seen * seen * w.unsure[i];
-    const float ok = r * r > w.trim * sd2 ? 0.0F : w.counts[i], weight = ok * w.variance[i] / sd2;
+    const float ok = r * r > w.trim * sd2 ? 0.0F : w.counts[i], once = ok / sd2;
+    const float weight = once * w.variance[i], weight_a = weight * a, weight_h = weight * h;
     s.count[i] += ok;
     s.passed[i] += ok * w.passed;
-    s.aa[i] += weight * a * a;
-    s.ah[i] += weight * a * h;
-    s.hh[i] += weight * h * h;
-    s.ay[i] += weight * a * y;
-    s.hy[i] += weight * h * y;
+    s.aa[i] += weight_a * a;
+    s.ah[i] += weight_a * h;
+    s.hh[i] += weight_h * h;
+    s.ay[i] += weight_a * y;
+    s.hy[i] += weight_h * y;
     s.yy[i] += weight * y * y;
-    s.qr[i] += ok * q * r / sd2;
-    s.qq[i] += ok * q * q / sd2;
+    s.qr[i] += once * q * r;
+    s.qq[i] += once * q * q;
   }
 }
 
@@ -187,7 +190,7 @@ void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const 
                           variance_.data() + from,
                           share_x_.data() + from,
                           share_y_.data() + from,
-                          turned ? work.turned.data() : nullptr,
+                          work.turned.data(),
                           static_cast<float>(s.gain),
                           static_cast<float>(s.gain * s.slope_x),
                           static_cast<float>(s.gain * s.slope_y),
