@@ -165,6 +165,8 @@ void Learning::rounds(int most, bool look_for_light) {
     if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
       out_.standing->learn(windows_, out_.part, face_of(options_));
     // Rounds shrink in a geometric series: so much is left of it.
+    std::fprintf(stderr, "round %d active %zu moved/sigma %.4f sigma %.5f chi2 %.3f light %d\n", out_.rounds,
+                 active_.size(), moved / out_.sigma, out_.sigma, out_.chi_squared, out_.light.known());
     const double shrinks = std::min(kSlowest, before > 0 ? moved / before : kSlowest);
     const bool settled = moved * shrinks / (1 - shrinks) < kRest * out_.sigma;
     before = look ? 0 : moved;

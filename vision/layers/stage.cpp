@@ -15,6 +15,8 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr const char* kName = "layers: part over platform";
+constexpr double kNegligible = 1;   ///< of the noise: a ground that moves a position by less is not learnt
+constexpr double kExplained = 0.1;  ///< of the noise: what may be left where a template explains the part
 
 std::string finding(const FirstPassResult& first) {
   return fmt::format(
@@ -29,11 +31,32 @@ LayeredOutcome left_out(std::string reason) {
   return outcome;
 }
 
+/// Px by which a ground of this texture, light on one side of the part and dark on the other, moves its rim.
+double pull_of_ground(const FirstPassResult& first) {
+  return first.blur * first.ground_texture / first.contrast;
+}
+
+/// Neither ground nor part show anything that a single template lacks.
+bool nothing_to_learn(const FirstPassResult& first) {
+  const bool by_template = std::ranges::none_of(first.by_rim, std::identity());
+  return by_template && first.contrast > 0 && pull_of_ground(first) < kNegligible * first.limit_px &&
+         first.excess < kExplained * std::sqrt(first.noise_variance);
+}
+
 /// Why the stage is not even tried.
-std::optional<std::string> reason_against(const FirstPassResult& first, Layers layers) {
-  if (layers == Layers::off) return "switched off; " + finding(first);
-  if (first.blur <= 0) return "the part has no measured round rim";
-  return std::nullopt;
+std::optional<PlanStage> reason_against(const FirstPassResult& first, Layers layers) {
+  PlanStage stage;
+  stage.name = kName;
+  if (layers == Layers::off) stage.reason = "switched off; " + finding(first);
+  if (first.blur <= 0) stage.reason = "the part has no measured round rim";
+  if (layers == Layers::automatic && first.blur > 0 && nothing_to_learn(first)) {
+    stage.error_bound_px = pull_of_ground(first);
+    stage.reason =
+        fmt::format("nothing to learn: {}; through the rim the ground moves a position by {:.2g} px at most",
+                    finding(first), *stage.error_bound_px);
+  }
+  if (stage.reason.empty()) return std::nullopt;
+  return stage;
 }
 
 /// The frames in which the part, and the marker where there is one, were found.
@@ -172,7 +195,11 @@ bool layers_wanted(const FirstPassResult& first, Layers layers) {
 
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
-  if (auto reason = reason_against(first, options.layers)) return left_out(std::move(*reason));
+  if (auto reason = reason_against(first, options.layers)) {
+    LayeredOutcome outcome;
+    outcome.plan.push_back(std::move(*reason));
+    return outcome;
+  }
   const SeenFrames seen = seen_frames(track, first);
   const LayeredResult result =
       layered_pass(source, seen.frames, options_of(source, first, options, shown), clock);

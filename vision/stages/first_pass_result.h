@@ -14,6 +14,8 @@ struct FirstPassResult {
   std::int64_t total = 0;           ///< frames analysed
   Circle disc;                      ///< in the first frame
   double blur = 0;                  ///< of its rim, px; 0 where the part is not a disc
+  double contrast = 0;              ///< across it, grey levels; 0 where the part is not a disc
+  double limit_px = 0;              ///< Cramer-Rao bound of a coordinate by the template
   bool turning = false;             ///< the part's texture shows its rotation
   bool texture_seen = false;        ///< in the first frame there is a texture that would show it
   std::vector<double> theta;        ///< that rotation, rad, one per point; 0 where not ok

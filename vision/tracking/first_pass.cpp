@@ -83,6 +83,8 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
   result_.total = range.count();
   result_.disc = setup_.disc;
   result_.blur = rim_ ? rim_->blur : 0;
+  result_.contrast = rim_ ? std::abs(rim_->contrast) : 0;
+  result_.limit_px = setup_.limit_px;
   result_.turning = setup_.follow.rotation;
   result_.texture_seen = setup_.texture_seen;
   result_.noise_variance = noise_variance_;

@@ -220,7 +220,8 @@ void see_row(const RowBeside& row, float* sum, float* squares, float* count, flo
     const float shine = w.gain + w.slope_x * u + w.slope_y * w.v;
     const float through = w.through[i] > kLeastShare ? w.through[i] : kLeastShare;
     const float ground = (w.seen[i] - shine * (w.shown[i] - w.mean * through)) / (w.under * through);
-    const float ok = w.through[i] < kLeastShare ? 0.0F : (u * u + v_square > w.hidden_square ? 0.0F : 1.0F);
+    const float shows = w.through[i] < kLeastShare ? 0.0F : 1.0F;
+    const float ok = u * u + v_square > w.hidden_square ? 0.0F : shows;
     const float weight = ok * through * through;
     sum[i] += weight * ground;
     squares[i] += weight * ground * ground;
