@@ -7,7 +7,6 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kSeenAsWell = 0.5;  ///< of the score
-constexpr double kAsLarge = 0.75;    ///< ratio of the radii
 constexpr double kSameSize = 0.9, kSameContrast = 0.67, kSeen = 0.2;
 constexpr double kAboutAsLarge = 0.67;
 

@@ -8,6 +8,8 @@
 
 namespace tribotrack::vision {
 
+inline constexpr double kAsLarge = 0.75;  ///< ratio of the radii of discs that are alike, at least
+
 /// As large, to a quarter, and seen nearly as well; or as large to a tenth, of the same contrast and seen at
 /// all (a neighbour may touch its rim).
 bool alike(const DiscFit& other, const DiscFit& part);

@@ -57,6 +57,12 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
 std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before, Point centre,
                                   double capture);
 
+/// px that centre and radius may lie from the guess of a fit with that capture.
+double fit_reach(double capture);
+
+/// Of a disc seen clearly and all round: no other of that radius scores higher.
+double largest_score(double radius);
+
 struct DiscSearch {
   double min_radius = 6;
   double max_radius = 420;
@@ -64,9 +70,15 @@ struct DiscSearch {
   double min_coverage = 0.7;
   double max_blur_share = 0.25;  ///< of the radius
   double min_clarity = 3;        ///< contrast over what the fit leaves
+  /// Smaller ones need not be found beside the best, in shares of its radius: then the search, from coarse to
+  /// fine, ends where finer levels of the pyramid can show no others. 0: all are looked for.
+  double beside_best = 0;
 };
 
 /// Round things in the picture, best first.
 std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search, int max_count = 5);
+
+/// Whether there are any; large ones are seen soonest.
+bool shows_disc(const Picture& picture, const DiscSearch& search);
 
 }  // namespace tribotrack::vision

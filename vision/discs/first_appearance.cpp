@@ -48,8 +48,9 @@ std::optional<std::int64_t> arrival_anywhere(FrameSource& source, std::int64_t f
   Picture picture;
   const auto seen = [&](std::int64_t index) {
     source.read(index, source.bounds(), picture);
+    if (index == first) return shows_disc(picture, search);
     const auto found = find_discs(picture, search, 1);
-    return !found.empty() && (index == first || has_room(found.front().circle, source.bounds()));
+    return !found.empty() && has_room(found.front().circle, source.bounds());
   };
   const std::int64_t step = std::max<std::int64_t>(1, (last - first) / kLooks);
   std::int64_t without = first;

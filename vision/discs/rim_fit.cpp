@@ -115,13 +115,22 @@ RimPixels rim_pixels(const Picture& picture, const Circle& c, double band) {
   const double least = std::pow(std::max(0.0, c.radius - band), 2), most = reach * reach;
   for (int y = y0; y <= y1; ++y) {
     const float* row = picture.row(y).data();
-    for (int x = x0; x <= x1; ++x) {
-      const double square = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
-      if (square < least || square > most) continue;
-      pixels.x.push_back(x);
-      pixels.y.push_back(y);
-      pixels.level.push_back(static_cast<double>(row[x]));
-    }
+    const double across = (y - c.y) * (y - c.y);
+    // Left of the inner circle and right of it; without one, all at once.
+    const double half = across < least ? std::sqrt(least - across) : 0;
+    const int left = std::clamp(static_cast<int>(std::ceil(c.x - half)) + 1, x0, x1 + 1);
+    const int right = std::clamp(static_cast<int>(std::floor(c.x + half)) - 1, left, x1 + 1);
+    const auto add = [&](int from, int to) {
+      for (int x = from; x < to; ++x) {
+        const double square = (x - c.x) * (x - c.x) + across;
+        if (square < least || square > most) continue;
+        pixels.x.push_back(x);
+        pixels.y.push_back(y);
+        pixels.level.push_back(static_cast<double>(row[x]));
+      }
+    };
+    add(x0, left);
+    add(right, x1 + 1);
   }
   pixels.weight.assign(pixels.x.size(), 1);
   return pixels;

@@ -3,19 +3,19 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "vision/discs/rim_fit.h"
-#include "vision/discs/rim_model.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-const double kPeak = std::sqrt(2 * kPi);  ///< of the normal density, inverted
-constexpr double kSectorLength = 4.5;     ///< px: the rim's pixels in it fix three numbers well
+constexpr double kSectorLength = 4.5;  ///< px: the rim's pixels in it fix three numbers well
 constexpr int kFewestSectors = 8, kMostSectors = 72;
 constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
 constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
@@ -37,6 +37,88 @@ struct Sums {
   double squares = 0;
   int pixels = 0;
 };
+
+/// What all pixels share of a circle: its centre and radius, and one over the blur.
+struct Ring {
+  double x, y, radius, inverse;
+};
+
+using Lanes = VectorOf<double, 4>::type;
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(double);
+/// In the order of the kernel: w, w Phi, w Phi^2, w s, w s Phi, w s^2 with the slope s = phi / blur, then
+/// with the level l: w l, w l Phi, w l s, w l^2.
+using SectorSums = std::array<double, 10>;
+
+/// Pixels first .. last - 1, a whole number of vectors; those that only fill them up have no weight.
+TRIBOTRACK_KERNEL void sums_of_sector(const Ring& ring, const RimPixels& pixels, std::size_t first,
+                                      std::size_t last, SectorSums& out) {
+  Lanes sums[10] = {};
+  for (std::size_t i = first; i < last; i += kLanes) {
+    Lanes x, y, level, counts, rho = {};
+    load(pixels.x.data() + i, x);
+    load(pixels.y.data() + i, y);
+    load(pixels.level.data() + i, level);
+    load(pixels.weight.data() + i, counts);
+    const Lanes dx = x - ring.x, dy = y - ring.y, square = dx * dx + dy * dy;
+    for (std::size_t k = 0; k < kLanes; ++k) rho[k] = std::sqrt(square[k]);
+    const Lanes t = (ring.radius - rho) * ring.inverse;
+    // exp(-t^2 / 8) as the 16th power of a short series; it is nothing where that is not exact.
+    const Lanes far = t * t, z = (far > 150.0 ? Lanes{} + 150.0 : far) * (-1.0 / 128);
+    const Lanes e =
+        1 + z * (1 + z * (1.0 / 2) *
+                         (1 + z * (1.0 / 3) *
+                                  (1 + z * (1.0 / 4) *
+                                           (1 + z * (1.0 / 5) * (1 + z * (1.0 / 6) * (1 + z * (1.0 / 7)))))));
+    const Lanes e2 = e * e, e4 = e2 * e2, e8 = e4 * e4, w = e8 * e8, w2 = w * w, bell = w2 * w2;
+    // Phi to 1e-7: Abramowitz and Stegun, 7.1.26.
+    const Lanes size = t < 0.0 ? -t : t, q = 1 / (1 + 0.3275911 * std::numbers::sqrt2 / 2 * size);
+    const Lanes tail =
+        0.5 * bell * q *
+        (0.254829592 + q * (-0.284496736 + q * (1.421413741 + q * (-1.453152027 + q * 1.061405429))));
+    const Lanes value = t < 0.0 ? tail : 1 - tail;
+    const Lanes slope = bell * (ring.inverse * std::numbers::inv_sqrtpi / std::numbers::sqrt2);
+    const Lanes weight = w * counts, of_value = weight * value, of_slope = weight * slope;
+    sums[0] += weight;
+    sums[1] += of_value;
+    sums[2] += of_value * value;
+    sums[3] += of_slope;
+    sums[4] += of_slope * value;
+    sums[5] += of_slope * slope;
+    sums[6] += weight * level;
+    sums[7] += of_value * level;
+    sums[8] += of_slope * level;
+    sums[9] += weight * level * level;
+  }
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = sum(sums[k]);
+}
+
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                     \
+  __VA_ARGS__ void sums_##suffix(const Ring& ring, const RimPixels& pixels, const std::size_t* begin,       \
+                                 std::size_t sectors, SectorSums* out) {                                    \
+    for (std::size_t k = 0; k < sectors; ++k) sums_of_sector(ring, pixels, begin[k], begin[k + 1], out[k]); \
+  }
+
+TRIBOTRACK_VARIANT(baseline)
+TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
+#undef TRIBOTRACK_VARIANT
+
+/// Angles of the pixels about a centre in whole turns, 0 in the direction -x, to 3e-9: Abramowitz and Stegun,
+/// 4.4.49.
+TRIBOTRACK_CLONES void turns_of(const double* x, const double* y, std::size_t count, double centre_x,
+                                double centre_y, double* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double dx = x[i] - centre_x, dy = y[i] - centre_y;
+    const double ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy;
+    const double high = ax > ay ? ax : ay, low = ax > ay ? ay : ax;
+    const double a = low / (high + 1e-30), s = a * a;
+    double angle = -0.0161657367 + s * 0.0028662257;
+    angle = -0.1420889944 + s * (0.1065626393 + s * (-0.0752896400 + s * (0.0429096138 + s * angle)));
+    angle = a * (1 + s * (-0.3333314528 + s * (0.1999355085 + s * angle)));
+    angle = ay > ax ? kPi / 2 - angle : angle;
+    angle = dx < 0 ? kPi - angle : angle;
+    out[i] = 0.5 + (dy < 0 ? -angle : angle) / (2 * kPi);
+  }
+}
 
 struct Edge {
   bool seen = false;
@@ -95,8 +177,9 @@ class SectorFit {
   double blur_, band_;
   int count_;
   Circle circle_, chosen_;
-  RimPixels pixels_;
-  std::vector<std::size_t> sector_;          ///< of each pixel
+  RimPixels pixels_;                         ///< sector by sector, each filled up to whole vectors
+  std::vector<std::size_t> begin_;           ///< of each sector's pixels, and the end
+  std::vector<int> sizes_;                   ///< pixels in each sector
   std::vector<Eigen::Vector3d> directions_;  ///< how each edge moves with x, y, R
   std::vector<Edge> edges_;
   double seen_ = 0, contrast_ = 0, unevenness_ = 0, squares_ = 0, explained_ = 0;
@@ -104,21 +187,37 @@ class SectorFit {
 
 void SectorFit::choose_pixels() {
   chosen_ = circle_;
-  pixels_ = rim_pixels(picture_, circle_, band_);
-  sector_.resize(pixels_.x.size());
-  for (std::size_t i = 0; i < sector_.size(); ++i) {
-    const double turn = 0.5 + std::atan2(pixels_.y[i] - circle_.y, pixels_.x[i] - circle_.x) / (2 * kPi);
-    sector_[i] = std::min(static_cast<std::size_t>(turn * count_), static_cast<std::size_t>(count_ - 1));
+  const RimPixels near = rim_pixels(picture_, circle_, band_);
+  const std::size_t count = near.x.size(), sectors = edges_.size();
+  std::vector<double> turn(count);
+  turns_of(near.x.data(), near.y.data(), count, circle_.x, circle_.y, turn.data());
+  std::vector<std::size_t> sector(count);
+  sizes_.assign(sectors, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto k = static_cast<int>(turn[i] * count_);
+    sector[i] = static_cast<std::size_t>(std::clamp(k, 0, count_ - 1));
+    ++sizes_[sector[i]];
+  }
+  begin_.assign(sectors + 1, 0);
+  for (std::size_t k = 0; k < sectors; ++k)
+    begin_[k + 1] = begin_[k] + (static_cast<std::size_t>(sizes_[k]) + kLanes - 1) / kLanes * kLanes;
+  for (auto* v : {&pixels_.x, &pixels_.y, &pixels_.level, &pixels_.weight}) v->assign(begin_.back(), 0);
+  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t to = next[sector[i]]++;
+    pixels_.x[to] = near.x[i];
+    pixels_.y[to] = near.y[i];
+    pixels_.level[to] = near.level[i];
+    pixels_.weight[to] = 1;
   }
 }
 
 Edge edge_of(const Sums& s) {
   Edge edge;
   if (s.pixels < kFewestPixels) return edge;
-  const Eigen::Matrix3d normal = s.normal.selfadjointView<Eigen::Lower>();
   Eigen::Matrix3d inverse;
   bool regular = false;
-  normal.computeInverseWithCheck(inverse, regular);
+  s.normal.computeInverseWithCheck(inverse, regular);
   if (!regular) return edge;
   const Eigen::Vector3d fit = inverse * s.right;
   edge.step = fit(1);
@@ -130,24 +229,16 @@ Edge edge_of(const Sums& s) {
 }
 
 void SectorFit::measure_edges() {
+  std::vector<SectorSums> raw(edges_.size());
+  static const auto sums_of = runs_avx2() ? sums_avx2 : sums_baseline;
+  sums_of({circle_.x, circle_.y, circle_.radius, 1 / blur_}, pixels_, begin_.data(), raw.size(), raw.data());
   std::vector<Sums> sums(edges_.size());
-  const double inverse = 1 / blur_;
-  for (std::size_t i = 0; i < sector_.size(); ++i) {
-    Sums& s = sums[sector_[i]];
-    const double dx = pixels_.x[i] - circle_.x, dy = pixels_.y[i] - circle_.y;
-    const double rho = std::sqrt(dx * dx + dy * dy);
-    const auto [value, density] = normal_step((circle_.radius - rho) * inverse);
-    const double weight = std::sqrt(std::sqrt(kPeak * density));  // exp(-t^2 / 8)
-    const double slope = density * inverse, level = pixels_.level[i];
-    s.normal(0, 0) += weight;
-    s.normal(1, 0) += weight * value;
-    s.normal(1, 1) += weight * value * value;
-    s.normal(2, 0) += weight * slope;
-    s.normal(2, 1) += weight * slope * value;
-    s.normal(2, 2) += weight * slope * slope;
-    s.right += weight * level * Eigen::Vector3d(1, value, slope);
-    s.squares += weight * level * level;
-    ++s.pixels;
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    const SectorSums& r = raw[k];
+    sums[k].normal << r[0], r[1], r[3], r[1], r[2], r[4], r[3], r[4], r[5];
+    sums[k].right << r[6], r[7], r[8];
+    sums[k].squares = r[9];
+    sums[k].pixels = sizes_[k];
   }
   std::ranges::transform(sums, edges_.begin(), edge_of);
 

@@ -101,6 +101,7 @@ class TemplateRegistration {
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);
+  void move_levels(double x, double y, double turn);
   float turned_weight(int x, int y, double c, double s) const;
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
   Matrix normal_matrix() const;

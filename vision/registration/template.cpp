@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/vector_kernels.h"
 #include "vision/registration/registration.h"
 #include "vision/registration/rotation_visibility.h"
 
@@ -11,6 +12,11 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kBorder = 12;  ///< context of the spline around the template, px
+
+TRIBOTRACK_CLONES void add_slopes(const float* of_x, const float* of_y, const float* of_theta,
+                                  std::size_t count, float x, float y, float theta, float* value) {
+  for (std::size_t k = 0; k < count; ++k) value[k] += x * of_x[k] + y * of_y[k] + theta * of_theta[k];
+}
 
 }  // namespace
 
@@ -133,6 +139,12 @@ void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
     arrays_.slope_y[k] = c * ty - s * tx;
     arrays_.slope_theta[k] = ty * (turned_x_[k] - centre_x) - tx * (turned_y_[k] - centre_y);
   }
+}
+
+/// T at a pose a little further, by its slopes.
+void TemplateRegistration::move_levels(double x, double y, double turn) {
+  add_slopes(arrays_.slope_x.data(), arrays_.slope_y.data(), arrays_.slope_theta.data(), mask_.size(),
+             static_cast<float>(-x), static_cast<float>(-y), static_cast<float>(turn), arrays_.value.data());
 }
 
 Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {

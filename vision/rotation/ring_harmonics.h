@@ -7,13 +7,23 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <vector>
 
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
 
-/// Rows are rings, columns the harmonics m = 0, 1, ...
-using Harmonics = Eigen::ArrayXXcd;
+/// Real and imaginary parts; rows are the harmonics m = 0, 1, ..., columns the rings.
+struct Harmonics {
+  Eigen::ArrayXXf re, im;
+
+  Eigen::Index orders() const { return re.rows(); }
+  Eigen::Index rings() const { return re.cols(); }
+  std::complex<double> operator()(Eigen::Index ring, Eigen::Index order) const {
+    return {static_cast<double>(re(order, ring)), static_cast<double>(im(order, ring))};
+  }
+};
 
 class RingHarmonics {
  public:
@@ -25,16 +35,20 @@ class RingHarmonics {
   /// Px about the centre that of() looks at.
   double reach() const;
   /// `window` is a part of the frame, the disc's centre at `centre` in it.
-  Harmonics of(const Picture& window, const Point& centre) const;
-  /// Pixels that a coefficient stands for, 0 for those left out.
-  const Eigen::ArrayXXd& weights() const { return weights_; }
+  Harmonics of(const Picture& window, const Point& centre);
+  /// Pixels that a coefficient stands for, 0 for those left out; rows and columns as in Harmonics.
+  const Eigen::ArrayXXf& weights() const { return weights_; }
 
  private:
   int reduction_ = 1;  ///< a large disc is averaged over reduction x reduction pixels
   int angles_ = 0;
   double radius_ = 0;
   Eigen::ArrayXd rings_;  ///< radii, in reduced pixels
-  Eigen::ArrayXXd weights_;
+  Eigen::ArrayXXf weights_;
+  std::vector<float> offset_x_, offset_y_;  ///< of all places from the centre, ring after ring
+  // Work space.
+  Picture reduced_;
+  std::vector<float> x_, y_, levels_, transformed_;
 };
 
 }  // namespace tribotrack::vision

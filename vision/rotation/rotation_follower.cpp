@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
+
+#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -28,15 +31,44 @@ Eigen::ArrayXcd phases(Eigen::Index count, double theta) {
   return out;
 }
 
-Harmonics turned_back(const Harmonics& seen, double theta) {
-  return seen.rowwise() * phases(seen.cols(), theta).transpose();
+/// Sums over one ring, added to five numbers for each harmonic: Re and Im of w conj(T) P, w |T|^2, w |P|^2.
+TRIBOTRACK_CLONES void add_ring(const float* w, const float* t_re, const float* t_im, const float* p_re,
+                                const float* p_im, std::ptrdiff_t orders, float* sums) {
+  float *re = sums, *im = sums + orders, *mean = sums + 2 * orders, *seen = sums + 3 * orders;
+  for (std::ptrdiff_t m = 0; m < orders; ++m) {
+    re[m] += w[m] * (t_re[m] * p_re[m] + t_im[m] * p_im[m]);
+    im[m] += w[m] * (t_re[m] * p_im[m] - t_im[m] * p_re[m]);
+    mean[m] += w[m] * (t_re[m] * t_re[m] + t_im[m] * t_im[m]);
+    seen[m] += w[m] * (p_re[m] * p_re[m] + p_im[m] * p_im[m]);
+  }
+}
+
+RingSums ring_sums(const Eigen::ArrayXXf& weights, const Harmonics& mean, const Harmonics& seen) {
+  const Eigen::Index orders = weights.rows();
+  Eigen::ArrayXXf sums = Eigen::ArrayXXf::Zero(orders, 4);
+  for (Eigen::Index k = 0; k < weights.cols(); ++k)
+    add_ring(weights.col(k).data(), mean.re.col(k).data(), mean.im.col(k).data(), seen.re.col(k).data(),
+             seen.im.col(k).data(), orders, sums.data());
+  RingSums out{Eigen::ArrayXcd(orders), sums.col(2).cast<double>(), sums.col(3).cast<double>()};
+  out.correlation.real() = sums.col(0).cast<double>();
+  out.correlation.imag() = sums.col(1).cast<double>();
+  return out;
+}
+
+/// t += share (p c - t) with the phases c, of one ring.
+TRIBOTRACK_CLONES void learn_ring(const float* p_re, const float* p_im, const float* c_re, const float* c_im,
+                                  float share, std::ptrdiff_t orders, float* t_re, float* t_im) {
+  for (std::ptrdiff_t m = 0; m < orders; ++m) {
+    t_re[m] += share * (p_re[m] * c_re[m] - p_im[m] * c_im[m] - t_re[m]);
+    t_im[m] += share * (p_re[m] * c_im[m] + p_im[m] * c_re[m] - t_im[m]);
+  }
 }
 
 }  // namespace
 
-RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXd& weights, std::int64_t frame)
+RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXf& weights, std::int64_t frame)
     : weights_(weights),
-      orders_(Eigen::ArrayXd::LinSpaced(first.cols(), 0, static_cast<double>(first.cols() - 1))),
+      orders_(Eigen::ArrayXd::LinSpaced(first.orders(), 0, static_cast<double>(first.orders() - 1))),
       mean_(first),
       frame_(frame) {
   const auto count = static_cast<double>((weights_ > 0).count());
@@ -44,14 +76,7 @@ RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXd
 }
 
 double RotationFollower::information() const {
-  return (weights_ * mean_.abs2())
-      .matrix()
-      .colwise()
-      .sum()
-      .transpose()
-      .array()
-      .matrix()
-      .dot(orders_.square().matrix());
+  return (ring_sums(weights_, mean_, mean_).of_mean * orders_.square()).sum();
 }
 
 double RotationFollower::predicted(std::int64_t frame) const {
@@ -59,18 +84,17 @@ double RotationFollower::predicted(std::int64_t frame) const {
 }
 
 std::optional<Turn> RotationFollower::step(const Harmonics& seen, std::int64_t frame) {
-  const Eigen::ArrayXcd correlation = (weights_ * (mean_.conjugate() * seen)).colwise().sum().transpose();
+  const RingSums sums = ring_sums(weights_, mean_, seen);
   const double expected = predicted(frame);
-  double theta = climb(correlation, expected);
-  if (correlation_at(seen, theta) < kConfirms * usual_)
-    theta = climb(correlation, best_angle(correlation, expected));
-  const double agreement = correlation_at(seen, theta);
+  double theta = climb(sums.correlation, expected);
+  if (correlation_at(sums, theta) < kConfirms * usual_)
+    theta = climb(sums.correlation, best_angle(sums.correlation, expected));
+  const double agreement = correlation_at(sums, theta);
   if (agreement < chance_) return std::nullopt;
   usual_ += 0.2 * (agreement - usual_);
   theta += 2 * pi * std::round((expected - theta) / (2 * pi));
-  const Harmonics back = turned_back(seen, theta);
-  const Turn turn = judged(back, theta);
-  learn(back, theta, frame);
+  const Turn turn = judged(sums, theta);
+  learn(seen, theta, frame);
   return turn;
 }
 
@@ -91,10 +115,12 @@ double RotationFollower::climb(const Eigen::ArrayXcd& correlation, double theta)
 /// Of all angles the nearest one that is nearly as good as the best.
 double RotationFollower::best_angle(const Eigen::ArrayXcd& correlation, double near) const {
   const int count = 4 * static_cast<int>(correlation.size());
-  Eigen::ArrayXd merit(count);
-  for (int k = 0; k < count; ++k) {
-    merit(k) = (correlation * phases(correlation.size(), near + 2 * pi * k / count)).real().sum();
-  }
+  // Re sum_m C_m exp(i m (near + 2 pi k / count)) for all k.
+  Eigen::ArrayXcd padded = Eigen::ArrayXcd::Zero(count), turned(count);
+  padded.head(correlation.size()) = correlation * phases(correlation.size(), near);
+  cv::Mat to(1, count, CV_64FC2, turned.data());
+  cv::dft(cv::Mat(1, count, CV_64FC2, padded.data()), to, cv::DFT_INVERSE);
+  const Eigen::ArrayXd merit = turned.real();
   const double top = merit.maxCoeff();
   double best = near, distance = 10;
   for (int k = 0; k < count; ++k) {
@@ -109,26 +135,30 @@ double RotationFollower::best_angle(const Eigen::ArrayXcd& correlation, double n
   return best;
 }
 
-double RotationFollower::correlation_at(const Harmonics& seen, double theta) const {
-  const Harmonics back = turned_back(seen, theta);
-  const double product = (weights_ * (mean_.conjugate() * back).real()).sum();
-  const double squares = (weights_ * mean_.abs2()).sum() * (weights_ * back.abs2()).sum();
+double RotationFollower::correlation_at(const RingSums& sums, double theta) const {
+  const double product = (sums.correlation * phases(orders_.size(), theta)).real().sum();
+  const double squares = sums.of_mean.sum() * sums.of_seen.sum();
   return squares > 0 ? product / std::sqrt(squares) : 0;
 }
 
 /// Rings of one harmonic err together, harmonics each for itself.
-Turn RotationFollower::judged(const Harmonics& back, double theta) const {
-  const double gain = (weights_ * (mean_.conjugate() * back).real()).sum() / (weights_ * mean_.abs2()).sum();
-  const Eigen::ArrayXd pulls =
-      orders_ * (gain * weights_ * (mean_.conjugate() * back).imag()).colwise().sum().transpose();
-  const auto used = static_cast<double>((weights_.colwise().sum() > 0).count());
-  return {theta, gain * gain * information(), pulls.square().sum() * used / std::max(1.0, used - 1)};
+Turn RotationFollower::judged(const RingSums& sums, double theta) const {
+  const Eigen::ArrayXcd back = sums.correlation * phases(orders_.size(), theta);
+  const double gain = back.real().sum() / sums.of_mean.sum();
+  const Eigen::ArrayXd pulls = orders_ * gain * back.imag();
+  const auto used = static_cast<double>((weights_.rowwise().sum() > 0).count());
+  return {theta, gain * gain * (sums.of_mean * orders_.square()).sum(),
+          pulls.square().sum() * used / std::max(1.0, used - 1)};
 }
 
-void RotationFollower::learn(const Harmonics& back, double theta, std::int64_t frame) {
+void RotationFollower::learn(const Harmonics& seen, double theta, std::int64_t frame) {
   const double turned = theta - theta_;
   share_ = std::max(1 / (1 / share_ + 1), 1 - std::exp(-std::abs(turned) / kMemory));
-  mean_ += share_ * (back - mean_);
+  const Eigen::ArrayXcf back = phases(orders_.size(), theta).cast<std::complex<float>>();
+  const Eigen::ArrayXf re = back.real(), im = back.imag();
+  for (Eigen::Index k = 0; k < mean_.rings(); ++k)
+    learn_ring(seen.re.col(k).data(), seen.im.col(k).data(), re.data(), im.data(), static_cast<float>(share_),
+               orders_.size(), mean_.re.col(k).data(), mean_.im.col(k).data());
   rate_ += kNewest * (turned / static_cast<double>(frame - frame_) - rate_);
   theta_ = theta;
   frame_ = frame;

@@ -20,9 +20,16 @@ struct Turn {
   double scatter = 0;      ///< sum of the squared pulls of the harmonics: variance of the criterion's slope
 };
 
+/// Of the mean T and a picture P over all rings, for each harmonic: sum w conj(T) P, sum w |T|^2, sum w
+/// |P|^2. P turned back has the same but for a phase.
+struct RingSums {
+  Eigen::ArrayXcd correlation;
+  Eigen::ArrayXd of_mean, of_seen;
+};
+
 class RotationFollower {
  public:
-  RotationFollower(const Harmonics& first, const Eigen::ArrayXXd& weights, std::int64_t frame);
+  RotationFollower(const Harmonics& first, const Eigen::ArrayXXf& weights, std::int64_t frame);
 
   /// Frames must come in order. Nothing where the part does not look like what was seen so far.
   std::optional<Turn> step(const Harmonics& seen, std::int64_t frame);
@@ -33,11 +40,11 @@ class RotationFollower {
   double predicted(std::int64_t frame) const;
   double climb(const Eigen::ArrayXcd& correlation, double theta) const;
   double best_angle(const Eigen::ArrayXcd& correlation, double near) const;
-  double correlation_at(const Harmonics& seen, double theta) const;
-  Turn judged(const Harmonics& turned_back, double theta) const;
-  void learn(const Harmonics& turned_back, double theta, std::int64_t frame);
+  double correlation_at(const RingSums& sums, double theta) const;
+  Turn judged(const RingSums& sums, double theta) const;
+  void learn(const Harmonics& seen, double theta, std::int64_t frame);
 
-  Eigen::ArrayXXd weights_;
+  Eigen::ArrayXXf weights_;
   Eigen::ArrayXd orders_;  ///< m
   Harmonics mean_;
   double chance_ = 0;  ///< correlation that noise reaches

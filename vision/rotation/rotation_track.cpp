@@ -14,14 +14,15 @@ constexpr double kFewest = 0.5;     ///< of the frames must show the rotation
 constexpr double kLargestSd = 0.2;  ///< rad: known less well than that it is not seen
 
 /// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
-Eigen::ArrayXXd inner_half(const Harmonics& first, const Eigen::ArrayXXd& weights) {
-  const Eigen::ArrayXd orders =
-      Eigen::ArrayXd::LinSpaced(first.cols(), 0, static_cast<double>(first.cols() - 1));
-  const Eigen::ArrayXd of_ring = ((weights * first.abs2()).matrix() * orders.square().matrix()).array();
-  Eigen::ArrayXXd inner = Eigen::ArrayXXd::Zero(weights.rows(), weights.cols());
-  double sum = 0;
-  for (Eigen::Index k = 0; k + 1 < weights.rows() && (k == 0 || sum < 0.5 * of_ring.sum()); ++k) {
-    inner.row(k) = weights.row(k);
+Eigen::ArrayXXf inner_half(const Harmonics& first, const Eigen::ArrayXXf& weights) {
+  const Eigen::ArrayXf orders =
+      Eigen::ArrayXf::LinSpaced(first.orders(), 0, static_cast<float>(first.orders() - 1));
+  const Eigen::ArrayXXf square = first.re.square() + first.im.square();
+  const Eigen::ArrayXf of_ring = ((weights * square).colwise() * orders.square()).colwise().sum().transpose();
+  Eigen::ArrayXXf inner = Eigen::ArrayXXf::Zero(weights.rows(), weights.cols());
+  float sum = 0;
+  for (Eigen::Index k = 0; k + 1 < weights.cols() && (k == 0 || sum < 0.5F * of_ring.sum()); ++k) {
+    inner.col(k) = weights.col(k);
     sum += of_ring(k);
   }
   return inner;
@@ -34,7 +35,7 @@ struct Turns {
   std::size_t seen = 0;
 };
 
-Turns followed(FrameSource& source, const std::vector<PlacedFrame>& frames, const RingHarmonics& rings) {
+Turns followed(FrameSource& source, const std::vector<PlacedFrame>& frames, RingHarmonics& rings) {
   Turns out;
   Picture window;
   std::optional<RotationFollower> all, inner, outer;
@@ -43,7 +44,7 @@ Turns followed(FrameSource& source, const std::vector<PlacedFrame>& frames, cons
     source.read(f.index, place, window);
     const Harmonics seen = rings.of(window, {f.centre.x - place.x, f.centre.y - place.y});
     if (!all) {
-      const Eigen::ArrayXXd near_centre = inner_half(seen, rings.weights());
+      const Eigen::ArrayXXf near_centre = inner_half(seen, rings.weights());
       all.emplace(seen, rings.weights(), f.index);
       inner.emplace(seen, near_centre, f.index);
       outer.emplace(seen, rings.weights() - near_centre, f.index);
@@ -104,7 +105,7 @@ double white_ratio(const Turns& turns, double by_halves) {
 std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
                                                      const std::vector<PlacedFrame>& frames, double radius,
                                                      double blur) {
-  const RingHarmonics rings(radius, blur);
+  RingHarmonics rings(radius, blur);
   if (!rings.usable() || frames.size() < 2) return {};
   const Turns turns = followed(source, frames, rings);
   if (turns.all.size() < frames.size() ||

@@ -119,15 +119,17 @@ Appearance first_appearance(FrameSource& source, const FrameRange& range, const 
   return {first, {}};
 }
 
-std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& options) {
-  auto found = find_discs(picture, search_for_part(options), kMostDiscs);
+std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& options, double beside_best) {
+  DiscSearch search = search_for_part(options);
+  search.beside_best = beside_best;
+  auto found = find_discs(picture, search, kMostDiscs);
   leave_out_lamp(found, options);
   return found;
 }
 
 DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t index,
                   const TrackOptions& options) {
-  const auto found = discs_in(first, options);
+  const auto found = discs_in(first, options, kAsLarge);
   if (found.empty())
     throw InputError(source.info().path.string() +
                      ": no disc was found in the first analysed frame; give it with --disc X,Y,R");

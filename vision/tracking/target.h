@@ -25,8 +25,8 @@ struct Appearance {
 /// Range.first where it is not seen at all, or need not be a disc. Throws InputError for a given disc that is
 /// not there while another one is.
 Appearance first_appearance(FrameSource& source, const FrameRange& range, const TrackOptions& options);
-/// All that may be the part, best first.
-std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& options);
+/// All that may be the part, best first; `beside_best` as in DiscSearch.
+std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& options, double beside_best = 0);
 /// The part, where its place is not given: away from a given marker, which is round too, and the largest of
 /// the discs that are supported nearly as well as the best. `first` is frame `index`. Throws InputError where
 /// no disc is found, AmbiguousTarget where others are like it.

@@ -116,7 +116,7 @@ TEST(RotationTrack, StandsInTheTrackWhereATextureShowsIt) {
 
 /// P_m of cos(m0 (phi - theta)) is exp(-i m0 theta) / 2 at m0 and 0 elsewhere.
 TEST(RingHarmonics, ARotationIsAPhase) {
-  const RingHarmonics rings(20, 0.8);
+  RingHarmonics rings(20, 0.8);
   const auto drawn = [](double theta) {
     Picture p(64, 64);
     for (int y = 0; y < 64; ++y)
@@ -125,7 +125,7 @@ TEST(RingHarmonics, ARotationIsAPhase) {
     return p;
   };
   const Harmonics still = rings.of(drawn(0), {30.8, 31.4}), turned = rings.of(drawn(0.3), {30.8, 31.4});
-  for (Eigen::Index ring = 6; ring < still.rows(); ++ring) {
+  for (Eigen::Index ring = 6; ring < still.rings(); ++ring) {
     EXPECT_NEAR(std::abs(still(ring, 5) - 0.5), 0, 2e-3) << ring;
     EXPECT_NEAR(std::abs(turned(ring, 5) - 0.5 * std::polar(1.0, -1.5)), 0, 2e-3) << ring;
     EXPECT_NEAR(std::abs(still(ring, 4)), 0, 2e-3);
