@@ -161,6 +161,10 @@ std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,
 /// (.cih, .cihx) that states the capture rate. Throws InputError where there is no such recording.
 std::vector<std::filesystem::path> files_of_recording(const std::filesystem::path& path);
 
+/// Bytes of a file before its first picture, where the format keeps there what it tells of each (.cine:
+/// times, exposures, places). 0 for other formats and where it cannot be read.
+std::uint64_t bytes_before_pictures(const std::filesystem::path& path);
+
 /// Whether the file's name holds one number to be filled in, as in "dir/%05d.png". The name alone decides, so
 /// it holds for recordings that are still to be written.
 bool is_number_pattern(const std::filesystem::path& path);

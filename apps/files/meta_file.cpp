@@ -14,8 +14,10 @@ Json MetaFile::json() const {
   meta["schema"] = kSchemaVersion;
   meta["command"] = command;
   meta["inputs"] = Json::array();
-  for (const Input& input : inputs)
+  for (const Input& input : inputs) {
     meta["inputs"].push_back({{"path", input.path.string()}, {"xxh3_128", input.xxh3_128}});
+    if (!input.hashed.empty()) meta["inputs"].back()["hashed"] = input.hashed;
+  }
   meta["configuration"] = configuration;
   for (const auto& [key, value] : more.items()) meta[key] = value;
   return meta;

@@ -231,7 +231,8 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
     facts.in_camera_frame = meta.value("frame_of_reference", "") == "camera";
     facts.warnings = summary.value("warnings", std::vector<std::string>());
     for (const Json& input : meta.value("inputs", Json::array()))
-      facts.recorded_in.push_back({input.at("path").get<std::string>(), input.value("xxh3_128", "")});
+      facts.recorded_in.push_back(
+          {input.at("path").get<std::string>(), input.value("xxh3_128", ""), input.value("hashed", "")});
     for (const Json& stage : meta.value("plan", Json::array()))
       facts.plan.push_back({stage.at("stage").get<std::string>(), stage.at("on").get<bool>(),
                             stage.value("reason", ""), number_at(stage, "error_bound_px")});

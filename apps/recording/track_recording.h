@@ -46,7 +46,7 @@ struct PreparedJob {
   InputState state;
 };
 
-/// Reads the recording once, to hash it. Throws InvalidInput.
+/// Hashes the recording. Throws InvalidInput.
 PreparedJob prepare(RecordingJob job);
 
 struct TrackedRecording {

@@ -1,10 +1,8 @@
 #include "apps/text/input_file.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
-#include <fstream>
-#include <memory>
+#include <limits>
 
 #include "apps/program/errors.h"
 #include "vision/frame_source.h"
@@ -12,30 +10,6 @@
 namespace tribotrack::apps {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string hex(const XXH128_hash_t& hash) {
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
-void add_file(XXH3_state_t* state, const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream)
-    throw InvalidInput(fmt::format("{}: cannot be read; check its name and permissions", path.string()));
-  std::vector<char> block(1 << 20);
-  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
-    XXH3_128bits_update(state, block.data(), static_cast<std::size_t>(stream.gcount()));
-}
-
-Input hashed(const fs::path& path, const std::vector<fs::path>& files) {
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
-  XXH3_128bits_reset(state.get());
-  for (const fs::path& file : files) add_file(state.get(), file);
-  return {path, hex(XXH3_128bits_digest(state.get()))};
-}
-
-}  // namespace
 
 bool may_be_recording(const fs::path& path) {
   return fs::exists(path) || vision::is_number_pattern(path);
@@ -50,19 +24,21 @@ std::vector<fs::path> files_of_input(const fs::path& path) {
 }
 
 Input hashed_input(const fs::path& path) {
-  return hashed(path, {path});
+  Sampling whole;
+  whole.whole_up_to = std::numeric_limits<std::uint64_t>::max();
+  return {path, hash_of_files({path}, whole).xxh3_128};
 }
 
 Input hashed_recording(const fs::path& path) {
-  return hashed(path, vision::files_of_recording(path));
+  const ContentHash hash = hash_of_files(vision::files_of_recording(path), {});
+  Input input{path, hash.xxh3_128};
+  if (hash.sampled_bytes > 0)
+    input.hashed = fmt::format("sample of {:.1f} MiB", static_cast<double>(hash.sampled_bytes) / (1 << 20));
+  return input;
 }
 
 Input hashed_input(const fs::path& path, std::string_view text) {
   return {path, hash_of_text(text)};
-}
-
-std::string hash_of_text(std::string_view text) {
-  return hex(XXH3_128bits(text.data(), text.size()));
 }
 
 InputState::InputState(const std::vector<fs::path>& inputs) {

@@ -1,11 +1,12 @@
 // What a command reads: which files, and their content as it was when it was read.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "apps/text/content_hash.h"
 
 namespace tribotrack::apps {
 
@@ -13,6 +14,7 @@ namespace tribotrack::apps {
 struct Input {
   std::filesystem::path path;
   std::string xxh3_128;
+  std::string hashed = {};  ///< "sample of 18.0 MiB" where not every byte was (content_hash.h); else empty
 };
 
 /// Is there such a recording: a file, a folder, or a printf pattern (whose pictures are looked for later)?
@@ -23,12 +25,11 @@ std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& p
 
 /// Reads a single file. Throws InvalidInput.
 Input hashed_input(const std::filesystem::path& path);
-/// Reads all files of a recording. Throws InvalidInput, and vision::InputError where there is none.
+/// Reads all files of a recording, of large ones a sample. Throws InvalidInput, and vision::InputError where
+/// there is none.
 Input hashed_recording(const std::filesystem::path& path);
 /// Of a file whose text was read already.
 Input hashed_input(const std::filesystem::path& path, std::string_view text);
-
-std::string hash_of_text(std::string_view text);
 
 /// Size and time of last change of every file of some inputs: cheap to compare after a long computation.
 class InputState {

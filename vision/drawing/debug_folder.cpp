@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/io/png.h"
 #include "vision/io/temporary_file.h"
 #include "vision/overlay.h"
 
@@ -164,12 +164,6 @@ cv::Mat drawn(const StageCurve& curve) {
              place(curve.points[k].x, curve.points[k].y), kCurve, 2, cv::LINE_AA);
   text(image, fmt::format("x: {};  y: {}", curve.x_label, curve.y_label), kLeft, kHeight - 12);
   return image;
-}
-
-std::vector<unsigned char> png_of(const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", image, bytes);
-  return bytes;
 }
 
 void write_file(const std::filesystem::path& path, const char* bytes, std::size_t size) {

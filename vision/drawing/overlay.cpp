@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "vision/frame_sink.h"
+#include "vision/io/png.h"
 #include "vision/io/temporary_file.h"
 
 namespace tribotrack::vision {
@@ -166,10 +166,8 @@ void write_png(FrameSource& source, const TrackResult& result, const std::filesy
       1,
       std::to_string(s.ok) + " ok, " + std::to_string(s.lost) + " lost, " + std::to_string(s.edge) + " edge",
       kText);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", canvas.image(), bytes);
   TemporaryFile file(path);
-  file.write(bytes);
+  file.write(png_of(canvas.image()));
   file.commit();
 }
 
@@ -234,9 +232,7 @@ void write_overlay(FrameSource& source, const TrackResult& result, const std::fi
 
 std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number) {
   const Picture first = source.read(frame_number - source.info().first_number);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", Stretch(first)(first), bytes);
-  return bytes;
+  return png_of(Stretch(first)(first));
 }
 
 std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,
@@ -248,9 +244,7 @@ std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t 
     canvas.number(discs[k], static_cast<int>(k) + 1, kOutline);
   }
   canvas.text(0, "frame " + std::to_string(frame_number) + ": which of these is the part?", kText);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", canvas.image(), bytes);
-  return bytes;
+  return png_of(canvas.image());
 }
 
 }  // namespace tribotrack::vision

@@ -57,6 +57,10 @@ std::vector<fs::path> files_of_recording(const fs::path& path) {
   return files;
 }
 
+std::uint64_t bytes_before_pictures(const fs::path& path) {
+  return looks_like_cine(path) ? cine_head_bytes(path) : 0;
+}
+
 bool is_number_pattern(const fs::path& path) {
   try {
     return NumberPattern::parse(path).has_value();

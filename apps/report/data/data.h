@@ -209,7 +209,7 @@ enum class ReportVerdict { identifiable, weak, not_identifiable };
 /// An input file by its bytes.
 struct ReportSource {
   std::string name;
-  std::string hash;  ///< with its kind: "sha256:...", "xxh3-128:..."
+  std::string hash;  ///< with its kind: "xxh3-128:...", and what of the file it is of where not all
 };
 
 struct ReportData {

@@ -51,8 +51,8 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
     data.given.push_back({item.key(), fixed.at(item.key()).number(), "campaign, held fixed"});
 }
 
-ReportSource source_of(const std::string& path, const std::string& xxh3_128) {
-  return {file_name(path), "xxh3-128:" + xxh3_128};
+ReportSource source_of(const std::string& path, const std::string& xxh3_128, const std::string& hashed) {
+  return {file_name(path), "xxh3-128:" + xxh3_128 + (hashed.empty() ? "" : ", " + hashed)};
 }
 
 /// The median; NaN where none is finite.
@@ -73,7 +73,8 @@ void add_provenance(const Json& meta, ReportData& data) {
   data.program_version = text_at(meta, "version");
   const JsonPlace inputs = place.at("inputs").list();
   for (std::size_t k = 0; k < inputs.value.size(); ++k)
-    data.inputs.push_back(source_of(inputs.at(k).at("path").text(), inputs.at(k).at("xxh3_128").text()));
+    data.inputs.push_back(source_of(inputs.at(k).at("path").text(), inputs.at(k).at("xxh3_128").text(),
+                                    text_at(inputs.at(k).value, "hashed")));
   if (!data.inputs.empty()) data.title = title_of(inputs.at(0).at("path").text());
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
 }
@@ -107,7 +108,7 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
 
 void add_recording(const TrackFile& track, ReportData& data) {
   for (const Input& input : track.facts.recorded_in)
-    data.inputs.push_back(source_of(input.path.string(), input.xxh3_128));
+    data.inputs.push_back(source_of(input.path.string(), input.xxh3_128, input.hashed));
 }
 
 }  // namespace tribotrack::apps

@@ -257,6 +257,15 @@ bool looks_like_cine(const std::filesystem::path& path) {
   return mark == std::array<char, 4>{'C', 'I', 0x2C, 0};
 }
 
+std::uint64_t cine_head_bytes(const std::filesystem::path& path) {
+  try {
+    const auto offsets = read_cine_header(MappedFile(path)).image_offsets;
+    return *std::ranges::min_element(offsets);
+  } catch (const InputError&) {  // said by open_cine
+    return 0;
+  }
+}
+
 std::unique_ptr<FrameSource> open_cine(const std::filesystem::path& path, const SourceOptions& options) {
   return std::make_unique<CineSource>(path, options);
 }

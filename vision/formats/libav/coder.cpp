@@ -6,8 +6,9 @@
 #include <cstring>
 #include <span>
 
+#include "vision/formats/libav/library.h"
+
 extern "C" {
-#include <libavcodec/avcodec.h>
 #include <libavutil/motion_vector.h>
 #include <libavutil/video_enc_params.h>
 }
@@ -18,7 +19,7 @@ namespace {
 constexpr int kCell = CodedFrame::kCell;
 
 int properties(AVCodecID id) {
-  const AVCodecDescriptor* descriptor = avcodec_descriptor_get(id);
+  const AVCodecDescriptor* descriptor = libav().avcodec_descriptor_get(id);
   return descriptor ? descriptor->props : 0;
 }
 
@@ -104,7 +105,7 @@ std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& firs
     return std::nullopt;
   if (coder.settings.find(" lossless ") != std::string::npos) return std::nullopt;
   const bool named = !coder.settings.empty();
-  coder.name = named ? coder.settings.substr(0, 4) : avcodec_get_name(id);
+  coder.name = named ? coder.settings.substr(0, 4) : libav().avcodec_get_name(id);
   coder.grid = id == AV_CODEC_ID_HEVC || id == AV_CODEC_ID_VP9 || id == AV_CODEC_ID_AV1 ? 16 : 8;
   coder.dead_zone = dead_zone_of(id, coder.settings);
   coder.known = coder.name == "x264" || id == AV_CODEC_ID_MJPEG || id == AV_CODEC_ID_MPEG4;
@@ -113,16 +114,16 @@ std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& firs
 
 CodedFrame coded_frame_of(const AVCodecContext& decoder, const AVFrame& frame, float table_step) {
   CodedFrame coded;
-  const char type = av_get_picture_type_char(frame.pict_type);
+  const char type = libav().av_get_picture_type_char(frame.pict_type);
   coded.type = type == 'S' ? 'P' : type;
-  const AVFrameSideData* steps = av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
+  const AVFrameSideData* steps = libav().av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
   if (!steps && !(table_step > 0)) return coded;
   coded.columns = (frame.width + kCell - 1) / kCell;
   coded.rows = (frame.height + kCell - 1) / kCell;
   coded.cells.assign(static_cast<std::size_t>(coded.columns * coded.rows),
                      {CodedCell::Kind::intra, table_step});
   if (steps) take_steps(*steps, decoder.codec_id, coded);
-  if (const auto* vectors = av_frame_get_side_data(&frame, AV_FRAME_DATA_MOTION_VECTORS))
+  if (const auto* vectors = libav().av_frame_get_side_data(&frame, AV_FRAME_DATA_MOTION_VECTORS))
     take_vectors(*vectors, coded);
   return coded;
 }

@@ -6,10 +6,7 @@
 #include <new>
 #include <utility>
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-}
+#include "vision/formats/libav/library.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -28,42 +25,42 @@ void keep_complaint(void*, int level, const char* format, va_list arguments) {
 }  // namespace
 
 void LibavDelete::operator()(AVCodecContext* context) const {
-  avcodec_free_context(&context);
+  libav().avcodec_free_context(&context);
 }
 void LibavDelete::operator()(AVFrame* frame) const {
-  av_frame_free(&frame);
+  libav().av_frame_free(&frame);
 }
 void LibavDelete::operator()(AVPacket* packet) const {
-  av_packet_free(&packet);
+  libav().av_packet_free(&packet);
 }
 void LibavCloseInput::operator()(AVFormatContext* context) const {
-  avformat_close_input(&context);
+  libav().avformat_close_input(&context);
 }
 void LibavCloseOutput::operator()(AVFormatContext* context) const {
-  if (context->pb) avio_closep(&context->pb);
-  avformat_free_context(context);
+  if (context->pb) libav().avio_closep(&context->pb);
+  libav().avformat_free_context(context);
 }
 
 LibavFrame make_libav_frame() {
-  LibavFrame frame(av_frame_alloc());
+  LibavFrame frame(libav().av_frame_alloc());
   if (!frame) throw std::bad_alloc();
   return frame;
 }
 
 LibavPacket make_libav_packet() {
-  LibavPacket packet(av_packet_alloc());
+  LibavPacket packet(libav().av_packet_alloc());
   if (!packet) throw std::bad_alloc();
   return packet;
 }
 
 void silence_libav() {
   static std::once_flag once;
-  std::call_once(once, [] { av_log_set_callback(keep_complaint); });
+  std::call_once(once, [] { libav().av_log_set_callback(keep_complaint); });
 }
 
 std::string libav_error(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = "";
-  av_strerror(code, text, sizeof text);
+  libav().av_strerror(code, text, sizeof text);
   std::string message = text;
   if (const std::string complaint = take_libav_complaint(); !complaint.empty())
     message += " (" + complaint + ")";

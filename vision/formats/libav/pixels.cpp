@@ -2,12 +2,8 @@
 
 #include <stdexcept>
 
+#include "vision/formats/libav/library.h"
 #include "vision/io/level_conversion.h"
-
-extern "C" {
-#include <libavutil/frame.h>
-#include <libavutil/pixdesc.h>
-}
 
 namespace tribotrack::vision {
 namespace {
@@ -58,7 +54,7 @@ void palette_row(const AVFrame& frame, int x, int y, std::span<float> levels) {
 }  // namespace
 
 LibavPixelForm libav_pixel_form(int format) {
-  const AVPixFmtDescriptor* form = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format));
+  const AVPixFmtDescriptor* form = libav().av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format));
   if (!form) throw std::invalid_argument("its pixels are of no known kind");
   const std::string name = form->name;
   if (form->flags & AV_PIX_FMT_FLAG_BAYER)
@@ -80,7 +76,7 @@ LibavPixelForm libav_pixel_form(int format) {
 }
 
 void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& picture) {
-  const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const AVPixFmtDescriptor& form = *libav().av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   for (int y = 0; y < window.height; ++y) {
     const std::span<float> levels = picture.row(y);
     if (form.flags & AV_PIX_FMT_FLAG_PAL) {

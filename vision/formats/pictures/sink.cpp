@@ -1,12 +1,12 @@
 #include "vision/formats/pictures/sink.h"
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
-#include <vector>
 
+#include "vision/formats/pictures/imgcodecs.h"
 #include "vision/formats/pictures/names.h"
 #include "vision/io/in_quotes.h"
+#include "vision/io/png.h"
 #include "vision/io/sink_levels.h"
 #include "vision/io/temporary_file.h"
 
@@ -65,12 +65,7 @@ class PictureSink : public FrameSink {
                        " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
                        path_.extension().string() + "'");
     if (count_ > 0) files_.emplace_back(name_of(count_));
-    std::vector<unsigned char> bytes;
-    const bool tiff = options_.codec == Codec::tiff;
-    const std::vector<int> parameters = tiff ? std::vector<int>{cv::IMWRITE_TIFF_COMPRESSION, 1}
-                                             : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 2};
-    cv::imencode(tiff ? ".tif" : ".png", image, bytes, parameters);
-    files_.back().write(bytes);
+    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
     ++count_;
   }
 

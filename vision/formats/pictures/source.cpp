@@ -2,8 +2,8 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "vision/formats/pictures/imgcodecs.h"
 #include "vision/formats/pictures/tiff_pages.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/level_conversion.h"
@@ -118,7 +118,7 @@ class PictureSequence : public DecodedPictures {
   cv::Mat decode(std::int64_t index) override {
     const fs::path& file = files_[static_cast<std::size_t>(index)];
     require_readable_file(file);
-    return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    return read_picture(file.string());
   }
   std::string frame_name(std::int64_t index) const override {
     return files_[static_cast<std::size_t>(index)].string();
@@ -140,14 +140,13 @@ class PictureStack : public DecodedPictures {
 
  private:
   cv::Mat decode(std::int64_t index) override {
-    if (info_.frame_count == 1) return cv::imread(path_.string(), cv::IMREAD_UNCHANGED);
+    if (info_.frame_count == 1) return read_picture(path_.string());
     constexpr std::int64_t pages_at_a_time = 16;
     if (index < first_page_ || index >= first_page_ + static_cast<std::int64_t>(pages_.size())) {
       pages_.clear();
       first_page_ = index;
       const auto count = std::min(pages_at_a_time, info_.frame_count - index);
-      cv::imreadmulti(path_.string(), pages_, static_cast<int>(index), static_cast<int>(count),
-                      cv::IMREAD_UNCHANGED);
+      pages_ = read_pages(path_.string(), static_cast<int>(index), static_cast<int>(count));
     }
     const auto slot = static_cast<std::size_t>(index - first_page_);
     return slot < pages_.size() ? pages_[slot] : cv::Mat();
