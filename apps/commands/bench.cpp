@@ -29,6 +29,9 @@ struct BenchOptions {
   std::string output;
   bool quick = false;
   std::optional<int> campaigns;
+  std::vector<int> frames;
+  std::vector<double> diameters;
+  std::string keep;
 };
 
 std::string cpu_name() {
@@ -53,7 +56,9 @@ Json circumstances() {
   json["compiler"] = TRIBOTRACK_COMPILER;
   json["compiler_flags"] = TRIBOTRACK_COMPILER_FLAGS;
   json["threads"] = 1;
-  json["clock"] = "CPU time of the measuring thread; medians of repetitions in which the methods take turns";
+  json["clock"] =
+      "CPU time of the measuring thread, of whole commands of their process; medians of repetitions in which "
+      "the methods take turns";
   json["load_average_before"] = load_average();
   json["reference"] = {{"model",
                         "Dormand-Prince 5(4) in extended precision (64-bit mantissa), segmented at the "
@@ -170,6 +175,20 @@ class Bench {
         {"rows", rows.size()}, {"limit_rows", limits.size()}, {"decoding_rows", decodings.size()}};
   }
 
+  void commands() {
+    bench::WholeCommandOptions options;
+    if (options_.quick) options = bench::quick_whole_command_options();
+    options.program = fs::read_symlink("/proc/self/exe");
+    if (!options_.frames.empty()) options.frames = options_.frames;
+    if (!options_.diameters.empty()) options.diameters = options_.diameters;
+    options.keep = options_.keep;
+    Progress progress("bench commands", context_.quiet);
+    options.progress = [&](int done, int total) { progress.update(done, total); };
+    const auto rows = bench::bench_whole_commands(options);
+    keep("bench_commands", table_of(rows));
+    results_["commands"] = {{"rows", rows.size()}};
+  }
+
   void fit() {
     bench::FitBenchOptions options;
     options.quick = options_.quick;
@@ -235,7 +254,9 @@ void run_bench(const BenchOptions& options, const Context& context) {
   Bench measurements(options, context);
   const bool all = options.what == "all";
   if (all || options.what == "model") measurements.model();
-  if (all || options.what == "vision") measurements.vision();
+  const bool vision = all || options.what == "vision";
+  if (vision) measurements.vision();
+  if (vision || options.what == "commands") measurements.commands();
   if (all || options.what == "fit") measurements.fit();
   measurements.finish();
 }
@@ -261,17 +282,19 @@ void add_bench(CLI::App& app, Context& context) {
           "WHAT", options->what,
           "model: integrators, the table of extremes, what the plan saves, many runs at once, the paper's "
           "claims (a minute); vision: sub-pixel methods on rendered scenes, the tracker against the "
-          "physical limit, and against the decoding of recordings (a quarter of an hour); fit: exact "
-          "derivatives against differences, and how often the "
-          "intervals of simulated campaigns of eleven designs hold (some minutes, on all cores); all")
-      ->check(CLI::IsMember({"model", "vision", "fit", "all"}))
+          "physical limit, and against the decoding of recordings (a quarter of an hour), and all of "
+          "`commands`; commands: `track` from the start of its process to its end, beside whole commands of "
+          "others, with the share of each stage (an hour); fit: exact derivatives against differences, and "
+          "how often the intervals of simulated campaigns of eleven designs hold (some minutes, on all "
+          "cores); all")
+      ->check(CLI::IsMember({"model", "vision", "commands", "fit", "all"}))
       ->required();
   command
       .add_option(
           "-o,--output", options->output,
           "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
           "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
-          "bench_vision_decoding.csv, bench_fit.csv, bench_fit_coverage.csv, their "
+          "bench_vision_decoding.csv, bench_commands.csv, bench_fit.csv, bench_fit_coverage.csv, their "
           "plots (.svg) and bench.json (CPU, compiler flags, how the references were made, solvers this "
           "build lacks)")
       ->type_name("DIR")
@@ -282,15 +305,38 @@ void add_bench(CLI::App& app, Context& context) {
           "fit: simulated campaigns of each design and noise level (default 200, of tracks at most 50): "
           "2000 tell a coverage to 1 %")
       ->check(CLI::Range(1, 1'000'000));
-  command.add_flag("--quick", options->quick,
-                   "Few and short cases, seconds in all: a check that it works, not a measurement");
+  CLI::Option* frames =
+      command
+          .add_option(
+              "--frames", options->frames,
+              "commands: lengths of the recordings (default 100,500,2000). Pictures are 1280 x 800, beyond "
+              "5000 frames 640 x 400, of which 20000 take 5 GB uncompressed")
+          ->delimiter(',')
+          ->check(CLI::Range(24, 1'000'000))
+          ->type_name("N,N,...");
+  CLI::Option* diameters =
+      command.add_option("--diameters", options->diameters, "commands: of the disc, px (default 60,120,300)")
+          ->delimiter(',')
+          ->check(CLI::Range(24, 300))
+          ->type_name("D,D,...");
+  command
+      .add_option("--keep", options->keep,
+                  "commands: keep the recordings in this folder, and use those that are there (default: "
+                  "temporary ones, removed)")
+      ->type_name("DIR");
+  command
+      .add_flag("--quick", options->quick,
+                "Few and short cases, seconds in all: a check that it works, not a measurement")
+      ->excludes(frames)
+      ->excludes(diameters);
   add_common(
       command, context,
       "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to "
       "stdout. Where another\nmethod is more accurate or faster, the table marks it PEER WINS. One thread is "
-      "used\nwhatever --threads is, but two for the measured sweep of a million and all for the\nsimulated "
-      "campaigns of `bench fit`. `bench model` includes SUNDIALS and Boost.odeint where\nthe program was "
-      "built with them (CMake option TRIBOTRACK_PEERS), else it names what is missing." +
+      "used\nwhatever --threads is, but two for the measured sweep of a million and for a column of\nwhole "
+      "commands, and all for the simulated campaigns of `bench fit`. `bench model` includes\n"
+      "SUNDIALS and Boost.odeint where the program was built with them (CMake option\nTRIBOTRACK_PEERS), "
+      "else it names what is missing." +
           peers_of_this_build());
   command.callback([options, &context] { run_bench(*options, context); });
 }

@@ -44,6 +44,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_sweep(app, context);
   add_synth(app, context);
   add_bench(app, context);
+  add_bench_peer(app);
   add_init(app, context);
 }
 
@@ -74,7 +75,8 @@ namespace {
 /// "; did you mean `track`?" for a command or an option that does not exist but is nearly one that does.
 std::string nearest_to(const CLI::App& app, int argc, const char* const* argv) {
   std::vector<std::string> commands;
-  for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (!command->get_group().empty()) commands.push_back(command->get_name());
   const std::string word = argc > 1 ? argv[1] : "";
   const auto suggest = [](const std::string& near) {
     return near.empty() ? "" : fmt::format("; did you mean `{}`?", near);

@@ -1,7 +1,9 @@
 // tribotrack track: a recording to a sub-pixel trajectory.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -237,7 +239,13 @@ void check_outputs(const TrackCommandOptions& options) {
   require_writable(outputs, inputs);
 }
 
+/// CPU time so far: of loading the libraries and reading the command line, where asked at a command's begin.
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
 void track_command(const TrackCommandOptions& options, Context& context) {
+  const double started = cpu_seconds();
   RecordingJob job = job_of(options);
   check_outputs(options);
   job.track.threads = threads_to_use(context);
@@ -254,12 +262,17 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   const PreparedJob prepared = prepare(job);
   TrackedRecording recording = track_recording(prepared, options.output);
   progress.reset();
+  auto& times = recording.result.stage_times;
+  times.insert(times.begin(), {"starting", started});
+  const auto tracked = std::chrono::steady_clock::now();
   if (!options.overlay.empty()) {
     TemporaryFile file(options.overlay, Content::pictures);
     vision::write_overlay(*recording.source, recording.result, file.name());
     file.commit();
   }
   write_track(options.output, prepared, recording);
+  const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
+  times.push_back({"writing the results", writing.count()});
 
   const vision::TrackSummary& summary = recording.result.summary;
   if (options.explain) print_explanation(recording.result);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -132,9 +133,11 @@ PreparedJob prepare(RecordingJob job) {
   PreparedJob prepared;
   std::vector<std::filesystem::path> files = {job.video};
   if (job.calibration) files.push_back(*job.calibration);
+  const auto begun = std::chrono::steady_clock::now();
   prepared.state = InputState(files);
   prepared.inputs.push_back(hashed_recording(job.video));
   if (job.calibration) prepared.inputs.push_back(hashed_input(*job.calibration));
+  prepared.hashing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   prepared.configuration =
       configuration_of(job, job.calibration ? std::optional(prepared.inputs[1]) : std::nullopt);
   prepared.key =
@@ -162,6 +165,8 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
     ask(*recording.source, question, question_picture(beside, job.video));
   }
   if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
+  auto& times = recording.result.stage_times;
+  times.insert(times.begin(), {"hashing the inputs", prepared.hashing_s});
   if (job.row_time_s != 0)
     vision::shift_to_rows(recording.result.track, job.row_time_s, 0.5 * (info.height - 1));
   prepared.state.require_unchanged();

@@ -44,14 +44,15 @@ struct PreparedJob {
   /// key in its meta file is current.
   std::string key;
   InputState state;
+  double hashing_s = 0;  ///< wall time that the inputs' hashes took
 };
 
 /// Hashes the recording. Throws InvalidInput.
 PreparedJob prepare(RecordingJob job);
 
 struct TrackedRecording {
-  std::unique_ptr<vision::FrameSource> source;  ///< still open, for pictures of the track
-  vision::TrackResult result;
+  std::unique_ptr<vision::FrameSource> source;    ///< still open, for pictures of the track
+  vision::TrackResult result;                     ///< its stage times begin with the hashing of the inputs
   std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
   std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
   TrackRows rows;                                 ///< the table

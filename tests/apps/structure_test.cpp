@@ -111,8 +111,8 @@ const std::map<std::string, Rooms> kMayUse = {
     {"apps/bench/tables",
      {"apps/bench/claims", "apps/bench/model", "apps/bench/vision", "apps/bench/fit", "apps/text"}},
     {"apps/commands",
-     {"apps/bench/tables", "apps/bench/peers", "apps/report", "apps/campaign", "apps/recording",
-      "apps/measuring", "apps/files", "apps/text", "apps/program"}},
+     {"apps/bench/tables", "apps/bench/peers", "apps/bench/vision", "apps/report", "apps/campaign",
+      "apps/recording", "apps/measuring", "apps/files", "apps/text", "apps/program"}},
     {"apps/main.cpp", {"apps/commands", "apps/program", "apps/text"}},
 };
 

@@ -13,6 +13,7 @@
 #include "apps/bench/vision/bench.h"
 #include "apps/bench/vision/decoding.h"
 #include "apps/bench/vision/limit.h"
+#include "apps/bench/vision/whole_command.h"
 #include "apps/text/svg_plot.h"
 
 namespace tribotrack::bench {
@@ -31,6 +32,7 @@ BenchTable table_of(const std::vector<PaperClaim>& claims);
 BenchTable table_of(const std::vector<VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<VisionLimitRow>& rows);
 BenchTable table_of(const std::vector<VisionDecodingRow>& rows);
+BenchTable table_of(const std::vector<WholeCommandRow>& rows);
 BenchTable table_of(const std::vector<FitBenchRow>& rows);
 BenchTable table_of(const std::vector<CoverageRow>& rows);
 

@@ -110,4 +110,59 @@ BenchTable table_of(const std::vector<VisionDecodingRow>& rows) {
           {}};
 }
 
+BenchTable table_of(const std::vector<WholeCommandRow>& rows) {
+  using Row = WholeCommandRow;
+  const auto share = [](double CommandShares::*member) {
+    return [member](const Row& r) { return Percent{r.shares.*member}; };
+  };
+  const auto called = [](const Row& r) { return r.layers_off ? "layers off" : "default"; };
+  // With one thread; the rest is what the table of times in `track --explain` does not name.
+  const Columns<Row> columns{
+      {"coding", bare(&Row::coding), "coding", "<6"},
+      {"brushed", &Row::brushed},
+      {"", [](const Row& r) { return r.brushed ? "brushed" : "plain"; }, "ground", "<8"},
+      {"diameter_px", exactly(&Row::diameter), "D, px", ">5", "{:g}"},
+      {"width_px", &Row::width},
+      {"height_px", &Row::height},
+      {"", [](const Row& r) { return fmt::format("{}x{}", r.width, r.height); }, "picture", ">9"},
+      {"frames", &Row::frames, "frames", ">6"},
+      {"layers_off", &Row::layers_off},
+      {"", called, "called", "<10"},
+      {"layered", &Row::layered},
+      {"", plan, "plan", "<7"},
+      {"repetitions", &Row::repetitions},
+      {"lost", &Row::lost},
+      {"rms_px", &Row::rms, "rms, px", ">8", "{:.5f}"},
+      {"matching_rms_px", &Row::matching_rms, "matching", ">8", "{:.5f}"},
+      {"cpu_s", &Row::cpu, "CPU, s", ">7", "{:.3f}"},
+      {"wall_s", &Row::wall, "wall, s", ">7", "{:.3f}"},
+      {"cpu_two_threads_s", &Row::cpu_two_threads},
+      {"wall_two_threads_s", &Row::wall_two_threads, "2 thr.", ">7", "{:.3f}"},
+      {"matching_cpu_s", &Row::matching, "matching", ">8", "{:.3f}"},
+      {"reading_cpu_s", &Row::reading, "reading", ">7", "{:.3f}"},
+      {"cpu_over_matching", [](const Row& r) { return r.cpu / r.matching; }, "x match", ">7", "{:.2f}"},
+      {"cpu_over_reading", [](const Row& r) { return r.cpu / r.reading; }, "x read", ">7", "{:.2f}"},
+      {"share_starting", share(&CommandShares::starting), "start", ">5", "{:.0f}"},
+      {"share_hashing", share(&CommandShares::hashing), "hash", ">4", "{:.0f}"},
+      {"share_reading", share(&CommandShares::reading), "read", ">4", "{:.0f}"},
+      {"share_looking", share(&CommandShares::looking), "look", ">4", "{:.0f}"},
+      {"share_registering_part", share(&CommandShares::part), "part", ">4", "{:.0f}"},
+      {"share_registering_mark", share(&CommandShares::mark), "mark", ">4", "{:.0f}"},
+      {"share_learning", share(&CommandShares::learning), "learn", ">5", "{:.0f}"},
+      {"share_measuring", share(&CommandShares::measuring), "measure", ">7", "{:.0f}"},
+      {"share_radius", share(&CommandShares::radius), "radius", ">6", "{:.0f}"},
+      {"share_rotation", share(&CommandShares::rotation), "rotation", ">8", "{:.0f}"},
+      {"share_audit", share(&CommandShares::audit), "audit", ">5", "{:.0f}"},
+      {"share_writing", share(&CommandShares::writing), "write", ">5", "{:.0f}"},
+      {"share_rest", share(&CommandShares::rest), "rest", ">4", "{:.0f}"},
+      {"", &Row::lost, "lost", ">4"},
+  };
+  return {
+      columns.csv(rows),
+      fmt::format("\nwhole commands, from the start of the process to its end: CPU time of one thread, wall "
+                  "time of one and two; shares of the wall time in %\n{}",
+                  columns.lines(rows, "  ")),
+      {}};
+}
+
 }  // namespace tribotrack::bench

@@ -8,6 +8,10 @@ namespace tribotrack::bench {
 
 using namespace vision;
 
+int template_reach(const Circle& disc) {
+  return static_cast<int>(std::ceil(disc.radius)) + 3;
+}
+
 namespace {
 
 cv::Mat matrix_of(const Picture& picture, int type) {
@@ -23,7 +27,7 @@ class MatchTemplate : public PositionMethod {
   enum class Peak { kParabola, kGaussian };
 
   MatchTemplate(const Picture& first, const Circle& disc, Peak peak) : peak_(peak) {
-    const int reach = static_cast<int>(std::ceil(disc.radius)) + 3;
+    const int reach = template_reach(disc);
     const int x = static_cast<int>(std::lround(disc.x)) - reach,
               y = static_cast<int>(std::lround(disc.y)) - reach;
     template_ = matrix_of(first, CV_8U)(cv::Rect(x, y, 2 * reach + 1, 2 * reach + 1)).clone();
@@ -116,9 +120,13 @@ class GreyCentroid : public PositionMethod {
 
 }  // namespace
 
+std::unique_ptr<PositionMethod> match_template(const Picture& first, const Circle& disc) {
+  return std::make_unique<MatchTemplate>(first, disc, MatchTemplate::Peak::kParabola);
+}
+
 std::vector<std::unique_ptr<PositionMethod>> peer_position_methods(const Picture& first, const Circle& disc) {
   std::vector<std::unique_ptr<PositionMethod>> methods;
-  methods.push_back(std::make_unique<MatchTemplate>(first, disc, MatchTemplate::Peak::kParabola));
+  methods.push_back(match_template(first, disc));
   methods.push_back(std::make_unique<MatchTemplate>(first, disc, MatchTemplate::Peak::kGaussian));
   methods.push_back(std::make_unique<PhaseCorrelate>(first, disc));
   methods.push_back(std::make_unique<GreyCentroid>(disc));

@@ -24,6 +24,11 @@ class PositionMethod {
 std::vector<std::unique_ptr<PositionMethod>> peer_position_methods(const vision::Picture& first,
                                                                    const vision::Circle& disc);
 
+/// The first of them: cv::matchTemplate with a parabola through three points along each axis.
+std::unique_ptr<PositionMethod> match_template(const vision::Picture& first, const vision::Circle& disc);
+/// How far its square template reaches from the pixel nearest to the disc's centre, px.
+int template_reach(const vision::Circle& disc);
+
 /// Sets the number of OpenCV's threads; returns the number before.
 int set_opencv_threads(int count);
 

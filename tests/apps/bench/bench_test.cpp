@@ -71,6 +71,13 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(
       first_line(out / "bench_vision_decoding.csv"),
       "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding");
+  EXPECT_EQ(first_line(out / "bench_commands.csv"),
+            "coding,brushed,diameter_px,width_px,height_px,frames,layers_off,layered,repetitions,lost,rms_px,"
+            "matching_rms_px,cpu_s,wall_s,cpu_two_threads_s,wall_two_threads_s,matching_cpu_s,reading_cpu_s,"
+            "cpu_over_matching,cpu_over_reading,share_starting,share_hashing,share_reading,share_looking,"
+            "share_registering_part,share_registering_mark,share_learning,share_measuring,share_radius,share_"
+            "rotation,share_audit,"
+            "share_writing,share_rest");
   EXPECT_EQ(
       first_line(out / "bench_fit.csv"),
       "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
@@ -84,9 +91,9 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
             "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
             "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
-  for (const char* name :
-       {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch", "bench_model_claims",
-        "bench_vision", "bench_vision_limit", "bench_vision_decoding", "bench_fit", "bench_fit_coverage"})
+  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
+                           "bench_model_claims", "bench_vision", "bench_vision_limit",
+                           "bench_vision_decoding", "bench_commands", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
@@ -101,6 +108,49 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
     EXPECT_NE(text_in(folder_ / "stderr").find("made without " + library), std::string::npos);
 }
 
+TEST_F(BenchCommand, WholeCommandsKeepTheirRecordingsAndTellEveryStage) {
+  const fs::path kept = folder_ / "kept";
+  bench::WholeCommandOptions options = bench::quick_whole_command_options();
+  options.program = TRIBOTRACK_BINARY;
+  options.keep = kept;
+  const auto rows = bench::bench_whole_commands(options);
+  ASSERT_EQ(rows.size(), 6U) << "two codings of the brushed scene; of the plain one also without layers";
+  for (const bench::WholeCommandRow& row : rows) {
+    SCOPED_TRACE(row.coding + (row.brushed ? ", brushed" : ", plain") +
+                 (row.layers_off ? ", layers off" : ""));
+    EXPECT_EQ(row.lost, 0);
+    EXPECT_GT(row.rms, 0);
+    EXPECT_LT(row.rms, 0.1);
+    EXPECT_GT(row.matching_rms, row.coding == "cine" ? row.rms : 0);
+    for (const double seconds :
+         {row.cpu, row.wall, row.cpu_two_threads, row.wall_two_threads, row.matching, row.reading})
+      EXPECT_GT(seconds, 0);
+    const bench::CommandShares& s = row.shares;
+    for (const double share :
+         {s.starting, s.hashing, s.reading, s.looking, s.part, s.mark, s.writing, s.rest})
+      EXPECT_GT(share, 0);
+    EXPECT_EQ(s.learning > 0, !row.layers_off);
+    EXPECT_LE(s.learning + s.measuring + s.looking + s.starting, 1);
+    EXPECT_FALSE(row.layers_off && row.layered);
+  }
+  const auto written = fs::last_write_time(kept / "plain_40px_24frames_240x120.cine");
+  EXPECT_EQ(bench::bench_whole_commands(options)[0].rms, rows[0].rms);
+  EXPECT_EQ(fs::last_write_time(kept / "plain_40px_24frames_240x120.cine"), written) << "it was there";
+}
+
+TEST_F(BenchCommand, WholeCommandsSayWhichOneFailed) {
+  bench::WholeCommandOptions options = bench::quick_whole_command_options();
+  options.program = "/bin/false";
+  try {
+    bench::bench_whole_commands(options);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("`/bin/false bench-peer matching"), std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("exit code 1"), std::string::npos);
+  }
+}
+
 TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
   const fs::path out = folder_ / "out";
   ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
@@ -113,6 +163,8 @@ TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
 TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(call("speed -o " + folder_.string()), 2);
   EXPECT_EQ(call("model"), 2);
+  EXPECT_EQ(call("commands --frames 3 -o " + folder_.string()), 2);
+  EXPECT_EQ(call("commands --quick --diameters 300 -o " + folder_.string()), 2);
   EXPECT_EQ(call("model --quick -o /proc/none"), 3);
 }
 
