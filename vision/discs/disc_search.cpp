@@ -170,12 +170,13 @@ class Finds {
  public:
   Finds(const Picture& picture, const DiscSearch& search) : picture_(picture), search_(search) {}
 
-  /// Quick look at full size: does the picture step across this circle nearly all the way round?
+  /// Quick look at full size: does the picture step across this circle nearly all the way round, and by more
+  /// than chance?
   void add(const Circle& c) {
     auto steps = rim_steps(picture_, c, width_of_look(c), quick_);
     const double usual = median(steps);
     const double coverage = usual != 0 ? coverage_of(steps, usual) : 0;
-    if (coverage < 0.4) return;
+    if (coverage < 0.4 || clarity_of(steps, usual) < 0.5 * kLeastClarity) return;
     const double votes = coverage * coverage * std::abs(usual) * std::sqrt(c.radius);
     if (votes > 0) looks_.push_back({c, usual > 0 ? 1.0 : -1.0, votes, -1});
   }
@@ -207,6 +208,7 @@ class Finds {
 
  private:
   static constexpr std::size_t kMostTried = 40;
+  static constexpr double kLeastClarity = 1;  ///< half of it for circles a little off
   struct Look {
     Circle circle;
     double polarity = 1;  ///< as in climb_rim
@@ -227,16 +229,20 @@ class Finds {
   /// Whether the best circle nearby is seen nearly all the way round, by steps that are no chance: far
   /// cheaper than a fit, and what this turns down no fit accepts.
   bool may_fit(const Look& look) const {
-    constexpr double share = 0.8;        // of the rim that must be seen in the end
-    constexpr double least_clarity = 1;  // usual step over the steps' scatter
+    constexpr double share = 0.8;  // of the rim that must be seen in the end
     const Circle near = climb_rim(picture_, look.circle, capture_of(look.circle), look.polarity, quick_);
     return std::ranges::any_of(std::array{1.5, width_of_look(near)}, [&](double half_width) {
       auto steps = rim_steps(picture_, near, half_width, quick_);
       const double usual = median(steps);
-      if (usual == 0 || coverage_of(steps, usual) < share * search_.min_coverage) return false;
-      for (double& step : steps) step = std::abs(step - usual);
-      return std::abs(usual) >= least_clarity * kNormalMad * median(steps);
+      return usual != 0 && coverage_of(steps, usual) >= share * search_.min_coverage &&
+             clarity_of(steps, usual) >= kLeastClarity;
     });
+  }
+
+  /// The usual step over the scatter of the steps, which it takes for work space.
+  static double clarity_of(std::vector<double>& steps, double usual) {
+    for (double& step : steps) step = std::abs(step - usual);
+    return std::abs(usual) / std::max(1e-9, kNormalMad * median(steps));
   }
 
   static double width_of_look(const Circle& c) { return std::clamp(0.12 * c.radius, 1.5, 12.0); }

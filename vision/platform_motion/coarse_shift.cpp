@@ -11,7 +11,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kLargest = 512;  ///< side of a picture, in bins: half a bin stays within a texture's width
+constexpr int kLargest = 640;  ///< side of a picture, in bins: half a bin stays within a texture's width
 constexpr int kBroad = 33;     ///< bins over which light is smooth
 constexpr float kUsual =
     3 * static_cast<float>(kNormalMad);  ///< of the median size: what is larger is clipped

@@ -174,7 +174,7 @@ GroundSampler::GroundSampler(const Picture& first_picture, const std::vector<Cir
                              std::int64_t first, std::int64_t last, const GroundEffort& effort,
                              double noise_variance)
     : coarse_(first_picture, hidden, noise_variance) {
-  sample_.fields = ground_fields(first_picture, noise_variance, effort.pixels);
+  sample_.fields = ground_fields(first_picture, hidden, noise_variance, effort.pixels);
   double floats = 0;
   for (const Rect& f : sample_.fields)
     floats += static_cast<double>(f.width + 2 * kMargin) * (f.height + 2 * kMargin);

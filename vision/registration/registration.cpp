@@ -86,10 +86,13 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
     }
     const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
-    // Turned, each pixel has a fraction of its own, which takes time; by so little levels move along their
-    // slopes, which change by a few percent in the 0.15 px for which they are kept.
-    constexpr double little = 0.01;  // px
-    const bool along_slopes = options_.rotation && !re_form && std::max(brake * length, turn_px) < little;
+    // Turned, each pixel has a fraction of its own, which takes time; a little way levels move along their
+    // slopes. Those are of the pose they were formed at, `away` from here: what they err by over a step is
+    // below the tolerance where they change by less than a third over a pixel.
+    const double away = std::max(std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy),
+                                 std::abs(fraction.theta - formed.theta) * pattern_.reach());
+    const bool along_slopes =
+        options_.rotation && !re_form && std::max(brake * length, turn_px) * away < 3 * options_.tolerance_px;
     if (along_slopes && !settled)
       move_levels(brake * move_x, brake * move_y, turn);
     else if (re_form || !settled)

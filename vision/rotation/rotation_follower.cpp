@@ -33,9 +33,9 @@ Eigen::ArrayXcd phases(Eigen::Index count, double theta) {
 
 /// Sums over one ring, added to five numbers for each harmonic: Re and Im of w conj(T) P, w |T|^2, w |P|^2.
 TRIBOTRACK_CLONES void add_ring(const float* w, const float* t_re, const float* t_im, const float* p_re,
-                                const float* p_im, std::ptrdiff_t orders, float* sums) {
+                                const float* p_im, std::ptrdiff_t count, std::ptrdiff_t orders, float* sums) {
   float *re = sums, *im = sums + orders, *mean = sums + 2 * orders, *seen = sums + 3 * orders;
-  for (std::ptrdiff_t m = 0; m < orders; ++m) {
+  for (std::ptrdiff_t m = 0; m < count; ++m) {
     re[m] += w[m] * (t_re[m] * p_re[m] + t_im[m] * p_im[m]);
     im[m] += w[m] * (t_re[m] * p_im[m] - t_im[m] * p_re[m]);
     mean[m] += w[m] * (t_re[m] * t_re[m] + t_im[m] * t_im[m]);
@@ -43,12 +43,14 @@ TRIBOTRACK_CLONES void add_ring(const float* w, const float* t_re, const float* 
   }
 }
 
-RingSums ring_sums(const Eigen::ArrayXXf& weights, const Harmonics& mean, const Harmonics& seen) {
+/// Of the harmonics that count.
+RingSums ring_sums(const Eigen::ArrayXXf& weights, const std::vector<RotationFollower::Span>& spans,
+                   const Harmonics& mean, const Harmonics& seen) {
   const Eigen::Index orders = weights.rows();
   Eigen::ArrayXXf sums = Eigen::ArrayXXf::Zero(orders, 4);
-  for (Eigen::Index k = 0; k < weights.cols(); ++k)
-    add_ring(weights.col(k).data(), mean.re.col(k).data(), mean.im.col(k).data(), seen.re.col(k).data(),
-             seen.im.col(k).data(), orders, sums.data());
+  for (const auto& [k, m, count] : spans)
+    add_ring(&weights(m, k), &mean.re(m, k), &mean.im(m, k), &seen.re(m, k), &seen.im(m, k), count, orders,
+             &sums(m, 0));
   RingSums out{Eigen::ArrayXcd(orders), sums.col(2).cast<double>(), sums.col(3).cast<double>()};
   out.correlation.real() = sums.col(0).cast<double>();
   out.correlation.imag() = sums.col(1).cast<double>();
@@ -71,12 +73,18 @@ RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXf
       orders_(Eigen::ArrayXd::LinSpaced(first.orders(), 0, static_cast<double>(first.orders() - 1))),
       mean_(first),
       frame_(frame) {
+  for (Eigen::Index k = 0; k < weights_.cols(); ++k) {
+    Eigen::Index begin = 0, end = weights_.rows();
+    while (begin < end && !(weights_(begin, k) > 0)) ++begin;
+    while (end > begin && !(weights_(end - 1, k) > 0)) --end;
+    if (end > begin) spans_.push_back({k, begin, end - begin});
+  }
   const auto count = static_cast<double>((weights_ > 0).count());
   chance_ = std::max(kSeen, kChance / std::sqrt(2 * std::max(1.0, count)));
 }
 
 double RotationFollower::information() const {
-  return (ring_sums(weights_, mean_, mean_).of_mean * orders_.square()).sum();
+  return (ring_sums(weights_, spans_, mean_, mean_).of_mean * orders_.square()).sum();
 }
 
 double RotationFollower::predicted(std::int64_t frame) const {
@@ -84,7 +92,7 @@ double RotationFollower::predicted(std::int64_t frame) const {
 }
 
 std::optional<Turn> RotationFollower::step(const Harmonics& seen, std::int64_t frame) {
-  const RingSums sums = ring_sums(weights_, mean_, seen);
+  const RingSums sums = ring_sums(weights_, spans_, mean_, seen);
   const double expected = predicted(frame);
   double theta = climb(sums.correlation, expected);
   if (correlation_at(sums, theta) < kConfirms * usual_)
@@ -156,9 +164,9 @@ void RotationFollower::learn(const Harmonics& seen, double theta, std::int64_t f
   share_ = std::max(1 / (1 / share_ + 1), 1 - std::exp(-std::abs(turned) / kMemory));
   const Eigen::ArrayXcf back = phases(orders_.size(), theta).cast<std::complex<float>>();
   const Eigen::ArrayXf re = back.real(), im = back.imag();
-  for (Eigen::Index k = 0; k < mean_.rings(); ++k)
-    learn_ring(seen.re.col(k).data(), seen.im.col(k).data(), re.data(), im.data(), static_cast<float>(share_),
-               orders_.size(), mean_.re.col(k).data(), mean_.im.col(k).data());
+  for (const auto& [k, m, count] : spans_)
+    learn_ring(&seen.re(m, k), &seen.im(m, k), &re(m), &im(m), static_cast<float>(share_), count,
+               &mean_.re(m, k), &mean_.im(m, k));
   rate_ += kNewest * (turned / static_cast<double>(frame - frame_) - rate_);
   theta_ = theta;
   frame_ = frame;

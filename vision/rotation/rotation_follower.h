@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "vision/rotation/ring_harmonics.h"
 
@@ -29,6 +30,11 @@ struct RingSums {
 
 class RotationFollower {
  public:
+  /// Harmonics of a ring that count: from order `first`, so many.
+  struct Span {
+    Eigen::Index ring, first, count;
+  };
+
   RotationFollower(const Harmonics& first, const Eigen::ArrayXXf& weights, std::int64_t frame);
 
   /// Frames must come in order. Nothing where the part does not look like what was seen so far.
@@ -45,6 +51,7 @@ class RotationFollower {
   void learn(const Harmonics& seen, double theta, std::int64_t frame);
 
   Eigen::ArrayXXf weights_;
+  std::vector<Span> spans_;
   Eigen::ArrayXd orders_;  ///< m
   Harmonics mean_;
   double chance_ = 0;  ///< correlation that noise reaches

@@ -152,8 +152,11 @@ void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track
                      const TrackOptions& options) {
   if (options.target.kind != Target::Kind::find_disc || options.marker.kind == MarkerChoice::Kind::find)
     return;
-  auto question = question_of_rest(source, start, track,
-                                   [&](const Picture& picture) { return discs_in(picture, options); });
+  // Beside a disc that moves in the end those matter that are alike; beside one that never does, any.
+  const bool moves = frames_at_rest(track) < static_cast<std::int64_t>(track.points.size());
+  auto question = question_of_rest(source, start, track, [&](const Picture& picture) {
+    return discs_in(picture, options, moves ? kAsLarge : 0);
+  });
   if (!question) return;
   const std::int64_t frame = source.number(question->index);
   const bool for_ever = question->rested == static_cast<std::int64_t>(track.points.size());

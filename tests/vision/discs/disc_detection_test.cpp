@@ -123,6 +123,32 @@ TEST(FindDiscs, MarkerIsFoundApartFromTheDisc) {
   EXPECT_NEAR(marker[0].circle.y, 70.8, 0.2);
 }
 
+/// Nothing that is as large is missed, and the first is the same; a picture shows a disc where one is found.
+TEST(FindDiscs, SearchesForLessFindTheSame) {
+  constexpr unsigned seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  for (const double radius : {9.0, 22.0, 47.0, 75.0}) {
+    TestScene scene = scene_with(130.4, 121.7, radius, 170, 400);
+    scene.height = 300;
+    scene.discs.push_back({300.2, 190.6, 0.85 * radius, 0, 150, {}});
+    scene.discs.push_back({40.3, 250.8, 8, 0, 20, {}});
+    const Picture picture = test::noisy(scene.render(), 2, random);
+    DiscSearch large;
+    large.beside_best = 0.75;
+    const auto all = find_discs(picture, {}, 30), some = find_discs(picture, large, 30);
+    ASSERT_GE(all.size(), 2U) << radius;
+    ASSERT_GE(some.size(), 2U) << radius;
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR(some[k].circle.x, all[k].circle.x, 1e-3) << radius;
+      EXPECT_NEAR(some[k].circle.radius, all[k].circle.radius, 1e-3) << radius;
+    }
+    EXPECT_TRUE(shows_disc(picture, {}));
+  }
+  const Picture empty = test::noisy(scene_with(500, 500, 20, 170, 200).render(), 2, random);
+  EXPECT_FALSE(shows_disc(empty, {}));
+}
+
 TEST(FindDiscs, NothingRoundNothingFound) {
   std::mt19937 random(101);
   TestScene scene;

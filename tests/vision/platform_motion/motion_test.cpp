@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "vision/platform_motion/fields.h"
 #include "vision/scene.h"
 
 namespace tribotrack::vision {
@@ -267,6 +268,38 @@ TEST(GroundMotion, AGlanceTellsRestFromMotion) {
     EXPECT_FALSE(resting.moves) << resting.reason;
     EXPECT_NE(resting.reason.find("rests"), std::string::npos) << resting.reason;
   }
+}
+
+/// In a large picture fields are chosen, and frames placed along strokes 3 px wide by bins of 2 px.
+TEST(GroundMotion, AGlanceSeesTheStrokesOfALargePicture) {
+  Circling s;
+  s.scene.width = 1280;
+  s.scene.height = 640;
+  s.scene.platform.texture_rms = 8;
+  s.scene.platform.texture_length_px = 40;
+  s.scene.platform.texture_width_px = 3;
+  s.scene.read_noise = 1.2;
+  s.scene.disc.radius_px = 60;
+  s.circle_px = 5.6;
+  s.frames = 12;
+  const auto pictures = s.pictures();
+  const GroundVerdict moving = glance(s, pictures);
+  EXPECT_TRUE(moving.moves) << moving.reason;
+}
+
+/// What lies over the ground is no field of it.
+TEST(GroundMotion, FieldsAreChosenByTheGroundAlone) {
+  Circling s;
+  s.scene.width = 720;
+  s.scene.height = 560;
+  s.scene.platform.texture_rms = 1;
+  s.scene.disc.radius_px = 60;
+  s.frames = 1;
+  const Picture first = s.pictures().front();
+  const Circle part{110 + 0.8 * s.circle_px, 95, 64};
+  const auto fields = ground_fields(first, {part}, 9, 1 << 16);
+  ASSERT_EQ(fields.size(), 4U);
+  for (const Rect& f : fields) EXPECT_FALSE(f.x == 0 && f.y == 0) << "lies wholly under the part";
 }
 
 TEST(GroundMotion, WithoutTextureNothingIsFollowed) {
