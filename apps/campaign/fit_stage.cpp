@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -31,6 +33,20 @@ std::string coding_sentence(const fit::FitResult& result) {
       list);
 }
 
+/// Large recordings first: one that began last would leave the other threads without work.
+std::vector<std::size_t> order_of_work(const Campaign& campaign) {
+  std::vector<std::uintmax_t> bytes;
+  for (const CampaignRun& run : campaign.runs) {
+    std::error_code not_a_file;
+    const std::uintmax_t size = run.video ? std::filesystem::file_size(*run.video, not_a_file) : 0;
+    bytes.push_back(not_a_file ? 0 : size);
+  }
+  std::vector<std::size_t> order(bytes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t k) { return bytes[k]; });
+  return order;
+}
+
 }  // namespace
 
 std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
@@ -39,8 +55,9 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
   Progress progress("runs", context.quiet);
   std::atomic<long> done = 0;
   const auto count = static_cast<long>(runs.size());
+  const std::vector<std::size_t> order = order_of_work(campaign);
   for_each_index(count, threads_to_use(context), [&](long k) {
-    const auto index = static_cast<std::size_t>(k);
+    const std::size_t index = order[static_cast<std::size_t>(k)];
     const CampaignRun& run = campaign.runs[index];
     try {
       runs[index] = work(index);

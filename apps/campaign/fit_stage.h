@@ -17,8 +17,8 @@
 
 namespace tribotrack::apps {
 
-/// Calls work(index) for every run of the campaign, on the command's threads, showing progress. A run whose
-/// work throws anything, lack of memory included, has failed; the others go on.
+/// Calls work(index) for every run of the campaign, large recordings first, on the command's threads, showing
+/// progress. A run whose work throws anything, lack of memory included, has failed; the others go on.
 std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
                                       const std::function<AnalysedRun(std::size_t index)>& work);
 

@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -82,7 +81,6 @@ double strongest_frequency(const MarkerSeries& marker, std::size_t first, std::s
   const double top = pi / upper_median(gaps);
 
   // Offset and drift off first.
-  SineFit line;
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero(), right = Eigen::Matrix2d::Zero();
   for (std::size_t i = first; i < last; ++i) {
     const Eigen::Vector2d b(1, marker.time(i));
@@ -90,32 +88,45 @@ double strongest_frequency(const MarkerSeries& marker, std::size_t first, std::s
     right += b * marker.at(i).transpose();
   }
   const Eigen::Matrix2d coefficients = normal.ldlt().solve(right);
-  std::vector<Eigen::Vector2d> detrended;
-  for (std::size_t i = first; i < last; ++i)
-    detrended.push_back(marker.at(i) - coefficients.transpose() * Eigen::Vector2d(1, marker.time(i)));
+  double size = 1e-300;  // metres squared would leave the range of single precision
+  for (std::size_t i = first; i < last; ++i) size = std::max(size, marker.at(i).cwiseAbs().maxCoeff());
+  // Single precision tells which line is the strongest; its frequency is refined later.
+  const auto n = static_cast<Eigen::Index>(last - first);
+  Eigen::ArrayXd time(n);
+  Eigen::VectorXf x(n), y(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::size_t at = first + static_cast<std::size_t>(i);
+    time(i) = marker.time(at);
+    const Eigen::Vector2d detrended = marker.at(at) - coefficients.transpose() * Eigen::Vector2d(1, time(i));
+    x(i) = static_cast<float>(detrended.x() / size);
+    y(i) = static_cast<float>(detrended.y() / size);
+  }
 
   const double spacing = 0.5 * pi / span;  // four to a line's width
-  double best_power = -1, best = 0;
-  std::vector<std::complex<double>> turn, turned;
-  for (std::size_t i = first; i < last; ++i) turn.push_back(std::polar(1.0, spacing * marker.time(i)));
   const long count = static_cast<long>(top / spacing);
   const long lowest = 6;  // 1.5 cycles a span: slower is drift
-  for (std::size_t i = first; i < last; ++i)
-    turned.push_back(std::polar(1.0, static_cast<double>(lowest) * spacing * marker.time(i)));
+  // cos and sin of k spacing t, turned on from k to k + 1.
+  const auto first_cos = [&](double k) -> Eigen::VectorXf {
+    return (k * spacing * time).cos().cast<float>();
+  };
+  const auto first_sin = [&](double k) -> Eigen::VectorXf {
+    return (k * spacing * time).sin().cast<float>();
+  };
+  const Eigen::ArrayXf step_cos = first_cos(1), step_sin = first_sin(1);
+  Eigen::VectorXf cos = first_cos(lowest), sin = first_sin(lowest), turned(n);
+  float best_power = -1;
+  long best = 0;
   for (long k = lowest; k <= count; ++k) {
-    std::complex<double> x = 0, y = 0;
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      x += detrended[i].x() * turned[i];
-      y += detrended[i].y() * turned[i];
-      turned[i] *= turn[i];
-    }
-    const double power = std::norm(x) + std::norm(y);
-    if (power > best_power) {
+    const Eigen::Vector4f sums(x.dot(cos), x.dot(sin), y.dot(cos), y.dot(sin));
+    if (const float power = sums.squaredNorm(); power > best_power) {
       best_power = power;
-      best = static_cast<double>(k) * spacing;
+      best = k;
     }
+    turned = cos.array() * step_cos - sin.array() * step_sin;
+    sin = sin.array() * step_cos + cos.array() * step_sin;
+    cos.swap(turned);
   }
-  return best;
+  return static_cast<double>(best) * spacing;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -21,7 +22,7 @@ constexpr int kInLanes = 10000, kOneByOne = 1500, kFirst = 500, kSlides = 24;
 constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
 constexpr double kAccuracy = 0.01;
-constexpr int kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
+constexpr std::size_t kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
 
 /// The k-th number of van der Corput's sequence.
 double halton(int k, int base) {
@@ -153,14 +154,18 @@ class Turned {
     linear_ += Eigen::Vector2d(m.dot(x), m.dot(y));
     square_ += (Eigen::Matrix2d() << x.dot(x), x.dot(y), x.dot(y), y.dot(y)).finished();
   }
-  double at(double angle) const {
-    const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
-    return constant_ - 2 * linear_.dot(u) + u.dot(square_ * u);
-  }
+  double at(double angle) const { return at(direction(angle)); }
   double best_angle() const {
-    double best = 0, lowest = at(0), step = 2 * std::numbers::pi / kAngles;
-    for (int k = 1; k < kAngles; ++k)
-      if (const double chi2 = at(k * step); chi2 < lowest) best = k * step, lowest = chi2;
+    constexpr double kStep = 2 * std::numbers::pi / kAngles;
+    static const std::array<Eigen::Vector2d, kAngles> directions = [] {
+      std::array<Eigen::Vector2d, kAngles> all;
+      for (std::size_t k = 0; k < kAngles; ++k) all[k] = direction(static_cast<double>(k) * kStep);
+      return all;
+    }();
+    double best = 0, lowest = at(directions[0]), step = kStep;
+    for (std::size_t k = 1; k < kAngles; ++k)
+      if (const double chi2 = at(directions[k]); chi2 < lowest)
+        best = static_cast<double>(k) * kStep, lowest = chi2;
     for (int halvings = 0; halvings < 10; ++halvings) {
       step *= 0.5;
       for (const double angle : {best - step, best + step})
@@ -170,6 +175,9 @@ class Turned {
   }
 
  private:
+  static Eigen::Vector2d direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+  double at(const Eigen::Vector2d& u) const { return constant_ - 2 * linear_.dot(u) + u.dot(square_ * u); }
+
   double constant_ = 0;
   Eigen::Vector2d linear_ = Eigen::Vector2d::Zero();
   Eigen::Matrix2d square_ = Eigen::Matrix2d::Zero();
