@@ -14,7 +14,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 64;                ///< windows of most rounds
+constexpr std::size_t kEarly = 32;                ///< windows of most rounds
 constexpr int kMostRounds = 8, kLastRounds = 10;  ///< over these, over all
 constexpr int kFewestRounds = 2;
 constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
