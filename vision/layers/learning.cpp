@@ -14,12 +14,13 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 32;                ///< windows of most rounds
-constexpr int kMostRounds = 8, kLastRounds = 10;  ///< over these, over all
+constexpr std::size_t kEarly = 32;  ///< windows of most rounds
+constexpr int kMostRounds = 8;      ///< over these
+constexpr int kLastRounds = 10;     ///< over all
 constexpr int kFewestRounds = 2;
 constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
-constexpr int kFirstLook = 2,
-              kLooks = 2;          ///< round over all windows in which a slope of the light is looked for
+constexpr int kFirstLook = 2;  ///< round over all windows in which a slope of the light is looked for
+constexpr int kLooks = 2;
 constexpr double kInsideRim = 3;   ///< blurs of the rim inside which it does not show
 constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
 constexpr double kRest = 0.14;     ///< of the standard deviation: what is left makes it a percent larger

@@ -110,6 +110,13 @@ struct PartByHand {
   }
 };
 
+/// What the model's rooms take of windows.
+inline std::vector<const KeptWindow*> pointers_to(const std::vector<KeptWindow>& windows) {
+  std::vector<const KeptWindow*> out;
+  for (const KeptWindow& w : windows) out.push_back(&w);
+  return out;
+}
+
 /// A state by the number of a frame: the part winds over the region, the platform circles.
 inline LayeredState state_of(int k) {
   LayeredState s;

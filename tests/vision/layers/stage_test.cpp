@@ -61,6 +61,53 @@ TEST_P(BrushedPlatform, IsTrackedNearTheBoundWithTrueErrors) {
 }
 INSTANTIATE_TEST_SUITE_P(TextureGreyLevels, BrushedPlatform, testing::Values(6.0, 12.0));
 
+TEST(LayeredStage, IsTheSameBitForBitForAnyNumberOfThreads) {
+  SlidingScene s;
+  s.frames = 150;
+  s.scene.disc.scratches = 12;
+  s.scene.disc.scratch_contrast = 12;
+  s.spin_rad = 0.2;
+  const auto tracked_by = [&](int threads) {
+    SceneSource source(s);
+    TrackOptions options = with_marker(s);
+    options.threads = threads;
+    return track(source, options);
+  };
+  const TrackResult one = tracked_by(1), three = tracked_by(3);
+  ASSERT_TRUE(one.summary.layered);
+  ASSERT_EQ(one.track.points.size(), three.track.points.size());
+  for (std::size_t k = 0; k < one.track.points.size(); ++k) {
+    const TrackPoint &a = one.track.points[k], &b = three.track.points[k];
+    ASSERT_EQ(a.x, b.x) << k;
+    ASSERT_EQ(a.y, b.y) << k;
+    ASSERT_EQ(a.sigma_x, b.sigma_x) << k;
+    ASSERT_EQ(a.rho_xy, b.rho_xy) << k;
+  }
+  EXPECT_EQ(stage(one.summary).reason, stage(three.summary).reason);
+}
+
+// On even ground, on which a single template explains the disc, pictures learnt would add their own noise.
+TEST(LayeredStage, IsLeftOutWhereThereIsNothingToLearn) {
+  SlidingScene s;
+  s.scene.platform.texture_rms = 0;
+  s.scene.disc.scratches = 0;
+  s.scene.disc.highlight = 0;
+  SceneSource source(s);
+  const TrackResult result = track(source, with_marker(s));
+  EXPECT_FALSE(result.summary.layered);
+  const PlanStage& left_out = stage(result.summary);
+  EXPECT_FALSE(left_out.on);
+  EXPECT_TRUE(left_out.reason.starts_with("nothing to learn")) << left_out.reason;
+  ASSERT_TRUE(left_out.error_bound_px);
+  EXPECT_LT(*left_out.error_bound_px, s.bound());
+  const TrackErrors e = report("nothing to learn", result, s, s.bound());
+  EXPECT_LT(e.rms, 1.1 * s.bound());
+  // Asked for, it is tried.
+  TrackOptions asked = with_marker(s);
+  asked.layers = Layers::on;
+  EXPECT_FALSE(stage(track(source, asked).summary).reason.starts_with("nothing to learn"));
+}
+
 TEST(LayeredStage, VignettingSpinAndHighlightLeaveNoDrift) {
   SlidingScene s;
   s.scene.vignetting = 0.08;

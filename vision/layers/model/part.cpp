@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "vision/kernels/parallel.h"
@@ -25,7 +26,6 @@ constexpr double kMostBlend = 9;  ///< px^2
 constexpr float kFewest = 4;      ///< windows at a place, of which two unknowns take two
 /// Of the ground's mean level: what the model of the light may leave, alike in all windows and all around.
 constexpr double kUnevenLight = 0.003;
-constexpr double kNoTrim = 1e15;
 constexpr std::size_t kTurnedAtOnce = 16;  ///< windows whose turned textures are held at a time
 
 /// (1 2 1) / 4 both ways, twice: a Gaussian of 1 px.
@@ -100,7 +100,7 @@ PartRegression::PartRegression(const PartPictures& before, const GroundPicture& 
 PartRegression::~PartRegression() = default;
 
 void PartRegression::add(WindowSpan windows, bool trim, const TurningTexture* texture, int threads) {
-  const double limit = trim ? kTrim : kNoTrim;
+  const double limit = trim ? kTrim : std::numeric_limits<double>::infinity();
   if (!texture) return sums_->add(windows, {}, limit, threads);
   for (std::size_t first = 0; first < windows.size(); first += kTurnedAtOnce) {
     const auto some = windows.subspan(first, std::min(kTurnedAtOnce, windows.size() - first));

@@ -219,7 +219,7 @@ TEST(GroundPicture, IsSeenBesideThePart) {
   const Point in_shadow = at(24, 0), above = at(0, -25), under = at(5, 5);
   for (const Point& p : {in_shadow, above})
     EXPECT_EQ(ground.variance().at(static_cast<int>(p.x), static_cast<int>(p.y)), unknown);
-  ground.see_beside(windows, pictures, hidden, kNoise);
+  ground.see_beside(test::pointers_to(windows), pictures, hidden, kNoise);
   for (const Point& p : {in_shadow, above}) {
     const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
     const double share = part.share(p.x - s.centre.x, p.y - s.centre.y);
@@ -230,7 +230,7 @@ TEST(GroundPicture, IsSeenBesideThePart) {
   EXPECT_EQ(ground.variance().at(static_cast<int>(under.x), static_cast<int>(under.y)), unknown);
   // A second look takes the first one's place.
   const float before = ground.variance().at(static_cast<int>(above.x), static_cast<int>(above.y));
-  ground.see_beside(windows, pictures, hidden, kNoise);
+  ground.see_beside(test::pointers_to(windows), pictures, hidden, kNoise, 3);
   EXPECT_EQ(ground.variance().at(static_cast<int>(above.x), static_cast<int>(above.y)), before);
 }
 

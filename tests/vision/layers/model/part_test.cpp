@@ -14,6 +14,7 @@ namespace tribotrack::vision {
 namespace {
 
 using test::PartByHand;
+using test::pointers_to;
 using test::state_of;
 
 constexpr int kBeyond = 6;  ///< px of a window about the part's grid
@@ -46,7 +47,7 @@ PartPictures learnt(const std::vector<KeptWindow>& windows, const GroundPicture&
                     bool opaque = true) {
   for (int round = 0; round < rounds; ++round) {
     PartRegression regression(part, ground);
-    for (const KeptWindow& w : windows) regression.add(w, trim);
+    regression.add(pointers_to(windows), trim);
     part = regression.solve(noise_variance, prior, opaque);
   }
   return part;
@@ -68,6 +69,26 @@ double mean_over(const PartByHand& part, const Picture& picture, double from, do
     ++n;
   });
   return sum / n;
+}
+
+TEST(PartRegression, IsTheSameBitForBitForAnyNumberOfThreads) {
+  const PartByHand part;
+  const GroundPicture ground = part.ground(1);
+  const std::vector<KeptWindow> windows = windows_of(part, 24, 1, true);
+  const PartPictures before = part.pictures(1);
+  const auto learnt_by = [&](int threads) {
+    PartRegression regression(before, ground);
+    regression.add(pointers_to(windows), true, nullptr, threads);
+    return regression.solve(1, before.share);
+  };
+  const PartPictures one = learnt_by(1);
+  for (const int threads : {2, 5}) {
+    const PartPictures found = learnt_by(threads);
+    EXPECT_TRUE(std::ranges::equal(found.level.levels(), one.level.levels()));
+    EXPECT_TRUE(std::ranges::equal(found.share.levels(), one.share.levels()));
+    EXPECT_TRUE(std::ranges::equal(found.variance.levels(), one.variance.levels()));
+    EXPECT_EQ(found.blend, one.blend);
+  }
 }
 
 TEST(PartRegression, FindsBothPicturesWhateverTheLight) {

@@ -40,7 +40,7 @@ TurningTexture learnt(const PartByHand& part, double turned, bool turned_round) 
     windows.push_back(part.window(s, part.half + 6, 0, random));
   }
   TurningTexture out(part.half, part.radius, part.blur, turned_round);
-  out.learn(windows, std::vector<bool>(windows.size(), true), part.pictures(1), part.ground(1e-4));
+  out.learn(test::pointers_to(windows), part.pictures(1), part.ground(1e-4));
   return out;
 }
 
