@@ -170,11 +170,11 @@ void Tracking::follow_from_start() {
   first_pass_ =
       std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
   coding_.emplace(recording_, first_pass_->result().disc.radius);
-  FramesForLayers for_layers(cache_, first_pass_->result(), options_.layers);
+  FramesReadAgain read_again(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
   for (std::int64_t k = 0; k < total; ++k) {
     if (const auto seen = first_pass_->step(start_ + k)) {
-      for_layers.seen(start_ + k, *seen);
+      read_again.seen(start_ + k, *seen);
       coding_->see(start_ + k, *seen, first_pass_->mark());
     }
     if (options_.progress) options_.progress(k + 1, total);

@@ -152,7 +152,10 @@ TrackFile CampaignRunner::track_of(const CampaignRun& run, RunLog& log) const {
   if (!may_be_recording(*run.video))
     throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
                                    run.name, run.video->string()));
-  const PreparedJob job = prepare(job_for(campaign_, run));
+  PreparedJob job = prepare(job_for(campaign_, run));
+  // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.
+  job.job.track.threads = std::max(
+      1, threads_to_use(context_) / static_cast<int>(std::max<std::size_t>(1, campaign_.runs.size())));
   log.skipped = is_complete(run, job.key);
   if (log.skipped) return read_track_file(folder_.track(run.name));
   const auto begun = std::chrono::steady_clock::now();

@@ -232,18 +232,20 @@ void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_e
   }
 }
 
-FramesForLayers::FramesForLayers(KeptFrames& frames, const FirstPassResult& first, Layers layers)
+FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers)
     : frames_(frames),
       first_index_(first.first_index),
       total_(first.total),
-      wanted_(layers_wanted(first, layers)),
-      // The second pass may round the centre otherwise.
-      reach_(wanted_ ? layered_reach(first.disc.radius, first.blur) + 1 : 0) {}
+      layers_(layers_wanted(first, layers)),
+      reach_(first.texture_seen ? first.disc.radius : 0) {
+  if (layers_) reach_ = layered_reach(first.disc.radius, first.blur);
+}
 
-void FramesForLayers::seen(std::int64_t index, const Point& centre) {
-  if (!wanted_) return;
-  const bool whole = is_learning_frame(index - first_index_, total_);
-  frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_, frames_.bounds()));
+void FramesReadAgain::seen(std::int64_t index, const Point& centre) {
+  if (!(reach_ > 0)) return;
+  const bool whole = layers_ && is_learning_frame(index - first_index_, total_);
+  // A later pass may round the centre otherwise.
+  frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_ + 1, frames_.bounds()));
 }
 
 }  // namespace tribotrack::vision

@@ -38,18 +38,18 @@ void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_e
 /// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
 bool layers_wanted(const FirstPassResult& first, Layers layers);
 
-/// Caches what the second pass will read again while the first has it decoded: of every frame in which the
-/// part is seen a window about it, and whole those that the layers are probably learnt from. Nothing for
-/// recordings that are not decoded.
-class FramesForLayers {
+/// Caches what the second pass, and the rotation by rings, will read again while the first has it decoded: of
+/// every frame in which the part is seen a window about it, and whole those that the layers are probably
+/// learnt from. Nothing for recordings that are not decoded.
+class FramesReadAgain {
  public:
-  FramesForLayers(KeptFrames& frames, const FirstPassResult& first, Layers layers);
+  FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers);
   void seen(std::int64_t index, const Point& centre);
 
  private:
   KeptFrames& frames_;
   std::int64_t first_index_, total_;
-  bool wanted_;
+  bool layers_;
   double reach_;
 };
 
