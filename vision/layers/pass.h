@@ -5,7 +5,7 @@
 // from them the ground's picture and the part's (see state.h), and then measures every frame again, with
 // every candidate that the windows call for: the quietest is kept. Reads the recording forwards, once for
 // what is learnt and once for each candidate; of a decoded recording mostly what the first pass has cached
-// (FramesForLayers). Memory does not grow with its length.
+// (FramesReadAgain). Memory does not grow with its length.
 #pragma once
 
 #include <optional>

@@ -31,6 +31,11 @@ LayeredOutcome left_out(std::string reason) {
   return outcome;
 }
 
+/// Px that the rotation by rings looks at, with what its interpolation needs.
+double rings_reach(double radius) {
+  return 1.5 * radius + 8;
+}
+
 /// Px by which a ground of this texture, light on one side of the part and dark on the other, moves its rim.
 double pull_of_ground(const FirstPassResult& first) {
   return first.blur * first.ground_texture / first.contrast;
@@ -237,7 +242,7 @@ FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& firs
       first_index_(first.first_index),
       total_(first.total),
       layers_(layers_wanted(first, layers)),
-      reach_(first.texture_seen ? first.disc.radius : 0) {
+      reach_(first.texture_seen ? rings_reach(first.disc.radius) : 0) {
   if (layers_) reach_ = layered_reach(first.disc.radius, first.blur);
 }
 

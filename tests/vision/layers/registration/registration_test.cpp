@@ -208,7 +208,7 @@ TEST(LayeredRegistration, AngleIsFoundByWhatTurns) {
   }
   Known known(0.05, part);
   TurningTexture texture(part.half, part.radius, part.blur, false);
-  texture.learn(windows, std::vector<bool>(windows.size(), true), part.pictures(1), known.ground);
+  texture.learn(test::pointers_to(windows), part.pictures(1), known.ground);
   known.registration.set_part(part.pictures(0.0025), kFrames, &texture);
   for (const KeptWindow& w : windows) {
     KeptWindow turned = w;
