@@ -30,7 +30,7 @@ namespace tribotrack::vision {
 
 /// A pointer to each, of its own name.
 struct Libav {
-#define TRIBOTRACK_MEMBER(name) decltype(&::name) name = nullptr;
+#define TRIBOTRACK_MEMBER(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
   TRIBOTRACK_LIBAV_FUNCTIONS(TRIBOTRACK_MEMBER)
 #undef TRIBOTRACK_MEMBER
 };
