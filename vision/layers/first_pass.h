@@ -19,7 +19,7 @@ struct FirstPassFrame {
 
 /// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
 /// layers' own noise adds 1 / kLearningFrames to the variance.
-inline constexpr std::int64_t kLearningFrames = 100;
+inline constexpr std::int64_t kLearningFrames = 128;
 /// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
 bool is_learning_frame(std::int64_t place, std::int64_t total);
 /// Half width of the part's grid, px: the part with its rim and its shadow.

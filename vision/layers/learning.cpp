@@ -14,9 +14,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kEarly = 32;  ///< windows of most rounds
+constexpr std::size_t kEarly = 64;  ///< windows of most rounds
 constexpr int kMostRounds = 8;      ///< over these
-constexpr int kLastRounds = 10;     ///< over all
+constexpr int kLastRounds = 8;     ///< over all
 constexpr int kFewestRounds = 2;
 constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
 constexpr int kFirstLook = 2;  ///< round over all windows in which a slope of the light is looked for
@@ -84,8 +84,8 @@ class Learning {
     const bool few = !options_.start && !options_.standing_light && windows_.size() > kEarly;
     few ? look_at_few() : look_at_all();
     see_ground();
+    if (few || options_.standing_light) rounds(kMostRounds, false);
     if (few) {
-      rounds(kMostRounds, false);
       out_.early = {states(), out_.part};
       look_at_all();
     }
@@ -166,9 +166,8 @@ void Learning::rounds(int most, bool look_for_light) {
     if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
       out_.standing->learn(windows_, out_.part, face_of(options_));
     // Rounds shrink in a geometric series: so much is left of it.
-    std::fprintf(stderr, "round %d active %zu moved/sigma %.4f sigma %.5f chi2 %.3f light %d\n", out_.rounds,
-                 active_.size(), moved / out_.sigma, out_.sigma, out_.chi_squared, out_.light.known());
-    const double shrinks = std::min(kSlowest, before > 0 ? moved / before : kSlowest);
+    const bool regular = before > 0 && !out_.standing;  // that light is learnt in every other round
+    const double shrinks = std::min(kSlowest, regular ? moved / before : kSlowest);
     const bool settled = moved * shrinks / (1 - shrinks) < kRest * out_.sigma;
     before = look ? 0 : moved;
     if (settled && !look && looks == 0 && round > kFewestRounds) break;

@@ -42,19 +42,22 @@ double pull_of_ground(const FirstPassResult& first) {
 }
 
 /// Neither ground nor part show anything that a single template lacks.
-bool nothing_to_learn(const FirstPassResult& first) {
+bool nothing_to_learn(const FirstPassResult& first, const Track& track) {
+  // Where the part was lost something covered it, which a template does not tell from the part.
+  if (std::ranges::any_of(track.points, [](const TrackPoint& p) { return p.status != TrackStatus::ok; }))
+    return false;
   const bool by_template = std::ranges::none_of(first.by_rim, std::identity());
   return by_template && first.contrast > 0 && pull_of_ground(first) < kNegligible * first.limit_px &&
          first.excess < kExplained * std::sqrt(first.noise_variance);
 }
 
 /// Why the stage is not even tried.
-std::optional<PlanStage> reason_against(const FirstPassResult& first, Layers layers) {
+std::optional<PlanStage> reason_against(const FirstPassResult& first, const Track& track, Layers layers) {
   PlanStage stage;
   stage.name = kName;
   if (layers == Layers::off) stage.reason = "switched off; " + finding(first);
   if (first.blur <= 0) stage.reason = "the part has no measured round rim";
-  if (layers == Layers::automatic && first.blur > 0 && nothing_to_learn(first)) {
+  if (layers == Layers::automatic && first.blur > 0 && nothing_to_learn(first, track)) {
     stage.error_bound_px = pull_of_ground(first);
     stage.reason =
         fmt::format("nothing to learn: {}; through the rim the ground moves a position by {:.2g} px at most",
@@ -200,7 +203,7 @@ bool layers_wanted(const FirstPassResult& first, Layers layers) {
 
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
-  if (auto reason = reason_against(first, options.layers)) {
+  if (auto reason = reason_against(first, track, options.layers)) {
     LayeredOutcome outcome;
     outcome.plan.push_back(std::move(*reason));
     return outcome;

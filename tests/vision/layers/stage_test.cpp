@@ -222,8 +222,11 @@ TEST(LayeredStage, PlainPlatformIsAtTheBound) {
   SlidingScene s;
   s.scene.platform.texture_rms = 0;
   SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
+  TrackOptions options = with_marker(s);
+  options.layers = Layers::on;
+  const TrackResult result = track(source, options);
   EXPECT_TRUE(result.summary.layered);
+
   const TrackErrors e = report("plain", result, s, s.bound());
   EXPECT_LT(e.rms, 1.1 * s.bound());
   EXPECT_GT(e.standardised, 0.9);

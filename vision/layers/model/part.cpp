@@ -25,7 +25,7 @@ constexpr double kBlendEvidence =
 constexpr double kMostBlend = 9;  ///< px^2
 constexpr float kFewest = 4;      ///< windows at a place, of which two unknowns take two
 /// Of the ground's mean level: what the model of the light may leave, alike in all windows and all around.
-constexpr double kUnevenLight = 0.003;
+constexpr double kUnevenLight = 0.002;
 constexpr std::size_t kTurnedAtOnce = 16;  ///< windows whose turned textures are held at a time
 
 /// (1 2 1) / 4 both ways, twice: a Gaussian of 1 px.
@@ -74,9 +74,9 @@ Picture share_of_rings(const SumPictures& sums, const GroundPicture& ground, dou
     off.levels()[i] = static_cast<float>(share) - prior_share.levels()[i];
     weight.levels()[i] = static_cast<float>(information / noise_variance);
   }
-  // A ring's places lean on the same ground and the same light: together they tell no more than this.
-  const double most = std::pow(ground.texture() / (kUnevenLight * ground.mean()), 2);
-  Picture out = ring_fit(off, weight, kShadow, most);
+  // A ring's places lean on the same light: no number of them averages out what its model leaves.
+  const RingLimit limit{sums.count, noise_variance / std::pow(kUnevenLight * ground.mean(), 2)};
+  Picture out = ring_fit(off, weight, kShadow, &limit);
   for (std::size_t i = 0; i < out.levels().size(); ++i) out.levels()[i] += prior_share.levels()[i];
   return out;
 }

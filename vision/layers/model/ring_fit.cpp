@@ -14,6 +14,7 @@ using Waves = Eigen::Matrix<double, 5, 1>;
 struct Ring {
   Eigen::Matrix<double, 5, 5> normal;
   Waves right = Waves::Zero();
+  double observations = 0;
 };
 
 /// Calls act(place, ring below, share of the ring above, waves) for every place of the grid.
@@ -33,7 +34,7 @@ void for_each_place(int size, const Act& act) {
 
 }  // namespace
 
-Picture ring_fit(const Picture& values, const Picture& weights, double sd, double most) {
+Picture ring_fit(const Picture& values, const Picture& weights, double sd, const RingLimit* limit) {
   const int size = values.width();
   std::vector<Ring> rings(static_cast<std::size_t>(size) + 2);
   for (Ring& ring : rings) ring.normal.setZero();
@@ -43,12 +44,13 @@ Picture ring_fit(const Picture& values, const Picture& weights, double sd, doubl
     for (const auto& [ring, share] : {std::pair{below, 1 - above}, std::pair{below + 1, above}}) {
       rings[ring].normal += share * weight * waves * waves.transpose();
       rings[ring].right += share * weight * value * waves;
+      if (limit) rings[ring].observations += share * static_cast<double>(limit->observations.levels()[at]);
     }
   });
   std::vector<Waves> fitted;
   const Eigen::Matrix<double, 5, 5> prior = Eigen::Matrix<double, 5, 5>::Identity() / (sd * sd);
   for (const Ring& ring : rings) {
-    const double share = ring.normal(0, 0) > most ? most / ring.normal(0, 0) : 1;
+    const double share = limit && ring.observations > limit->most ? limit->most / ring.observations : 1;
     fitted.push_back((prior + share * ring.normal).ldlt().solve(share * ring.right));
   }
   Picture out(size, size);
