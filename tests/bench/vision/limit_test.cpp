@@ -30,7 +30,7 @@ VisionLimitRow row_of(double radius, double texture, double noise) {
 
 TEST(VisionLimit, PlainPlatformIsTrackedAtTheBound) {
   const VisionLimitRow row = row_of(30, 0, 3);
-  EXPECT_TRUE(row.layered);
+  EXPECT_FALSE(row.layered) << "there is nothing to learn";
   EXPECT_LT(row.rms, 1.05 * row.bound);
   EXPECT_LT(row.standardised, 1.05);
 }
