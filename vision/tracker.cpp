@@ -220,7 +220,7 @@ void Tracking::measure_layers() {
 /// At the final centres.
 void Tracking::follow_rotation() {
   const auto running = clock_.enter(Stage::rotation);
-  measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan);
+  measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan, options_.threads);
 }
 
 /// Pictures learnt from a coded recording hold the part back where it moves little (coded_errors.h).

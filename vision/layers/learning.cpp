@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kEarly = 64;  ///< windows of most rounds
 constexpr int kMostRounds = 8;      ///< over these
-constexpr int kLastRounds = 8;     ///< over all
+constexpr int kLastRounds = 8;      ///< over all
 constexpr int kFewestRounds = 2;
 constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
 constexpr int kFirstLook = 2;  ///< round over all windows in which a slope of the light is looked for
@@ -84,15 +84,14 @@ class Learning {
     const bool few = !options_.start && !options_.standing_light && windows_.size() > kEarly;
     few ? look_at_few() : look_at_all();
     see_ground();
-    if (few || options_.standing_light) rounds(kMostRounds, false);
-    if (few) {
+    if (options_.start) {
+      registration_.set_part(out_.part, static_cast<double>(active_.size()));
+    } else {
+      rounds(kMostRounds, false);
       out_.early = {states(), out_.part};
       look_at_all();
     }
-    if (few || options_.start) {
-      if (options_.start) registration_.set_part(out_.part, static_cast<double>(active_.size()));
-      measure_windows();
-    }
+    if (few || options_.start) measure_windows();
     // Pictures far from the truth would show a slope of the light where there is none.
     rounds(kLastRounds, !options_.even_light);
     StandingLight look(ground_.region(), prior_share_);

@@ -28,7 +28,7 @@ struct LearntPart {
   double sigma = 0;              ///< of a coordinate of the usual window, px
   int rounds = 0;
   std::size_t explained = 0;  ///< windows
-  LearningStart early;        ///< empty where all windows were looked at from the beginning
+  LearningStart early;        ///< empty where another candidate's was taken
 };
 
 struct LearningOptions {

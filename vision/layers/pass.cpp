@@ -60,8 +60,7 @@ class LayeredPass {
     candidates.push_back(tried("pictures that do not turn", {}));
     const LearningStart early = std::move(candidates.front().learnt.early);
     if (candidates.front().learnt.light.known())
-      candidates.push_back(
-          tried("in even light", {.even_light = true, .start = early.states.empty() ? nullptr : &early}));
+      candidates.push_back(tried("in even light", {.even_light = true, .start = &early}));
     if (options_.static_light && candidates.front().learnt.standing_evidence > kStands)
       candidates.push_back(tried("with light that stands in the picture", {.standing_light = true}));
     if (turns()) candidates.push_back(tried("with a texture that turns", {.turning = true}));

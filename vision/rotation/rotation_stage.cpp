@@ -45,7 +45,7 @@ void take_template(const FirstPassResult& first, Track& track) {
   track.has_rotation = origin.has_value();
 }
 
-PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& track) {
+PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& track, int threads) {
   PlanStage stage{.name = "rotation by rings", .reason = "its texture is not seen again in most frames"};
   std::vector<PlacedFrame> frames;
   std::vector<std::size_t> places;
@@ -55,7 +55,7 @@ PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& tra
           {first.first_index + static_cast<std::int64_t>(k), {track.points[k].x, track.points[k].y}});
       places.push_back(k);
     }
-  const auto seen = follow_rotation(source, frames, first.disc.radius, first.blur);
+  const auto seen = follow_rotation(source, frames, first.disc.radius, first.blur, threads);
   double low = 0, high = 0;
   std::size_t count = 0;
   for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -76,10 +76,10 @@ PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& tra
 }  // namespace
 
 void measure_rotation(FrameSource& source, const FirstPassResult& first, Track& track,
-                      std::vector<PlanStage>& plan) {
+                      std::vector<PlanStage>& plan, int threads) {
   if (!first.texture_seen) return;
   if (first.disc.radius > 0)
-    plan.push_back(by_rings(source, first, track));
+    plan.push_back(by_rings(source, first, track, threads));
   else if (first.turning)
     take_template(first, track);
 }

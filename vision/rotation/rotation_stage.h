@@ -12,6 +12,6 @@ namespace tribotrack::vision {
 /// it sees a turning disc turn less, and says it knows. Nothing where the first frame shows no texture.
 /// `plan` is told of the rings.
 void measure_rotation(FrameSource& source, const FirstPassResult& first, Track& track,
-                      std::vector<PlanStage>& plan);
+                      std::vector<PlanStage>& plan, int threads = 1);
 
 }  // namespace tribotrack::vision

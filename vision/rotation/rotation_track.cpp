@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <span>
 
 #include "vision/io/window.h"
+#include "vision/kernels/parallel.h"
 #include "vision/rotation/rotation_follower.h"
 
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::size_t kTrial = 16;  ///< frames after which it is given up where nothing is seen
-constexpr double kFewest = 0.5;     ///< of the frames must show the rotation
-constexpr double kLargestSd = 0.2;  ///< rad: known less well than that it is not seen
+constexpr std::size_t kTrial = 16;       ///< frames after which it is given up where nothing is seen
+constexpr std::size_t kAtOnce = kTrial;  ///< frames shared among the threads
+constexpr double kFewest = 0.5;          ///< of the frames must show the rotation
+constexpr double kLargestSd = 0.2;       ///< rad: known less well than that it is not seen
 
 /// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
 Eigen::ArrayXXf inner_half(const Harmonics& first, const Eigen::ArrayXXf& weights) {
@@ -35,14 +39,35 @@ struct Turns {
   std::size_t seen = 0;
 };
 
-Turns followed(FrameSource& source, const std::vector<PlacedFrame>& frames, RingHarmonics& rings) {
+/// What the rings show in some of the frames.
+std::vector<Harmonics> harmonics_of(FrameSource& source, std::span<const PlacedFrame> frames,
+                                    std::vector<RingHarmonics>& rings) {
+  std::vector<Harmonics> out(frames.size());
+  std::mutex reading;
+  parallel_for(frames.size(), static_cast<int>(rings.size()), [&](std::size_t k, std::size_t worker) {
+    const PlacedFrame& f = frames[k];
+    const Rect place = window_about(f.centre, rings[worker].reach(), source.bounds());
+    Picture window;
+    {
+      const std::lock_guard lock(reading);
+      source.read(f.index, place, window);
+    }
+    out[k] = rings[worker].of(window, {f.centre.x - place.x, f.centre.y - place.y});
+  });
+  return out;
+}
+
+Turns followed(FrameSource& source, std::span<const PlacedFrame> frames, const RingHarmonics& rings,
+               int threads) {
   Turns out;
-  Picture window;
+  std::vector<RingHarmonics> own(static_cast<std::size_t>(std::max(1, threads)), rings);
+  std::vector<Harmonics> some;
   std::optional<RotationFollower> all, inner, outer;
-  for (const PlacedFrame& f : frames) {
-    const Rect place = window_about(f.centre, rings.reach(), source.bounds());
-    source.read(f.index, place, window);
-    const Harmonics seen = rings.of(window, {f.centre.x - place.x, f.centre.y - place.y});
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (k % kAtOnce == 0)
+      some = harmonics_of(source, frames.subspan(k, std::min(kAtOnce, frames.size() - k)), own);
+    const PlacedFrame& f = frames[k];
+    const Harmonics& seen = some[k % kAtOnce];
     if (!all) {
       const Eigen::ArrayXXf near_centre = inner_half(seen, rings.weights());
       all.emplace(seen, rings.weights(), f.index);
@@ -104,10 +129,10 @@ double white_ratio(const Turns& turns, double by_halves) {
 
 std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
                                                      const std::vector<PlacedFrame>& frames, double radius,
-                                                     double blur) {
-  RingHarmonics rings(radius, blur);
+                                                     double blur, int threads) {
+  const RingHarmonics rings(radius, blur);
   if (!rings.usable() || frames.size() < 2) return {};
-  const Turns turns = followed(source, frames, rings);
+  const Turns turns = followed(source, frames, rings, threads);
   if (turns.all.size() < frames.size() ||
       static_cast<double>(turns.seen) < kFewest * static_cast<double>(frames.size() - 1))
     return {};

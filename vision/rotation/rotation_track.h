@@ -20,9 +20,10 @@ struct PlacedFrame {
 /// holds for most frames, or no rotation can be seen.
 ///
 /// The variance is that of the harmonics' scatter, and what grows with the angle turned as the learnt picture
-/// is renewed: from how the angles by the inner and the outer rings, each learnt for itself, drift apart.
+/// is renewed: from how the angles by the inner and the outer rings, each learnt for itself, drift apart. The
+/// same for any number of threads.
 std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
                                                      const std::vector<PlacedFrame>& frames, double radius,
-                                                     double blur);
+                                                     double blur, int threads = 1);
 
 }  // namespace tribotrack::vision
