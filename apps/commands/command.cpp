@@ -52,7 +52,9 @@ void add_commands(CLI::App& app, Context& context) {
 
 void add_common(CLI::App& command, Context& context, const std::string& example) {
   command.add_flag("--quiet,-q", context.quiet, "No progress and no notes on stderr; errors only");
-  command.add_option("--threads", context.threads, "Threads to use, for one recording too (default: all this process may use)")
+  command
+      .add_option("--threads", context.threads,
+                  "Threads to use, for one recording too (default: all this process may use)")
       ->check(CLI::Range(1, 4096));
   command.set_version_flag("--version", "tribotrack " TRIBOTRACK_VERSION);
   command.footer(
