@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -46,6 +47,21 @@ Circle CirclingScene::mark(int frame) const {
   const Point platform = pose(frame).platform;
   return {scene_.width / 2.0 - scene_.disc.radius_px - 50 + platform.x, scene_.height / 2.0 + platform.y,
           kMarkRadius};
+}
+
+void PositionErrors::see(int frame, const Point& position) {
+  const Point truth = scene_.pose(frame).disc;
+  const double x = position.x - truth.x, y = position.y - truth.y;
+  sum_.x += x;
+  sum_.y += y;
+  square_ += x * x + y * y;
+  ++count_;
+}
+
+double PositionErrors::rms() const {
+  if (count_ < 4) return 0;
+  const double offset = (sum_.x * sum_.x + sum_.y * sum_.y) / count_;
+  return std::sqrt(std::max(0.0, square_ - offset) / (2 * (count_ - 1)));
 }
 
 void CirclingRecorder::write(int frames, const std::vector<fs::path>& files) {

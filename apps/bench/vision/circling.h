@@ -31,6 +31,20 @@ class CirclingScene {
   bool brushed_ = false;
 };
 
+/// How far positions lie from where the part is.
+class PositionErrors {
+ public:
+  explicit PositionErrors(const CirclingScene& scene) : scene_(scene) {}
+  void see(int frame, const vision::Point& position);
+  /// Px per coordinate, the mean error left out; 0 from fewer than four positions.
+  double rms() const;
+
+ private:
+  const CirclingScene& scene_;
+  vision::Point sum_;
+  double square_ = 0, count_ = 0;
+};
+
 /// Writes recordings of a scene. Its poses are rendered once, when the first is written.
 class CirclingRecorder {
  public:

@@ -1,7 +1,5 @@
 #include "apps/bench/vision/decoding.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "apps/bench/timing/paired_timing.h"
@@ -41,22 +39,15 @@ TrackResult track_all(const fs::path& file, const CirclingScene& scene) {
 }
 
 void judge(const Track& track, const CirclingScene& scene, VisionDecodingRow& row) {
-  Point mean;
-  double square = 0, count = 0;
+  PositionErrors errors(scene);
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const TrackPoint& p = track.points[k];
-    row.lost += p.status != TrackStatus::ok;
-    if (p.status != TrackStatus::ok) continue;
-    const Point truth = scene.pose(static_cast<int>(k)).disc;
-    const Point e{p.x - truth.x, p.y - truth.y};
-    mean.x += e.x;
-    mean.y += e.y;
-    square += e.x * e.x + e.y * e.y;
-    ++count;
+    if (p.status == TrackStatus::ok)
+      errors.see(static_cast<int>(k), {p.x, p.y});
+    else
+      ++row.lost;
   }
-  if (count < 4) return;
-  const double offset = (mean.x * mean.x + mean.y * mean.y) / count;
-  row.rms = std::sqrt(std::max(0.0, square - offset) / (2 * (count - 1)));
+  row.rms = errors.rms();
 }
 
 }  // namespace

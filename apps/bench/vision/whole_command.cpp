@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
@@ -109,25 +108,16 @@ Judged judge(const fs::path& table, const CirclingScene& scene) {
   };
   const std::size_t x = column("x_px"), y = column("y_px");
   Judged judged;
-  vision::Point sum;
-  double square = 0, count = 0;
+  PositionErrors errors(scene);
   for (int frame = 0; std::getline(stream, line); ++frame) {
     const auto cells = cells_of(line);
     if (cells.size() <= std::max(x, y) || cells[x].empty()) {
       ++judged.lost;
       continue;
     }
-    const vision::Point truth = scene.pose(frame).disc;
-    const double ex = std::strtod(cells[x].c_str(), nullptr) - truth.x,
-                 ey = std::strtod(cells[y].c_str(), nullptr) - truth.y;
-    sum.x += ex;
-    sum.y += ey;
-    square += ex * ex + ey * ey;
-    ++count;
+    errors.see(frame, {std::strtod(cells[x].c_str(), nullptr), std::strtod(cells[y].c_str(), nullptr)});
   }
-  if (count < 4) return judged;
-  const double offset = (sum.x * sum.x + sum.y * sum.y) / count;
-  judged.rms = std::sqrt(std::max(0.0, square - offset) / (2 * (count - 1)));
+  judged.rms = errors.rms();
   return judged;
 }
 
