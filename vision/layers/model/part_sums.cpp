@@ -131,10 +131,9 @@ PartTileSums::Placed PartTileSums::placed(const KeptWindow& window) const {
   return out;
 }
 
-void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const Placed& at,
-                             const Picture* turned, float trim, Workspace& work) {
-  const std::size_t first = block * kBlock, count = std::min(kBlock, tiles_.size() - first);
-  const Rect& region = ground_.region();
+/// What the window shows at these tiles, and where it shows nothing.
+void PartTileSums::take_window(std::size_t first, std::size_t count, const KeptWindow& window,
+                               const Placed& at, Workspace& work) const {
   const int width = window.picture.width(), height = window.picture.height();
   work.corners.resize(count);
   for (std::size_t t = 0; t < count; ++t) {
@@ -150,8 +149,14 @@ void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const 
           if (left + i < 0 || top + j < 0 || left + i + 1 > width - 1 || top + j + 1 > height - 1)
             counts[j * kTile + i] = 0;
   }
-  work.level.tiles = work.ground.tiles = count;
+  work.level.tiles = count;
   tile_kernels().sample(work.corners, window.spline.stride(), at.taps, 0, false, work.level);
+}
+
+/// The ground under these tiles, and its variance.
+void PartTileSums::take_ground(std::size_t first, std::size_t count, const Placed& at,
+                               Workspace& work) const {
+  const Rect& region = ground_.region();
   for (std::size_t t = 0; t < count; ++t) {
     const TilePlace& tile = tiles_[first + t];
     // Far outside the ground's picture the spline is that of its border.
@@ -167,14 +172,29 @@ void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const 
         for (int i = 0; i < kTile; ++i)
           unsure[j * kTile + i] = row[static_cast<std::size_t>(std::clamp(x + i, 0, region.width - 1))];
     }
-    if (!turned) continue;
-    const int last = turned->width() - 1;
+  }
+  work.ground.tiles = count;
+  tile_kernels().sample(work.corners, ground_.spline().stride(), at.ground_taps, 0, true, work.ground);
+}
+
+void PartTileSums::take_turned(std::size_t first, std::size_t count, const Picture& turned,
+                               Workspace& work) const {
+  const int last = turned.width() - 1;
+  for (std::size_t t = 0; t < count; ++t) {
+    const TilePlace& tile = tiles_[first + t];
     for (int j = 0; j < kTile; ++j)
       for (int i = 0; i < kTile; ++i)
         work.turned[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] =
-            turned->at(std::min(tile.x + i, last), std::min(tile.y + j, last));
+            turned.at(std::min(tile.x + i, last), std::min(tile.y + j, last));
   }
-  tile_kernels().sample(work.corners, ground_.spline().stride(), at.ground_taps, 0, true, work.ground);
+}
+
+void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const Placed& at,
+                             const Picture* turned, float trim, Workspace& work) {
+  const std::size_t first = block * kBlock, count = std::min(kBlock, tiles_.size() - first);
+  take_window(first, count, window, at, work);
+  take_ground(first, count, at, work);
+  if (turned) take_turned(first, count, *turned, work);
   const LayeredState& s = window.state;
   const std::size_t from = first * kTilePixels;
   const WindowTiles tiles{work.level.value.data(),

@@ -32,6 +32,10 @@ class PartTileSums {
   /// Where a window's grid lies, and its light.
   struct Placed;
   Placed placed(const KeptWindow& window) const;
+  void take_window(std::size_t first, std::size_t count, const KeptWindow& window, const Placed& at,
+                   Workspace& work) const;
+  void take_ground(std::size_t first, std::size_t count, const Placed& at, Workspace& work) const;
+  void take_turned(std::size_t first, std::size_t count, const Picture& turned, Workspace& work) const;
   void add_block(std::size_t block, const KeptWindow& window, const Placed& at, const Picture* turned,
                  float trim, Workspace& work);
   /// The grid's values in tiles.
