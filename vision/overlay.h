@@ -19,6 +19,9 @@
 
 namespace tribotrack::vision {
 
+/// Throws InputError unless the name ends like an overlay's.
+void require_overlay_name(const std::filesystem::path& path);
+
 /// .png: the trajectory over the first analysed frame. .mp4 / .avi / .mkv: every analysed frame with outline,
 /// path so far, frame number and status. Throws InputError.
 void write_overlay(FrameSource& source, const TrackResult& result, const std::filesystem::path& path);

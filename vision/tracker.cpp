@@ -177,7 +177,7 @@ void Tracking::follow_from_start() {
       read_again.seen(start_ + k, *seen);
       coding_->see(start_ + k, *seen, first_pass_->mark());
     }
-    if (options_.progress) options_.progress(k + 1, total);
+    if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
   result_.track = first_pass_->finish(result_.summary);
 }

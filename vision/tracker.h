@@ -105,6 +105,7 @@ struct TrackOptions {
   int search_margin_px = 0;     ///< half width of the search about the prediction; 0: chosen from the motion
   Layers layers = Layers::automatic;
   int threads = 1;  ///< at work on this recording; the result is the same for any number
+  /// Frames of the work done and in all: the first of two passes counts for half.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
   DebugSink* debug = nullptr;  ///< kept only during track()
   /// The recording's own numbers of the frames shown to `debug`. Empty: the first, middle and last frame in

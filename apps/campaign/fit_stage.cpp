@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 #include <string>
 #include <utility>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/problem.h"
+#include "apps/campaign/runs_progress.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
@@ -33,14 +33,19 @@ std::string coding_sentence(const fit::FitResult& result) {
       list);
 }
 
-/// Large recordings first: one that began last would leave the other threads without work.
-std::vector<std::size_t> order_of_work(const Campaign& campaign) {
+/// Of each run's recording: what its work is measured by.
+std::vector<std::uintmax_t> bytes_of(const Campaign& campaign) {
   std::vector<std::uintmax_t> bytes;
   for (const CampaignRun& run : campaign.runs) {
     std::error_code not_a_file;
     const std::uintmax_t size = run.video ? std::filesystem::file_size(*run.video, not_a_file) : 0;
     bytes.push_back(not_a_file ? 0 : size);
   }
+  return bytes;
+}
+
+/// Large recordings first: one that began last would leave the other threads without work.
+std::vector<std::size_t> order_of_work(const std::vector<std::uintmax_t>& bytes) {
   std::vector<std::size_t> order(bytes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t k) { return bytes[k]; });
@@ -49,24 +54,23 @@ std::vector<std::size_t> order_of_work(const Campaign& campaign) {
 
 }  // namespace
 
-std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
-                                      const std::function<AnalysedRun(std::size_t index)>& work) {
+std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work) {
   std::vector<AnalysedRun> runs(campaign.runs.size());
-  Progress progress("runs", context.quiet);
-  std::atomic<long> done = 0;
-  const auto count = static_cast<long>(runs.size());
-  const std::vector<std::size_t> order = order_of_work(campaign);
-  for_each_index(count, threads_to_use(context), [&](long k) {
+  const std::vector<std::uintmax_t> bytes = bytes_of(campaign);
+  const std::vector<std::size_t> order = order_of_work(bytes);
+  RunsProgress progress(bytes, progress_style(context.quiet));
+  for_each_index(static_cast<long>(runs.size()), threads_to_use(context), [&](long k) {
     const std::size_t index = order[static_cast<std::size_t>(k)];
     const CampaignRun& run = campaign.runs[index];
     try {
-      runs[index] = work(index);
+      runs[index] =
+          work(index, [&](std::int64_t done, std::int64_t total) { progress.update(index, done, total); });
     } catch (const std::exception& error) {
       runs[index] = {};
       runs[index].run = &run;
       runs[index].failure = failure_of(run, error);
     }
-    progress.update(++done, count);
+    progress.finish(index);
   });
   return runs;
 }

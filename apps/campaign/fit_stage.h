@@ -17,10 +17,14 @@
 
 namespace tribotrack::apps {
 
-/// Calls work(index) for every run of the campaign, large recordings first, on the command's threads, showing
+/// What is done for a run: `frames_done` is told of the frames of its recording that have been worked on, and
+/// of all.
+using FramesDone = std::function<void(std::int64_t done, std::int64_t total)>;
+using RunWork = std::function<AnalysedRun(std::size_t index, const FramesDone& frames_done)>;
+
+/// Does the work for every run of the campaign, large recordings first, on the command's threads, showing
 /// progress. A run whose work throws anything, lack of memory included, has failed; the others go on.
-std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context,
-                                      const std::function<AnalysedRun(std::size_t index)>& work);
+std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work);
 
 /// What the runs share, as found before the fit.
 struct SharedFindings {

@@ -13,6 +13,7 @@
 #include "apps/bench/peers/library_peers.h"
 #include "apps/bench/tables/tables.h"
 #include "apps/commands/command.h"
+#include "apps/commands/wrong_usage.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/progress.h"
 #include "apps/text/output_file.h"
@@ -287,7 +288,7 @@ void add_bench(CLI::App& app, Context& context) {
           "others, with the share of each stage (an hour); fit: exact derivatives against differences, and "
           "how often the intervals of simulated campaigns of eleven designs hold (some minutes, on all "
           "cores); all")
-      ->check(CLI::IsMember({"model", "vision", "commands", "fit", "all"}))
+      ->check(one_of({"model", "vision", "commands", "fit", "all"}))
       ->required();
   command
       .add_option(
@@ -304,7 +305,7 @@ void add_bench(CLI::App& app, Context& context) {
           "--campaigns", options->campaigns,
           "fit: simulated campaigns of each design and noise level (default 200, of tracks at most 50): "
           "2000 tell a coverage to 1 %")
-      ->check(CLI::Range(1, 1'000'000));
+      ->check(whole_number(1, 1'000'000));
   CLI::Option* frames =
       command
           .add_option(
@@ -312,12 +313,12 @@ void add_bench(CLI::App& app, Context& context) {
               "commands: lengths of the recordings (default 100,500,2000). Pictures are 1280 x 800, beyond "
               "5000 frames 640 x 400, of which 20000 take 5 GB uncompressed")
           ->delimiter(',')
-          ->check(CLI::Range(24, 1'000'000))
+          ->check(whole_number(24, 1'000'000))
           ->type_name("N,N,...");
   CLI::Option* diameters =
       command.add_option("--diameters", options->diameters, "commands: of the disc, px (default 60,120,300)")
           ->delimiter(',')
-          ->check(CLI::Range(24, 300))
+          ->check(whole_number(24, 300))
           ->type_name("D,D,...");
   command
       .add_option("--keep", options->keep,

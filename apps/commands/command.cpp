@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iostream>
 #include <string>
+#include <vector>
 
+#include "apps/commands/wrong_usage.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
-#include "apps/text/strict_toml.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
@@ -19,6 +19,14 @@ namespace {
 
 using Parser = std::optional<double> (*)(std::string_view);
 
+/// "; did you mean 250.5?" for a number with a decimal comma.
+std::string with_point(std::string text, Parser parse) {
+  const auto comma = text.find(',');
+  if (comma == std::string::npos) return "";
+  text[comma] = '.';
+  return parse(text) ? fmt::format("; did you mean {}?", text) : "";
+}
+
 void add_parsed(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help, Parser parse, const std::string& kind) {
   command
@@ -26,10 +34,22 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
           flag,
           [&value, flag, parse, kind](const std::string& text) {
             value = parse(text);
-            if (!value) throw CLI::ValidationError(flag, fmt::format("must be {}, not \"{}\"", kind, text));
+            if (!value)
+              throw CLI::ValidationError(
+                  flag, fmt::format("must be {}, not \"{}\"{}", kind, text, with_point(text, parse)));
           },
           help)
       ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");
+}
+
+/// They may stand before the command as well as after it.
+void add_options_of_all(CLI::App& command, Context& context) {
+  command.add_flag("--quiet,-q", context.quiet, "No progress and no notes on stderr; errors only");
+  command
+      .add_option("--threads", context.threads,
+                  "Threads to use, for one recording too (default: all this process may use)")
+      ->check(whole_number(1, 4096));
+  command.set_version_flag("--version,-V", "tribotrack " TRIBOTRACK_VERSION);
 }
 
 void add_commands(CLI::App& app, Context& context) {
@@ -51,12 +71,7 @@ void add_commands(CLI::App& app, Context& context) {
 }  // namespace
 
 void add_common(CLI::App& command, Context& context, const std::string& example) {
-  command.add_flag("--quiet,-q", context.quiet, "No progress and no notes on stderr; errors only");
-  command
-      .add_option("--threads", context.threads,
-                  "Threads to use, for one recording too (default: all this process may use)")
-      ->check(CLI::Range(1, 4096));
-  command.set_version_flag("--version", "tribotrack " TRIBOTRACK_VERSION);
+  add_options_of_all(command, context);
   command.footer(
       "Example:\n" + example +
       "\n\nExit codes: 0 done, 2 usage, 3 bad input or output, 4 a quality gate failed, 5 fit unusable.");
@@ -74,26 +89,13 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 
 namespace {
 
-/// "; did you mean `track`?" for a command or an option that does not exist but is nearly one that does.
-std::string nearest_to(const CLI::App& app, int argc, const char* const* argv) {
-  std::vector<std::string> commands;
-  for (const CLI::App* command : app.get_subcommands({}))
-    if (!command->get_group().empty()) commands.push_back(command->get_name());
-  const std::string word = argc > 1 ? argv[1] : "";
-  const auto suggest = [](const std::string& near) {
-    return near.empty() ? "" : fmt::format("; did you mean `{}`?", near);
-  };
-  if (std::find(commands.begin(), commands.end(), word) == commands.end())
-    return word.starts_with('-') ? "" : suggest(nearest_word(word, commands));
-  std::vector<std::string> flags;
-  for (const CLI::Option* option : app.get_subcommand(word)->get_options())
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
-  for (int k = 2; k < argc; ++k) {
-    const std::string flag = std::string(argv[k]).substr(0, std::string(argv[k]).find('='));
-    if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
-    return suggest(nearest_word(flag, flags));
-  }
-  return "";
+/// `help COMMAND` is COMMAND --help.
+std::vector<std::string> arguments_of(int argc, const char* const* argv) {
+  std::vector<std::string> typed(argv + 1, argv + argc);
+  if (typed.empty() || typed.front() != "help") return typed;
+  typed.erase(typed.begin());
+  typed.emplace_back("--help");
+  return typed;
 }
 
 /// Help and version go to stdout, through CLI11's own printing.
@@ -109,21 +111,23 @@ int print_help(const CLI::App& app, const CLI::ParseError& error) {
 int run_program(int argc, const char* const* argv) {
   Context context;
   CLI::App app{
-      "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters"};
-  app.set_version_flag("--version", "tribotrack " TRIBOTRACK_VERSION);
+      "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters",
+      "tribotrack"};
   app.require_subcommand(1);
   app.footer(
       "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
       "-o OUT`.\n"
       "Each command explains itself: tribotrack COMMAND --help");
+  add_options_of_all(app, context);
   add_commands(app, context);
+  const std::vector<std::string> typed = arguments_of(argc, argv);
   try {
     try {
-      app.parse(argc, argv);
+      app.parse(std::vector<std::string>(typed.rbegin(), typed.rend()));
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == 0) return print_help(app, error);
       // CLI11's own codes (100-110) collide with those workflow engines retry on.
-      complain(fmt::format("{}{} (see --help)", error.what(), nearest_to(app, argc, argv)));
+      complain(wrong_usage(app, error, typed) + " (see --help)");
       return kUsage;
     }
     flush_output();
@@ -150,7 +154,8 @@ int run_program(int argc, const char* const* argv) {
     complain(error.what());
     return kInvalidInput;
   } catch (const std::bad_alloc&) {
-    complain("out of memory");
+    complain(
+        "out of memory: give the process more, or less to do at once (--threads 1, fewer frames or samples)");
     return kUnexpected;
   } catch (const std::exception& error) {
     complain(

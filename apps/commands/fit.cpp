@@ -28,10 +28,11 @@ struct FitCommandOptions {
 
 /// The track of a run: from the folder the user names, else made here.
 std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run,
-                                  const FitCommandOptions& options) {
+                                  const FitCommandOptions& options, const FramesDone& frames_done) {
   if (!run.video) return std::nullopt;
   if (!options.tracks.empty()) return read_track_file(RunFolder::track_in(options.tracks, run.name));
-  const PreparedJob job = prepare(job_for(campaign, run));
+  PreparedJob job = prepare(job_for(campaign, run));
+  job.job.track.progress = frames_done;
   TrackFile track =
       track_file_of(job, track_recording(job, fs::path(options.output).parent_path() / (run.name + ".csv")));
   track.inputs = job.inputs;
@@ -75,12 +76,13 @@ void allow_for_missing(const std::vector<AnalysedRun>& runs, const FitCommandOpt
 void fit_command(const FitCommandOptions& options, Context& context) {
   if (options.require_all && options.allow_missing > 0)
     throw UsageError("give --require-all or --allow-missing, not both");
-  const Campaign campaign = read_campaign(options.campaign);
+  const Campaign campaign = read_campaign(campaign_file(options.campaign));
   check_output(campaign, options);
-  std::vector<AnalysedRun> runs = for_each_run(campaign, context, [&](std::size_t index) {
-    const CampaignRun& run = campaign.runs[index];
-    return analyse(campaign, run, track_of(campaign, run, options));
-  });
+  std::vector<AnalysedRun> runs =
+      for_each_run(campaign, context, [&](std::size_t index, const FramesDone& frames_done) {
+        const CampaignRun& run = campaign.runs[index];
+        return analyse(campaign, run, track_of(campaign, run, options, frames_done));
+      });
   SharedFindings shared;
   shared.scale = share_scale(campaign, runs);
   allow_for_missing(runs, options, context);

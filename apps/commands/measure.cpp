@@ -1,6 +1,7 @@
 // tribotrack measure: alpha, v and whatever else one track shows.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 
 #include "apps/commands/command.h"
@@ -82,8 +83,9 @@ void measure_command(const MeasureOptions& options, Context& context) {
   given.angular_frequency = options.angular_frequency;
   given.phase_shift = options.phase_shift;
   if (options.cycles) {
-    if (!(*options.cycles >= 1 && *options.cycles <= 1e6))
-      throw UsageError("--cycles must be between 1 and 1000000");
+    if (!(*options.cycles >= 1 && *options.cycles <= 1e6) || *options.cycles != std::floor(*options.cycles))
+      throw UsageError(
+          fmt::format("--cycles must be a whole number from 1 to 1000000, not {}", *options.cycles));
     given.cycles = static_cast<int>(*options.cycles);
   }
   if (options.free_slide && options.angular_frequency)

@@ -30,7 +30,7 @@ namespace {
 
 struct RunOptions {
   std::string campaign, output;
-  bool dry_run = false, overlay_videos = false, explain = false;
+  bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point begun) {
@@ -51,7 +51,7 @@ class CampaignRunner {
   CampaignRunner(const RunOptions& options, Context& context)
       : options_(options),
         context_(context),
-        campaign_(read_campaign(options.campaign)),
+        campaign_(read_campaign(campaign_file(options.campaign))),
         folder_{options.output},
         logs_(campaign_.runs.size()) {}
 
@@ -66,8 +66,8 @@ class CampaignRunner {
   void print_result() const;
 
  private:
-  AnalysedRun carry_out(std::size_t index);
-  TrackFile track_of(const CampaignRun& run, RunLog& log) const;
+  AnalysedRun carry_out(std::size_t index, const FramesDone& frames_done);
+  TrackFile track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
   bool is_complete(const CampaignRun& run, const std::string& key) const;
   void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
   void write_measurement(const AnalysedRun& run) const;
@@ -106,7 +106,9 @@ void CampaignRunner::print_plan() const {
 
 /// From here on only this process writes into the folder, and only over earlier results of `run`.
 void CampaignRunner::take_folder() {
-  lock_.emplace(folder_, options_.campaign);
+  if (const auto writer = options_.wait ? writer_of(folder_) : std::nullopt)
+    say(context_.quiet, fmt::format("waiting for {}: it is writing into {}", *writer, folder_.root.string()));
+  lock_.emplace(folder_, options_.campaign, options_.wait);
   std::vector<Output> outputs = {{folder_.fit()}, {folder_.report()}, {folder_.log()}};
   for (const CampaignRun& run : campaign_.runs) {
     outputs.push_back({folder_.measurement(run.name)});
@@ -121,18 +123,21 @@ void CampaignRunner::take_folder() {
     remove_leftovers(folder);
   std::vector<std::string> names;
   for (const CampaignRun& run : campaign_.runs) names.push_back(run.name);
-  if (const auto others = folder_.runs_besides(names); !others.empty())
+  folder_.take_back(names);
+  if (const auto others = folder_.put_aside_all_but(names); !others.empty())
     say(context_.quiet,
-        fmt::format("note: {} also holds {}, which {} not in {}; delete what you no longer need",
-                    folder_.tracks().string(), fmt::join(others, ", "), others.size() == 1 ? "is" : "are",
-                    options_.campaign));
+        fmt::format("note: {} {} not in {}: moved to {}; should {} come back, so will the results",
+                    fmt::join(others, ", "), others.size() == 1 ? "is" : "are", options_.campaign,
+                    folder_.aside().root.string(), others.size() == 1 ? "it" : "they"));
 }
 
 void CampaignRunner::measure_runs() {
-  runs_ = for_each_run(campaign_, context_, [this](std::size_t index) { return carry_out(index); });
+  runs_ = for_each_run(campaign_, context_, [this](std::size_t index, const FramesDone& frames_done) {
+    return carry_out(index, frames_done);
+  });
 }
 
-AnalysedRun CampaignRunner::carry_out(std::size_t index) {
+AnalysedRun CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) {
   const CampaignRun& run = campaign_.runs[index];
   const auto begun = std::chrono::steady_clock::now();
   struct Stopwatch {
@@ -141,18 +146,19 @@ AnalysedRun CampaignRunner::carry_out(std::size_t index) {
     ~Stopwatch() { seconds = seconds_since(begun); }
   } const stopwatch{begun, logs_[index].seconds};
   std::optional<TrackFile> track;
-  if (run.video) track = track_of(run, logs_[index]);
+  if (run.video) track = track_of(run, frames_done, logs_[index]);
   AnalysedRun analysed = analyse(campaign_, run, std::move(track));
   write_measurement(analysed);
   return analysed;
 }
 
 /// The track that is there, if it is current, else one made now.
-TrackFile CampaignRunner::track_of(const CampaignRun& run, RunLog& log) const {
+TrackFile CampaignRunner::track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const {
   if (!may_be_recording(*run.video))
     throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
                                    run.name, run.video->string()));
   PreparedJob job = prepare(job_for(campaign_, run));
+  job.job.track.progress = frames_done;
   // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.
   job.job.track.threads = std::max(
       1, threads_to_use(context_) / static_cast<int>(std::max<std::size_t>(1, campaign_.runs.size())));
@@ -244,7 +250,10 @@ void CampaignRunner::write_log() const {
 }
 
 void CampaignRunner::print_result() const {
-  print("{}{}report {}\n", parameter_table(fit_.json), slide_table(fit_.json), folder_.report().string());
+  if (options_.json)
+    print_text(text_of(fit_.json));
+  else
+    print("{}{}report {}\n", parameter_table(fit_.json), slide_table(fit_.json), folder_.report().string());
   if (skipped() > 0)
     say(context_.quiet, fmt::format("{} of {} tracks were current and were kept", skipped(), runs_.size()));
   if (failed() > 0) {
@@ -268,6 +277,7 @@ void run_command(const RunOptions& options, Context& context) {
   CampaignRunner runner(options, context);
   if (options.dry_run) return runner.print_plan();
   runner.take_folder();
+  const LastWords stopped("stopped: finished recordings are kept, and the same command goes on from there");
   runner.measure_runs();
   runner.share_scale();
   runner.refuse_if_none_is_left();
@@ -293,6 +303,8 @@ void add_run(CLI::App& app, Context& context) {
   command.add_flag("--overlay-videos", options->overlay_videos,
                    "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
   add_common(command, context,
              "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
              "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "

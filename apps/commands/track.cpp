@@ -23,6 +23,9 @@ namespace tribotrack::apps {
 
 namespace {
 
+/// Frames/s: in-situ storage cameras reach 10^8 with some hundred frames; a higher rate is a slip.
+constexpr double kFastestCamera = 1e9;
+
 struct TrackCommandOptions {
   std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration,
       fps_reason;
@@ -113,6 +116,9 @@ void apply_config(RecordingJob& job, const std::string& file) {
 
 RecordingJob job_of(const TrackCommandOptions& options) {
   RecordingJob job;
+  if (options.input == "-" || options.input == "/dev/stdin")
+    throw InvalidInput(
+        fmt::format("'{}': a recording is not read from standard input; give its file", options.input));
   job.video = options.input;
   if (!options.config.empty()) apply_config(job, options.config);
   const auto positive = [](const char* flag, const std::optional<double>& value) {
@@ -121,6 +127,9 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     return value;
   };
   if (positive("--fps", options.fps)) {
+    if (*options.fps > kFastestCamera)
+      throw UsageError(fmt::format("--fps {} is more than any camera records; give frames/s, at most {:.0e}",
+                                   *options.fps, kFastestCamera));
     job.frame_rate_hz = options.fps;
     job.frame_rate_reason.clear();
   }
@@ -232,7 +241,10 @@ void check_outputs(const TrackCommandOptions& options) {
     outputs.push_back({options.output});
   else if (options.json)
     throw UsageError("give -o - or --json: both would go to standard output");
-  if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
+  if (!options.overlay.empty()) {
+    vision::require_overlay_name(options.overlay);
+    outputs.push_back({options.overlay, Content::pictures});
+  }
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
   for (const std::string& file : {options.config, options.calibration})
     if (!file.empty()) inputs.emplace_back(file);
@@ -257,7 +269,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
     job.track.debug = &*debug;
   }
 
-  std::optional<Progress> progress(std::in_place, "track", context.quiet);
+  std::optional<Progress> progress(std::in_place, "track", context.quiet, "frames");
   job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
   const PreparedJob prepared = prepare(job);
   TrackedRecording recording = track_recording(prepared, options.output);

@@ -329,6 +329,20 @@ std::vector<fs::path> Campaign::input_files() const {
   return files;
 }
 
+fs::path campaign_file(const fs::path& given) {
+  if (given == "-" || given == "/dev/stdin" || given == "/dev/fd/0" || given == "/proc/self/fd/0")
+    throw InvalidInput(fmt::format(
+        "{}: a campaign is not read from standard input: what it names lies relative to its file; give "
+        "a file",
+        given.string()));
+  if (!fs::is_directory(given)) return given;
+  if (fs::exists(given / "campaign.toml")) return given / "campaign.toml";
+  throw InvalidInput(fmt::format(
+      "{}: is a folder without a campaign.toml; write one there with `tribotrack init {}` and name its "
+      "recordings in it",
+      given.string(), given.string()));
+}
+
 namespace {
 
 Json in_mm(const std::optional<double>& metres) {

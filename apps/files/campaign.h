@@ -78,6 +78,10 @@ struct Campaign {
 };
 
 /// Reads and checks a campaign. Throws InvalidInput with file, line and column.
+/// The file that was meant by what was given: itself, or the campaign.toml of a folder. Throws InvalidInput
+/// for a folder without one and for standard input, which has no place that paths could be relative to.
+std::filesystem::path campaign_file(const std::filesystem::path& given);
+
 Campaign read_campaign(const std::filesystem::path& file);
 
 /// The names of fit parameters in campaigns, and back.

@@ -1,5 +1,8 @@
 #include "apps/files/meta_file.h"
 
+#include <fmt/format.h>
+
+#include "apps/program/errors.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 
@@ -21,6 +24,17 @@ Json MetaFile::json() const {
   meta["configuration"] = configuration;
   for (const auto& [key, value] : more.items()) meta[key] = value;
   return meta;
+}
+
+void require_known_schema(const Json& json, const fs::path& path) {
+  const Json schema = json.value("schema", Json());
+  if (schema.is_number_integer() && schema.get<std::int64_t>() >= 1 &&
+      schema.get<std::int64_t>() <= kSchemaVersion)
+    return;
+  throw InvalidInput(
+      fmt::format("{}: is of schema {}, and this version of tribotrack ({}) knows schema 1 to {}; use the "
+                  "version that wrote it",
+                  path.string(), schema.dump(), TRIBOTRACK_VERSION, kSchemaVersion));
 }
 
 void MetaFile::write_beside(const fs::path& result) const {

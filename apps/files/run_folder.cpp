@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
@@ -36,6 +37,19 @@ std::string holder_in(const fs::path& file) {
   return holder.empty() ? "another process" : holder;
 }
 
+/// Moves files to the same places below another folder, over what is there.
+void move_files(const std::vector<fs::path>& files, const fs::path& from, const fs::path& to) {
+  for (const fs::path& file : files) {
+    const fs::path target = to / file.lexically_relative(from);
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    if (!error) fs::rename(file, target, error);
+    if (error)
+      throw InvalidInput(fmt::format("{}: cannot be moved to {}: {}; move it away, or give another folder",
+                                     file.string(), target.string(), error.message()));
+  }
+}
+
 /// Is the open file still the one of that name? Whoever ends removes its lock file.
 bool is_current(int descriptor, const fs::path& file) {
   struct stat open {
@@ -46,17 +60,42 @@ bool is_current(int descriptor, const fs::path& file) {
 
 }  // namespace
 
-std::vector<std::string> RunFolder::runs_besides(const std::vector<std::string>& names) const {
-  std::vector<std::string> others;
+std::vector<std::string> RunFolder::runs() const {
+  std::vector<std::string> names;
   std::error_code ignored;
+  constexpr std::string_view kMeta = ".csv.meta.json";
   for (const auto& entry : fs::directory_iterator(tracks(), ignored)) {
-    const fs::path& path = entry.path();
-    if (path.extension() != ".csv" || path.filename().string().starts_with('.')) continue;
-    if (std::find(names.begin(), names.end(), path.stem().string()) == names.end())
-      others.push_back(path.stem().string());
+    const std::string file = entry.path().filename().string();
+    if (file.ends_with(kMeta) && !file.starts_with('.'))
+      names.push_back(file.substr(0, file.size() - kMeta.size()));
   }
-  std::sort(others.begin(), others.end());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<fs::path> RunFolder::files_of(const std::string& run) const {
+  std::vector<fs::path> files;
+  // The meta file last: until it has moved, the run is seen as one that is to be moved.
+  for (const fs::path& file : {first_frame(run), overlay(run), overlay_video(run), measurement(run),
+                               track(run), fs::path(track(run).string() + ".meta.json")})
+    if (fs::exists(file)) files.push_back(file);
+  return files;
+}
+
+std::vector<std::string> RunFolder::put_aside_all_but(const std::vector<std::string>& names) const {
+  std::vector<std::string> others;
+  for (const std::string& run : runs())
+    if (std::find(names.begin(), names.end(), run) == names.end()) others.push_back(run);
+  for (const std::string& run : others) move_files(files_of(run), root, aside().root);
   return others;
+}
+
+void RunFolder::take_back(const std::vector<std::string>& names) const {
+  for (const std::string& run : names)
+    if (!fs::exists(track(run))) move_files(aside().files_of(run), aside().root, root);
+  std::error_code in_use;
+  for (const fs::path& folder : {aside().tracks(), aside().measurements(), aside().root})
+    fs::remove(folder, in_use);
 }
 
 std::vector<fs::path> RunFolder::files_of_report() const {
@@ -67,7 +106,8 @@ std::vector<fs::path> RunFolder::files_of_report() const {
   return files;
 }
 
-RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign) : file_(folder.lock()) {
+RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, bool wait)
+    : file_(folder.lock()) {
   while (true) {
     for (const fs::path& made : create_folder(folder.root)) made_.push_back(made);
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -76,11 +116,12 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign) 
       throw InvalidInput(fmt::format("{}: cannot be written: {}; give a folder that is yours to write to",
                                      file_.string(), std::strerror(errno)));
     }
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (::flock(descriptor_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
-      throw InvalidInput(fmt::format(
-          "{}: another run is writing there: {}; wait until it has finished, or give another folder",
-          folder.root.string(), holder_in(file_)));
+      throw InvalidInput(
+          fmt::format("{}: another run is writing there: {}; wait until it has finished (--wait), or give "
+                      "another folder",
+                      folder.root.string(), holder_in(file_)));
     }
     // A file system without locks: better without one than not at all.
     if (is_current(descriptor_, file_)) break;

@@ -12,6 +12,7 @@ namespace tribotrack::apps {
 ///   fit.json, report.html, run.json
 ///   tracks/NAME.csv, NAME.png (overlay), NAME.first.png (first analysed frame)
 ///   measurements/NAME.json
+///   aside/ the same of runs that have left the campaign
 ///   .lock while a `run` is writing
 /// and a meta file beside each table and fit.json.
 struct RunFolder {
@@ -34,11 +35,19 @@ struct RunFolder {
   std::filesystem::path report() const { return root / "report.html"; }
   std::filesystem::path log() const { return root / "run.json"; }
   std::filesystem::path lock() const { return root / ".lock"; }
+  RunFolder aside() const { return {root / "aside"}; }
 
   /// The files here that a report is made from.
   std::vector<std::filesystem::path> files_of_report() const;
-  /// Runs that lie here but are none of `names`, in order.
-  std::vector<std::string> runs_besides(const std::vector<std::string>& names) const;
+  /// Moves what belongs to runs that are none of `names` into aside(), where a table of tracks/*.csv does not
+  /// find it. Only what has a meta file is a run's. Returns their names, in order. Throws InvalidInput.
+  std::vector<std::string> put_aside_all_but(const std::vector<std::string>& names) const;
+  /// Moves what belongs to these runs back from aside(), unless they have newer results. Throws InvalidInput.
+  void take_back(const std::vector<std::string>& names) const;
+
+ private:
+  std::vector<std::string> runs() const;
+  std::vector<std::filesystem::path> files_of(const std::string& run) const;
 };
 
 /// The right to write into a run folder, for one process at a time: an advisory lock on DIR/.lock, which the
@@ -46,8 +55,9 @@ struct RunFolder {
 /// missing; at the end those it made go again if they are still empty.
 class RunFolderLock {
  public:
-  /// Throws InvalidInput at once where another process holds it, naming process, host and campaign.
-  RunFolderLock(const RunFolder& folder, const std::filesystem::path& campaign);
+  /// Where another process holds it, waits, or throws InvalidInput at once, naming process, host and
+  /// campaign.
+  RunFolderLock(const RunFolder& folder, const std::filesystem::path& campaign, bool wait = false);
   ~RunFolderLock();
   RunFolderLock(const RunFolderLock&) = delete;
   RunFolderLock& operator=(const RunFolderLock&) = delete;

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
 
@@ -192,6 +193,13 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
 }
 
 TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path) {
+  if (!meta.is_object() || meta.value("command", Json()) != "track" || !meta.contains("summary"))
+    throw InvalidInput(
+        fmt::format("{}: is not the meta file of a track; track the recording again, or put back the file "
+                    "that `tribotrack track` "
+                    "wrote",
+                    path.string()));
+  require_known_schema(meta, path);
   TrackFacts facts;
   const auto object_at = [&](const char* key) {
     const auto found = meta.find(key);
@@ -245,6 +253,9 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
 }
 
 TrackFile read_track_file(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path))
+    throw InvalidInput(fmt::format("{}: is a folder; name a track, such as {}", path.string(),
+                                   (path / "NAME.csv").string()));
   if (!std::filesystem::is_regular_file(path))
     throw InvalidInput(
         fmt::format("{}: there is no such track; make one with `tribotrack track`", path.string()));
@@ -253,7 +264,13 @@ TrackFile read_track_file(const std::filesystem::path& path) {
   if (std::filesystem::exists(meta_path)) facts = track_facts_from(read_json(meta_path), meta_path);
   std::string text = read_text(path);
   Input input = hashed_input(path, text);
-  TrackFile file = track_file_of(read_track_rows(path, std::move(text)), facts, path);
+  const TrackRows rows = read_track_rows(path, std::move(text));
+  if (rows.has_marker && !rows.has_planes && !facts.mm_per_px)
+    throw InvalidInput(fmt::format(
+        "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
+        "both again with `tribotrack track`",
+        meta_path.string(), path.string()));
+  TrackFile file = track_file_of(rows, facts, path);
   file.inputs = {std::move(input)};
   return file;
 }

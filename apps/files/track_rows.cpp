@@ -14,6 +14,9 @@ namespace tribotrack::apps {
 
 namespace {
 
+/// px, mm, rad: no camera sees that far, and squares of what is below can be added up.
+constexpr double kBeyondAllPictures = 1e9;
+
 enum class Group { always, rotation, marker, gate, planes };
 
 struct Column {
@@ -119,7 +122,7 @@ class Places {
       if (kColumns[k].number == nullptr)
         row.status = status_of(table, cell);
       else if (!cell.empty())
-        row.*kColumns[k].number = number_of(table, cell, kColumns[k].name);
+        row.*kColumns[k].number = number_of(table, cell, kColumns[k]);
     }
     return row;
   }
@@ -131,12 +134,21 @@ class Places {
       if (cell == vision::to_string(status)) return status;
     table.fail(cell, fmt::format("`{}` is no status; it must be ok, lost or edge", cell));
   }
-  static double number_of(const CsvTable& table, std::string_view cell, const char* column) {
+  static double number_of(const CsvTable& table, std::string_view cell, const Column& column) {
+    double value = 0;
     try {
-      return table.number(cell);
+      value = table.number(cell);
     } catch (const InvalidInput& error) {
-      throw InvalidInput(fmt::format("{} in column {}", error.what(), column));
+      throw InvalidInput(fmt::format("{} in column {}", error.what(), column.name));
     }
+    if (std::abs(value) > kBeyondAllPictures)
+      table.fail(cell, fmt::format("{} in column {} is out of range; at most {:g} can be", cell, column.name,
+                                   kBeyondAllPictures));
+    const std::string_view name = column.name;
+    if (!(value > 0) && (name.starts_with("sigma_") || name.starts_with("marker_sigma_")))
+      table.fail(cell, fmt::format("{} in column {} must be greater than 0: it is a standard deviation", cell,
+                                   name));
+    return value;
   }
 
   std::size_t columns_ = 0, frame_ = 0, time_ = 0;
@@ -214,6 +226,9 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
   table.has_gate = places.has("gate");
   table.has_planes = places.has("rho_xy_mm");
   while (csv.next()) table.rows.push_back(places.read(csv));
+  if (table.rows.empty())
+    throw InvalidInput(fmt::format(
+        "{}: is a track that has no rows below its header; track the recording again", path.string()));
   return table;
 }
 

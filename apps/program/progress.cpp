@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <algorithm>
 #include <cstdlib>
 
 #include "apps/program/streams.h"
@@ -12,37 +12,63 @@ namespace tribotrack::apps {
 
 namespace {
 
-bool may_animate() {
-  const char* terminal = std::getenv("TERM");
-  return ::isatty(STDERR_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && terminal != nullptr &&
-         std::string(terminal) != "dumb";
-}
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kRewrite{100};
+constexpr std::chrono::seconds kPlain{10};
 
 }  // namespace
 
-Progress::Progress(std::string what, bool quiet)
-    : what_(std::move(what)),
-      animate_(!quiet && may_animate()),
-      begun_(std::chrono::steady_clock::now()),
-      last_(begun_) {}
-
-Progress::~Progress() {
-  if (shown_) std::fputs("\r\033[K", stderr);
+ProgressStyle progress_style(bool quiet) {
+  if (quiet) return ProgressStyle::none;
+  const char* terminal = std::getenv("TERM");
+  const bool rewrites = ::isatty(STDERR_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr &&
+                        terminal != nullptr && std::string_view(terminal) != "dumb";
+  return rewrites ? ProgressStyle::rewritten : ProgressStyle::plain;
 }
 
-void Progress::update(std::int64_t done, std::int64_t total) {
-  if (!animate_ || total <= 0) return;
-  const std::lock_guard lock(mutex_);
-  const auto now = std::chrono::steady_clock::now();
-  if (shown_ && done < total && now - last_ < std::chrono::milliseconds(100)) return;
-  last_ = now;
+ProgressLine::ProgressLine(ProgressStyle style, std::FILE* to)
+    : style_(style), to_(to), begun_(steady_clock::now()), last_(begun_) {}
+
+ProgressLine::~ProgressLine() {
+  if (shown_ && style_ == ProgressStyle::rewritten) std::fputs("\r\033[K", to_);
+}
+
+bool ProgressLine::is_due(bool last) const {
+  if (style_ == ProgressStyle::none) return false;
+  if (style_ == ProgressStyle::plain) return steady_clock::now() - last_ >= kPlain;
+  return !shown_ || last || steady_clock::now() - last_ >= kRewrite;
+}
+
+void ProgressLine::show(std::string_view line) {
+  last_ = steady_clock::now();
   shown_ = true;
-  const double elapsed = std::chrono::duration<double>(now - begun_).count();
-  const double left = done > 0 ? elapsed / static_cast<double>(done) * static_cast<double>(total - done) : 0;
-  const std::string line =
-      fmt::format("\r\033[K{}: {}/{} ({} %), {:.0f} s left", what_, done, total, 100 * done / total, left);
-  std::fputs(line.c_str(), stderr);
-  std::fflush(stderr);
+  const std::string text =
+      style_ == ProgressStyle::rewritten ? fmt::format("\r\033[K{}", line) : fmt::format("{}\n", line);
+  std::fputs(text.c_str(), to_);
+  std::fflush(to_);
+}
+
+double ProgressLine::seconds() const {
+  return std::chrono::duration<double>(steady_clock::now() - begun_).count();
+}
+
+std::string progress_text(std::int64_t done, std::int64_t total, const std::string& unit, double seconds) {
+  std::string text = fmt::format("{}/{} ({} %)", done, total, 100 * done / total);
+  if (done <= 0 || !(seconds > 0)) return text;
+  const double rate = static_cast<double>(done) / seconds;
+  if (!unit.empty()) text += fmt::format(", {:.{}f} {}/s", rate, rate < 10 ? 1 : 0, unit);
+  return text + fmt::format(", {:.0f} s left", static_cast<double>(total - done) / rate);
+}
+
+Progress::Progress(std::string what, bool quiet, std::string unit)
+    : what_(std::move(what)), unit_(std::move(unit)), line_(progress_style(quiet)) {}
+
+void Progress::update(std::int64_t done, std::int64_t total) {
+  if (total <= 0) return;
+  const std::lock_guard lock(mutex_);
+  if (line_.is_due(done >= total))
+    line_.show(fmt::format("{}: {}", what_, progress_text(done, total, unit_, line_.seconds())));
 }
 
 void StageProgress::update(const std::string& stage, std::size_t done, std::size_t total) {

@@ -4,26 +4,51 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace tribotrack::apps {
 
-/// On a terminal one line that is rewritten, with an estimate of the time left; elsewhere nothing until it is
-/// done, and nothing at all when quiet. Thread-safe.
+/// How progress is shown: on a terminal one line that is rewritten ten times a second; elsewhere, and where
+/// TERM=dumb or NO_COLOR, a plain line every 10 s, so that short work says nothing.
+enum class ProgressStyle { none, plain, rewritten };
+ProgressStyle progress_style(bool quiet);
+
+/// One line of progress, shown no more often than its style allows, and taken away at the end.
+class ProgressLine {
+ public:
+  explicit ProgressLine(ProgressStyle style, std::FILE* to = stderr);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  /// May a line be shown now? `last`: nothing comes after it.
+  bool is_due(bool last) const;
+  void show(std::string_view line);
+  double seconds() const;  ///< since it was made
+
+ private:
+  ProgressStyle style_;
+  std::FILE* to_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point begun_, last_;
+};
+
+/// "4000/20000 (20 %), 812 frames/s, 20 s left"; `unit` may be empty.
+std::string progress_text(std::int64_t done, std::int64_t total, const std::string& unit, double seconds);
+
+/// Work that is counted. Thread-safe.
 class Progress {
  public:
-  Progress(std::string what, bool quiet);
-  ~Progress();
+  Progress(std::string what, bool quiet, std::string unit = "");
   void update(std::int64_t done, std::int64_t total);
 
  private:
-  std::string what_;
-  bool animate_;
-  bool shown_ = false;
+  std::string what_, unit_;
   std::mutex mutex_;
-  std::chrono::steady_clock::time_point begun_, last_;
+  ProgressLine line_;
 };
 
 /// The same for work of several stages, one after the other.

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "apps/program/errors.h"
+#include "apps/program/streams.h"
 #include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
@@ -29,7 +30,8 @@ namespace {
 
 constexpr std::string_view kPrefix = ".partial-";
 
-// A signal can come at any time, so what it has to remove is the one piece of state kept per process.
+// A signal can come at any time, so what it has to remove and to say is the one piece of state kept per
+// process.
 class TemporaryNames {
  public:
   static TemporaryNames& of_this_process() {
@@ -54,10 +56,16 @@ class TemporaryNames {
     const std::lock_guard lock(mutex_);
     names_.erase(name);
   }
-  void remove_all() {
+  void set_last_words(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    last_words_ = text;
+  }
+  /// Returns what is to be said then.
+  std::string remove_all() {
     const std::lock_guard lock(mutex_);
     for (const fs::path& name : names_) erase_derived(name);
     names_.clear();
+    return last_words_;
   }
 
  private:
@@ -71,6 +79,7 @@ class TemporaryNames {
 
   std::mutex mutex_;
   std::set<fs::path> names_;
+  std::string last_words_;
   int count_ = 0;
 };
 
@@ -238,6 +247,14 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
+LastWords::LastWords(const std::string& text) {
+  TemporaryNames::of_this_process().set_last_words(text);
+}
+
+LastWords::~LastWords() {
+  TemporaryNames::of_this_process().set_last_words("");
+}
+
 void clean_up_on_signals() {
   // Threads that libraries started before main() cannot be kept from taking a signal, so that blocking it
   // here is not enough: whichever thread takes it passes its number on, and the one below does what no signal
@@ -252,13 +269,15 @@ void clean_up_on_signals() {
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(number, &action, nullptr);
+  ::signal(SIGXFSZ, SIG_IGN);
   std::thread([] {
     unsigned char number = 0;
     ssize_t count = 0;
     do count = ::read(way[0], &number, 1);
     while (count < 0 && errno == EINTR);
     if (count != 1) return;
-    TemporaryNames::of_this_process().remove_all();
+    const std::string last_words = TemporaryNames::of_this_process().remove_all();
+    if (!last_words.empty()) complain(last_words);
     vision::remove_partial_files();
     ::_exit(128 + number);
   }).detach();

@@ -216,18 +216,21 @@ void write_video(FrameSource& source, const TrackResult& result, const std::file
 
 }  // namespace
 
-void write_overlay(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
-  if (result.track.points.empty())
-    throw InputError(path.string() + ": the track is empty, there is nothing to draw");
+void require_overlay_name(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
-  if (extension == ".png") {
-    write_png(source, result, path);
-  } else if (extension == ".mp4" || extension == ".avi" || extension == ".mkv") {
-    write_video(source, result, path);
-  } else {
+  if (extension != ".png" && extension != ".mp4" && extension != ".avi" && extension != ".mkv")
     throw InputError(path.string() + ": an overlay is a .png picture or a .mp4, .avi or .mkv video, not " +
                      (extension.empty() ? "a name without ending" : extension));
-  }
+}
+
+void write_overlay(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
+  require_overlay_name(path);
+  if (result.track.points.empty())
+    throw InputError(path.string() + ": the track is empty, there is nothing to draw");
+  if (path.extension() == ".png")
+    write_png(source, result, path);
+  else
+    write_video(source, result, path);
 }
 
 std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number) {

@@ -106,7 +106,7 @@ LayeredOptions options_of(const FrameSource& source, const FirstPassResult& firs
   out.total = first.total;
   if (options.progress)
     out.progress = [&progress = options.progress, total = first.total](std::int64_t done) {
-      progress(total + done, 2 * total);
+      progress((total + done) / 2, total);
     };
   out.threads = options.threads;
   out.debug = options.debug;
