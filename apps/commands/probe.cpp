@@ -146,6 +146,7 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
     print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
   if (!info.camera.empty()) print("  camera {}\n", info.camera);
   if (!info.trigger_time.empty()) print("  triggered {}\n", info.trigger_time);
+  if (info.frame_count == 1) print("  note: one frame shows no motion: there is nothing to track\n");
   for (const auto& note : info.notes) print("  note: {}\n", note);
   if (repeats.looked_at < info.frame_count)
     print("  the first {} frames were compared with the one before each\n", repeats.looked_at);

@@ -186,9 +186,7 @@ void CampaignRunner::write_pictures(const CampaignRun& run, TrackedRecording& re
              Content::pictures);
   for (const fs::path& overlay : {folder_.overlay(run.name), folder_.overlay_video(run.name)}) {
     if (overlay.extension() == ".mp4" && !options_.overlay_videos) continue;
-    TemporaryFile file(overlay, Content::pictures);
-    vision::write_overlay(*recording.source, recording.result, file.name());
-    file.commit();
+    write_overlay_file(overlay, recording);
   }
 }
 

@@ -57,8 +57,9 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   return values;
 }
 
-vision::Circle circle_of(const std::string& flag, const std::string& text) {
-  const auto v = numbers_of(flag, text, 3, "X,Y,R in pixels, such as 640,400,150");
+vision::Circle circle_of(const std::string& flag, const std::string& text,
+                         const char* form = "X,Y,R in pixels, such as 640,400,150") {
+  const auto v = numbers_of(flag, text, 3, form);
   if (!(v[2] > 0)) throw UsageError(fmt::format("{} {}: the radius must be greater than 0", flag, text));
   return {v[0], v[1], v[2]};
 }
@@ -128,8 +129,9 @@ RecordingJob job_of(const TrackCommandOptions& options) {
   };
   if (positive("--fps", options.fps)) {
     if (*options.fps > kFastestCamera)
-      throw UsageError(fmt::format("--fps {} is more than any camera records; give frames/s, at most {:.0e}",
-                                   *options.fps, kFastestCamera));
+      throw UsageError(
+          fmt::format("--fps {:g} is more than any camera records; give frames/s, at most {:.0e}",
+                      *options.fps, kFastestCamera));
     job.frame_rate_hz = options.fps;
     job.frame_rate_reason.clear();
   }
@@ -175,7 +177,8 @@ RecordingJob job_of(const TrackCommandOptions& options) {
     job.track.marker.kind = vision::MarkerChoice::Kind::none;
   } else if (!options.marker.empty()) {
     job.track.marker.kind = vision::MarkerChoice::Kind::circle;
-    job.track.marker.circle = circle_of("--marker", options.marker);
+    job.track.marker.circle = circle_of("--marker", options.marker,
+                                        "X,Y,R in pixels, such as 200,180,24, or be auto, texture or none");
   }
   job.rehearse = job.rehearse || options.rehearse;
   if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
@@ -277,11 +280,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"starting", started});
   const auto tracked = std::chrono::steady_clock::now();
-  if (!options.overlay.empty()) {
-    TemporaryFile file(options.overlay, Content::pictures);
-    vision::write_overlay(*recording.source, recording.result, file.name());
-    file.commit();
-  }
+  if (!options.overlay.empty()) write_overlay_file(options.overlay, recording);
   write_track(options.output, prepared, recording);
   const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
   times.push_back({"writing the results", writing.count()});

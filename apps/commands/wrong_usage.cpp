@@ -61,10 +61,13 @@ std::string nearest_option(const std::string& word, const std::vector<std::strin
   if (std::string begun = only([&](const std::string& option) { return option.starts_with(word); });
       !begun.empty())
     return begun;
-  if (std::string near = nearest_word(word, options); !near.empty()) return near;
   const std::string stem = word.substr(std::min(word.find_first_not_of('-'), word.size()));
-  return stem.size() < 3 ? ""
-                         : only([&](const std::string& option) { return option.find(stem) != option.npos; });
+  if (std::string held = stem.size() < 3 ? "" : only([&](const std::string& option) {
+        return option.find(stem) != std::string::npos;
+      });
+      !held.empty())
+    return held;
+  return nearest_word(word, options);
 }
 
 std::string meant(const std::string& near) {

@@ -134,7 +134,8 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
       ::write(descriptor_, holder.data(), holder.size()) != static_cast<::ssize_t>(holder.size())) {
     const std::string reason = std::strerror(errno);
     ::close(descriptor_);
-    throw InvalidInput(fmt::format("{}: cannot be written: {}", file_.string(), reason));
+    throw InvalidInput(fmt::format("{}: cannot be written: {}; make room there, or give another folder",
+                                   file_.string(), reason));
   }
 }
 

@@ -259,10 +259,14 @@ TrackFile read_track_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
     throw InvalidInput(
         fmt::format("{}: there is no such track; make one with `tribotrack track`", path.string()));
+  std::string text = read_text(path);
+  if (text.find('\0') != std::string::npos)
+    throw InvalidInput(fmt::format(
+        "{}: is no table but a binary file; if it is a recording, `tribotrack track` makes a track of it",
+        path.string()));
   const std::filesystem::path meta_path = path.string() + ".meta.json";
   TrackFacts facts;
   if (std::filesystem::exists(meta_path)) facts = track_facts_from(read_json(meta_path), meta_path);
-  std::string text = read_text(path);
   Input input = hashed_input(path, text);
   const TrackRows rows = read_track_rows(path, std::move(text));
   if (rows.has_marker && !rows.has_planes && !facts.mm_per_px)

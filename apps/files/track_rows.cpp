@@ -225,7 +225,13 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
   table.has_marker = places.has("marker_x_px");
   table.has_gate = places.has("gate");
   table.has_planes = places.has("rho_xy_mm");
-  while (csv.next()) table.rows.push_back(places.read(csv));
+  while (csv.next()) {
+    table.rows.push_back(places.read(csv));
+    const auto count = table.rows.size();
+    if (count > 1 && !(table.rows[count - 1].time_s > table.rows[count - 2].time_s))
+      csv.fail(
+          "its time_s does not increase; put the rows in the order of time, or track the recording again");
+  }
   if (table.rows.empty())
     throw InvalidInput(fmt::format(
         "{}: is a track that has no rows below its header; track the recording again", path.string()));

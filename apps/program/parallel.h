@@ -5,6 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -27,7 +28,10 @@ void for_each_index(long count, int threads, const Work& work) {
       }
   };
   std::vector<std::jthread> workers;
-  for (long k = 1; k < std::min<long>(threads, count); ++k) workers.emplace_back(take);
+  try {
+    for (long k = 1; k < std::min<long>(threads, count); ++k) workers.emplace_back(take);
+  } catch (const std::system_error&) {  // no more threads are to be had: those there are do the work
+  }
   take();
   workers.clear();
   if (failure) std::rethrow_exception(failure);

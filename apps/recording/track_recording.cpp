@@ -224,6 +224,21 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   return track_file_of(recording.rows, facts, prepared.job.video);
 }
 
+void write_overlay_file(const std::filesystem::path& path, const TrackedRecording& recording) {
+  TemporaryFile file(path, Content::pictures);
+  try {
+    vision::write_overlay(*recording.source, recording.result, file.name());
+  } catch (const vision::InputError& error) {
+    // Of a file that cannot be written it names the temporary one.
+    std::string message = error.what();
+    const std::string temporary = file.name().string();
+    if (const auto at = message.find(temporary); at != std::string::npos)
+      message.replace(at, temporary.size(), path.string());
+    throw InvalidInput(message);
+  }
+  file.commit();
+}
+
 Json summary_json(const TrackedRecording& recording) {
   const vision::TrackSummary& s = recording.result.summary;
   Json json = {{"frames", s.frames},

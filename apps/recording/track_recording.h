@@ -76,6 +76,10 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
 Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                   const TrackedRecording& recording);
 
+/// Draws the track over its recording (vision/overlay.h) into a file that appears whole or not at all. Throws
+/// InvalidInput.
+void write_overlay_file(const std::filesystem::path& path, const TrackedRecording& recording);
+
 /// Summary of the track as JSON (`track --json`, meta file).
 Json summary_json(const TrackedRecording& recording);
 

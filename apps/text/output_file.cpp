@@ -16,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <thread>
 
 #include "apps/program/errors.h"
@@ -255,6 +256,23 @@ LastWords::~LastWords() {
   TemporaryNames::of_this_process().set_last_words("");
 }
 
+namespace {
+
+/// Waits for a signal's number, and ends the process as that signal would after clearing up.
+void clean_up_when_told(int descriptor) {
+  unsigned char number = 0;
+  ssize_t count = 0;
+  do count = ::read(descriptor, &number, 1);
+  while (count < 0 && errno == EINTR);
+  if (count != 1) return;
+  const std::string last_words = TemporaryNames::of_this_process().remove_all();
+  if (!last_words.empty()) complain(last_words);
+  vision::remove_partial_files();
+  ::_exit(128 + number);
+}
+
+}  // namespace
+
 void clean_up_on_signals() {
   // Threads that libraries started before main() cannot be kept from taking a signal, so that blocking it
   // here is not enough: whichever thread takes it passes its number on, and the one below does what no signal
@@ -270,17 +288,12 @@ void clean_up_on_signals() {
   sigemptyset(&action.sa_mask);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(number, &action, nullptr);
   ::signal(SIGXFSZ, SIG_IGN);
-  std::thread([] {
-    unsigned char number = 0;
-    ssize_t count = 0;
-    do count = ::read(way[0], &number, 1);
-    while (count < 0 && errno == EINTR);
-    if (count != 1) return;
-    const std::string last_words = TemporaryNames::of_this_process().remove_all();
-    if (!last_words.empty()) complain(last_words);
-    vision::remove_partial_files();
-    ::_exit(128 + number);
-  }).detach();
+  try {
+    std::thread([] { clean_up_when_told(way[0]); }).detach();
+  } catch (const std::system_error&) {
+    // No thread is to be had: signals end the process at once, and remove_leftovers() clears up after it.
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::signal(number, SIG_DFL);
+  }
 }
 
 }  // namespace tribotrack::apps

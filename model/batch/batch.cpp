@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -98,7 +99,10 @@ class Crew {
   void run() {
     {
       std::vector<std::jthread> others;
-      for (int k = 1; k < work_.options.threads; ++k) others.emplace_back([this] { one_thread(); });
+      try {
+        for (int k = 1; k < work_.options.threads; ++k) others.emplace_back([this] { one_thread(); });
+      } catch (const std::system_error&) {  // no more threads are to be had: those there are do the work
+      }
       one_thread();
     }
     if (work_.failure) std::rethrow_exception(work_.failure);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -34,7 +35,10 @@ void parallel_for(std::size_t count, int threads, const Body& body) {
     }
   };
   std::vector<std::jthread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(work, static_cast<std::size_t>(t));
+  try {
+    for (int t = 1; t < threads; ++t) others.emplace_back(work, static_cast<std::size_t>(t));
+  } catch (const std::system_error&) {  // no more threads are to be had: those there are do the work
+  }
   work(0);
   others.clear();
   if (error) std::rethrow_exception(error);

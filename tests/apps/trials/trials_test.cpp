@@ -36,6 +36,10 @@ struct Trial {
   std::string falls_short;           ///< what is missing where the answer is right but not good
 };
 
+void PrintTo(const Trial& trial, std::ostream* to) {
+  *to << trial.what;
+}
+
 std::vector<std::string> texts_of(const toml::table& row, const char* key) {
   std::vector<std::string> texts;
   if (const toml::array* list = row[key].as_array())
