@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/program/errors.h"
+#include "apps/text/json_place.h"
 
 namespace tribotrack::apps {
 
@@ -57,31 +58,48 @@ Json calibration_json(const vision::CalibrationResult& result) {
       {"covariance", matrix_json(result.covariance)}};
 }
 
+namespace {
+
+vision::CameraCalibration calibration_from(const JsonPlace& json) {
+  vision::CameraCalibration c;
+  c.width = json.at("width_px").integer();
+  c.height = json.at("height_px").integer();
+  c.mm_per_px = json.at("mm_per_px").number();
+  c.mm_per_px_sd = json.at("mm_per_px_sd").number();
+  const JsonPlace camera = json.at("camera_matrix");
+  c.lens.fx = camera.at(0).at(0).number();
+  c.lens.fy = camera.at(1).at(1).number();
+  c.lens.cx = camera.at(0).at(2).number();
+  c.lens.cy = camera.at(1).at(2).number();
+  const JsonPlace d = json.at("distortion");
+  c.lens.k1 = d.at("k1").number();
+  c.lens.k2 = d.at("k2").number();
+  c.lens.p1 = d.at("p1").number();
+  c.lens.p2 = d.at("p2").number();
+  c.lens.k3 = d.at("k3").number();
+  const JsonPlace translation = json.at("plane").at("translation_mm");
+  const JsonPlace rotation = json.at("plane").at("rotation");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    c.plane.translation(row) = translation.at(i).number();
+    for (std::size_t j = 0; j < 3; ++j)
+      c.plane.rotation(row, static_cast<Eigen::Index>(j)) = rotation.at(i).at(j).number();
+  }
+  const Eigen::Matrix3d& r = c.plane.rotation;
+  constexpr double rounding = 1e-6;
+  if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < rounding))
+    rotation.refuse("a rotation, whose rows are of length 1 and at right angles");
+  return c;
+}
+
+}  // namespace
+
 vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
   const Json json = read_json(path);
   vision::CameraCalibration c;
   try {
-    c.width = json.at("width_px").get<int>();
-    c.height = json.at("height_px").get<int>();
-    c.mm_per_px = json.at("mm_per_px").get<double>();
-    c.mm_per_px_sd = json.at("mm_per_px_sd").get<double>();
-    const Json& camera = json.at("camera_matrix");
-    c.lens.fx = camera.at(0).at(0).get<double>();
-    c.lens.fy = camera.at(1).at(1).get<double>();
-    c.lens.cx = camera.at(0).at(2).get<double>();
-    c.lens.cy = camera.at(1).at(2).get<double>();
-    const Json& d = json.at("distortion");
-    c.lens.k1 = d.at("k1").get<double>();
-    c.lens.k2 = d.at("k2").get<double>();
-    c.lens.p1 = d.at("p1").get<double>();
-    c.lens.p2 = d.at("p2").get<double>();
-    c.lens.k3 = d.at("k3").get<double>();
-    const Json& plane = json.at("plane");
-    for (int i = 0; i < 3; ++i) {
-      c.plane.translation(i) = plane.at("translation_mm").at(i).get<double>();
-      for (int j = 0; j < 3; ++j) c.plane.rotation(i, j) = plane.at("rotation").at(i).at(j).get<double>();
-    }
-  } catch (const Json::exception& error) {
+    c = calibration_from({json, ""});
+  } catch (const WrongContent& error) {
     throw InvalidInput(fmt::format("{}: is no calibration: {}; make one with `tribotrack calibrate`",
                                    path.string(), error.what()));
   }

@@ -7,6 +7,7 @@
 
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
+#include "apps/text/json_place.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
@@ -92,27 +93,25 @@ class FitTable {
   Eigen::Matrix2d axes_ = Eigen::Matrix2d::Identity();
 };
 
-std::optional<double> number_at(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end() || found->is_null()) return std::nullopt;
-  return found->get<double>();
+std::optional<double> number_at(const JsonPlace& place, const char* key) {
+  const auto found = place.find(key);
+  return found ? std::optional(found->number()) : std::nullopt;
 }
 
 /// A track of an older version has their sum alone.
-std::vector<vision::SlowPart> slow_from(const Json& meta, const Json& summary) {
+std::vector<vision::SlowPart> slow_from(const JsonPlace& meta, const JsonPlace& summary) {
   std::vector<vision::SlowPart> slow;
-  if (const auto parts = meta.find("slow_errors"); parts != meta.end()) {
-    for (const Json& part : *parts)
-      slow.push_back(
-          {part.value("from", ""), part.at("sd_px").get<double>(), part.at("time_s").get<double>()});
+  if (const auto parts = meta.find("slow_errors")) {
+    for (const JsonPlace& part : parts->items())
+      slow.push_back({part.text("from"), part.at("sd_px").number(), part.at("time_s").number()});
     return slow;
   }
-  if (const double sd = number_at(summary, "slow_sd_px").value_or(0); sd > 0)
-    slow.push_back({"all", sd, number_at(summary, "slow_time_s").value_or(0)});
+  if (const double sd = summary.number("slow_sd_px", 0); sd > 0)
+    slow.push_back({"all", sd, summary.number("slow_time_s", 0)});
   return slow;
 }
 
-vision::Audit audit_from(const Json& json) {
+vision::Audit audit_from(const JsonPlace& json) {
   vision::Audit audit;
   audit.halves_x = number_at(json, "halves_x");
   audit.halves_y = number_at(json, "halves_y");
@@ -120,34 +119,76 @@ vision::Audit audit_from(const Json& json) {
   audit.high_frequency = number_at(json, "high_frequency");
   audit.pixel_phase = number_at(json, "pixel_phase");
   audit.lag1 = number_at(json, "lag1");
-  audit.frames = json.value("frames", std::int64_t{0});
-  audit.white_factor = json.value("white_factor", 1.0);
-  audit.slow_sd = json.value("slow_sd_px", 0.0);
-  audit.slow_time = json.value("slow_time_s", 0.0);
-  if (const auto types = json.find("by_frame_type"); types != json.end() && types->is_object())
-    for (const auto& [type, ratio] : types->items())
-      audit.by_frame_type.emplace_back(type.empty() ? '?' : type.front(), ratio.get<double>());
+  audit.frames = json.whole("frames", 0);
+  audit.white_factor = json.number("white_factor", 1);
+  audit.slow_sd = json.number("slow_sd_px", 0);
+  audit.slow_time = json.number("slow_time_s", 0);
+  if (const auto types = json.find("by_frame_type"))
+    for (const auto& item : types->object().value.items())
+      audit.by_frame_type.emplace_back(item.key().empty() ? '?' : item.key().front(),
+                                       types->at(item.key()).number());
   return audit;
 }
 
-std::optional<vision::CodedResponse> response_from(const Json& json, const char* key) {
+std::optional<vision::CodedResponse> response_from(const JsonPlace& json, const char* key) {
   const auto found = json.find(key);
-  if (found == json.end() || !found->is_object()) return std::nullopt;
-  return vision::CodedResponse{found->at("attenuation").get<double>(),
-                               found->at("attenuation_sd").get<double>(), found->at("delay_s").get<double>(),
-                               found->at("delay_s_sd").get<double>()};
+  if (!found) return std::nullopt;
+  return vision::CodedResponse{found->at("attenuation").number(), found->at("attenuation_sd").number(),
+                               found->at("delay_s").number(), found->at("delay_s_sd").number()};
 }
 
-std::optional<CodingFacts> coding_from(const Json& json) {
-  if (json.empty()) return std::nullopt;
+CodingFacts coding_from(const JsonPlace& json) {
   CodingFacts facts;
-  facts.coder = json.value("coder", "");
-  facts.rehearsed = json.value("rehearsed", false);
-  facts.part_play_px = json.value("part_play_px", 0.0);
-  facts.mark_play_px = json.value("mark_play_px", 0.0);
+  facts.coder = json.text("coder");
+  facts.rehearsed = json.boolean("rehearsed", false);
+  facts.part_play_px = json.number("part_play_px", 0);
+  facts.mark_play_px = json.number("mark_play_px", 0);
   facts.part = response_from(json, "part_response");
   facts.mark = response_from(json, "mark_response");
   return facts;
+}
+
+void read_facts(const JsonPlace& meta, TrackFacts& facts) {
+  static const Json nothing = Json::object();
+  const auto section = [&](const char* key) {
+    const auto found = meta.find(key);
+    return found ? *found : JsonPlace{nothing, key};
+  };
+  if (const auto scale = meta.find("scale")) {
+    facts.mm_per_px = scale->number("mm_per_px", 0);
+    facts.mm_per_px_sd = scale->number("mm_per_px_sd", 0);
+    facts.scale_source = scale->text("source");
+  }
+  facts.xi_axis_rad = section("configuration").number("xi_axis_rad", 0);
+  const JsonPlace recording = section("recording"), time_base = section("time_base");
+  facts.exposure_s = number_at(recording, "exposure_s");
+  facts.frame_rate_hz = number_at(time_base, "rate_hz");
+  if (recording.text("format") == "cine") {
+    const auto first = number_at(recording, "first_image");
+    if (first && facts.frame_rate_hz) facts.trigger_time_s = -*first / *facts.frame_rate_hz;
+  }
+  const JsonPlace summary = section("summary");
+  facts.gate_clipped_share = summary.number("gate_clipped_share", 0);
+  facts.disc_radius_common_sd_px = summary.number("disc_radius_common_sd_px", 0);
+  if (const auto disc = summary.find("disc_px")) facts.disc_radius_px = disc->at(2).number();
+  facts.slow = slow_from(meta, summary);
+  facts.audit = audit_from(section("audit"));
+  if (const auto coding = meta.find("coding")) facts.coding = coding_from(*coding);
+  facts.frames = summary.whole("frames", 0);
+  facts.lost_counted = summary.whole("lost_counted", 0);
+  facts.accepted = summary.boolean("gate_passed", true);
+  facts.rests_for_ever = summary.boolean("rests_for_ever", false);
+  facts.platform_from_texture = meta.text("platform_seen_by") == "texture";
+  facts.time_base = time_base.text("source");
+  facts.width_px = recording.integer("width", 0);
+  facts.height_px = recording.integer("height", 0);
+  facts.in_camera_frame = meta.text("frame_of_reference") == "camera";
+  facts.warnings = summary.texts("warnings");
+  for (const JsonPlace& input : meta.items("inputs"))
+    facts.recorded_in.push_back({input.at("path").text(), input.text("xxh3_128"), input.text("hashed")});
+  for (const JsonPlace& stage : meta.items("plan"))
+    facts.plan.push_back({stage.at("stage").text(), stage.at("on").boolean(), stage.text("reason"),
+                          number_at(stage, "error_bound_px")});
 }
 
 }  // namespace
@@ -201,50 +242,9 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
                     path.string()));
   require_known_schema(meta, path);
   TrackFacts facts;
-  const auto object_at = [&](const char* key) {
-    const auto found = meta.find(key);
-    return found != meta.end() && found->is_object() ? *found : Json::object();
-  };
   try {
-    if (const Json scale = object_at("scale"); !scale.empty()) {
-      facts.mm_per_px = number_at(scale, "mm_per_px").value_or(0);
-      facts.mm_per_px_sd = number_at(scale, "mm_per_px_sd").value_or(0);
-      facts.scale_source = scale.value("source", "");
-    }
-    facts.xi_axis_rad = number_at(object_at("configuration"), "xi_axis_rad").value_or(0);
-    const Json recording = object_at("recording");
-    facts.exposure_s = number_at(recording, "exposure_s");
-    if (recording.value("format", "") == "cine") {
-      const auto first = number_at(recording, "first_image");
-      const auto rate = number_at(object_at("time_base"), "rate_hz");
-      if (first && rate) facts.trigger_time_s = -*first / *rate;
-    }
-    const Json summary = object_at("summary");
-    facts.gate_clipped_share = number_at(summary, "gate_clipped_share").value_or(0);
-    facts.disc_radius_common_sd_px = number_at(summary, "disc_radius_common_sd_px").value_or(0);
-    if (const auto disc = summary.find("disc_px"); disc != summary.end() && disc->size() == 3)
-      facts.disc_radius_px = disc->at(2).get<double>();
-    facts.slow = slow_from(meta, summary);
-    facts.audit = audit_from(object_at("audit"));
-    facts.coding = coding_from(object_at("coding"));
-    facts.frames = summary.value("frames", std::int64_t{0});
-    facts.lost_counted = summary.value("lost_counted", std::int64_t{0});
-    facts.accepted = summary.value("gate_passed", true);
-    facts.rests_for_ever = summary.value("rests_for_ever", false);
-    facts.platform_from_texture = meta.value("platform_seen_by", "") == "texture";
-    facts.frame_rate_hz = number_at(object_at("time_base"), "rate_hz");
-    facts.time_base = object_at("time_base").value("source", "");
-    facts.width_px = recording.value("width", 0);
-    facts.height_px = recording.value("height", 0);
-    facts.in_camera_frame = meta.value("frame_of_reference", "") == "camera";
-    facts.warnings = summary.value("warnings", std::vector<std::string>());
-    for (const Json& input : meta.value("inputs", Json::array()))
-      facts.recorded_in.push_back(
-          {input.at("path").get<std::string>(), input.value("xxh3_128", ""), input.value("hashed", "")});
-    for (const Json& stage : meta.value("plan", Json::array()))
-      facts.plan.push_back({stage.at("stage").get<std::string>(), stage.at("on").get<bool>(),
-                            stage.value("reason", ""), number_at(stage, "error_bound_px")});
-  } catch (const Json::exception& error) {
+    read_facts({meta, ""}, facts);
+  } catch (const WrongContent& error) {
     throw InvalidInput(fmt::format(
         "{}: is not the meta file of a track ({}); track the recording again, or delete this file",
         path.string(), error.what()));

@@ -114,7 +114,7 @@ class Places {
     if (cells.size() != columns_)
       table.fail(fmt::format("has {} columns where {} belong", cells.size(), columns_));
     TrackRow row;
-    row.frame = static_cast<std::int64_t>(table.number(cells[frame_]));
+    row.frame = frame_of(table, cells[frame_]);
     row.time_s = table.number(cells[time_]);
     for (std::size_t k = 0; k < kColumns.size(); ++k) {
       if (!places_[k]) continue;
@@ -128,6 +128,13 @@ class Places {
   }
 
  private:
+  static std::int64_t frame_of(const CsvTable& table, std::string_view cell) {
+    constexpr double exact = 0x1p53;  // beyond it a double skips whole numbers
+    const double frame = table.number(cell);
+    if (!(std::abs(frame) <= exact) || frame != std::floor(frame))
+      table.fail(cell, fmt::format("`{}` is no frame's number; it must be a whole number", cell));
+    return static_cast<std::int64_t>(frame);
+  }
   static vision::TrackStatus status_of(const CsvTable& table, std::string_view cell) {
     using vision::TrackStatus;
     for (const TrackStatus status : {TrackStatus::ok, TrackStatus::lost, TrackStatus::edge})

@@ -11,6 +11,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
+#include "apps/text/key_depth.h"
 
 namespace tribotrack::apps {
 
@@ -62,6 +63,7 @@ StrictTable StrictTable::read(const std::filesystem::path& file) {
 }
 
 StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
+  require_shallow_keys(text, name);
   try {
     auto node = std::make_shared<Node>();
     node->document = std::make_shared<const toml::table>(toml::parse(text, name));

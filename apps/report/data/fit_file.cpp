@@ -5,11 +5,9 @@
 namespace tribotrack::apps {
 namespace {
 
-std::vector<ReportInterval> pieces_of(const Json& parameter) {
+std::vector<ReportInterval> pieces_of(const JsonPlace& parameter) {
   std::vector<ReportInterval> pieces;
-  const Json list = parameter.value("ci95_pieces", Json::array());
-  const JsonPlace place{list, "ci95_pieces"};
-  for (std::size_t i = 0; i < list.size(); ++i) pieces.push_back(place.at(i).interval());
+  for (const JsonPlace& piece : parameter.items("ci95_pieces")) pieces.push_back(interval_of(piece));
   return pieces;
 }
 
@@ -21,11 +19,11 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
     data.parameters.push_back({.name = item.key(),
                                .estimate = p.at("estimate").number(),
                                .sd = p.at("sd").number_or_null(),
-                               .ci95 = p.at("ci95").interval(),
-                               .pieces = pieces_of(p.value),
-                               .covariance_ci95 = interval_at(p.value, "covariance_ci95"),
-                               .profile_ci95 = interval_at(p.value, "profile_ci95"),
-                               .bootstrap_ci95 = interval_at(p.value, "bootstrap_ci95")});
+                               .ci95 = interval_of(p.at("ci95")),
+                               .pieces = pieces_of(p),
+                               .covariance_ci95 = interval_at(p, "covariance_ci95"),
+                               .profile_ci95 = interval_at(p, "profile_ci95"),
+                               .bootstrap_ci95 = interval_at(p, "bootstrap_ci95")});
   }
   const JsonPlace correlation = fit.at("correlation");
   for (const ReportParameter& row : data.parameters) {
@@ -33,19 +31,18 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
     for (const ReportParameter& column : data.parameters)
       data.correlation.back().push_back(correlation.at(row.name).at(column.name).number_or_null());
   }
-  data.covariance_meaning = text_at(fit.value, "covariance_meaning");
-  if (const auto bootstrap = fit.value.find("bootstrap"); bootstrap != fit.value.end()) {
-    data.bootstrap_refits = bootstrap->value("refits", 0);
-    data.bootstrap_seed = bootstrap->value("seed", 0u);
+  data.covariance_meaning = fit.text("covariance_meaning");
+  if (const auto bootstrap = fit.find("bootstrap")) {
+    data.bootstrap_refits = bootstrap->integer("refits", 0);
+    data.bootstrap_seed = static_cast<unsigned>(bootstrap->whole("seed", 0));
   }
-  if (const auto shared = fit.value.find("shared_scale"); shared != fit.value.end())
-    data.shared_scale = text_at(*shared, "finding");
+  if (const auto shared = fit.find("shared_scale")) data.shared_scale = shared->text("finding");
 }
 
 /// All minima but the best.
-void read_other_minima(const Json& fit, ReportData& data) {
-  const Json minima = fit.value("minima", Json::array());
-  for (std::size_t i = 1; i < minima.size(); ++i) data.other_minima.push_back(text_at(minima[i], "sentence"));
+void read_other_minima(const JsonPlace& fit, ReportData& data) {
+  const std::vector<JsonPlace> minima = fit.items("minima");
+  for (std::size_t i = 1; i < minima.size(); ++i) data.other_minima.push_back(minima[i].text("sentence"));
 }
 
 void read_identifiability(const JsonPlace& identifiability, ReportData& data) {
@@ -59,7 +56,7 @@ void read_identifiability(const JsonPlace& identifiability, ReportData& data) {
     data.identifiability = ReportVerdict::not_identifiable;
   else
     verdict.refuse("\"identifiable\", \"weak\" or \"not identifiable\"");
-  data.weak_directions = sentences_at(identifiability.value, "weak_directions");
+  data.weak_directions = identifiability.texts("weak_directions");
 }
 
 void read_agreement(const JsonPlace& place, ReportData& data) {
@@ -73,96 +70,93 @@ void read_agreement(const JsonPlace& place, ReportData& data) {
   place.refuse("\"good\", \"only with scatter\", \"poor\", \"too good\" or \"unknown\"");
 }
 
-void read_checks(const Json& fit, ReportData& data) {
+void read_checks(const JsonPlace& fit, ReportData& data) {
   data.scatter_mm = number_at(fit, "scatter_mm");
   data.p_value = number_at(fit, "p_value");
   data.runs_test_p_value = number_at(fit, "runs_test_p_value");
-  if (const auto outliers = fit.find("outliers"); outliers != fit.end())
-    for (const Json& outlier : *outliers)
-      data.outliers.push_back({text_at(outlier, "run"), number_at(outlier, "deviation"),
-                               number_at(outlier, "chance"), number_at(outlier, "looks_like_phi_rad")});
-  if (const auto models = fit.find("models"); models != fit.end())
-    for (const Json& model : *models)
-      data.models.push_back({text_at(model, "name"), model.value("unknowns", 0), number_at(model, "chi2"),
-                             number_at(model, "aic"), number_at(model, "bic"), text_at(model, "sentence")});
-  data.left_out = sentences_at(fit, "left_out");
-  data.systematics = sentences_at(fit, "systematics");
-  data.improve_first = text_at(fit, "improve_first");
-  data.scatter_dominates = fit.value("scatter_dominates", false);
+  for (const JsonPlace& outlier : fit.items("outliers"))
+    data.outliers.push_back({outlier.text("run"), number_at(outlier, "deviation"),
+                             number_at(outlier, "chance"), number_at(outlier, "looks_like_phi_rad")});
+  for (const JsonPlace& model : fit.items("models"))
+    data.models.push_back({model.text("name"), model.integer("unknowns", 0), number_at(model, "chi2"),
+                           number_at(model, "aic"), number_at(model, "bic"), model.text("sentence")});
+  data.left_out = fit.texts("left_out");
+  data.systematics = fit.texts("systematics");
+  data.improve_first = fit.text("improve_first");
+  data.scatter_dominates = fit.boolean("scatter_dominates", false);
 }
 
-ReportNextRun next_run(const Json& next, const std::vector<ReportParameter>& parameters) {
+ReportNextRun next_run(const JsonPlace& next, const std::vector<ReportParameter>& parameters) {
   ReportNextRun run{.phi_rad = number_at(next, "phi_rad"),
                     .dtau_rad = number_at(next, "dtau_rad"),
                     .amplitude_mm = number_at(next, "amplitude_mm"),
                     .w_rad_s = number_at(next, "angular_frequency_rad_s"),
-                    .aim = text_at(next, "aim"),
+                    .aim = next.text("aim"),
                     .predicted_ci95 = {},
-                    .sentence = text_at(next, "sentence")};
-  const Json predicted = next.value("predicted_ci95", Json::object());
+                    .sentence = next.text("sentence")};
+  const auto predicted = next.find("predicted_ci95");
   for (const ReportParameter& parameter : parameters)
-    run.predicted_ci95.push_back(interval_at(predicted, parameter.name));
+    run.predicted_ci95.push_back(predicted ? interval_at(*predicted, parameter.name) : ReportInterval{});
   return run;
 }
 
-void read_next_runs(const Json& fit, ReportData& data) {
-  if (const auto next = fit.find("next_experiment"); next != fit.end() && next->is_object()) {
-    data.next_experiment = text_at(*next, "sentence");
+void read_next_runs(const JsonPlace& fit, ReportData& data) {
+  if (const auto next = fit.find("next_experiment")) {
+    data.next_experiment = next->text("sentence");
     data.next_runs.push_back(next_run(*next, data.parameters));
   }
-  if (const auto others = fit.find("other_next_experiments"); others != fit.end())
-    for (const Json& next : *others) data.next_runs.push_back(next_run(next, data.parameters));
+  for (const JsonPlace& next : fit.items("other_next_experiments"))
+    data.next_runs.push_back(next_run(next, data.parameters));
 }
 
-void read_slides(const Json& fit, ReportData& data) {
-  for (const Json& s : fit.value("slides", Json::array())) {
-    ReportSlideResult slide{.name = text_at(s, "name"),
+void read_slides(const JsonPlace& fit, ReportData& data) {
+  for (const JsonPlace& s : fit.items("slides")) {
+    ReportSlideResult slide{.name = s.text("name"),
                             .mu1 = number_at(s, "mu1"),
                             .mu1_sd = number_at(s, "mu1_sd"),
                             .ci95 = interval_at(s, "ci95"),
                             .chi2 = number_at(s, "chi2"),
                             .p_value = number_at(s, "p_value"),
-                            .dof = s.value("dof", 0),
-                            .first_frame = s.value("first_frame", std::int64_t{0}),
-                            .last_frame = s.value("last_frame", std::int64_t{0}),
-                            .spin_seen = s.value("spin_seen", false),
+                            .dof = s.integer("dof", 0),
+                            .first_frame = s.whole("first_frame", 0),
+                            .last_frame = s.whole("last_frame", 0),
+                            .spin_seen = s.boolean("spin_seen", false),
                             .spin_rad_s = number_at(s, "spin_rad_s"),
                             .spin_rad_s_sd = number_at(s, "spin_rad_s_sd"),
                             .spin_ratio = number_at(s, "spin_ratio"),
                             .spin_ratio_sd = number_at(s, "spin_ratio_sd"),
                             .change_by_half_spin = number_at(s, "mu1_change_by_half_spin"),
                             .blow_frames = {},
-                            .sentence = text_at(s, "sentence")};
-    for (const Json& blow : s.value("blows", Json::array()))
-      slide.blow_frames.push_back(blow.value("frame", std::int64_t{0}));
+                            .sentence = s.text("sentence")};
+    for (const JsonPlace& blow : s.items("blows")) slide.blow_frames.push_back(blow.whole("frame", 0));
     data.slide_results.push_back(std::move(slide));
   }
-  if (const auto between = fit.find("between_slides"); between != fit.end()) {
-    data.between_slides = between->value("sd", 0.0);
+  if (const auto between = fit.find("between_slides")) {
+    data.between_slides = between->number("sd", 0);
     data.between_slides_p_value = number_at(*between, "p_value");
   }
 }
 
 }  // namespace
 
-void read_budget(const Json& budget, ReportData& data) {
-  for (const Json& row : budget) {
-    ReportBudgetEntry entry{.source = text_at(row, "source"),
-                            .quantity = text_at(row, "quantity"),
-                            .from = text_at(row, "from"),
+void read_budget(const JsonPlace& budget, ReportData& data) {
+  for (const JsonPlace& row : budget.items()) {
+    ReportBudgetEntry entry{.source = row.text("source"),
+                            .quantity = row.text("quantity"),
+                            .from = row.text("from"),
                             .sd = number_at(row, "sd_of_source"),
-                            .counted = row.value("counted", true),
+                            .counted = row.boolean("counted", true),
                             .contribution = {}};
-    const Json contribution = row.value("contribution", Json::object());
+    const auto contribution = row.find("contribution");
     for (const ReportParameter& parameter : data.parameters)
-      entry.contribution.push_back(number_at(contribution, parameter.name));
+      entry.contribution.push_back(contribution ? number_at(*contribution, parameter.name) : no_value);
     data.budget.push_back(entry);
   }
 }
 
-void read_conditions(const Json& conditions, ReportData& data) {
-  for (const Json& row : conditions)
-    data.conditions.push_back({.quantity = text_at(row, "quantity"),
+void read_conditions(const JsonPlace& conditions, ReportData& data) {
+  for (const JsonPlace& row : conditions.items())
+    data.conditions.push_back({.quantity = row.text("quantity"),
                                .given = number_at(row, "given"),
                                .given_sd = number_at(row, "given_sd"),
                                .measured = number_at(row, "measured"),
@@ -170,7 +164,7 @@ void read_conditions(const Json& conditions, ReportData& data) {
                                .difference_in_sd = number_at(row, "difference_in_sd"),
                                .used = number_at(row, "used"),
                                .used_sd = number_at(row, "used_sd"),
-                               .from = text_at(row, "from")});
+                               .from = row.text("from")});
 }
 
 void read_fit(const Json& fit, ReportData& data) {
@@ -181,14 +175,14 @@ void read_fit(const Json& fit, ReportData& data) {
   read_agreement(place.at("agreement"), data);
   read_parameters(place, data);
   read_identifiability(place.at("identifiability"), data);
-  data.warnings = sentences_at(fit, "warnings");
-  data.phase_reference = text_at(fit, "phase_reference");
-  read_conditions(fit.value("conditions", Json::array()), data);
-  read_budget(fit.value("budget", Json::array()), data);
-  read_other_minima(fit, data);
-  read_checks(fit, data);
-  read_slides(fit, data);
-  read_next_runs(fit, data);
+  data.warnings = place.texts("warnings");
+  data.phase_reference = place.text("phase_reference");
+  if (const auto conditions = place.find("conditions")) read_conditions(*conditions, data);
+  if (const auto budget = place.find("budget")) read_budget(*budget, data);
+  read_other_minima(place, data);
+  read_checks(place, data);
+  read_slides(place, data);
+  read_next_runs(place, data);
 }
 
 }  // namespace tribotrack::apps

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/report/data/data.h"
-#include "apps/text/json.h"
+#include "apps/text/json_place.h"
 
 namespace tribotrack::apps {
 
@@ -11,9 +11,9 @@ namespace tribotrack::apps {
 void read_fit(const Json& fit, ReportData& data);
 
 /// The array `budget`. After the parameters.
-void read_budget(const Json& budget, ReportData& data);
+void read_budget(const JsonPlace& budget, ReportData& data);
 
 /// The array `conditions`.
-void read_conditions(const Json& conditions, ReportData& data);
+void read_conditions(const JsonPlace& conditions, ReportData& data);
 
 }  // namespace tribotrack::apps

@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The inverse of measurement_json, as far as the page shows it.
-void read_measurement(const Json& m, ReportRun& run) {
+void read_measurement(const JsonPlace& m, ReportRun& run) {
   run.alpha_rad = number_at(m, "alpha_rad");
   run.alpha_sd_rad = number_at(m, "alpha_rad_sd");
   run.v_mm_s = number_at(m, "v_mm_s");
   run.v_sd_mm_s = number_at(m, "v_mm_s_sd");
-  run.cycles = m.value("cycles", 0);
+  run.cycles = m.integer("cycles", 0);
   ReportPlatform& p = run.platform;
-  const auto take = [](const Json& from, const std::string& name, double& value, double& sd) {
+  const auto take = [](const JsonPlace& from, const std::string& name, double& value, double& sd) {
     value = number_at(from, name);
     sd = number_at(from, name + "_sd");
   };
@@ -40,19 +40,18 @@ void read_measurement(const Json& m, ReportRun& run) {
   take(m, "angular_frequency_drift_rad_s2", p.drift_rad_s2, p.drift_sd_rad_s2);
   take(m, "phi_rad", p.phi_rad, p.phi_sd_rad);
   take(m, "dtau_rad", p.dtau_rad, p.dtau_sd_rad);
-  if (const auto gate = m.find("gate"); gate != m.end()) {
-    p.gate_source = text_at(*gate, "source");
+  if (const auto gate = m.find("gate")) {
+    p.gate_source = gate->text("source");
     p.lamp_off_level = number_at(*gate, "lamp_off_level");
     p.lamp_on_level = number_at(*gate, "lamp_on_level");
   }
-  if (const auto harmonics = m.find("harmonics"); harmonics != m.end())
-    for (const Json& h : *harmonics) {
-      if (!h.value("seen", false)) continue;
-      ReportHarmonic harmonic{.order = h.value("order", 0)};
-      take(h, "amplitude_mm", harmonic.amplitude_mm, harmonic.amplitude_sd_mm);
-      take(h, "amplitude_y_mm", harmonic.amplitude_y_mm, harmonic.amplitude_y_sd_mm);
-      p.harmonics.push_back(harmonic);
-    }
+  for (const JsonPlace& h : m.items("harmonics")) {
+    if (!h.boolean("seen", false)) continue;
+    ReportHarmonic harmonic{.order = h.integer("order", 0)};
+    take(h, "amplitude_mm", harmonic.amplitude_mm, harmonic.amplitude_sd_mm);
+    take(h, "amplitude_y_mm", harmonic.amplitude_y_mm, harmonic.amplitude_y_sd_mm);
+    p.harmonics.push_back(harmonic);
+  }
 }
 
 /// Track and measurement of a run with a video; a warning where the track is no longer there.
@@ -60,41 +59,52 @@ void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
   const fs::path csv = folder.track(run.name), measurement = folder.measurement(run.name);
   Json measured = Json::object();
   if (fs::exists(measurement)) measured = read_json(measurement);
-  reading(measurement, [&] { read_measurement(measured, run); });
+  double used = no_value, used_sd = no_value;
+  reading(measurement, [&] {
+    const JsonPlace place{measured, ""};
+    read_measurement(place, run);
+    used = number_at(place, "mm_per_px");
+    used_sd = number_at(place, "mm_per_px_sd");
+  });
   if (!fs::exists(csv)) {
     data.warnings.push_back(fmt::format("{}: its track {} is missing: its path and platform are not shown",
                                         run.name, csv.filename().string()));
     return;
   }
   TrackFile track = read_track_file(csv);
-  const double used = number_at(measured, "mm_per_px");
-  if (track.mm_per_px && std::isfinite(used) && used != *track.mm_per_px)
-    rescale(track, {used, number_at(measured, "mm_per_px_sd"), ""});
+  if (track.mm_per_px && std::isfinite(used) && used != *track.mm_per_px) rescale(track, {used, used_sd, ""});
   add_track(track, folder, run);
   if (run.kind != "free_slide") add_drawings(track, run.platform);
   add_recording(track, data);
 }
 
-void read_given_measurement(const Json& configuration, ReportRun& run) {
+void read_given_measurement(const JsonPlace& configuration, ReportRun& run) {
   run.alpha_rad = number_at(configuration, "alpha_rad");
   run.alpha_sd_rad = number_at(configuration, "alpha_sd_rad");
   run.v_mm_s = number_at(configuration, "v_mm_s");
   run.v_sd_mm_s = number_at(configuration, "v_sd_mm_s");
-  run.cycles = configuration.value("cycles", 0);
+  run.cycles = configuration.integer("cycles", 0);
+}
+
+std::size_t count_at(const JsonPlace& place, const std::string& key) {
+  const std::int64_t count = place.whole(key, 0);
+  if (count < 0) place.at(key).refuse("0 or more");
+  return static_cast<std::size_t>(count);
 }
 
 /// A run as it stands in fit.json.
 ReportRun read_run(const JsonPlace& entry) {
   ReportRun run;
-  run.name = entry.at("name").text();
+  const JsonPlace name = entry.at("name");
+  run.name = name.text();
+  if (run.name.find('/') != std::string::npos) name.refuse("the name of a run, without `/`");
   run.kind = entry.at("kind").text() == "free_slide" ? "free_slide" : "displacement";
-  run.failure = text_at(entry.value, "failure");
+  run.failure = entry.text("failure");
   if (!run.failure.empty()) return run;
-  run.phi_rad = number_at(entry.value, "phi_rad");
-  run.dtau_rad = number_at(entry.value, "dtau_rad");
-  run.points = entry.value.value("points", std::size_t{0});
-  if (const auto nuisance = entry.value.find("nuisance"); nuisance != entry.value.end())
-    run.outlying_points = static_cast<std::size_t>(nuisance->value("outliers", 0.0));
+  run.phi_rad = number_at(entry, "phi_rad");
+  run.dtau_rad = number_at(entry, "dtau_rad");
+  run.points = count_at(entry, "points");
+  if (const auto nuisance = entry.find("nuisance")) run.outlying_points = count_at(*nuisance, "outliers");
   const JsonPlace observables = entry.at("observables").list();
   for (std::size_t k = 0; k < observables.value.size(); ++k) {
     const JsonPlace r = observables.at(k);
@@ -110,22 +120,22 @@ ReportRun read_run(const JsonPlace& entry) {
 
 /// At the fitted values; a default one where the run took no part in the fit.
 model::Scenario read_scenario(const JsonPlace& entry) {
-  if (!entry.value.contains("scenario")) return {};
-  const JsonPlace scenario = entry.at("scenario").object();
+  const auto scenario = entry.find("scenario");
+  if (!scenario) return {};
   try {
-    return scenario_from(scenario.value);
-  } catch (const UsageError&) {
-    scenario.refuse("a scenario");
+    return scenario_from(scenario->object().value);
+  } catch (const WrongContent& error) {
+    throw WrongContent(fmt::format("`{}`: {}", scenario->path, error.what()));
   }
 }
 
-ReportSlide read_slide(const Json& slide, const std::string& name) {
+ReportSlide read_slide(const JsonPlace& slide, const std::string& name) {
   return {.name = name,
           .time_s = numbers_at(slide, "time_s"),
           .position_mm = numbers_at(slide, "position_mm"),
           .sigma_mm = numbers_at(slide, "sigma_mm"),
           .fitted_mm = numbers_at(slide, "fitted_mm"),
-          .sentence = text_at(slide, "sentence")};
+          .sentence = slide.text("sentence")};
 }
 
 void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, ReportData& data) {
@@ -137,22 +147,18 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
       const JsonPlace entry = list.at(k);
       data.runs.push_back(read_run(entry));
       scenarios.push_back(read_scenario(entry));
-      if (const auto slide = entry.value.find("slide"); slide != entry.value.end())
+      if (const auto slide = entry.find("slide"))
         data.slides.push_back(read_slide(*slide, data.runs.back().name));
     }
   });
   for (std::size_t k = 0; k < data.runs.size(); ++k) {
     ReportRun& run = data.runs[k];
-    Json configuration;
     reading(folder.fit().string() + ".meta.json", [&] {
-      configuration = JsonPlace{meta, ""}.at("configuration").at("runs").at(k).object().value;
+      const JsonPlace configuration = JsonPlace{meta, ""}.at("configuration").at("runs").at(k);
+      run.video = configuration.text("video");
+      if (run.video.empty() && run.failure.empty()) read_given_measurement(configuration, run);
     });
-    run.video = text_at(configuration, "video");
-    if (!run.failure.empty()) continue;
-    if (run.video.empty())
-      read_given_measurement(configuration, run);
-    else
-      read_recording(folder, run, data);
+    if (run.failure.empty() && !run.video.empty()) read_recording(folder, run, data);
   }
   add_curves(scenarios, data);
 }

@@ -149,10 +149,10 @@ void add_fit(const ReportInput& input, ReportData& data) {
   }
   const SharedConditions& conditions = input.shared.conditions;
   data.warnings.insert(data.warnings.end(), conditions.warnings.begin(), conditions.warnings.end());
-  read_conditions(conditions_json(conditions.table), data);
+  read_conditions({conditions_json(conditions.table), "conditions"}, data);
   add_parameters(fit, mm_per_px, data);
   add_checks(fit, data);
-  read_budget(budget_json(fit, mm_per_px), data);
+  read_budget({budget_json(fit, mm_per_px), "budget"}, data);
   add_slide_results(fit, data);
   if (fit.next_experiment) {
     data.next_experiment = fit.next_experiment->sentence;

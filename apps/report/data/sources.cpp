@@ -31,7 +31,7 @@ bool is_sd(const std::string& name) {
 }
 
 /// With its sd where one was given; else the fit takes it as exact.
-std::string source_of_given(const Json& section, const std::string& name) {
+std::string source_of_given(const JsonPlace& section, const std::string& name) {
   const double sd = number_at(section, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
   return sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, taken as exact";
 }
@@ -42,8 +42,8 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
                        [&](const ReportParameter& p) { return p.name == name; });
   };
   for (const char* section : {"platform", "part"})
-    if (const auto found = configuration.value.find(section); found != configuration.value.end())
-      for (const auto& [name, value] : found->items())
+    if (const auto found = configuration.find(section))
+      for (const auto& [name, value] : found->object().value.items())
         if (value.is_number() && !fitted(name) && !is_sd(name))
           data.given.push_back({name, value.get<double>(), source_of_given(*found, name)});
   const JsonPlace fixed = configuration.at("fit").at("fixed").object();
@@ -70,11 +70,11 @@ void add_provenance(const Json& meta, ReportData& data) {
   const JsonPlace place{meta, ""};
   const JsonPlace configuration = place.at("configuration");
   add_given(configuration, data);
-  data.program_version = text_at(meta, "version");
+  data.program_version = place.text("version");
   const JsonPlace inputs = place.at("inputs").list();
   for (std::size_t k = 0; k < inputs.value.size(); ++k)
     data.inputs.push_back(source_of(inputs.at(k).at("path").text(), inputs.at(k).at("xxh3_128").text(),
-                                    text_at(inputs.at(k).value, "hashed")));
+                                    inputs.at(k).text("hashed")));
   if (!data.inputs.empty()) data.title = title_of(inputs.at(0).at("path").text());
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -1,12 +1,16 @@
 #include "vision/formats/cine/header.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <numeric>
 #include <string>
 
 #include "vision/formats/cine/layout.h"
 #include "vision/formats/cine/p10.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/little_endian.h"
+#include "vision/io/picture_size.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
@@ -28,10 +32,7 @@ std::optional<Number> field(Bytes block, std::size_t offset) {
 void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
   const auto width = load<std::int32_t>(bitmap, at::bitmap_width);
   const auto height = load<std::int32_t>(bitmap, at::bitmap_height);
-  constexpr std::int32_t largest = 1 << 15;
-  if (width <= 0 || height == 0 || width > largest || height > largest || height < -largest)
-    refuse(file, "is damaged: its header claims a picture of " + std::to_string(width) + " x " +
-                     std::to_string(height) + " pixels; copy the recording again");
+  require_sensible_size(file.path(), width, std::abs(std::int64_t{height}));  // below 0: top row first
   header.width = width;
   header.height = height < 0 ? -height : height;
 
@@ -122,24 +123,58 @@ void read_tagged_blocks(const MappedFile& file, std::uint64_t begin, std::uint64
   }
 }
 
+constexpr std::uint64_t least_annotation = 8;
+
+std::string image_name(const CineHeader& header, std::size_t index) {
+  return "image " + std::to_string(header.first_image_number + static_cast<std::int64_t>(index)) + " (" +
+         std::to_string(index + 1) + " of " + std::to_string(header.image_offsets.size()) + ")";
+}
+
 void read_image_table(const MappedFile& file, std::uint64_t position, std::uint32_t count, bool wide,
                       CineHeader& header) {
   const std::uint64_t entry = wide ? 8 : 4;
   const Bytes table =
       file.bytes(position, entry * count, "the table of " + std::to_string(count) + " images");
-  constexpr std::uint64_t least_annotation = 8;
   header.image_offsets.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint64_t offset =
         wide ? load<std::uint64_t>(table, i * entry) : load<std::uint32_t>(table, i * entry);
     const std::uint64_t needed = least_annotation + header.image_bytes;
     if (offset < at::file_header_bytes || offset > file.size() || needed > file.size() - offset)
-      refuse(file, "is cut short or damaged: image " + std::to_string(header.first_image_number + i) + " (" +
-                       std::to_string(i + 1) + " of " + std::to_string(count) + ") should take bytes " +
+      refuse(file, "is cut short or damaged: " + image_name(header, i) + " should take bytes " +
                        std::to_string(offset) + " to " + std::to_string(offset + needed) +
                        ", but the file has " + std::to_string(file.size()) +
                        "; copy or save the recording again");
     header.image_offsets[i] = offset;
+  }
+}
+
+/// Bytes of the head, with what they are.
+struct Stretch {
+  std::uint64_t begin = 0, length = 0;
+  const char* what = "";
+};
+
+/// Images may lie in any order, but no two in the same bytes, nor in those of the head.
+void give_images_room(const MappedFile& file, std::span<const Stretch> head, CineHeader& header) {
+  const std::vector<std::uint64_t>& offsets = header.image_offsets;
+  const std::uint64_t needed = least_annotation + header.image_bytes;
+  std::vector<std::size_t> order(offsets.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return offsets[i]; });
+  header.image_rooms.resize(offsets.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::size_t i = order[k];
+    for (const Stretch& part : head)
+      if (offsets[i] < part.begin + part.length && part.begin < offsets[i] + needed)
+        refuse(file, "is damaged: " + image_name(header, i) + " at byte " + std::to_string(offsets[i]) +
+                         " lies in " + part.what + "; copy or save the recording again");
+    const bool last = k + 1 == order.size();
+    header.image_rooms[i] = (last ? file.size() : offsets[order[k + 1]]) - offsets[i];
+    if (header.image_rooms[i] < needed)
+      refuse(file, "is damaged: " + image_name(header, i) + " and " + image_name(header, order[k + 1]) +
+                       " share bytes from " + std::to_string(offsets[order[k + 1]]) +
+                       " on; copy or save the recording again");
   }
 }
 
@@ -158,17 +193,31 @@ CineHeader read_cine_header(const MappedFile& file) {
   if (version > 1)
     refuse(file, "is a .cine of version " + std::to_string(version) +
                      ", but only 0 and 1 are known; export it as TIFF");
+  const auto header_size = load<std::uint16_t>(head, at::header_size);
+  if (header_size != at::file_header_bytes)
+    refuse(file, "has a header of " + std::to_string(header_size) + " bytes, but only one of " +
+                     std::to_string(at::file_header_bytes) +
+                     " is known: it is damaged or of another kind of .cine; copy it again, or export it as "
+                     "TIFF");
   const auto count = load<std::uint32_t>(head, at::image_count);
   if (count == 0) refuse(file, "holds no image (its header counts 0); save the recording again");
   header.first_image_number = load<std::int32_t>(head, at::first_image_number);
   header.trigger = load<CineTime>(head, at::trigger_time) & cine_time_mask;
 
-  const Bytes bitmap =
-      file.bytes(load<std::uint32_t>(head, at::bitmap_offset), at::bitmap_bytes, "the bitmap header");
+  const auto bitmap_position = load<std::uint32_t>(head, at::bitmap_offset);
+  const Bytes bitmap = file.bytes(bitmap_position, at::bitmap_bytes, "the bitmap header");
+  if (const auto size = load<std::uint32_t>(bitmap, 0); size != at::bitmap_bytes)
+    refuse(file, "has a bitmap header of " + std::to_string(size) + " bytes, but only one of " +
+                     std::to_string(at::bitmap_bytes) +
+                     " is known: it is damaged or of another kind of .cine; copy it again, or export it as "
+                     "TIFF");
   const auto setup_position = load<std::uint32_t>(head, at::setup_offset);
   const Bytes setup_head = file.bytes(setup_position, at::setup_length + 2, "the setup block");
   const bool marked = load<std::uint16_t>(setup_head, at::setup_mark) == at::setup_mark_value;
   const auto length = marked ? load<std::uint16_t>(setup_head, at::setup_length) : at::setup_mark;
+  if (length < at::setup_mark)
+    refuse(file, "is damaged: its setup block claims " + std::to_string(length) +
+                     " bytes, less than what every one holds; copy the recording again");
   const Bytes setup = file.bytes(setup_position, length, "the setup block");
 
   refuse_colour_mosaic(file, load<std::uint16_t>(head, at::compression),
@@ -193,6 +242,12 @@ CineHeader read_cine_header(const MappedFile& file) {
 
   const auto table = load<std::uint32_t>(head, at::image_table_offset);
   read_image_table(file, table, count, version == 1, header);
+  const std::array<Stretch, 4> head_parts = {
+      {{0, at::file_header_bytes, "the file header"},
+       {bitmap_position, at::bitmap_bytes, "the bitmap header"},
+       {setup_position, length, "the setup block"},
+       {table, std::uint64_t{count} * (version == 1 ? 8 : 4), "the table of images"}}};
+  give_images_room(file, head_parts, header);
   if (marked) read_tagged_blocks(file, setup_position + length, table, count, header);
   return header;
 }

@@ -35,13 +35,15 @@ struct CineHeader {
   bool colour_filter = false;   ///< the camera sees colour, though the file calls its pictures grey
   bool shown_mirrored = false;  ///< the camera's program shows it flipped; the pixels are not
   std::vector<std::uint64_t> image_offsets;     ///< one per stored image
+  std::vector<std::uint64_t> image_rooms;       ///< of each, bytes from its offset to what follows it
   std::vector<CineTime> stamps;                 ///< one per stored image, or empty
   std::vector<double> exposures_s;              ///< one per stored image, or empty
   std::optional<int> black_level, white_level;  ///< as stored: of packed 10-bit pictures, codes
 };
 
-/// Reads and checks the whole head: every table must lie inside the file and every image must have room for
-/// its pixels. Throws InputError naming what is missing, and for forms that hold no grey picture (colour
+/// Reads and checks the whole head: every table must lie inside the file, and every image must have room for
+/// its pixels that belongs to nothing else; they may lie in any order. Nothing is allocated that the file
+/// does not fill. Throws InputError naming what is missing, and for forms that hold no grey picture (colour
 /// mosaic, JPEG). Source of the layout: the open readers (FFmpeg, PIMS, pycine, hypercine) and real
 /// recordings.
 CineHeader read_cine_header(const MappedFile& file);

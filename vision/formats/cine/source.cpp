@@ -195,10 +195,12 @@ class CineSource : public FrameSource {
     std::uint64_t& pixels = pixels_at_[static_cast<std::size_t>(index)];
     if (pixels == 0) {
       const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
+      const std::uint64_t room = header_.image_rooms[static_cast<std::size_t>(index)];
       const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
-      if (annotation < 8 || annotation > file_.size())
+      if (annotation < 8 || annotation > room - header_.image_bytes)
         throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
-                         std::to_string(annotation) + " bytes; copy the recording again");
+                         std::to_string(annotation) + " bytes, where 8 to " +
+                         std::to_string(room - header_.image_bytes) + " have room; copy the recording again");
       const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
       if (size < header_.image_bytes)
         throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +

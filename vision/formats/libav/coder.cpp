@@ -56,9 +56,11 @@ float step_of(AVCodecID id, int qp) {
 }
 
 void take_steps(const AVFrameSideData& data, AVCodecID id, CodedFrame& coded) {
-  auto* parameters = reinterpret_cast<AVVideoEncParams*>(data.data);
+  const auto* parameters = reinterpret_cast<const AVVideoEncParams*>(data.data);
   for (unsigned i = 0; i < parameters->nb_blocks; ++i) {
-    const AVVideoBlockParams& block = *av_video_enc_params_block(parameters, i);
+    // Not av_video_enc_params_block(), whose assertion wants libavutil linked.
+    const auto& block = *reinterpret_cast<const AVVideoBlockParams*>(data.data + parameters->blocks_offset +
+                                                                     i * parameters->block_size);
     const float step = step_of(id, parameters->qp + block.delta_qp);
     for_cells(coded, block.src_x, block.src_y, block.w, block.h, [&](CodedCell& cell) { cell.step = step; });
   }

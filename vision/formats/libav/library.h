@@ -15,7 +15,7 @@ namespace tribotrack::vision {
 #define TRIBOTRACK_LIBAV_FUNCTIONS(X)                                                                               \
   X(av_d2q) X(av_dict_free) X(av_dict_get) X(av_dict_set)                                                           \
   X(av_frame_alloc) X(av_frame_free) X(av_frame_get_buffer) X(av_frame_get_side_data) X(av_frame_make_writable)     \
-  X(av_get_picture_type_char) X(av_log_set_callback) X(av_opt_set) X(av_opt_set_int) X(av_pix_fmt_desc_get)         \
+  X(av_get_picture_type_char) X(av_log_set_callback) X(av_max_alloc) X(av_opt_set) X(av_opt_set_int) X(av_pix_fmt_desc_get)         \
   X(av_strerror)                                                                                                    \
   X(av_packet_alloc) X(av_packet_free) X(av_packet_rescale_ts) X(av_packet_unref)                                   \
   X(avcodec_alloc_context3) X(avcodec_descriptor_get) X(avcodec_find_encoder_by_name) X(avcodec_flush_buffers)      \
@@ -23,7 +23,7 @@ namespace tribotrack::vision {
   X(avcodec_parameters_to_context) X(avcodec_receive_frame) X(avcodec_receive_packet) X(avcodec_send_frame)         \
   X(avcodec_send_packet)                                                                                            \
   X(av_find_best_stream) X(av_interleaved_write_frame) X(av_read_frame) X(av_seek_frame) X(av_write_trailer)        \
-  X(avformat_alloc_output_context2) X(avformat_close_input) X(avformat_find_stream_info) X(avformat_free_context)   \
+  X(avformat_alloc_context) X(avformat_alloc_output_context2) X(avformat_close_input) X(avformat_find_stream_info) X(avformat_free_context)   \
   X(avformat_index_get_entries_count) X(avformat_new_stream) X(avformat_open_input) X(avformat_write_header)        \
   X(avio_closep) X(avio_open)
 // clang-format on

@@ -9,12 +9,14 @@
 #include <span>
 
 #include "vision/formats/libav/coder.h"
+#include "vision/formats/libav/containment.h"
 #include "vision/formats/libav/handles.h"
 #include "vision/formats/libav/library.h"
 #include "vision/formats/libav/pixels.h"
 #include "vision/formats/libav/truncation_check.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/mapped_file.h"
+#include "vision/io/picture_size.h"
 #include "vision/io/window.h"
 #include "vision/timing/container_timestamps.h"
 #include "vision/timing/photron_sidecar.h"
@@ -81,20 +83,23 @@ class LibavSource : public FrameSource {
   void open_input() {
     decoder_.reset();
     input_.reset();
-    AVFormatContext* context = nullptr;
+    deadline_.start();
+    AVFormatContext* context = contained_input(deadline_);
     const std::string url = "file:" + info_.path.string();
     if (const int error = libav().avformat_open_input(&context, url.c_str(), nullptr, nullptr); error < 0)
-      refuse("is no video that can be read: " + libav_error(error) + "; check the file, or export it again");
+      refuse_input(error);
     input_.reset(context);
-    if (const int error = libav().avformat_find_stream_info(context, nullptr); error < 0)
-      refuse("is no video that can be read: " + libav_error(error) + "; export it again");
+    if (const int error = find_contained_streams(*context); error < 0) refuse_input(error);
     const AVCodec* codec = nullptr;
     stream_index_ = libav().av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_index_ == AVERROR_STREAM_NOT_FOUND) refuse("holds no video; name a recording");
     if (stream_index_ < 0 || !codec)
-      refuse("holds video in a coding that cannot be decoded here; convert it");
-    if (std::string_view(context->iformat->name) == "tty")
-      refuse("is a text file, not a video; name a recording");
+      refuse(std::string("holds video in a coding that cannot be decoded here; ") + kRemedyConvert);
+    if (!is_coding_read(codec->name))
+      refuse(std::string("holds video in the coding ") + codec->name + ", which is not read; " +
+             kRemedyConvert);
+    if (const AVCodecParameters& stated = *stream().codecpar; stated.width != 0 || stated.height != 0)
+      require_sensible_size(info_.path, stated.width, stated.height);
     for (unsigned i = 0; i < context->nb_streams; ++i)
       if (static_cast<int>(i) != stream_index_) context->streams[i]->discard = AVDISCARD_ALL;
 
@@ -103,6 +108,7 @@ class LibavSource : public FrameSource {
       refuse("holds video whose parameters cannot be understood; convert it");
     decoder_->thread_count = 1;
     decoder_->err_recognition = AV_EF_CRCCHECK;
+    contain(*decoder_);
     ask_for_coding(*decoder_);
     if (const int error = libav().avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
       refuse("cannot be decoded: " + libav_error(error) + "; convert it");
@@ -111,12 +117,27 @@ class LibavSource : public FrameSource {
     held_ = -1;
   }
 
+  [[noreturn]] void refuse_input(int error) const {
+    if (error == AVERROR_EXIT) refuse_late("it takes longer to open");
+    if (error == AVERROR(EINVAL))  // libav's answer to a container that is not on the list
+      refuse(std::string("is no video of a kind that is read (") + kContainersInWords +
+             "); check the file, or " + kRemedyConvert);
+    refuse("is no video that can be read: " + libav_error(error) + "; check the file, or export it again");
+  }
+  [[noreturn]] void refuse_late(const std::string& what) const {
+    refuse("is damaged, or its disk does not answer: " + what + " than " +
+           std::to_string(deadline_.seconds()) + " s; copy it to a local disk");
+  }
+
   /// Reads the next packet of the video; false at the end.
   bool read_packet() {
     for (;;) {
+      deadline_.start();
       libav().av_packet_unref(packet_.get());
       const int error = libav().av_read_frame(input_.get(), packet_.get());
       if (error == AVERROR_EOF) return false;
+      if (error == AVERROR_EXIT)
+        refuse_late("packet " + std::to_string(next_packet_) + " takes longer to read");
       if (error < 0)
         refuse("cannot be read at packet " + std::to_string(next_packet_) + ": " + libav_error(error) +
                "; copy or export the recording again");
@@ -125,7 +146,16 @@ class LibavSource : public FrameSource {
   }
 
   void list_packets() {
+    const std::uint64_t most_bytes = most_packet_bytes(std::filesystem::file_size(info_.path));
+    std::uint64_t bytes = 0;
     while (read_packet()) {
+      bytes += static_cast<std::uint64_t>(packet_->size);
+      if (bytes > most_bytes)
+        refuse("is damaged: its first " + std::to_string(packets_.size() + 1) +
+               " frames claim more bytes than the file has; copy or export the recording again");
+      if (packets_.size() == kMostPackets)
+        refuse("holds more than " + std::to_string(kMostPackets) +
+               " frames, the most that are read; cut it into parts");
       if (packet_->flags & AV_PKT_FLAG_CORRUPT)
         refuse("is cut short or damaged at packet " + std::to_string(packets_.size()) +
                "; copy or export the recording again");
@@ -165,7 +195,8 @@ class LibavSource : public FrameSource {
       std::sort(shown_.begin(), shown_.end());
     } else if (!certain) {
       std::vector<std::size_t> order;
-      while (next_frame()) order.push_back(static_cast<std::size_t>(held_));
+      while (next_frame())
+        if (held_ >= 0) order.push_back(static_cast<std::size_t>(held_));
       if (order.size() < shown_.size())
         refuse("is damaged: of " + std::to_string(shown_.size()) + " frames only " +
                std::to_string(order.size()) + " can be decoded; export the recording again");
@@ -187,7 +218,7 @@ class LibavSource : public FrameSource {
             held_ = -1;
             refuse_frame(complaint);
           }
-        held_ = frame_->pts;
+        held_ = is_listed(frame_->pts) ? frame_->pts : -1;
         return true;
       }
       held_ = -1;
@@ -213,8 +244,18 @@ class LibavSource : public FrameSource {
     }
   }
   [[noreturn]] void refuse_frame(const std::string& reason) const {
-    refuse("is damaged: packet " + std::to_string(next_packet_) + " of " + std::to_string(packets_.size()) +
+    const std::string packet =
+        "packet " + std::to_string(next_packet_) + " of " + std::to_string(packets_.size());
+    const bool placed = next_packet_ > 0 && next_packet_ <= place_.size() && place_[next_packet_ - 1] >= 0;
+    refuse("is damaged: " +
+           (placed ? "frame " + std::to_string(number(place_[next_packet_ - 1])) + " (" + packet + ")"
+                   : packet) +
            " cannot be decoded: " + reason + "; export the recording again");
+  }
+
+  /// A decoder may make up a frame without a packet, and a file may have grown since its packets were listed.
+  bool is_listed(std::int64_t packet) const {
+    return packet >= 0 && packet < static_cast<std::int64_t>(packets_.size());
   }
 
   /// After a seek: which packet of the list is the one just read? -1 in lost_ where that is not certain.
@@ -241,10 +282,10 @@ class LibavSource : public FrameSource {
     const bool passed = !(shown_position(held_) < index) || held_ < 0;
     if ((passed && !(held_ < 0 && next_packet_ == 0)) || (key > next_packet_)) seek(key);
     try {
-      try_decode(target);
+      try_decode(target, index);
     } catch (const SeekFailed&) {
       open_input();
-      try_decode(target);
+      try_decode(target, index);
     }
     if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT)) {
       held_ = -1;
@@ -257,11 +298,12 @@ class LibavSource : public FrameSource {
              "; all frames of a recording must be alike");
     }
   }
-  void try_decode(std::int64_t target) {
+  void try_decode(std::int64_t target, std::int64_t index) {
     while (next_frame())
       if (held_ == target) return;
-    refuse("is cut short or damaged: frame of packet " + std::to_string(target) + " of " +
-           std::to_string(packets_.size()) + " cannot be decoded; export the recording again");
+    refuse("is cut short or damaged: frame " + std::to_string(number(index)) + " (packet " +
+           std::to_string(target + 1) + " of " + std::to_string(packets_.size()) +
+           ") cannot be decoded; export the recording again");
   }
 
   /// The place among the frames shown of the frame of a packet; -1 for none.
@@ -416,6 +458,7 @@ class LibavSource : public FrameSource {
     return std::nullopt;
   }
 
+  Deadline deadline_;  ///< before input_, which asks it
   LibavInput input_;
   LibavDecoder decoder_;
   LibavPacket packet_ = make_libav_packet();

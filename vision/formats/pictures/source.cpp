@@ -4,6 +4,7 @@
 #include <opencv2/core/utils/logger.hpp>
 
 #include "vision/formats/pictures/imgcodecs.h"
+#include "vision/formats/pictures/stated_size.h"
 #include "vision/formats/pictures/tiff_pages.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/level_conversion.h"
@@ -118,6 +119,7 @@ class PictureSequence : public DecodedPictures {
   cv::Mat decode(std::int64_t index) override {
     const fs::path& file = files_[static_cast<std::size_t>(index)];
     require_readable_file(file);
+    require_decodable_picture(file);
     return read_picture(file.string());
   }
   std::string frame_name(std::int64_t index) const override {
@@ -135,6 +137,7 @@ class PictureStack : public DecodedPictures {
     info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
     info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
     if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
+    require_decodable_picture(path);
     describe(options);
   }
 

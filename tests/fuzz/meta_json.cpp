@@ -1,0 +1,18 @@
+// A meta file: a track's, and that of a fit, as `report` reads it.
+#include "apps/files/track_file.h"
+#include "apps/report/data/json.h"
+#include "apps/report/data/sources.h"
+#include "fuzz/target.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tribotrack;
+  static const fuzz::Folder folder;
+  const auto file = folder.write("t.csv.meta.json", data, size);
+  fuzz::read_or_refuse([&] {
+    const apps::Json meta = apps::read_json(file);
+    fuzz::read_or_refuse([&] { apps::track_facts_from(meta, file); });
+    apps::ReportData report;
+    apps::reading(file, [&] { apps::add_provenance(meta, report); });
+  });
+  return 0;
+}
