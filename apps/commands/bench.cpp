@@ -287,7 +287,7 @@ void add_bench(CLI::App& app, Context& context) {
           "others, with the share of each stage (an hour); fit: exact derivatives against differences, and "
           "how often the intervals of simulated campaigns of eleven designs hold (some minutes, on all "
           "cores); all")
-      ->check(CLI::IsMember({"model", "vision", "commands", "fit", "all"}))
+      ->check(one_of({"model", "vision", "commands", "fit", "all"}))
       ->required();
   command
       .add_option(

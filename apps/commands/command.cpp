@@ -1,9 +1,12 @@
 #include "apps/commands/command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <limits>
 #include <string>
 
 #include "apps/program/streams.h"
@@ -27,6 +30,9 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
           [&value, flag, parse, kind](const std::string& text) {
             value = parse(text);
             if (!value) throw CLI::ValidationError(flag, fmt::format("must be {}, not \"{}\"", kind, text));
+            if (parse != parse_angle) return;
+            if (const std::string slip = angle_slip(*value); !slip.empty())
+              throw CLI::ValidationError(flag, slip);
           },
           help)
       ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");
@@ -64,12 +70,41 @@ void add_common(CLI::App& command, Context& context, const std::string& example)
 
 void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
                const std::string& help) {
-  add_parsed(command, flag, value, help, parse_angle, "an angle in radians such as 0.5, pi/2 or 11pi/9");
+  add_parsed(command, flag, value, help, parse_angle,
+             "an angle such as 0.5 (radians), pi/2, 11pi/9 or 90deg");
 }
 
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help) {
   add_parsed(command, flag, value, help, parse_number, "a finite number");
+}
+
+void add_count(CLI::App& command, const std::string& flag, int& value, int least, int most,
+               const std::string& help) {
+  command
+      .add_option_function<std::string>(
+          flag,
+          [&value, flag, least, most](const std::string& text) {
+            const auto number = parse_number(text);
+            if (!number || *number != std::floor(*number) || *number < least || *number > most)
+              throw CLI::ValidationError(
+                  flag, most == std::numeric_limits<int>::max()
+                            ? fmt::format("must be a whole number, {} or more, not \"{}\"", least, text)
+                            : fmt::format("must be a whole number, {} to {}, not \"{}\"", least, most, text));
+            value = static_cast<int>(*number);
+          },
+          help)
+      ->type_name("N");
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  const auto refuse = [words](const std::string& word) {
+    if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
+    const std::string near = nearest_word(word, words);
+    return fmt::format("must be one of {}, not \"{}\"{}", fmt::join(words, ", "), word,
+                       near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
+  };
+  return {refuse, fmt::format("{}", fmt::join(words, "|"))};
 }
 
 namespace {

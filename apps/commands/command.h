@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/program/context.h"
 
@@ -18,6 +19,12 @@ void add_angle(CLI::App& command, const std::string& flag, std::optional<double>
 /// Adds an option that takes a finite number.
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help);
+
+/// Adds an option that takes a whole number from `least` to `most`.
+void add_count(CLI::App& command, const std::string& flag, int& value, int least, int most,
+               const std::string& help);
+/// Of an option or argument that takes one of these words: refuses others, naming the nearest.
+CLI::Validator one_of(const std::vector<std::string>& words);
 
 void add_simulate(CLI::App& app, Context& context);
 void add_sweep(CLI::App& app, Context& context);

@@ -152,6 +152,7 @@ TrackFile CampaignRunner::track_of(const CampaignRun& run, RunLog& log) const {
   if (!may_be_recording(*run.video))
     throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
                                    run.name, run.video->string()));
+  require_trace(run);
   PreparedJob job = prepare(job_for(campaign_, run));
   // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.
   job.job.track.threads = std::max(

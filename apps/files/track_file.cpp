@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
 
@@ -192,6 +193,7 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
 }
 
 TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path) {
+  require_known_schema(meta, path);
   TrackFacts facts;
   const auto object_at = [&](const char* key) {
     const auto found = meta.find(key);

@@ -20,7 +20,7 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
     const JsonPlace p = parameters.at(item.key());
     data.parameters.push_back({.name = item.key(),
                                .estimate = p.at("estimate").number(),
-                               .sd = p.at("sd").number_or_null(),
+                               .sd = p.at("sd").sd_or_null(),
                                .ci95 = p.at("ci95").interval(),
                                .pieces = pieces_of(p.value),
                                .covariance_ci95 = interval_at(p.value, "covariance_ci95"),

@@ -27,6 +27,12 @@ double JsonPlace::number_or_null() const {
   return value.is_null() ? no_value : number();
 }
 
+double JsonPlace::sd_or_null() const {
+  const double sd = number_or_null();
+  if (sd < 0) refuse("0 or more");
+  return sd;
+}
+
 int JsonPlace::integer() const {
   if (!value.is_number_integer()) refuse("a whole number");
   return value.get<int>();
@@ -58,7 +64,9 @@ ReportInterval JsonPlace::interval() const {
   const auto end = [&](std::size_t k, double if_open) {
     return value[k].is_null() ? if_open : at(k).number();
   };
-  return {end(0, -open), end(1, open)};
+  const ReportInterval interval{end(0, -open), end(1, open)};
+  if (interval.low > interval.high) refuse("an interval, the low end first");
+  return interval;
 }
 
 void JsonPlace::refuse(const std::string& expected) const {

@@ -32,6 +32,7 @@ struct JsonPlace {
   // Each throws WrongContent where the value is of another kind.
   double number() const;
   double number_or_null() const;  ///< NaN for null
+  double sd_or_null() const;      ///< the same, and not below 0
   int integer() const;
   bool boolean() const;
   std::string text() const;
