@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -78,7 +79,9 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   try {
     evidence.events = fit::find_scope_events(trace, options);
   } catch (const fit::DataError& error) {
-    throw InvalidInput(fmt::format("{}: {}", run.scope->string(), error.what()));
+    throw InvalidInput(fmt::format("{}: {} ([scope] sensor_channel = {}, actuator_channel = {})",
+                                   run.scope->string(), error.what(), section.sensor_channel,
+                                   section.actuator_channel));
   }
   evidence.sensor = fit::sensor_clock(evidence.events, options);
   evidence.tie = section.tie == "trigger" ? ScopeTie::trigger
@@ -96,6 +99,20 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
         "{}: run \"{}\": [scope] tie = \"lamp\" needs a lamp in the picture; give [camera] gate_px",
         run.place, run.name));
   return evidence;
+}
+
+/// One platform turned the sensor and moved the mark.
+void require_same_frequency(const AnalysedRun& analysed) {
+  constexpr double kSame = 0.01;  // of w: the clocks of camera and oscilloscope agree to 1e-4
+  if (!analysed.scope || !analysed.scope->sensor || !analysed.measurement || !analysed.measurement->platform)
+    return;
+  const double trace = analysed.scope->sensor->angular_frequency.value,
+               recording = analysed.measurement->platform->angular_frequency.value;
+  if (std::abs(trace / recording - 1) > kSame)
+    throw InvalidInput(fmt::format(
+        "{}: run \"{}\": the sensor in {} shows {:.4g} rad/s, the recording {:.4g} rad/s: "
+        "is it the trace of another run? check `scope`",
+        analysed.run->place, analysed.run->name, analysed.run->scope->string(), trace, recording));
 }
 
 /// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
@@ -141,6 +158,7 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
     require_accepted(run, *track);
     analysed.inputs = track->inputs;
     if (run.scope && !run.free_slide) {
+      require_trace(run);
       const ScopeFile file = read_scope_file(*run.scope);
       analysed.inputs.push_back(file.input);
       analysed.scope = scope_of(campaign, run, *track, file);
@@ -150,14 +168,24 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
   if (analysed.track && campaign.part.diameter_mm)
     analysed.track->table.radius = 0.5e-3 * *campaign.part.diameter_mm;
   measure_again(campaign, analysed);
+  require_same_frequency(analysed);
   return analysed;
+}
+
+void require_trace(const CampaignRun& run) {
+  if (run.scope && !std::filesystem::is_regular_file(*run.scope))
+    throw InvalidInput(fmt::format("{}: run \"{}\": there is no oscilloscope file {}; check `scope`",
+                                   run.place, run.name, run.scope->string()));
 }
 
 std::string failure_of(const CampaignRun& run, const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
     return fmt::format("{}: run \"{}\": out of memory; try fewer --threads", run.place, run.name);
   // Messages of run-time errors name their file or run; others were written without knowing of runs.
-  if (dynamic_cast<const std::runtime_error*>(&error) != nullptr) return error.what();
+  const std::string message = error.what();
+  if (const std::string name = run.name + ": "; message.starts_with(name))
+    return fmt::format("{}: run \"{}\": {}", run.place, run.name, message.substr(name.size()));
+  if (dynamic_cast<const std::runtime_error*>(&error) != nullptr) return message;
   return fmt::format("{}: run \"{}\": {}", run.place, run.name, error.what());
 }
 

@@ -36,6 +36,9 @@ struct AnalysedRun {
 /// neither given nor measured.
 AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track);
 
+/// Throws InvalidInput, naming run and file, where the run's oscilloscope trace is not there.
+void require_trace(const CampaignRun& run);
+
 /// One sentence on why a run failed: the message of any exception, naming the run.
 std::string failure_of(const CampaignRun& run, const std::exception& error);
 

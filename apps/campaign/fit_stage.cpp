@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/problem.h"
 #include "apps/campaign/runs_progress.h"
+#include "apps/campaign/suspects.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
@@ -52,6 +54,25 @@ std::vector<std::size_t> order_of_work(const std::vector<std::uintmax_t>& bytes)
   return order;
 }
 
+/// Where recordings hold fewer whole cycles than the campaign asks for.
+void note_fewer_cycles(const std::vector<AnalysedRun>& runs, const Context& context) {
+  std::size_t count = 0;
+  const AnalysedRun* shortest = nullptr;
+  for (const AnalysedRun& run : runs) {
+    if (!run.takes_part() || !run.track || run.run->free_slide || run.displacement.cycles >= run.run->cycles)
+      continue;
+    ++count;
+    if (shortest == nullptr || run.displacement.cycles < shortest->displacement.cycles) shortest = &run;
+  }
+  if (count > 0)
+    say(context.quiet,
+        fmt::format("note: {} of {} runs hold fewer whole cycles than `cycles` asks for, run \"{}\" {:g} of "
+                    "cycles = {}: "
+                    "all that are there are used",
+                    count, runs.size(), shortest->run->name,
+                    static_cast<double>(shortest->displacement.cycles), shortest->run->cycles));
+}
+
 }  // namespace
 
 std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work) {
@@ -59,6 +80,9 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
   const std::vector<std::uintmax_t> bytes = bytes_of(campaign);
   const std::vector<std::size_t> order = order_of_work(bytes);
   RunsProgress progress(bytes, progress_style(context.quiet));
+  std::mutex mutex;
+  std::vector<AnalysedRun> first;  // to finish: what all of them contradict is a slip in the campaign
+  const std::size_t enough = std::min<std::size_t>(2, runs.size());
   for_each_index(static_cast<long>(runs.size()), threads_to_use(context), [&](long k) {
     const std::size_t index = order[static_cast<std::size_t>(k)];
     const CampaignRun& run = campaign.runs[index];
@@ -71,6 +95,11 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
       runs[index].failure = failure_of(run, error);
     }
     progress.finish(index);
+    const std::lock_guard lock(mutex);
+    if (first.size() < enough && runs[index].failure.empty() && runs[index].measurement) {
+      first.push_back(runs[index]);
+      if (first.size() == enough) require_no_slips(campaign, first);
+    }
   });
   return runs;
 }
@@ -84,10 +113,14 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   options.progress = [&progress](const char* name, std::size_t done, std::size_t total) {
     progress.update(std::string("fit, ") + name, done, total);
   };
-  stage.result = fit::estimate(problem_of(campaign, runs, stage.shared.conditions), options);
+  const fit::Problem problem = problem_of(campaign, runs, stage.shared.conditions);
+  stage.result = fit::estimate(problem, options);
+  std::vector<std::string> suspects = suspicious_runs(problem, stage.result, options.threads);
+  stage.result.warnings.insert(stage.result.warnings.begin(), suspects.begin(), suspects.end());
   stage.json = fit_json(campaign, runs, stage.result);
   add_to(stage.json, stage.shared.scale);
   add_to(stage.json, stage.shared.conditions);
+  note_fewer_cycles(runs, context);
   return stage;
 }
 

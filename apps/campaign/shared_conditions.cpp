@@ -108,6 +108,9 @@ class Sharing {
     return std::any_of(entries_.begin(), entries_.end(), [](const Entry& e) { return e.given || e.seen; });
   }
 
+  /// Throws for a slip.
+  /// `in_all_only`: of the whole campaign, not of single runs.
+  void refuse_slips(bool in_all_only = false) const;
   /// Fills everything; throws for a slip.
   SharedQuantity settle(SharedConditions& shared);
 
@@ -135,7 +138,7 @@ class Sharing {
     return quantity_.angle || value == 0 ? sd : sd / std::abs(value);
   }
 
-  void refuse_slips() const;
+  std::string wrong_scale(const CampaignRun& run, double factor) const;
   [[noreturn]] void refuse(const Entry& entry, const Estimate& seen, std::size_t runs) const;
   void compare(SharedConditions& shared);
   void use_given(SharedQuantity& result);
@@ -160,18 +163,34 @@ void Sharing::refuse(const Entry& entry, const Estimate& seen, std::size_t runs)
   const bool implied = quantity_.parameter == Parameter::amplitude_y && !campaign_.platform.amplitude_y;
   std::string where = entry.given->of_run || runs == 1 ? entry.run->run->place : campaign_.file.string();
   if (runs == 1) where += fmt::format(": run \"{}\"", entry.run->run->name);
-  const char* cause = quantity_.parameter == Parameter::angular_frequency ? "; or frame_rate_hz is wrong"
-                      : quantity_.angle                                   ? ""
-                                        : "; or diameter_mm or mm_per_px, by which it was measured, is wrong";
+  const std::string cause = quantity_.parameter == Parameter::angular_frequency
+                                ? "; or frame_rate_hz is wrong"
+                            : quantity_.angle ? ""
+                                              : wrong_scale(*entry.run->run, given / measured);
   throw InvalidInput(fmt::format(
       "{}: {} = {:.6g}{}, but the {} shows {:.4g} +- {:.1g}{}{}; mend it, or leave it out to use what was "
       "measured",
       where, quantity_.key, given, implied ? " (amplitude_mm, as it is not given)" : "", seen_by_, measured,
       seen.sd / quantity_.unit, runs > 1 ? fmt::format(" in {} runs", runs) : "",
-      slip.empty() ? fmt::format("{}{}", ": more than an error of measuring", cause) : ": " + slip));
+      ": " + (slip.empty() ? "more than an error of measuring" : slip) +
+          (slip.empty() || !quantity_.angle ? cause : "")));
 }
 
-void Sharing::refuse_slips() const {
+/// What gives the scale may be wrong instead, by the inverse factor where it is a diameter.
+std::string Sharing::wrong_scale(const CampaignRun& run, double factor) const {
+  std::string scale = "calibration", slip;
+  if (run.mm_per_px || campaign_.camera.mm_per_px) {
+    scale = fmt::format("mm_per_px = {:.4g}", run.mm_per_px ? *run.mm_per_px : *campaign_.camera.mm_per_px);
+  } else if (!campaign_.camera.calibration && campaign_.part.diameter_mm) {
+    const double diameter = *campaign_.part.diameter_mm;
+    scale = fmt::format("diameter_mm = {:.4g}", diameter);
+    slip = likely_slip("diameter_mm", diameter, diameter * factor);
+  }
+  return fmt::format("; or {}, by which it was measured, is wrong{}{}", scale, slip.empty() ? "" : ": ",
+                     slip);
+}
+
+void Sharing::refuse_slips(bool in_all_only) const {
   std::vector<const Entry*> off;
   std::size_t compared = 0;
   for (const Entry& e : entries_) {
@@ -190,7 +209,7 @@ void Sharing::refuse_slips() const {
     }
     if (std::abs(share) > kSlipShare && std::abs(share) > kWarnedBeyond * sd) off.push_back(&e);
   }
-  if (off.empty()) return;
+  if (off.empty() || (in_all_only && off.size() < compared)) return;
   // A slip in [platform] shows in all runs, one in a run in that run.
   refuse(*off.front(), *off.front()->seen, off.size() == compared ? compared : 1);
 }
@@ -396,6 +415,11 @@ void measure_displacement_again(AnalysedRun& analysed, double relative_w_sd) {
 }
 
 }  // namespace
+
+void require_no_slips(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
+  for (const Quantity& quantity : quantities())
+    if (const Sharing sharing(campaign, quantity, runs); sharing.concerns_any()) sharing.refuse_slips(true);
+}
 
 SharedConditions share_conditions(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
   SharedConditions shared;

@@ -39,6 +39,9 @@ struct SharedConditions {
 /// one warning; throws InvalidInput, naming the likely slip, where they differ by more than kSlipShare.
 SharedConditions share_conditions(const Campaign& campaign, std::vector<AnalysedRun>& runs);
 
+/// The same refusal, of what all of these runs show: for the first of many, before the others are tracked.
+void require_no_slips(const Campaign& campaign, std::vector<AnalysedRun>& runs);
+
 /// Into fit.json: `conditions`, `taken_as_exact` and the warnings.
 void add_to(Json& fit, const SharedConditions& shared);
 

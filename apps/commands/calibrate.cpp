@@ -39,6 +39,10 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
                     options.squares));
   board.columns = static_cast<int>(columns);
   board.rows = static_cast<int>(rows);
+  for (const auto& [flag, length] :
+       {std::pair{"--square-mm", options.square_mm}, std::pair{"--marker-mm", options.marker_mm}})
+    if (length && !(*length > 0))
+      throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *length));
   board.square_mm = *options.square_mm;
   board.dictionary = options.dictionary;
   if (options.marker_mm) {

@@ -37,6 +37,9 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
             if (!value)
               throw CLI::ValidationError(
                   flag, fmt::format("must be {}, not \"{}\"{}", kind, text, with_point(text, parse)));
+            if (parse != parse_angle) return;
+            if (const std::string slip = angle_slip(*value); !slip.empty())
+              throw CLI::ValidationError(flag, slip);
           },
           help)
       ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");
@@ -79,7 +82,8 @@ void add_common(CLI::App& command, Context& context, const std::string& example)
 
 void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
                const std::string& help) {
-  add_parsed(command, flag, value, help, parse_angle, "an angle in radians such as 0.5, pi/2 or 11pi/9");
+  add_parsed(command, flag, value, help, parse_angle,
+             "an angle such as 0.5 (radians), pi/2, 11pi/9 or 90deg");
 }
 
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,

@@ -1,12 +1,14 @@
 // tribotrack fit: friction parameters from the runs of a campaign.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
+#include "apps/commands/wrong_usage.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -19,8 +21,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
+const std::vector<std::string> kLosses = {"squares", "huber", "cauchy"};  ///< in the order of fit::Loss
+
 struct FitCommandOptions {
-  std::string campaign, output, tracks;
+  std::string campaign, output, tracks, loss = "squares";
   bool require_all = false, json = false, explain = false;
   int allow_missing = 0;
   fit::FitOptions fit;
@@ -66,9 +70,10 @@ void allow_for_missing(const std::vector<AnalysedRun>& runs, const FitCommandOpt
   for (const AnalysedRun& run : runs) {
     if (run.failure.empty()) continue;
     if (++missing > options.allow_missing)
-      throw InvalidInput(options.allow_missing == 0 ? run.failure
-                                                    : fmt::format("{} (more than {} runs are missing)",
-                                                                  run.failure, options.allow_missing));
+      throw InvalidInput(
+          options.allow_missing == 0
+              ? runs.size() == 1 ? run.failure : run.failure + " (--allow-missing 1 goes on without this run)"
+              : fmt::format("{} (more than {} runs are missing)", run.failure, options.allow_missing));
     say(context.quiet, "left out: " + run.failure);
   }
 }
@@ -112,20 +117,19 @@ void add_fit(CLI::App& app, Context& context) {
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
   command.add_option("--allow-missing", options->allow_missing, "Go on when up to N runs are not usable")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0, 1'000'000));
   command
       .add_option("--bootstrap", options->fit.bootstrap,
                   "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
       ->type_name("N")
-      ->check(CLI::Range(20, 1'000'000));
+      ->check(whole_number(20, 1'000'000));
   command.add_option("--seed", options->fit.bootstrap_seed, "Seed of the bootstrap; recorded in the result")
       ->type_name("N");
   command
-      .add_option("--loss", options->fit.loss,
+      .add_option("--loss", options->loss,
                   "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
                   "means for the intervals is printed with them")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, fit::Loss>{
-          {"squares", fit::Loss::squares}, {"huber", fit::Loss::huber}, {"cauchy", fit::Loss::cauchy}}))
+      ->check(one_of(kLosses))
       ->type_name("LOSS");
   command.add_flag("--compare-models", options->fit.rivals,
                    "Compare tilt and alternative friction laws even where the residuals give no reason to");
@@ -137,7 +141,11 @@ void add_fit(CLI::App& app, Context& context) {
              "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
              "gravity_m_s2_sd, phi_rad_sd, ...): the "
              "intervals count it. Values without one are taken as exact and listed in fit.json.");
-  command.callback([options, &context] { fit_command(*options, context); });
+  command.callback([options, &context] {
+    const auto loss = std::find(kLosses.begin(), kLosses.end(), options->loss);
+    options->fit.loss = static_cast<fit::Loss>(loss - kLosses.begin());
+    fit_command(*options, context);
+  });
 }
 
 }  // namespace tribotrack::apps

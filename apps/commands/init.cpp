@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kCampaign = R"(# A tribotrack campaign: edit the lines that are not comments, then
 #   tribotrack run campaign.toml -o out
-# Units stand in the key names. Angles are radians: a number, or a text such as "pi/3".
+# Units stand in the key names. Angles are radians: a number, or a text such as "pi/3" or "60deg".
 # Each given quantity may have its standard deviation beside it, KEY_sd: amplitude_mm_sd = 0.001. The intervals count
 # it; a value without one is taken as exact, and fit.json lists it under taken_as_exact. What is given and also seen in
 # the recordings is compared once for all runs (conditions in fit.json).
@@ -48,7 +48,7 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 # xi_axis_rad = 0.0             # direction, in the picture, of the platform's displacement when the phase sensor fires
 # xi_axis_rad_sd = 0.01
 # disc_px = [640, 400, 150]     # x, y, radius in the first frame; leave out to have it found
-marker_px = [200, 180, 24]      # a mark fixed to the platform; leave out where there is none
+# marker_px = [200, 180, 24]    # a mark fixed to the platform: x, y, radius in the first frame; leave out where there is none
 # marker = "texture"            # without marker_px: by the platform's own texture (as by itself where that moves); "auto": a round mark, else texture; "none"
 # gate_px = [30, 30, 6]         # a lamp that is lit while the actuator is on: phi and dtau are measured from it
 
@@ -66,8 +66,13 @@ parameters = ["mu1", "mu2", "phase_lag_rad"]
 start = "rest"                  # how runs start at their first analysed frame: rest, circling or steady
 cycles = 20                     # whole cycles alpha and v are measured over, at most
 
+# data = "trajectory"           # fit every tracked point instead of each run's displacement
+# [fit.fixed]                   # values of mu1, mu2, phase_lag_rad or delay_s that are not among `parameters`
+# phase_lag_rad = 0.2
 # [fit.guess]                   # first guesses, where the fit needs better ones than its own
 # mu1 = 0.1
+# [fit.prior]                   # what is known beforehand of what is fitted
+# mu1 = { mean = 0.1, sd = 0.01 }
 
 # One [[run]] per recording. Vary phi AND dtau: a sweep of phi alone cannot separate mu1 from the lag.
 [[run]]

@@ -27,8 +27,9 @@ void add_report(CLI::App& app, Context& context) {
     if (const auto writer = writer_of(run_folder))
       say(context.quiet,
           fmt::format("note: {} is being written by {}: the page shows what is there now", *folder, *writer));
-    const std::string page = report_page_of(run_folder);
-    write_file(*output, page);
+    const ReportOfFolder report = report_of(run_folder);
+    write_file(*output, report.page);
+    for (const std::string& file : report.missing) say(context.quiet, "warning: " + file);
     say(context.quiet, *output + ": written");
   });
 }

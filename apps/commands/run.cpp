@@ -157,6 +157,7 @@ TrackFile CampaignRunner::track_of(const CampaignRun& run, const FramesDone& fra
   if (!may_be_recording(*run.video))
     throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
                                    run.name, run.video->string()));
+  require_trace(run);
   PreparedJob job = prepare(job_for(campaign_, run));
   job.job.track.progress = frames_done;
   // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.

@@ -1,6 +1,7 @@
 // tribotrack simulate: one trajectory of the friction model.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -73,6 +74,12 @@ std::string flag_of(std::string name) {
 }
 
 ScenarioFile scenario_of(const SimulateOptions& options) {
+  const auto is_given = [&](const char* name) {
+    return std::any_of(options.values.begin(), options.values.end(),
+                       [&](const auto& entry) { return entry.first == name && entry.second; });
+  };
+  if (is_given("mu2") && is_given("mu1_over_mu2"))
+    throw UsageError("--mu2 and --mu1-over-mu2 mean the same; give one of them");
   ScenarioFile file = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
   for (const auto& [name, value] : options.values)
     if (value) set_scenario_parameter(file, name, *value);
@@ -87,9 +94,24 @@ ScenarioFile scenario_of(const SimulateOptions& options) {
   return file;
 }
 
+double rows_of(const model::Scenario& scenario, int samples_per_cycle) {
+  return std::ceil(scenario.cycles * samples_per_cycle);
+}
+
+/// Before the work: a table may grow beyond any disk.
+void require_sensible_table(const SimulateOptions& options, const ScenarioFile& file) {
+  constexpr double kBytesPerRow = 120, kLargest = 2e9;
+  const double rows = rows_of(file.scenario, file.samples_per_cycle) + 1;
+  if (options.output.empty() || rows * kBytesPerRow < kLargest) return;
+  throw InvalidInput(
+      fmt::format("{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
+                  "lower --cycles or --samples-per-cycle",
+                  options.output, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest));
+}
+
 std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle) {
   const auto& scenario = trajectory.scenario();
-  const auto count = static_cast<long>(std::ceil(scenario.cycles * samples_per_cycle));
+  const auto count = static_cast<long>(rows_of(scenario, samples_per_cycle));
   std::string table = "time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state\n";
   for (long k = 0; k <= count; ++k) {
     const double time = k == count
@@ -117,8 +139,10 @@ Json results_of(const model::Trajectory& trajectory) {
   json["sticking_fraction"] = trajectory.summary().sticking_fraction;
   json["steps"] = trajectory.summary().steps;
   json["steady"] = Json();
-  if (const auto orbit = model::steady_orbit(scenario)) {
-    const double v = orbit->mean_velocity(scenario.drive.angular_frequency);
+  if (const auto orbit = model::steady_orbit(scenario); orbit && scenario.cycles > 0) {
+    constexpr double kRounding = 1e-12;  // of the platform's velocity
+    double v = orbit->mean_velocity(scenario.drive.angular_frequency);
+    if (v < kRounding * scenario.drive.amplitude * scenario.drive.angular_frequency) v = 0;
     json["steady"] = {{"alpha_rad", v > 0 ? Json(orbit->alpha()) : Json()}, {"v_mm_s", v * 1e3}};
   }
   return json;
@@ -138,6 +162,10 @@ void check_output(const SimulateOptions& options) {
 void simulate(const SimulateOptions& options, const Context& context) {
   const ScenarioFile file = scenario_of(options);
   check_output(options);
+  require_sensible_table(options, file);
+  if (const model::Friction& friction = file.scenario.friction; friction.reduced > friction.nominal)
+    say(context.quiet, fmt::format("note: mu2 = {} within the pulse is more than mu1 = {} outside of it",
+                                   friction.reduced, friction.nominal));
   if (options.explain)
     for (const auto& stage : model::plan(file.scenario))
       print_error(fmt::format("{:<20} {:<4} {}{}", stage.name, stage.on ? "on" : "off", stage.reason,

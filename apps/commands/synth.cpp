@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -139,19 +140,49 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
 
 struct SynthOptions {
   std::string scene, output, extension = "cine";
+  bool overwrite = false;
 };
 
+constexpr std::array<const char*, 8> kExtensions = {".cine", ".mkv", ".avi", ".mp4",
+                                                    ".mov",  ".png", ".tif", ".tiff"};
+
+bool names_recording(const fs::path& path) {
+  return std::find(kExtensions.begin(), kExtensions.end(), path.extension()) != kExtensions.end();
+}
+
+/// Refuses what cannot be written, or would replace a recording, before anything is rendered.
+void check_recordings(const std::vector<fs::path>& videos, const SynthOptions& options) {
+  for (const fs::path& video : videos) {
+    if (!names_recording(video))
+      throw InvalidInput(
+          fmt::format("{}: is no name of a recording: use .cine, .mkv, .avi, .mp4, %05d.png or %05d.tif",
+                      video.string()));
+    if (options.overwrite) continue;
+    const auto files = files_of_input(video);
+    if (!files.empty() && fs::exists(files.front()))
+      throw InvalidInput(
+          fmt::format("{}: is there already and is not overwritten; give another name, or --overwrite",
+                      files.front().string()));
+  }
+}
+
 void synth(const SynthOptions& options, const Context& context) {
-  const Input scene = hashed_input(options.scene);
   const std::vector<SceneShot> shots = read_scene_file(options.scene);
+  const Input scene = hashed_input(options.scene);
   const bool many = !shots.front().name.empty();
-  if (many)
-    create_folder(options.output);
-  else
-    require_writable({{options.output, Content::pictures}, {options.output + ".truth.csv"}}, {options.scene});
+  if (many && names_recording(options.output))
+    throw InvalidInput(fmt::format(
+        "{}: names one recording, but {} has {} [[shot]]; give a folder, and --extension {}", options.output,
+        options.scene, shots.size(), fs::path(options.output).extension().string().substr(1)));
   const auto video_of = [&](const SceneShot& shot) {
     return many ? fs::path(options.output) / (shot.name + "." + options.extension) : fs::path(options.output);
   };
+  if (!many)
+    require_writable({{options.output, Content::pictures}, {options.output + ".truth.csv"}}, {options.scene});
+  std::vector<fs::path> videos;
+  for (const SceneShot& shot : shots) videos.push_back(video_of(shot));
+  check_recordings(videos, options);
+  if (many) create_folder(options.output);
   const auto write_meta = [&](const SceneShot& shot) {
     MetaFile meta;
     meta.command = "synth";
@@ -191,6 +222,7 @@ void add_synth(CLI::App& app, Context& context) {
       .add_option("--extension", options->extension,
                   "With [[shot]] entries: the recordings' file type (default cine)")
       ->type_name("EXT");
+  command.add_flag("--overwrite", options->overwrite, "Replace recordings of these names");
   add_common(command, context, "  tribotrack synth data/example/scene.toml -o recordings");
   command.callback([options, &context] { synth(*options, context); });
 }

@@ -28,6 +28,10 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
   if (const auto file = table.text("calibration")) {
     if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
     camera.calibration = folder / *file;
+    if (!fs::exists(*camera.calibration))
+      table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
+                                            "`tribotrack calibrate`",
+                                            camera.calibration->string()));
   }
   camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
   camera.rehearse = table.boolean("rehearse").value_or(false);

@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "apps/files/kinds/toml_kind.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 
@@ -41,6 +42,13 @@ ScopeSection read_scope(StrictTable& table) {
   };
   scope.sensor_channel = channel("sensor_channel", scope.sensor_channel);
   scope.actuator_channel = channel("actuator_channel", scope.actuator_channel);
+  if (scope.sensor_channel != 0 && scope.sensor_channel == scope.actuator_channel)
+    table.fail(
+        table.has("sensor_channel") ? "sensor_channel" : "actuator_channel",
+        fmt::format("is {}, and so is `{}`: one channel holds either the sensor's pulses or the actuator's "
+                    "bursts",
+                    scope.sensor_channel,
+                    table.has("sensor_channel") ? "actuator_channel" : "sensor_channel"));
   scope.carrier_hz = table.positive("carrier_hz").value_or(scope.carrier_hz);
   scope.sensor_delay_s = table.number("sensor_delay_s").value_or(0);
   scope.sensor_delay_sd_s = table.not_negative("sensor_delay_sd_s").value_or(0);
@@ -61,13 +69,38 @@ FitParameter require_fit_parameter(const StrictTable& table, std::string_view ke
                                       : fmt::format("did you mean \"{}\"?", near)));
 }
 
-/// A table of values by parameter name. Angles may be texts.
+/// One value of a parameter, as [fit.fixed], [fit.guess] and [fit.prior] give it. Angles may be texts.
+std::optional<double> read_value(StrictTable& table, const char* key, FitParameter parameter) {
+  const bool angle = std::string_view(fit::to_string(parameter)).ends_with("_rad");
+  return angle ? table.angle(key) : table.number(key);
+}
+
+/// `place`: the key of `table` that an error is said of.
+void require_in_range(const StrictTable& table, const char* place, FitParameter parameter, double value) {
+  switch (parameter) {
+    case FitParameter::mu1:
+    case FitParameter::mu2:
+      if (value < 0) table.fail(place, fmt::format("must be 0 or more, not {}", value));
+      break;
+    case FitParameter::amplitude:
+    case FitParameter::angular_frequency:
+    case FitParameter::scale:
+      if (!(value > 0)) table.fail(place, fmt::format("must be greater than 0, not {}", value));
+      break;
+    default:
+      break;
+  }
+}
+
+/// A table of values by parameter name.
 std::map<FitParameter, double> read_values(StrictTable table, const std::vector<FitParameter>& allowed) {
   std::map<FitParameter, double> values;
   for (const FitParameter parameter : allowed) {
     const char* name = fit::to_string(parameter);
-    const bool angle = std::string_view(name).ends_with("_rad");
-    if (const auto value = angle ? table.angle(name) : table.number(name)) values[parameter] = *value;
+    if (const auto value = read_value(table, name, parameter)) {
+      require_in_range(table, name, parameter, *value);
+      values[parameter] = *value;
+    }
   }
   table.finish();
   return values;
@@ -124,11 +157,11 @@ FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
                     "is not among `parameters`, and a prior of what is not fitted has no effect: add it "
                     "there, or give the value with its sd where it belongs");
       auto entry = prior->table(name);
-      const auto mean =
-          std::string_view(name).ends_with("_rad") ? entry->angle("mean") : entry->number("mean");
+      const auto mean = read_value(*entry, "mean", parameter);
       const auto sd = entry->positive("sd");
       entry->finish();
       if (!mean || !sd) prior->fail(name, "needs a mean and an sd: { mean = 0.1, sd = 0.01 }");
+      require_in_range(*prior, name.c_str(), parameter, *mean);
       section.prior[parameter] = {*mean, *sd};
     }
     prior->finish();
@@ -167,7 +200,8 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   const auto phi = table.angle("phi_rad");
   const auto dtau = table.angle("dtau_rad");
   if (dtau && !(*dtau >= 0 && *dtau <= 6.283185307179587))
-    table.fail("dtau_rad", fmt::format("must lie between 0 and 2pi, not {}", *dtau));
+    table.fail("dtau_rad",
+               fmt::format("must lie between 0 and 2pi, not {0}: degrees? write \"{0}deg\"", *dtau));
   run.phi = phi.value_or(0);
   run.dtau = dtau.value_or(0);
   if (const auto amplitude = table.not_negative("amplitude_mm")) run.amplitude = *amplitude * 1e-3;
@@ -253,7 +287,7 @@ StrictTable parse_campaign(const std::string& text, const fs::path& file) {
     return StrictTable::parse(text, file.string());
   } catch (const InvalidInput& error) {
     const std::string message = error.what();
-    if (message.find("start'") == std::string::npos || message.find("redefine") == std::string::npos) throw;
+    if (message.find("start` is given twice") == std::string::npos) throw;
     throw InvalidInput(
         fmt::format("{}: `start` in [fit] {}", message.substr(0, message.find(": ")), kGuessHint));
   }
@@ -290,11 +324,43 @@ void check_sds(const Campaign& campaign, StrictTable& top) {
           fmt::format("and {}_sd are the same knowledge; give one of them", fit::to_string(parameter)));
 }
 
+/// What the runs' motion depends on and is neither fitted nor given. A lag that is left out would count as 0.
+void require_all_parameters(const Campaign& campaign, StrictTable& top) {
+  const auto known = [&](FitParameter parameter) {
+    return campaign.fit.fixed.contains(parameter) ||
+           std::count(campaign.fit.parameters.begin(), campaign.fit.parameters.end(), parameter) > 0;
+  };
+  const auto demand = [&](const char* names) {
+    top.table("fit")->fail("parameters",
+                           fmt::format("does not name {0}, and [fit.fixed] holds no value of {0}: "
+                                       "fit it, or give it there",
+                                       names));
+  };
+  const bool pulses = std::any_of(campaign.runs.begin(), campaign.runs.end(),
+                                  [](const CampaignRun& run) { return !run.free_slide && run.dtau > 0; });
+  if (!known(FitParameter::mu1)) demand("mu1");
+  if (pulses && !known(FitParameter::mu2)) demand("mu2");
+  if (pulses && !known(FitParameter::lag) && !known(FitParameter::delay))
+    demand("phase_lag_rad (or delay_s)");
+}
+
+/// Gravity at the ground lies between 9.76 (Huascaran) and 9.84 (the poles).
+void note_gravity(Campaign& campaign) {
+  const double g = campaign.platform.gravity;
+  if (g < 9.7 || g > 9.9)
+    campaign.warnings.push_back(
+        fmt::format("gravity_m_s2 = {} is not the earth's, 9.78 to 9.83: mu1 and mu2 come out too large by "
+                    "as much as it is "
+                    "too small",
+                    g));
+}
+
 }  // namespace
 
 Campaign read_campaign(const fs::path& file) {
   const std::string text = read_text(file);
   StrictTable top = parse_campaign(text, file);
+  require_kind(top, TomlKind::campaign, file.string());
   Campaign campaign;
   campaign.file = file;
   campaign.input = hashed_input(file, text);
@@ -308,9 +374,11 @@ Campaign read_campaign(const fs::path& file) {
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
   top.finish();
   check_sds(campaign, top);
+  note_gravity(campaign);
   if (campaign.runs.empty())
     throw InvalidInput(
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
+  require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
 }

@@ -41,6 +41,15 @@ void MetaFile::write_beside(const fs::path& result) const {
   write_file(result.string() + ".meta.json", text_of(json()));
 }
 
+void require_known_schema(const Json& meta, const std::filesystem::path& file) {
+  const auto schema = meta.find("schema");
+  if (schema == meta.end() || !schema->is_number_integer() || *schema <= kSchemaVersion) return;
+  throw InvalidInput(
+      fmt::format("{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: update it, or "
+                  "run the campaign again",
+                  file.string(), schema->dump(), kSchemaVersion));
+}
+
 void write_result(const fs::path& path, std::string_view text, const MetaFile& meta) {
   if (is_standard_output(path)) return print_text(text);
   write_file(path, text);

@@ -32,6 +32,9 @@ struct MetaFile {
   void write_beside(const std::filesystem::path& result) const;
 };
 
+/// Throws InvalidInput where a meta file was written by a newer version than this.
+void require_known_schema(const Json& meta, const std::filesystem::path& file);
+
 /// A result and its meta file; where `path` is the standard output, the result alone goes there.
 void write_result(const std::filesystem::path& path, std::string_view text, const MetaFile& meta);
 

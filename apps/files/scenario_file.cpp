@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 
+#include "apps/files/kinds/toml_kind.h"
 #include "apps/program/errors.h"
 #include "apps/text/json_place.h"
 
@@ -64,6 +67,25 @@ void read_sds(StrictTable& table, PlatformSection& platform) {
   platform.tilt_y_sd = read_sd(table, "tilt_y_rad");
 }
 
+/// A platform tilted by more is no platform.
+constexpr double kSteepest = std::numbers::pi / 4;
+
+double read_tilt(StrictTable& table, const char* key) {
+  const double tilt = table.angle(key).value_or(0);
+  if (std::abs(tilt) > kSteepest)
+    table.fail(key, fmt::format("must lie within pi/4, not {}: degrees? write \"{}deg\"", tilt, tilt));
+  return tilt;
+}
+
+/// Gravity as it is on earth, by a factor.
+void refuse_other_units(const StrictTable& table, double gravity) {
+  for (const auto& [factor, unit] :
+       {std::pair{1e3, "mm/s^2"}, std::pair{1e2, "cm/s^2"}, std::pair{1e-3, "km/s^2"}})
+    if (std::abs(gravity / factor - 9.81) < 0.2)
+      table.fail("gravity_m_s2",
+                 fmt::format("must be in m/s^2, about 9.81: {} is that in {}", gravity, unit));
+}
+
 }  // namespace
 
 PlatformSection read_platform(StrictTable& table, WithSd with_sd) {
@@ -78,14 +100,19 @@ PlatformSection read_platform(StrictTable& table, WithSd with_sd) {
   platform.angular_frequency = table.positive("angular_frequency_rad_s");
   platform.phase_shift = table.angle("phase_shift_rad");
   platform.gravity = table.positive("gravity_m_s2").value_or(9.81);
-  platform.tilt_x = table.angle("tilt_x_rad").value_or(0);
-  platform.tilt_y = table.angle("tilt_y_rad").value_or(0);
+  refuse_other_units(table, platform.gravity);
+  platform.tilt_x = read_tilt(table, "tilt_x_rad");
+  platform.tilt_y = read_tilt(table, "tilt_y_rad");
   if (with_sd == WithSd::yes) read_sds(table, platform);
   table.finish();
   return platform;
 }
 
 void ScenarioFile::settle() {
+  for (const auto& [name, tilt] :
+       {std::pair{"tilt_x_rad", scenario.drive.tilt_x}, std::pair{"tilt_y_rad", scenario.drive.tilt_y}})
+    if (std::abs(tilt) > kSteepest)
+      throw InvalidInput(fmt::format("{} = {} is out of range: it must lie within pi/4", name, tilt));
   if (!mu1_over_mu2) return;
   if (!(*mu1_over_mu2 > 0))
     throw InvalidInput(fmt::format("mu1_over_mu2 must be greater than 0, not {}", *mu1_over_mu2));
@@ -94,6 +121,7 @@ void ScenarioFile::settle() {
 
 ScenarioFile read_scenario_file(const std::filesystem::path& path) {
   StrictTable top = StrictTable::read(path);
+  require_kind(top, TomlKind::scenario, path.string());
   ScenarioFile file = read_scenario_tables(top);
   top.finish();
   return file;

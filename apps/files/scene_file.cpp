@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/files/kinds/toml_kind.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -133,6 +134,7 @@ SceneShot shot_of(StrictTable table, const SceneShot& base) {
 
 std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
   StrictTable top = StrictTable::read(file);
+  require_kind(top, TomlKind::scene, file.string());
   SceneShot base;
   base.motion = read_scenario_tables(top);
   base.scene.seed = static_cast<std::uint64_t>(top.integer("seed").value_or(1));

@@ -15,6 +15,11 @@ namespace tribotrack::apps {
 
 namespace {
 
+constexpr const char* kLayouts =
+    "Rigol's DS1000Z (X,CH1,Start,Increment), DS1102E (Time,X(CH1)) and MSO5000 layouts are read, and of any "
+    "other "
+    "oscilloscope a plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
+
 using Cells = std::vector<std::string_view>;
 
 /// "CH2(V)" -> "CH2", "X(CH1)" -> "CH1".
@@ -80,15 +85,14 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
   ScopeFile file;
   file.input = hashed_input(path, text);
   CsvTable table(path, std::move(text));
-  if (!table.next()) table.fail("the file is empty");
+  if (!table.next()) table.fail("the file is empty; export the trace again");
   const Cells header(table.cells().begin(), table.cells().begin() + static_cast<long>(table.filled()));
   for (const std::string_view cell : header)
     if (const std::string name = channel_name(cell); !name.empty()) file.names.push_back(name);
   file.channels.resize(file.names.size());
   if (file.names.empty())
-    table.fail(
-        "is not a known oscilloscope layout: its first line names no channel (CH1, ...); Rigol's DS1000Z, "
-        "DS1102E and MSO5000 layouts are read");
+    table.fail(fmt::format(
+        "is not a known oscilloscope layout: its first line names no channel (CH1, ...); {}", kLayouts));
   const auto start = stated(table, header, "t0");
   const auto increment = stated(table, header, "tInc");
   if (start && increment) {
@@ -105,9 +109,7 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
     file.layout = "Rigol MSO5000";
     read_with_times(table, file);
   } else {
-    table.fail(
-        "is not a known oscilloscope layout: Rigol's DS1000Z (X,CH1,Start,Increment), DS1102E "
-        "(Time,X(CH1)) and MSO5000 (Time(s),CH1(V)) are read");
+    table.fail(fmt::format("is not a known oscilloscope layout; {}", kLayouts));
   }
   if (file.channels.front().size() < 100)
     table.fail(

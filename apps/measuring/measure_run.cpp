@@ -114,7 +114,7 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
   };
   if (!track.lamp.time.empty()) {
     if (m.phase_clock)
-      take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp", "camera");
+      take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp (gate_px)", "camera");
     else
       m.warnings.push_back(fmt::format(
           "{}: the lamp is seen, but the phase of the platform is unknown: phi and dtau are taken as "

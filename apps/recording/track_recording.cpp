@@ -120,6 +120,51 @@ void require_rows_in_time(const RecordingJob& job, const vision::SourceInfo& inf
         job.video.string()));
 }
 
+constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
+
+/// A rate given against what the camera itself says needs a reason.
+void require_rate_of_recording(const RecordingJob& job, const vision::SourceInfo& info) {
+  if (!job.frame_rate_hz || !job.frame_rate_reason.empty()) return;
+  for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
+    if (said.source.starts_with("cine") && said.rate_hz > 0 &&
+        std::abs(*job.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
+      throw InvalidInput(fmt::format(
+          "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
+          "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
+          job.video.string(), *job.frame_rate_hz, said.rate_hz, said.source));
+}
+
+/// A mark is found again in most frames, as the part is.
+void require_mark(const RecordingJob& job, const vision::Track& track) {
+  if (job.track.marker.kind != vision::MarkerChoice::Kind::circle) return;
+  const vision::Circle& mark = job.track.marker.circle;
+  const auto seen =
+      std::ranges::count_if(track.points, [](const auto& point) { return point.marker.has_value(); });
+  const auto frames = std::ssize(track.points);
+  if (2 * seen < frames)
+    throw InvalidInput(
+        fmt::format("{}: no mark can be followed at marker_px = [{:.4g}, {:.4g}, {:.4g}] (--marker): it was "
+                    "found in {} of {} "
+                    "frames; give the place of a mark in the first analysed frame, or leave it out",
+                    job.video.string(), mark.x, mark.y, mark.radius, seen, frames));
+}
+
+/// A part that passes over the lamp is what blinks there.
+void drop_covered_lamp(const RecordingJob& job, vision::TrackResult& result) {
+  if (!job.track.gate || !result.track.has_gate) return;
+  const vision::Circle& lamp = *job.track.gate;
+  const double reach = lamp.radius + result.summary.disc.radius;
+  const auto covered = std::ranges::count_if(result.track.points, [&](const vision::TrackPoint& point) {
+    return point.status == vision::TrackStatus::ok && std::hypot(point.x - lamp.x, point.y - lamp.y) < reach;
+  });
+  if (covered == 0) return;
+  result.track.has_gate = false;
+  result.summary.warnings.push_back(fmt::format(
+      "the part covers the lamp at gate_px = [{:.4g}, {:.4g}, {:.4g}] in {} of {} frames: the lamp is not "
+      "read, phi and dtau are taken as commanded; correct gate_px",
+      lamp.x, lamp.y, lamp.radius, covered, result.track.points.size()));
+}
+
 }  // namespace
 
 std::filesystem::path question_picture(const std::filesystem::path& beside,
@@ -157,6 +202,7 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
       job.track.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_rate_of_recording(job, info);
   require_rows_in_time(job, info);
   if (job.rehearse) vision::require_rehearsable(info);
   try {
@@ -164,6 +210,8 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
   } catch (const vision::AmbiguousTarget& question) {
     ask(*recording.source, question, question_picture(beside, job.video));
   }
+  require_mark(job, recording.result.track);
+  drop_covered_lamp(job, recording.result);
   if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"hashing the inputs", prepared.hashing_s});

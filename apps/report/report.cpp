@@ -9,8 +9,9 @@ std::string report_page(const ReportInput& input) {
   return page_of(data_from_results(input));
 }
 
-std::string report_page_of(const RunFolder& folder) {
-  return page_of(data_from_files(folder));
+ReportOfFolder report_of(const RunFolder& folder) {
+  const ReportData data = data_from_files(folder);
+  return {page_of(data), data.missing};
 }
 
 }  // namespace tribotrack::apps

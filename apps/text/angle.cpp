@@ -1,5 +1,7 @@
 #include "apps/text/angle.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -27,6 +29,10 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::optional<double> parse_angle(std::string_view text) {
   const std::string compact = without_spaces(text);
+  if (compact.ends_with("deg")) {
+    const auto degrees = parse_number(std::string_view(compact).substr(0, compact.size() - 3));
+    return degrees ? std::optional(*degrees * std::numbers::pi / 180) : std::nullopt;
+  }
   const auto pi_at = compact.find("pi");
   if (pi_at == std::string::npos) return parse_number(compact);
 
@@ -49,6 +55,12 @@ std::optional<double> parse_angle(std::string_view text) {
   const auto number = parse_number(std::string_view(divisor).substr(1));
   if (!number || *number == 0) return std::nullopt;
   return value / *number;
+}
+
+std::string angle_slip(double radians) {
+  if (std::abs(radians) <= 4 * std::numbers::pi) return "";
+  return fmt::format("must lie within two turns (4 pi rad), not {}: degrees? write \"{}deg\"", radians,
+                     radians);
 }
 
 }  // namespace tribotrack::apps

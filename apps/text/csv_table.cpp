@@ -60,6 +60,7 @@ double CsvTable::number(std::string_view cell) const {
 }
 
 void CsvTable::fail(const std::string& what) const {
+  if (line_ == 0) throw InvalidInput(fmt::format("{}: {}", path_.string(), what));
   throw InvalidInput(fmt::format("{}:{}: {}", path_.string(), line_, what));
 }
 

@@ -12,6 +12,7 @@
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 #include "apps/text/key_depth.h"
+#include "apps/text/toml/slips.h"
 
 namespace tribotrack::apps {
 
@@ -51,8 +52,9 @@ std::string read_text(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file))
     throw InvalidInput(fmt::format("{}: there is no such file; check its name", file.string()));
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file))
-    throw InvalidInput(fmt::format("{}: cannot be read; give a text file", file.string()));
+  if (std::filesystem::is_directory(file))
+    throw InvalidInput(fmt::format("{}: is a folder; name a file in it", file.string()));
+  if (!stream) throw InvalidInput(fmt::format("{}: cannot be read; give a text file", file.string()));
   std::ostringstream content;
   content << stream.rdbuf();
   return content.str();
@@ -63,6 +65,8 @@ StrictTable StrictTable::read(const std::filesystem::path& file) {
 }
 
 StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
+  if (const std::string encoding = encoding_slip(text); !encoding.empty())
+    throw InvalidInput(name + encoding);
   require_shallow_keys(text, name);
   try {
     auto node = std::make_shared<Node>();
@@ -71,8 +75,9 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
     node->file = name;
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
-    throw InvalidInput(fmt::format("{}:{}:{}: {}", name, error.source().begin.line,
-                                   error.source().begin.column, error.description()));
+    const toml::source_position at = error.source().begin;
+    throw InvalidInput(fmt::format("{}:{}:{}: {}", name, at.line, at.column,
+                                   toml_slip(text, at.line, at.column, error.description())));
   }
 }
 
@@ -118,15 +123,17 @@ std::optional<double> StrictTable::angle(std::string_view key) {
   if (const auto text = node->value_exact<std::string>()) {
     const auto value = parse_angle(*text);
     if (!value)
-      fail(key,
-           fmt::format(
-               "must be an angle in radians, a number or a text such as \"11pi/9\" or \"-pi/2\", not \"{}\"",
-               *text));
+      fail(key, fmt::format("must be an angle in radians, a number or a text such as \"11pi/9\", \"-pi/2\" "
+                            "or \"90deg\", not "
+                            "\"{}\"",
+                            *text));
+    if (const std::string slip = angle_slip(*value); !slip.empty()) fail(key, slip);
     return value;
   }
   const auto value = number_in(*node);
   if (!value) fail(key, fmt::format("must be an angle in radians, not {}", kind_of(*node)));
   if (!std::isfinite(*value)) fail(key, "must be a finite angle");
+  if (const std::string slip = angle_slip(*value); !slip.empty()) fail(key, slip);
   return value;
 }
 
@@ -240,6 +247,11 @@ bool StrictTable::has(std::string_view key) const {
 bool StrictTable::is_table(std::string_view key) const {
   const toml::node* node = node_->table->get(key);
   return node != nullptr && node->is_table();
+}
+
+bool StrictTable::is_list(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  return node != nullptr && node->is_array();
 }
 
 std::vector<std::string> StrictTable::keys() const {

@@ -24,7 +24,7 @@ class StrictTable {
   std::optional<double> number(std::string_view key);
   std::optional<double> positive(std::string_view key);      ///< > 0
   std::optional<double> not_negative(std::string_view key);  ///< >= 0
-  std::optional<double> angle(std::string_view key);         ///< rad: a number or "11pi/9"
+  std::optional<double> angle(std::string_view key);         ///< rad: a number, "11pi/9" or "90deg"
   std::optional<std::int64_t> integer(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> text(std::string_view key);
@@ -39,6 +39,7 @@ class StrictTable {
 
   bool has(std::string_view key) const;
   bool is_table(std::string_view key) const;
+  bool is_list(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// An error at a key (or at the table itself when the key is not there).
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;

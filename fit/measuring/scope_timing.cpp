@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "fit/tools/angles.h"
+#include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 
@@ -12,6 +13,7 @@ namespace tribotrack::fit {
 namespace {
 
 using internal::into_circle;
+using internal::number;
 using internal::turn;
 
 /// Low and high level of a two-level signal: the quantiles are its plateaus, whatever its duty.
@@ -73,6 +75,39 @@ std::vector<double> envelope_of(const std::vector<double>& v, double period_samp
   return envelope;
 }
 
+/// Share of a signal's alternating power that lies at the carrier, over stretches of four carrier periods:
+/// bursts need not be of one phase.
+double carrier_share(const std::vector<double>& v, double period_samples) {
+  const auto stretch = static_cast<std::size_t>(std::lround(4 * period_samples));
+  const double per_sample = turn / period_samples, n = static_cast<double>(stretch);
+  double at_carrier = 0, all = 0;
+  for (std::size_t begin = 0; begin + stretch <= v.size(); begin += stretch) {
+    double mean = 0, squares = 0, in_phase = 0, across = 0;
+    for (std::size_t i = begin; i < begin + stretch; ++i) mean += v[i] / n;
+    for (std::size_t i = begin; i < begin + stretch; ++i) {
+      const double off = v[i] - mean, phase = per_sample * static_cast<double>(i - begin);
+      squares += off * off;
+      in_phase += off * std::cos(phase);
+      across += off * std::sin(phase);
+    }
+    at_carrier += 2 / n * (in_phase * in_phase + across * across);
+    all += squares;
+  }
+  return all > 0 ? at_carrier / all : 0;
+}
+
+/// The carrier must be on the actuator's channel and not on the sensor's.
+void require_carrier(const ScopeTrace& trace, const ScopeOptions& options, double period_samples) {
+  constexpr double kCarries = 0.5, kCarriesNone = 0.2;
+  const double actuator = carrier_share(trace.actuator, period_samples);
+  if (actuator > kCarriesNone) return;
+  if (carrier_share(trace.sensor, period_samples) > kCarries)
+    throw DataError(
+        "the carrier is on the sensor's channel and not on the actuator's: the channels are swapped");
+  throw DataError("the actuator's channel holds no carrier of carrier_hz = " + number(options.carrier_hz, 6) +
+                  " Hz: correct that, or name the right channel");
+}
+
 struct MeanPhase {
   double value = 0, scatter = 0;
   std::size_t count = 0;
@@ -122,6 +157,7 @@ ScopeEvents find_scope_events(const ScopeTrace& trace, const ScopeOptions& optio
       throw DataError(
           "the actuator's channel has fewer than four samples to a carrier period: record at a "
           "higher sample rate, or correct carrier_hz");
+    require_carrier(trace, options, period);
     const std::vector<double> envelope = envelope_of(trace.actuator, period);
     const Swing swing = swing_of(envelope, 0.02);
     const double height = swing.high - swing.low;
@@ -170,6 +206,7 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
 }
 
 GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clock, double tie_sd) {
+  constexpr double kSteady = 0.1;  // rad: a gate that is triggered by the platform jitters by far less
   if (events.openings.empty() || events.closings.empty()) return {std::nullopt, "the trace shows no burst"};
   if (!(clock.angular_frequency > 0)) return {std::nullopt, "the platform's frequency is not known"};
   const MeanPhase opening = mean_phase(events.openings, clock), closing = mean_phase(events.closings, clock);
@@ -180,6 +217,9 @@ GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clo
                  std::sqrt(opening.variance() + closing.variance())};
   timing.covariance = -opening.variance();
   timing.jitter = std::max(opening.scatter, closing.scatter);
+  if (timing.jitter > kSteady)
+    return {std::nullopt, "the bursts' edges scatter by " + number(timing.jitter, 2) +
+                              " rad from turn to turn: they do not follow this platform"};
   timing.cycles = static_cast<int>(events.openings.size());
   timing.source = "scope";
   return {timing, ""};

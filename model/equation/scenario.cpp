@@ -61,7 +61,7 @@ auto& reference(Scenario_& s, Parameter parameter) {
 
 [[noreturn]] void refuse(const char* name, double value, const char* range) {
   char number[40];
-  std::snprintf(number, sizeof number, "%.17g", value);
+  std::snprintf(number, sizeof number, "%.10g", value);
   throw InvalidParameter(std::string(name) + " = " + number + " is out of range: it must be " + range);
 }
 

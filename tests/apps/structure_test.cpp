@@ -87,8 +87,10 @@ const std::map<std::string, Rooms> kMayUse = {
       "fit/minimum", "fit/residuals", "fit/tools"}},
 
     {"apps/program", {}},
-    {"apps/text", {"apps/program"}},
-    {"apps/files", {"apps/text", "apps/program"}},
+    {"apps/text/toml", {}},
+    {"apps/text", {"apps/text/toml", "apps/program"}},
+    {"apps/files/kinds", {"apps/text", "apps/program"}},
+    {"apps/files", {"apps/files/kinds", "apps/text", "apps/program"}},
     {"apps/recording", {"apps/files", "apps/text", "apps/program"}},
     {"apps/measuring", {"apps/files", "apps/text", "apps/program"}},
     {"apps/campaign", {"apps/measuring", "apps/files", "apps/text", "apps/program"}},

@@ -58,9 +58,11 @@ void check_whole(const Picture& first, const Circle& c, const FrameSource& sourc
 
 void leave_out_lamp(std::vector<DiscFit>& found, const TrackOptions& options) {
   if (!options.gate) return;
+  constexpr double kMuchLarger = 3;  // than the lamp: a disc that somebody took for one
   std::erase_if(found, [&](const DiscFit& f) {
-    return std::hypot(f.circle.x - options.gate->x, f.circle.y - options.gate->y) <
-           std::max(options.gate->radius, f.circle.radius);
+    return f.circle.radius < kMuchLarger * options.gate->radius &&
+           std::hypot(f.circle.x - options.gate->x, f.circle.y - options.gate->y) <
+               std::max(options.gate->radius, f.circle.radius);
   });
 }
 

@@ -215,6 +215,7 @@ struct ReportSource {
 struct ReportData {
   std::string title = "tribotrack report";
   std::vector<std::string> warnings;
+  std::vector<std::string> missing;  ///< of the warnings, those about files that are gone from the folder
 
   bool converged = false;
   bool fitted = true;  ///< false: there is no fit (yet); the page shows the measurements alone

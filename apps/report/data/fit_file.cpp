@@ -18,7 +18,7 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
     const JsonPlace p = parameters.at(item.key());
     data.parameters.push_back({.name = item.key(),
                                .estimate = p.at("estimate").number(),
-                               .sd = p.at("sd").number_or_null(),
+                               .sd = sd_of(p.at("sd")),
                                .ci95 = interval_of(p.at("ci95")),
                                .pieces = pieces_of(p),
                                .covariance_ci95 = interval_at(p, "covariance_ci95"),

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/campaign/shared_scale.h"
@@ -54,11 +56,31 @@ void read_measurement(const JsonPlace& m, ReportRun& run) {
   }
 }
 
-/// Track and measurement of a run with a video; a warning where the track is no longer there.
+/// PNG or JPEG, as `run` writes them.
+bool is_picture(const std::vector<unsigned char>& bytes) {
+  constexpr std::array<unsigned char, 4> kPng = {0x89, 'P', 'N', 'G'};
+  constexpr std::array<unsigned char, 2> kJpeg = {0xff, 0xd8};
+  const auto begins_with = [&](const auto& signature) {
+    return bytes.size() > signature.size() && std::equal(signature.begin(), signature.end(), bytes.begin());
+  };
+  return begins_with(kPng) || begins_with(kJpeg);
+}
+
+/// What the page would show and is not there, by its name in the folder.
+void note_missing(const RunFolder& folder, const std::string& run, const fs::path& file,
+                  const char* consequence, ReportData& data) {
+  data.missing.push_back(fmt::format("run {}: {} is missing: {}", run,
+                                     file.lexically_relative(folder.root).string(), consequence));
+}
+
+/// Track and measurement of a run with a video; a note where they are no longer there.
 void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
   const fs::path csv = folder.track(run.name), measurement = folder.measurement(run.name);
   Json measured = Json::object();
-  if (fs::exists(measurement)) measured = read_json(measurement);
+  if (fs::exists(measurement))
+    measured = read_json(measurement);
+  else
+    note_missing(folder, run.name, measurement, "what was measured in it is not shown", data);
   double used = no_value, used_sd = no_value;
   reading(measurement, [&] {
     const JsonPlace place{measured, ""};
@@ -67,13 +89,18 @@ void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
     used_sd = number_at(place, "mm_per_px_sd");
   });
   if (!fs::exists(csv)) {
-    data.warnings.push_back(fmt::format("{}: its track {} is missing: its path and platform are not shown",
-                                        run.name, csv.filename().string()));
+    note_missing(folder, run.name, csv, "its path and platform are not shown", data);
     return;
   }
   TrackFile track = read_track_file(csv);
   if (track.mm_per_px && std::isfinite(used) && used != *track.mm_per_px) rescale(track, {used, used_sd, ""});
   add_track(track, folder, run);
+  if (!run.first_frame.empty() && !is_picture(run.first_frame)) {
+    run.first_frame.clear();
+    data.missing.push_back(
+        fmt::format("run {}: {} is no picture: it is not shown", run.name,
+                    folder.first_frame(run.name).lexically_relative(folder.root).string()));
+  }
   if (run.kind != "free_slide") add_drawings(track, run.platform);
   add_recording(track, data);
 }
@@ -163,28 +190,40 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
   add_curves(scenarios, data);
 }
 
+[[noreturn]] void refuse_file(const fs::path& file) {
+  if (file.filename() == "fit.json")
+    throw InvalidInput(
+        fmt::format("{}: is no folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
+                    file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
+  throw InvalidInput(fmt::format(
+      "{}: is no folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
+}
+
 }  // namespace
 
 ReportData data_from_files(const RunFolder& folder) {
+  if (fs::exists(folder.root) && !fs::is_directory(folder.root)) refuse_file(folder.root);
   if (!fs::exists(folder.fit()))
     throw InvalidInput(
         fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
                     folder.root.string(), folder.root.string()));
   const fs::path meta_file = folder.fit().string() + ".meta.json";
+  if (!fs::exists(meta_file))
+    throw InvalidInput(
+        fmt::format("{}: is missing, and with it the campaign's configuration; run it again: `tribotrack run "
+                    "CAMPAIGN.toml -o {}`",
+                    meta_file.string(), folder.root.string()));
   const Json fit = read_json(folder.fit());
   const Json meta = read_json(meta_file);
   ReportData data;
   reading(folder.fit(), [&] { read_fit(fit, data); });
   reading(meta_file, [&] {
-    const int schema = JsonPlace{meta, ""}.at("schema").integer();
-    if (schema > kSchemaVersion)
-      throw InvalidInput(
-          fmt::format("{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: "
-                      "update it, or run the campaign again",
-                      meta_file.string(), schema, kSchemaVersion));
+    JsonPlace{meta, ""}.at("schema").integer();
+    require_known_schema(meta, meta_file);
     add_provenance(meta, data);
   });
   read_runs(folder, fit, meta, data);
+  data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
   return data;
 }
 

@@ -33,6 +33,9 @@ inline std::vector<double> numbers_at(const JsonPlace& place, const std::string&
   return values;
 }
 
+/// A standard deviation: not below 0, NaN for null.
+double sd_of(const JsonPlace& place);
+
 /// [low, high]; null is an open end.
 ReportInterval interval_of(const JsonPlace& place);
 

@@ -150,7 +150,7 @@ TEST_F(ReportOfARun, TheGateDrawnIsTheGateMeasured) {
 TEST_F(ReportOfARun, AMissingTrackIsAWarningOnThePage) {
   std::filesystem::remove(folder().track("b"));
   EXPECT_THAT(data_from_files(folder()).warnings,
-              testing::Contains(HasSubstr("b: its track b.csv is missing")));
+              testing::Contains(HasSubstr("run b: tracks/b.csv is missing")));
 }
 
 /// Runs measured elsewhere: a folder without recordings.

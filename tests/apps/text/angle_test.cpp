@@ -21,6 +21,21 @@ TEST(Angle, ReadsNumbersAndFractionsOfPi) {
   EXPECT_EQ(parse_angle("+pi"), pi);
 }
 
+TEST(Angle, ReadsDegreesThatAreMarkedAsSuch) {
+  EXPECT_EQ(parse_angle("90deg"), pi / 2);
+  EXPECT_EQ(parse_angle("-45 deg"), -pi / 4);
+  EXPECT_EQ(parse_angle("22.5deg"), pi / 8);
+  for (const char* text : {"deg", "pi deg", "90degrees", "90 DEG", "90de"})
+    EXPECT_FALSE(parse_angle(text)) << text;
+}
+
+TEST(Angle, MoreThanTwoTurnsAreDegrees) {
+  EXPECT_EQ(angle_slip(4 * pi), "");
+  EXPECT_EQ(angle_slip(-4 * pi), "");
+  EXPECT_EQ(angle_slip(90), "must lie within two turns (4 pi rad), not 90: degrees? write \"90deg\"");
+  EXPECT_NE(angle_slip(-12.6), "");
+}
+
 TEST(Angle, RefusesEverythingElse) {
   for (const char* text : {"", "abc", "pi/", "pi/0", "pi2", "*pi", "pi/2/3", "nan", "inf", "-inf", "nanpi",
                            "1e400", "0x10", "1,5", "pi pi"})

@@ -148,12 +148,14 @@ rate=(--fps 250)
 trace() {
   awk -v phi="$2" -v dtau="$3" -v w="${4:-62.8}" 'BEGIN {
     turn = 8 * atan2(1, 1)
-    print "Time(s),CH1(V),CH2(V)" for (i = 0; i < 25000; ++i) {
-  t = i / 50000 since = w *t - phi + turn since -= turn * int(since / turn) printf "%.5f,%.3f,%.3f\n", t,
-  (w * t / turn) % 1 < 0.05 ? 5 : 0, since < dtau ? 9 * sin(turn * 5890 * t) : 0
-}
-}
-' >"$1"
+    print "Time(s),CH1(V),CH2(V)"
+    for (i = 0; i < 25000; ++i) {
+      t = i / 50000
+      since = w * t - phi + turn
+      since -= turn * int(since / turn)
+      printf "%.5f,%.3f,%.3f\n", t, (w * t / turn) % 1 < 0.05 ? 5 : 0, since < dtau ? 9 * sin(turn * 5890 * t) : 0
+    }
+  }' >"$1"
 }
 )sh";
 

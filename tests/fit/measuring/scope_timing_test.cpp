@@ -82,6 +82,38 @@ TEST(ScopeTiming, AMissedPulseCostsNoPhase) {
               4 * whole->angular_frequency.sd);
 }
 
+std::string complaint(const ScopeTrace& trace, const ScopeOptions& options = {}) {
+  try {
+    find_scope_events(trace, options);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(ScopeTiming, SwappedChannelsAndAnotherCarrierAreRecognised) {
+  for (const double noise : {0.0, 0.02, 0.5}) {
+    TraceTruth truth;
+    truth.noise = noise;
+    const ScopeTrace trace = trace_of(truth, 5);
+    EXPECT_EQ(complaint(trace), "none") << noise;
+    ScopeTrace swapped = trace;
+    std::swap(swapped.sensor, swapped.actuator);
+    EXPECT_NE(complaint(swapped).find("swapped"), std::string::npos) << noise;
+    EXPECT_NE(complaint(trace, {.carrier_hz = 300}).find("carrier_hz = 300"), std::string::npos) << noise;
+    EXPECT_EQ(complaint(trace, {.carrier_hz = 5900}), "none") << noise;
+  }
+}
+
+TEST(ScopeTiming, BurstsThatDoNotFollowThePlatformGiveNoTiming) {
+  const ScopeEvents events = find_scope_events(trace_of({}, 6), {});
+  PhaseClock other = sensor_clock(events, {})->clock;
+  other.angular_frequency *= 1.1;
+  const GateMeasurement gate = gate_from_scope(events, other);
+  EXPECT_FALSE(gate.timing);
+  EXPECT_NE(gate.why_not.find("from turn to turn"), std::string::npos) << gate.why_not;
+}
+
 TEST(ScopeTiming, ChannelsThatShowNothingAreRefused) {
   ScopeTrace swapped = trace_of({}, 4);
   std::swap(swapped.sensor, swapped.actuator);
