@@ -10,11 +10,11 @@
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/problem.h"
-#include "apps/campaign/runs_progress.h"
 #include "apps/campaign/suspects.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
+#include "apps/program/runs_progress.h"
 #include "apps/program/streams.h"
 
 namespace tribotrack::apps {

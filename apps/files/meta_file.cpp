@@ -26,17 +26,6 @@ Json MetaFile::json() const {
   return meta;
 }
 
-void require_known_schema(const Json& json, const fs::path& path) {
-  const Json schema = json.value("schema", Json());
-  if (schema.is_number_integer() && schema.get<std::int64_t>() >= 1 &&
-      schema.get<std::int64_t>() <= kSchemaVersion)
-    return;
-  throw InvalidInput(
-      fmt::format("{}: is of schema {}, and this version of tribotrack ({}) knows schema 1 to {}; use the "
-                  "version that wrote it",
-                  path.string(), schema.dump(), TRIBOTRACK_VERSION, kSchemaVersion));
-}
-
 void MetaFile::write_beside(const fs::path& result) const {
   write_file(result.string() + ".meta.json", text_of(json()));
 }

@@ -18,9 +18,6 @@ namespace tribotrack::apps {
 /// Of the result files; stands in their meta files.
 inline constexpr int kSchemaVersion = 1;
 
-/// Throws InvalidInput where a file of this program is of a schema that this version does not know.
-void require_known_schema(const Json& json, const std::filesystem::path& path);
-
 /// X.meta.json for result X: program and schema version, inputs with their hashes, effective configuration,
 /// and whatever a command adds (time base, plan). Nothing volatile: same inputs, same bytes.
 struct MetaFile {

@@ -87,7 +87,7 @@ const std::map<std::string, Rooms> kMayUse = {
       "fit/minimum", "fit/residuals", "fit/tools"}},
 
     {"apps/program", {}},
-    {"apps/text/toml", {}},
+    {"apps/text/toml", {"apps/program"}},
     {"apps/text", {"apps/text/toml", "apps/program"}},
     {"apps/files/kinds", {"apps/text", "apps/program"}},
     {"apps/files", {"apps/files/kinds", "apps/text", "apps/program"}},

@@ -1,5 +1,5 @@
 // Several recordings at once, of different length, some of them done long ago.
-#include "apps/campaign/runs_progress.h"
+#include "apps/program/runs_progress.h"
 
 #include <gmock/gmock.h>
 

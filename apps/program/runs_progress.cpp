@@ -1,4 +1,4 @@
-#include "apps/campaign/runs_progress.h"
+#include "apps/program/runs_progress.h"
 
 #include <fmt/format.h>
 
