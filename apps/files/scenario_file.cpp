@@ -5,8 +5,8 @@
 #include <functional>
 #include <map>
 
+#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
-#include "apps/text/json_place.h"
 
 namespace tribotrack::apps {
 

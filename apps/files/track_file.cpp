@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
-#include "apps/text/json_place.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {

@@ -11,7 +11,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
-#include "apps/text/key_depth.h"
+#include "apps/text/toml/key_depth.h"
 
 namespace tribotrack::apps {
 

@@ -1,4 +1,4 @@
-#include "apps/text/key_depth.h"
+#include "apps/text/toml/key_depth.h"
 
 #include <fmt/format.h>
 
