@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
-#include "apps/text/json_place.h"
 
 namespace tribotrack::apps {
 

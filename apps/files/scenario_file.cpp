@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "apps/files/kinds/toml_kind.h"
+#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
-#include "apps/text/json_place.h"
 
 namespace tribotrack::apps {
 

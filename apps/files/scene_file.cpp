@@ -75,7 +75,10 @@ void read_disc(StrictTable& table, SceneShot& shot) {
   take(shot.spin_rad_s, table.number("spin_rad_s"));
   take(disc.level, table.number("level"));
   take(disc.edge_blur_px, table.positive("edge_blur_px"));
-  take(disc.scratches, table.not_negative("scratches"));
+  const auto scratches = table.not_negative("scratches");
+  if (scratches.value_or(0) > 10000)
+    table.fail("scratches", fmt::format("must be between 0 and 10000, not {}", *scratches));
+  take(disc.scratches, scratches);
   take(disc.scratch_contrast, table.number("scratch_contrast"));
   take(disc.highlight, table.number("highlight"));
   disc.visible = table.boolean("visible").value_or(true);

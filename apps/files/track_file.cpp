@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "apps/files/meta_file.h"
+#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
-#include "apps/text/json_place.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {

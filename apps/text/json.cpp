@@ -27,6 +27,11 @@ class JsonText {
     throw InvalidInput(fmt::format("{}:{}:{}: is no JSON: {}; {}", name_, line, column, what, kRemedy));
   }
 
+  bool is_utf_16() const {
+    return text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF") ||
+           text_.substr(0, 4).find('\0') != std::string_view::npos;
+  }
+
   /// Values that nest too deeply would fill the stack where they are copied; each name of an object is
   /// compared with all others.
   void require_flat() const {
@@ -51,9 +56,7 @@ class JsonText {
   /// `read`: characters taken up to and with the one that does not belong.
   [[noreturn]] void fail_after(std::size_t read) const {
     if (text_.find_first_not_of(" \t\r\n") == std::string_view::npos) fail(0, "it is empty");
-    if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF") ||
-        text_.substr(0, 4).find('\0') != std::string_view::npos)
-      fail(0, "it is UTF-16 or binary, not UTF-8");
+    if (is_utf_16()) fail(0, "it is UTF-16 or binary, not UTF-8");
     if (read > text_.size()) fail(text_.size(), "it ends in the middle");
     const std::size_t last = read > 0 ? read - 1 : 0;
     std::size_t begin = last;
@@ -67,11 +70,17 @@ class JsonText {
       fail(begin, fmt::format("`{}` does not belong here", word));
     }
     const auto byte = static_cast<unsigned char>(text_[last]);
-    if (byte >= 0x80) fail(last, "a character here is not UTF-8");
     if (byte < 0x20 || byte == 0x7F) fail(last, "a text is broken by a line end or a control character");
     if (byte == '\'') fail(last, "texts stand between \", not between '");
     if (byte == '/' || byte == '#') fail(last, "it knows no comments");
     fail(last, fmt::format("`{}` does not belong here", text_[last]));
+  }
+
+  /// `read`: as above; the parser notices a broken character at its end.
+  [[noreturn]] void fail_character_before(std::size_t read) const {
+    std::size_t at = std::min(read, text_.size());
+    while (at > 0 && static_cast<unsigned char>(text_[at - 1]) < 0x80) --at;
+    fail(at > 0 ? at - 1 : 0, "a character here is not UTF-8; save it as UTF-8");
   }
 
   std::size_t place_of(std::string_view word) const { return std::min(text_.find(word), text_.size()); }
@@ -104,6 +113,9 @@ Json parse_json(std::string_view text, const std::string& name) {
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
+    if (std::string_view(error.what()).find("ill-formed UTF-8") != std::string_view::npos &&
+        !source.is_utf_16())
+      source.fail_character_before(error.byte);
     source.fail_after(error.byte);
   } catch (const Json::out_of_range& error) {
     const std::string number = overflowing_number(error.what());

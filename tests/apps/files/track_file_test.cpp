@@ -128,6 +128,9 @@ TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,okay,1,2,0.1,0.1\n"),
               HasSubstr("t.csv:2:21: `okay` is no status"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,,,0,1,ok,1,2,,0.1\n"), HasSubstr("sigma_x_mm"));
+  for (const char* frame : {"1e300", "0.5", "-1e17"})
+    EXPECT_THAT(complaint(kHeader + frame + row.substr(1)),
+                HasSubstr("t.csv:2:1: `" + std::string(frame) + "` is no frame's number"));
   EXPECT_EQ(complaint(kHeader + row), "no complaint");
 }
 
@@ -179,8 +182,11 @@ TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
 
 TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
   const std::string csv = kHeader + "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
-  for (const char* meta : {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}",
-                           "{\"summary\": {\"gate_passed\": 3}}", "{\"recording\": {\"exposure_s\": [1]}}"})
+  for (const char* meta :
+       {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
+        "{\"plan\": 3}", "{\"summary\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
+        "{\"slow_errors\": [1]}", "{\"audit\": {\"by_frame_type\": {\"I\": \"x\"}}}",
+        "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
 }

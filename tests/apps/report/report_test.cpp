@@ -218,6 +218,12 @@ TEST_F(DamagedReport, WrongContentIsRefusedWithFileAndKey) {
                        {"out/fit.json", "`runs[0].observables[0].measured`"});
   expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"] = 5; },
                        {"out/fit.json", "`runs[0].scenario`"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"]["cycles"] = 1e15; },
+                       {"out/fit.json", "`runs[0].scenario`", "`cycles` must be 1000000 or less"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["scenario"]["mu1"] = -1; },
+                       {"out/fit.json", "`runs[0].scenario`", "can be computed"});
+  expect_refused_after(fit, [](Json& f) { f["runs"][0]["name"] = "../../secret"; },
+                       {"out/fit.json", "`runs[0].name`"});
   expect_refused_after(meta, [](Json& m) { m["schema"] = 99; },
                        {"out/fit.json.meta.json", "`schema` is 99", "reads up to 1"});
   expect_refused_after(meta, [](Json& m) { m["configuration"]["runs"].erase(1); },

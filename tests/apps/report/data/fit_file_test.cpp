@@ -213,6 +213,17 @@ TEST(ReportFit, AFileWithoutItsKeysIsRefusedByName) {
   EXPECT_EQ(
       refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
       "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
+  EXPECT_EQ(refusal([](Json& fit) { fit["dof"] = std::uint64_t{1} << 40; }),
+            "`dof` must be a whole number below 2147483648, not 1099511627776");
+  EXPECT_EQ(refusal([](Json& fit) {
+              fit["bootstrap"] = {{"refits", "many"}};
+            }),
+            "`bootstrap.refits` must be a whole number, not \"many\"");
+  EXPECT_EQ(refusal([](Json& fit) { fit["budget"] = 5; }), "`budget` must be a list, not 5");
+  EXPECT_EQ(refusal([](Json& fit) {
+              fit["outliers"] = {{{"deviation", "large"}}};
+            }),
+            "`outliers[0].deviation` must be a number, not \"large\"");
   EXPECT_EQ(refusal([](Json& fit) { fit["agreement"] = "fine"; }),
             "`agreement` must be \"good\", \"only with scatter\", \"poor\", \"too good\" or \"unknown\", not "
             "\"fine\"");

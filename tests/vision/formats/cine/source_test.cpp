@@ -305,5 +305,28 @@ TEST_F(RealCineTest, AColourMosaicIsExplained) {
   }
 }
 
+TEST_F(CineSourceTest, ImagesMayLieInAnyOrder) {
+  CineByHand cine;
+  FileBytes bytes = cine.bytes();
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 8; ++i)
+      bytes[cine.table + 8 * k + i] = static_cast<std::uint8_t>(cine.positions[2 - k] >> (8 * i));
+  write_bytes(file("a.cine"), bytes);
+  const auto source = open_source(file("a.cine"));
+  EXPECT_EQ(source->read(0).at(0, 3), 100);
+  EXPECT_EQ(source->read(2).at(0, 3), 0);
+}
+
+TEST_F(CineSourceTest, AnAnnotationEndsBeforeTheNextImage) {
+  CineByHand cine;
+  FileBytes bytes = cine.bytes();
+  bytes[cine.positions[1]] = 9;  // one byte more than the image before it leaves
+  write_bytes(file("a.cine"), bytes);
+  const auto source = open_source(file("a.cine"));
+  source->read(0);
+  EXPECT_THAT(input_error(file("a.cine")),
+              AllOf(HasSubstr("annotation of image -84 claims 9 bytes"), HasSubstr("8 to 8")));
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

@@ -69,5 +69,19 @@ TEST_F(TiffPagesTest, NoTiff) {
   EXPECT_THAT(refusal(), HasSubstr("not a TIFF"));
 }
 
+TEST_F(TiffPagesTest, DirectoriesThatOverlapAreDamage) {
+  // Each page of 200 entries begins four bytes after the one before it.
+  FileBytes bytes = {'I', 'I', 42, 0, 8, 0, 0, 0};
+  bytes.resize(6000);
+  for (std::size_t page = 8; page < 1000; page += 4) {
+    bytes[page] = 200;
+    const std::size_t link = page + 2 + 200 * 12, next = page + 4;
+    bytes[link] = static_cast<std::uint8_t>(next);
+    bytes[link + 1] = static_cast<std::uint8_t>(next >> 8);
+  }
+  write_bytes(file("a.tif"), bytes);
+  EXPECT_THAT(refusal(), HasSubstr("shares bytes with others"));
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

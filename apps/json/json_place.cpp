@@ -1,4 +1,4 @@
-#include "apps/text/json_place.h"
+#include "apps/json/json_place.h"
 
 #include <fmt/format.h>
 
