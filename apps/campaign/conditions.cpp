@@ -138,6 +138,7 @@ void require_accepted(const CampaignRun& run, const TrackFile& track) {
 GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed) {
   const CampaignRun& run = *analysed.run;
   GivenConditions given;
+  given.lamp = campaign.camera.gate_px.has_value();
   given.angular_frequency =
       run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
   given.phase_shift = campaign.platform.phase_shift;

@@ -23,14 +23,15 @@ double way_of(const fit::TrackTable& track) {
 std::vector<std::string> no_slides(const fit::Problem& problem, const fit::FitResult& result) {
   constexpr double kShare = 0.1;
   std::vector<std::string> sentences;
-  for (const fit::SlideResult& slide : result.slides) {
-    const auto run = std::ranges::find(problem.trajectory_runs, slide.run, &fit::TrajectoryRun::name);
-    if (run == problem.trajectory_runs.end() || slide.scatter < kShare * way_of(run->track)) continue;
-    sentences.push_back(
-        fmt::format("run \"{}\" is given as kind = \"free_slide\", but its points lie {:.2g} mm off any "
-                    "slide: is it the recording "
-                    "of a driven run, or do `frames` hold more than the slide?",
-                    slide.run, 1e3 * slide.scatter));
+  for (const fit::RunResult& fitted : result.runs) {
+    const auto run = std::ranges::find(problem.trajectory_runs, fitted.name, &fit::TrajectoryRun::name);
+    if (run == problem.trajectory_runs.end() || !run->free_slide ||
+        fitted.rms_m < kShare * way_of(run->track))
+      continue;
+    sentences.push_back(fmt::format(
+        "run \"{}\" is given as kind = \"free_slide\", but its points lie {:.2g} mm off the slide: is it the "
+        "recording of a driven run, or do `frames` hold more than the slide?",
+        fitted.name, 1e3 * fitted.rms_m));
   }
   return sentences;
 }
@@ -48,34 +49,49 @@ double chi2_of(const fit::Problem& problem, int threads) {
   }
 }
 
+/// What two runs may have of each other.
+enum class Label { phi, dtau, both };
+
+/// False where that changes nothing, or nothing that another exchange does not.
+bool exchange(model::Friction& one, model::Friction& other, Label label) {
+  const bool phi = one.phase != other.phase, dtau = one.pulse_width != other.pulse_width;
+  if (!phi && !dtau) return false;
+  if (label != Label::both && !(phi && dtau)) return false;
+  if (label != Label::dtau) std::swap(one.phase, other.phase);
+  if (label != Label::phi) std::swap(one.pulse_width, other.pulse_width);
+  return true;
+}
+
+const char* names_of(Label label) {
+  return label == Label::phi ? "phi_rad" : label == Label::dtau ? "dtau_rad" : "phi_rad and dtau_rad";
+}
+
 std::vector<std::string> exchanged_labels(const fit::Problem& problem, double chi2, int threads) {
-  constexpr std::size_t kMostRuns = 16;
+  constexpr std::size_t kMostRuns = 8;
   constexpr double kMuchBetter = 100, kClear = 10;
   const std::size_t runs = problem.summary_runs.size();
   if (runs < 3 || runs > kMostRuns || !problem.trajectory_runs.empty()) return {};
   double best = std::numeric_limits<double>::infinity(), second = best;
-  std::pair<std::size_t, std::size_t> pair;
+  std::string sentence;
   for (std::size_t i = 0; i < runs; ++i)
-    for (std::size_t k = i + 1; k < runs; ++k) {
-      fit::Problem exchanged = problem;
-      model::Friction &one = exchanged.summary_runs[i].scenario.friction,
-                      &other = exchanged.summary_runs[k].scenario.friction;
-      if (one.phase == other.phase && one.pulse_width == other.pulse_width) continue;
-      std::swap(one.phase, other.phase);
-      std::swap(one.pulse_width, other.pulse_width);
-      const double found = chi2_of(exchanged, threads);
-      if (found < best) {
-        second = std::exchange(best, found);
-        pair = {i, k};
-      } else {
-        second = std::min(second, found);
+    for (std::size_t k = i + 1; k < runs; ++k)
+      for (const Label label : {Label::both, Label::phi, Label::dtau}) {
+        fit::Problem exchanged = problem;
+        if (!exchange(exchanged.summary_runs[i].scenario.friction,
+                      exchanged.summary_runs[k].scenario.friction, label))
+          continue;
+        const double found = chi2_of(exchanged, threads);
+        second = std::min(second, std::max(best, found));
+        if (!(found < best)) continue;
+        best = found;
+        sentence = fmt::format(
+            "runs \"{}\" and \"{}\" seem to bear each other's label: with their {} exchanged chi2 falls from "
+            "{:.3g} to "
+            "{:.3g}; check which recording is which",
+            problem.summary_runs[i].name, problem.summary_runs[k].name, names_of(label), chi2, best);
       }
-    }
   if (!(best * kMuchBetter < chi2 && best * kClear < second)) return {};
-  return {fmt::format(
-      "runs \"{}\" and \"{}\" seem to bear each other's label: with their phi_rad and dtau_rad exchanged "
-      "chi2 falls from {:.3g} to {:.3g}; check which recording is which",
-      problem.summary_runs[pair.first].name, problem.summary_runs[pair.second].name, chi2, best)};
+  return {sentence};
 }
 
 }  // namespace

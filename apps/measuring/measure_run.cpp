@@ -121,6 +121,11 @@ void measure_gate(const std::string& name, const TrackFile& track, const GivenCo
           "commanded; give a marker, or phase_at_zero_rad",
           name));
   }
+  if (given.lamp && track.lamp.time.empty())
+    m.warnings.push_back(fmt::format(
+        "{}: the lamp (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
+        "commanded; correct gate_px",
+        name));
   if (!given.scope) {
     if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
     return;

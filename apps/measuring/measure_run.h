@@ -30,6 +30,7 @@ struct ScopeEvidence {
 
 /// What is known beforehand of one run's conditions; what is empty is measured from the marker.
 struct GivenConditions {
+  bool lamp = false;                        ///< a lamp's place in the picture is given
   std::optional<double> angular_frequency;  ///< rad/s
   std::optional<double> phase_shift;        ///< rad
   std::optional<double> phase_at_zero;      ///< rad

@@ -159,6 +159,7 @@ void drop_covered_lamp(const RecordingJob& job, vision::TrackResult& result) {
   });
   if (covered == 0) return;
   result.track.has_gate = false;
+  for (vision::TrackPoint& point : result.track.points) point.gate.reset();
   result.summary.warnings.push_back(fmt::format(
       "the part covers the lamp at gate_px = [{:.4g}, {:.4g}, {:.4g}] in {} of {} frames: the lamp is not "
       "read, phi and dtau are taken as commanded; correct gate_px",
