@@ -14,6 +14,8 @@
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/text/output_file.h"
+#include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
 
@@ -61,6 +63,10 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
     const CampaignRun& run = campaign.runs[index];
     try {
       runs[index] = work(index);
+    } catch (const OutputError&) {
+      throw;  // a full disk is no fault of this run
+    } catch (const vision::OutputError&) {
+      throw;
     } catch (const std::exception& error) {
       runs[index] = {};
       runs[index].run = &run;

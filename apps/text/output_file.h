@@ -6,7 +6,15 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/program/errors.h"
+
 namespace tribotrack::apps {
+
+/// An output that cannot be written: what comes after it would fare no better. Exit 3.
+class OutputError : public InvalidInput {
+ public:
+  using InvalidInput::InvalidInput;
+};
 
 /// What a file is to hold. A name that ends like a recording's or a picture's is refused for a result: it is
 /// a slip, and may be somebody's only copy.
@@ -61,7 +69,8 @@ std::vector<std::filesystem::path> create_folder(const std::filesystem::path& pa
 /// went down). Only where no other process of this program can be writing there.
 void remove_leftovers(const std::filesystem::path& folder);
 
-/// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends.
+/// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends, and a
+/// file that grows beyond the limit set by the system is an error of writing.
 void clean_up_on_signals();
 
 }  // namespace tribotrack::apps
