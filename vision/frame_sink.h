@@ -19,6 +19,13 @@
 
 namespace tribotrack::vision {
 
+/// A file that cannot be written: no room, no permission. Whatever was to be written next would fare no
+/// better.
+class OutputError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 enum class Codec { automatic, cine, ffv1, mjpeg, h264, png, tiff };
 
 struct SinkOptions {
@@ -36,7 +43,7 @@ struct SinkOptions {
 };
 
 /// Takes frames in order. Destroyed without close(), it leaves nothing. A picture of another size than
-/// SinkOptions states is a std::invalid_argument, a disk that cannot be written an InputError.
+/// SinkOptions states is a std::invalid_argument, a disk that cannot be written an OutputError.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;

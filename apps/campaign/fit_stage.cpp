@@ -16,6 +16,8 @@
 #include "apps/program/progress.h"
 #include "apps/program/runs_progress.h"
 #include "apps/program/streams.h"
+#include "apps/text/output_file.h"
+#include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
 
@@ -89,6 +91,10 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
     try {
       runs[index] =
           work(index, [&](std::int64_t done, std::int64_t total) { progress.update(index, done, total); });
+    } catch (const OutputError&) {
+      throw;  // a full disk is no fault of this run
+    } catch (const vision::OutputError&) {
+      throw;
     } catch (const std::exception& error) {
       runs[index] = {};
       runs[index].run = &run;

@@ -117,7 +117,7 @@ void add_fit(CLI::App& app, Context& context) {
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
   command.add_option("--allow-missing", options->allow_missing, "Go on when up to N runs are not usable")
       ->type_name("N")
-      ->check(whole_number(0, 1'000'000));
+      ->check(whole_number(0));
   command
       .add_option("--bootstrap", options->fit.bootstrap,
                   "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")

@@ -84,8 +84,7 @@ void measure_command(const MeasureOptions& options, Context& context) {
   given.phase_shift = options.phase_shift;
   if (options.cycles) {
     if (!(*options.cycles >= 1 && *options.cycles <= 1e6) || *options.cycles != std::floor(*options.cycles))
-      throw UsageError(
-          fmt::format("--cycles must be a whole number from 1 to 1000000, not {}", *options.cycles));
+      throw UsageError(fmt::format("--cycles must be a whole number, 1 to 1000000, not {}", *options.cycles));
     given.cycles = static_cast<int>(*options.cycles);
   }
   if (options.free_slide && options.angular_frequency)

@@ -159,10 +159,12 @@ void check_recordings(const std::vector<fs::path>& videos, const SynthOptions& o
                       video.string()));
     if (options.overwrite) continue;
     const auto files = files_of_input(video);
-    if (!files.empty() && fs::exists(files.front()))
-      throw InvalidInput(
-          fmt::format("{}: is there already and is not overwritten; give another name, or --overwrite",
-                      files.front().string()));
+    const bool rendered = fs::exists(video.string() + ".truth.csv");  // a recording has no known truth
+    if (!files.empty() && fs::exists(files.front()) && !rendered)
+      throw InvalidInput(fmt::format(
+          "{}: is there already, was not rendered by `synth`, and is not overwritten; give another "
+          "name, or --overwrite",
+          files.front().string()));
   }
 }
 

@@ -244,14 +244,12 @@ void check_outputs(const TrackCommandOptions& options) {
     outputs.push_back({options.output});
   else if (options.json)
     throw UsageError("give -o - or --json: both would go to standard output");
-  if (!options.overlay.empty()) {
-    vision::require_overlay_name(options.overlay);
-    outputs.push_back({options.overlay, Content::pictures});
-  }
+  if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
   for (const std::string& file : {options.config, options.calibration})
     if (!file.empty()) inputs.emplace_back(file);
   require_writable(outputs, inputs);
+  if (!options.overlay.empty()) vision::require_overlay_name(options.overlay);
 }
 
 /// CPU time so far: of loading the libraries and reading the command line, where asked at a command's begin.

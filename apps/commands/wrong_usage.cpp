@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "apps/text/strict_toml.h"
 
@@ -131,7 +132,9 @@ CLI::Validator whole_number(long least, long most) {
             const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
             const bool whole = failed == std::errc() && end == text.data() + text.size();
             if (whole && value >= least && value <= most) return std::string();
-            return fmt::format("must be a whole number from {} to {}, not {}", least, most, text);
+            if (most == std::numeric_limits<long>::max())
+              return fmt::format("must be a whole number, {} or more, not \"{}\"", least, text);
+            return fmt::format("must be a whole number, {} to {}, not \"{}\"", least, most, text);
           },
           "", "whole number"};
 }

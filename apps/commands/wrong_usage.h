@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace tribotrack::apps {
 std::string wrong_usage(const CLI::App& app, const CLI::ParseError& error,
                         const std::vector<std::string>& typed);
 
-/// Accepts whole numbers from `least` to `most`; what else is given is told with both.
-CLI::Validator whole_number(long least, long most);
+/// Accepts whole numbers from `least` to `most`, or without end; what else is given is told with both.
+CLI::Validator whole_number(long least, long most = std::numeric_limits<long>::max());
 
 /// Accepts these words; what else is given is told with them.
 CLI::Validator one_of(const std::vector<std::string>& words);

@@ -226,10 +226,12 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
   const double off = std::abs(seen.value - *given.angular_frequency);
   if (off <= 5 * seen.sd || off <= 2e-3 * *given.angular_frequency) return {};
   const bool used = measured.angular_frequency->value == *given.angular_frequency;
-  return {fmt::format("{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}: {}",
-                      name, seen.value, seen.sd, *given.angular_frequency,
-                      used ? "the given value is used; leave it out to use the measured one"
-                           : "the measured value is used, the given one leaves nothing to measure")};
+  const std::string slip = likely_slip("angular_frequency_rad_s", *given.angular_frequency, seen.value);
+  return {
+      fmt::format("{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}{}: {}",
+                  name, seen.value, seen.sd, *given.angular_frequency, slip.empty() ? "" : " (" + slip + ")",
+                  used ? "the given value is used; leave it out to use the measured one"
+                       : "the measured value is used, the given one leaves nothing to measure")};
 }
 
 std::string CodedMotion::sentence() const {

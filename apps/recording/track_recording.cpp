@@ -277,13 +277,13 @@ void write_overlay_file(const std::filesystem::path& path, const TrackedRecordin
   TemporaryFile file(path, Content::pictures);
   try {
     vision::write_overlay(*recording.source, recording.result, file.name());
-  } catch (const vision::InputError& error) {
-    // Of a file that cannot be written it names the temporary one.
+  } catch (const vision::OutputError& error) {
+    // It names the temporary file.
     std::string message = error.what();
     const std::string temporary = file.name().string();
     if (const auto at = message.find(temporary); at != std::string::npos)
       message.replace(at, temporary.size(), path.string());
-    throw InvalidInput(message);
+    throw OutputError(message);
   }
   file.commit();
 }

@@ -85,7 +85,7 @@ class TemporaryNames {
 };
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
-  throw InvalidInput(
+  throw OutputError(
       fmt::format("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
                   path.string(), why));
 }
@@ -287,6 +287,7 @@ void clean_up_on_signals() {
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(number, &action, nullptr);
+  // Past the limit of a file's size writing fails like on a full disk, and is answered as such.
   ::signal(SIGXFSZ, SIG_IGN);
   try {
     std::thread([] { clean_up_when_told(way[0]); }).detach();

@@ -6,7 +6,15 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/program/errors.h"
+
 namespace tribotrack::apps {
+
+/// An output that cannot be written: what comes after it would fare no better. Exit 3.
+class OutputError : public InvalidInput {
+ public:
+  using InvalidInput::InvalidInput;
+};
 
 /// What a file is to hold. A name that ends like a recording's or a picture's is refused for a result: it is
 /// a slip, and may be somebody's only copy.

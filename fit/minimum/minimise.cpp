@@ -181,6 +181,8 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   solver.function_tolerance = 1e-15;  // the watch stops earlier
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-11;
+  // By the wall clock, which may be set from 1970 to today meanwhile.
+  solver.max_solver_time_in_seconds = std::numeric_limits<double>::infinity();
   solver.initial_trust_region_radius = 100;
   Watch watch(options, cost, free);
   solver.callbacks.push_back(&watch);

@@ -1,7 +1,10 @@
 #include "vision/frame_source.h"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <opencv2/core/utility.hpp>
+#include <string_view>
 
 #include "vision/formats/cine/source.h"
 #include "vision/formats/libav/source.h"
@@ -37,6 +40,18 @@ void refuse_bare_pixels(const fs::path& path) {
         "camera's program as AVI or TIFF and keep the .cih or .cihx beside it for the capture rate");
 }
 
+/// A table, a campaign, a list of other files: libav would say of it what it is not.
+void refuse_text(const fs::path& path) {
+  std::array<char, 512> begin;
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(begin.data(), begin.size());
+  const std::string_view head(begin.data(), static_cast<std::size_t>(stream.gcount()));
+  const auto is_print = [](char c) { return (c >= ' ' && c <= '~') || (c >= '\t' && c <= '\r'); };
+  if (head.empty() || head.starts_with("YUV4MPEG2") || !std::ranges::all_of(head, is_print)) return;
+  throw InputError(in_quotes(path) +
+                   " is no video that can be read but a text; name a recording, or check the file");
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptions& options) {
@@ -45,6 +60,7 @@ std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptio
   refuse_bare_pixels(path);
   if (is_cine(path)) return open_cine(path, options);
   if (has_picture_extension(path)) return open_picture_stack(path, options);
+  refuse_text(path);
   return open_libav(path, options);
 }
 

@@ -52,7 +52,7 @@ TemporaryFile::TemporaryFile(std::filesystem::path target) : target_(std::move(t
   static std::atomic<unsigned> serial{0};
   std::error_code error;
   if (std::filesystem::is_directory(target_, error))
-    throw InputError(in_quotes(target_) + " cannot be written: it is a folder; give a file name");
+    throw OutputError(in_quotes(target_) + " cannot be written: it is a folder; give a file name");
   std::string name(".");
   name +=
       target_.filename().string() + ".partial-" + std::to_string(::getpid()) + "-" + std::to_string(serial++);
@@ -62,7 +62,7 @@ TemporaryFile::TemporaryFile(std::filesystem::path target) : target_(std::move(t
   if (!std::ofstream(temporary_, std::ios::binary)) {
     const std::string reason = errno != 0 ? std::strerror(errno) : "no such folder";
     PartialFiles::of_this_process().forget(temporary_);
-    throw InputError(in_quotes(target_) + " cannot be written: " + reason + "; choose another folder");
+    refuse(reason);
   }
 }
 
@@ -77,18 +77,24 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void TemporaryFile::write(std::span<const unsigned char> bytes) const {
+  errno = 0;
   std::ofstream file(temporary_, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) throw InputError(in_quotes(target_) + " cannot be written: the disk may be full");
+  if (!file) refuse(std::strerror(errno != 0 ? errno : ENOSPC));
 }
 
 void TemporaryFile::commit() {
   std::error_code error;
   std::filesystem::rename(temporary_, target_, error);
-  if (error) throw InputError(in_quotes(target_) + " cannot be written: " + error.message());
+  if (error) refuse(error.message());
   PartialFiles::of_this_process().forget(temporary_);
   temporary_.clear();
+}
+
+void TemporaryFile::refuse(const std::string& reason) const {
+  throw OutputError(in_quotes(target_) + " cannot be written: " + reason +
+                    "; make room, or choose another folder");
 }
 
 void remove_partial_files() {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace tribotrack::vision {
 
@@ -17,10 +18,11 @@ class TemporaryFile {
   TemporaryFile& operator=(TemporaryFile&&) = delete;
   const std::filesystem::path& path() const { return temporary_; }
   const std::filesystem::path& target() const { return target_; }
-  /// The whole content. Throws InputError.
+  /// The whole content. Throws OutputError.
   void write(std::span<const unsigned char> bytes) const;
-  /// Throws InputError.
+  /// Throws OutputError.
   void commit();
+  [[noreturn]] void refuse(const std::string& reason) const;  ///< throws OutputError naming the target
 
  private:
   std::filesystem::path target_, temporary_;

@@ -119,16 +119,43 @@ TEST_F(RunFolders, LeftoversOfDeadProcessesAreRemoved) {
   EXPECT_TRUE(fs::exists(in_folder("out/notes.partial-1.txt")));
 }
 
-TEST_F(RunFolders, RunsThatLeftTheCampaignAreNamed) {
+TEST_F(RunFolders, RunsThatLeftTheCampaignMoveAsideAndComeBack) {
   render("a");
   render("b");
-  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  put(in_folder("c.toml"), kHead + slide("a"));
-  const Outcome outcome = run("run c.toml -o out");
+  put(in_folder("two.toml"), kHead + slide("a") + slide("b"));
+  put(in_folder("one.toml"), kHead + slide("a"));
+  ASSERT_EQ(run("run two.toml -o out -q").exit_code, 0);
+  const std::string track = content_of(in_folder("out/tracks/b.csv"));
+  put(in_folder("out/tracks/mine.csv"), "no track of a run");
+  const Outcome outcome = run("run one.toml -o out");
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("also holds b, which is not in c.toml"));
-  EXPECT_TRUE(fs::exists(in_folder("out/tracks/b.csv")));
+  EXPECT_THAT(outcome.err, HasSubstr("b is not in one.toml: moved to out/aside"));
+  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.csv")));
+  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.first.png")));
+  EXPECT_EQ(content_of(in_folder("out/aside/tracks/b.csv")), track);
+  EXPECT_EQ(content_of(in_folder("out/tracks/mine.csv")), "no track of a run");
+  EXPECT_THAT(run("run one.toml -o out").err, Not(HasSubstr("aside")));
+
+  const Outcome back = run("run two.toml -o out");
+  EXPECT_THAT(back.err, HasSubstr("2 of 2 tracks were current"));
+  EXPECT_EQ(content_of(in_folder("out/tracks/b.csv")), track);
+  EXPECT_FALSE(fs::exists(in_folder("out/aside")));
+}
+
+TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
+  render("a");
+  put(in_folder("c.toml"), kHead + slide("a"));
+  fs::create_directories(in_folder("out"));
+  put(in_folder("wait.sh"),
+      "( exec 9>out/.lock; flock 9; echo >taken; sleep 1.5 ) &\n"
+      "while ! [ -e taken ]; do sleep 0.01; done\n"
+      "'" TRIBOTRACK_BINARY
+      "' run c.toml -o out --wait -q & p=$!\n"
+      "sleep 0.5; test -e out/fit.json && echo early\n"
+      "wait $p; echo exit $?\n");
+  const Outcome waited = run("--version >version; bash wait.sh");
+  EXPECT_THAT(waited.out, HasSubstr("exit 0\n")) << waited.err;
+  EXPECT_THAT(waited.out, Not(HasSubstr("early")));
 }
 
 TEST_F(RunFolders, FitAndRunRefuseTheSameTracks) {

@@ -1,7 +1,9 @@
 #include "vision/formats/cine/sink.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <vector>
 
@@ -84,7 +86,7 @@ class CineSink : public FrameSink {
 
  private:
   void require_written() const {
-    if (!file_) throw InputError(in_quotes(temporary_.target()) + " cannot be written: the disk may be full");
+    if (!file_) temporary_.refuse(std::strerror(errno != 0 ? errno : ENOSPC));
   }
 
   void store_rows(const Picture& picture, std::span<std::uint8_t> pixels) const {

@@ -61,7 +61,7 @@ void silence_libav() {
 std::string libav_error(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = "";
   libav().av_strerror(code, text, sizeof text);
-  std::string message = text;
+  std::string message = code == AVERROR_INVALIDDATA ? "its content is damaged" : text;
   if (const std::string complaint = take_libav_complaint(); !complaint.empty())
     message += " (" + complaint + ")";
   return message;

@@ -78,9 +78,7 @@ class LibavSink : public FrameSink {
   }
 
  private:
-  [[noreturn]] void refuse(int error) const {
-    throw InputError(in_quotes(temporary_.target()) + " cannot be written: " + libav_error(error));
-  }
+  [[noreturn]] void refuse(int error) const { temporary_.refuse(libav_error(error)); }
   AVStream& stream() const { return *output_->streams[0]; }
 
   /// Containers lie about rates or round them, so the capture rate goes along in the tag that cameras use.

@@ -117,12 +117,18 @@ class LibavSource : public FrameSource {
     held_ = -1;
   }
 
+  /// Why a file cannot be opened, as far as libav tells.
+  static std::string reason_of(int error) {
+    if (take_libav_complaint().find("moov atom not found") != std::string::npos)
+      return ": its index is missing, as when a recording was cut off before it was finished";
+    return ": " + libav_error(error);
+  }
   [[noreturn]] void refuse_input(int error) const {
     if (error == AVERROR_EXIT) refuse_late("it takes longer to open");
     if (error == AVERROR(EINVAL))  // libav's answer to a container that is not on the list
       refuse(std::string("is no video of a kind that is read (") + kContainersInWords +
              "); check the file, or " + kRemedyConvert);
-    refuse("is no video that can be read: " + libav_error(error) + "; check the file, or export it again");
+    refuse("is no video that can be read" + reason_of(error) + "; check the file, or export it again");
   }
   [[noreturn]] void refuse_late(const std::string& what) const {
     refuse("is damaged, or its disk does not answer: " + what + " than " +
