@@ -50,48 +50,57 @@ double chi2_of(const fit::Problem& problem, int threads) {
 }
 
 /// What two runs may have of each other.
-enum class Label { phi, dtau, both };
+enum class Label { phi, phi_and_dtau };
 
-/// False where that changes nothing, or nothing that another exchange does not.
+/// False where that changes nothing, or what the other exchange changes.
 bool exchange(model::Friction& one, model::Friction& other, Label label) {
   const bool phi = one.phase != other.phase, dtau = one.pulse_width != other.pulse_width;
-  if (!phi && !dtau) return false;
-  if (label != Label::both && !(phi && dtau)) return false;
-  if (label != Label::dtau) std::swap(one.phase, other.phase);
-  if (label != Label::phi) std::swap(one.pulse_width, other.pulse_width);
+  if (label == Label::phi ? !phi || !dtau : !phi && !dtau) return false;
+  std::swap(one.phase, other.phase);
+  if (label == Label::phi_and_dtau) std::swap(one.pulse_width, other.pulse_width);
   return true;
 }
 
-const char* names_of(Label label) {
-  return label == Label::phi ? "phi_rad" : label == Label::dtau ? "dtau_rad" : "phi_rad and dtau_rad";
-}
+struct Exchange {
+  double chi2 = 0;
+  std::string runs;  ///< "b" and "d", with what they exchange
+};
 
-std::vector<std::string> exchanged_labels(const fit::Problem& problem, double chi2, int threads) {
-  constexpr std::size_t kMostRuns = 8;
-  constexpr double kMuchBetter = 100, kClear = 10;
-  const std::size_t runs = problem.summary_runs.size();
-  if (runs < 3 || runs > kMostRuns || !problem.trajectory_runs.empty()) return {};
-  double best = std::numeric_limits<double>::infinity(), second = best;
-  std::string sentence;
-  for (std::size_t i = 0; i < runs; ++i)
-    for (std::size_t k = i + 1; k < runs; ++k)
-      for (const Label label : {Label::both, Label::phi, Label::dtau}) {
+/// All pairs, the best first.
+std::vector<Exchange> exchanges(const fit::Problem& problem, int threads) {
+  std::vector<Exchange> found;
+  const auto& runs = problem.summary_runs;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    for (std::size_t k = i + 1; k < runs.size(); ++k)
+      for (const Label label : {Label::phi_and_dtau, Label::phi}) {
         fit::Problem exchanged = problem;
         if (!exchange(exchanged.summary_runs[i].scenario.friction,
                       exchanged.summary_runs[k].scenario.friction, label))
           continue;
-        const double found = chi2_of(exchanged, threads);
-        second = std::min(second, std::max(best, found));
-        if (!(found < best)) continue;
-        best = found;
-        sentence = fmt::format(
-            "runs \"{}\" and \"{}\" seem to bear each other's label: with their {} exchanged chi2 falls from "
-            "{:.3g} to "
-            "{:.3g}; check which recording is which",
-            problem.summary_runs[i].name, problem.summary_runs[k].name, names_of(label), chi2, best);
+        found.push_back({chi2_of(exchanged, threads),
+                         fmt::format("\"{}\" and \"{}\" (with {} exchanged)", runs[i].name, runs[k].name,
+                                     label == Label::phi ? "phi_rad" : "phi_rad and dtau_rad")});
       }
-  if (!(best * kMuchBetter < chi2 && best * kClear < second)) return {};
-  return {sentence};
+  std::ranges::sort(found, {}, &Exchange::chi2);
+  return found;
+}
+
+/// Half a turn more of lag undoes some exchanges: up to two may explain the data alike.
+std::vector<std::string> exchanged_labels(const fit::Problem& problem, double chi2, int threads) {
+  constexpr std::size_t kFewest = 3, kMost = 6, kAlike = 2;
+  constexpr double kMuchBetter = 100, kClear = 10;
+  const std::size_t runs = problem.summary_runs.size();
+  if (runs < kFewest || runs > kMost || !problem.trajectory_runs.empty()) return {};
+  const std::vector<Exchange> found = exchanges(problem, threads);
+  if (found.empty() || !(kMuchBetter * found.front().chi2 < chi2)) return {};
+  const double clear = kClear * found.front().chi2;
+  const auto alike = static_cast<std::size_t>(
+      std::ranges::count_if(found, [&](const Exchange& exchange) { return exchange.chi2 < clear; }));
+  if (alike > kAlike) return {};
+  return {fmt::format(
+      "runs {}{} seem to bear each other's label: chi2 then falls from {:.3g} to {:.3g}; check which "
+      "recording is which",
+      found[0].runs, alike == kAlike ? ", or " + found[1].runs : "", chi2, found.front().chi2)};
 }
 
 }  // namespace

@@ -308,7 +308,8 @@ TEST_F(SharedConditionsTest, AnSdIsThePriorOfWhatIsFitted) {
       "[platform]\namplitude_mm = 0.28\namplitude_mm_sd = 0.002\nangular_frequency_rad_s = 62.8\ntilt_x_rad "
       "= "
       "0.001\ntilt_x_rad_sd = 0.0005\n[fit]\nparameters = [\"mu1\", \"mu2\", \"amplitude_mm\", "
-      "\"tilt_x_rad\"]\n[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = "
+      "\"tilt_x_rad\"]\n[fit.fixed]\nphase_lag_rad = 0\n[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = "
+      "5.7\nalpha_sd_rad = 0.02\nv_mm_s = "
       "4\nv_sd_mm_s = 0.05\n");
   campaign_ = read_campaign(in_folder("c.toml"));
   runs_ = {analyse(campaign_, campaign_.runs[0], std::nullopt)};
