@@ -6,6 +6,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tribotrack;
   static const fuzz::Folder folder;
   const auto file = folder.write("campaign.toml", data, size);
-  fuzz::read_or_refuse([&] { apps::text_of(apps::read_campaign(file).effective_configuration()); });
+  fuzz::read_or_refuse(data, size,
+                       [&] { apps::text_of(apps::read_campaign(file).effective_configuration()); });
   return 0;
 }

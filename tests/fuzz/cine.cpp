@@ -9,7 +9,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::Folder folder;
   const auto file = folder.write("a.cine", data, size);
   std::unique_ptr<vision::FrameSource> source;
-  fuzz::read_or_refuse([&] { source = vision::open_source(file); });
+  fuzz::read_or_refuse(data, size, [&] { source = vision::open_source(file); });
   vision::bytes_before_pictures(file);
   if (!source) return 0;
   const auto& info = source->info();
@@ -17,7 +17,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const vision::Rect corner{info.width - 1, info.height - 1, 1, 1};
   vision::Picture picture;
   for (const std::int64_t index : {std::int64_t{0}, std::min<std::int64_t>(1, last), last / 2, last})
-    fuzz::read_or_refuse([&] {
+    fuzz::read_or_refuse(data, size, [&] {
       source->read(index, corner, picture);
       source->read(index, source->bounds(), picture);
       if (info.time_base.known()) source->time_s(index);

@@ -8,9 +8,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tribotrack;
   static const fuzz::Folder folder;
   const auto file = folder.write("t.csv.meta.json", data, size);
-  fuzz::read_or_refuse([&] {
+  fuzz::read_or_refuse(data, size, [&] {
     const apps::Json meta = apps::read_json(file);
-    fuzz::read_or_refuse([&] { apps::track_facts_from(meta, file); });
+    fuzz::read_or_refuse(data, size, [&] { apps::track_facts_from(meta, file); });
     apps::ReportData report;
     apps::reading(file, [&] { apps::add_provenance(meta, report); });
   });

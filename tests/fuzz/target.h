@@ -55,27 +55,29 @@ class Folder {
   std::abort();
 }
 
-/// A refusal is one sentence in the program's own words.
-inline void require_own_words(const std::string& message) {
+/// A refusal is one sentence in the program's own words; it may repeat those of the file.
+inline void require_own_words(const std::string& message, std::string_view input) {
   for (const char* foreign : {"exception.", "std::", "toml::", "nlohmann", "basic_string", "vector::"})
-    if (message.find(foreign) != std::string::npos) find("words of a library: " + message);
+    if (message.find(foreign) != std::string::npos && input.find(foreign) == std::string_view::npos)
+      find("words of a library: " + message);
   if (message.empty()) find("a refusal without a word");
 }
 
 /// Reads what may be hostile: it is either read or refused, within a second.
 template <class Read>
-void read_or_refuse(const Read& read) {
+void read_or_refuse(const std::uint8_t* data, std::size_t size, const Read& read) {
+  const std::string_view input(reinterpret_cast<const char*>(data), size);
   const std::clock_t begin = std::clock();
   try {
     read();
   } catch (const apps::InvalidInput& refusal) {
-    require_own_words(refusal.what());
+    require_own_words(refusal.what(), input);
   } catch (const vision::InputError& refusal) {
-    require_own_words(refusal.what());
+    require_own_words(refusal.what(), input);
   } catch (const fit::DataError& refusal) {
-    require_own_words(refusal.what());
+    require_own_words(refusal.what(), input);
   } catch (const model::InvalidParameter& refusal) {
-    require_own_words(refusal.what());
+    require_own_words(refusal.what(), input);
   }
   if (std::clock() - begin > CLOCKS_PER_SEC) find("it took longer than a second");
 }

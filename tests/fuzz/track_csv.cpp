@@ -13,6 +13,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
           "slow_errors": [{"from": "light", "sd_px": 0.01, "time_s": 0.1}],
           "summary": {"disc_px": [111, 92, 30], "frames": 3}})");
   const auto file = folder.write("t.csv", data, size);
-  fuzz::read_or_refuse([&] { apps::read_track_file(file); });
+  fuzz::read_or_refuse(data, size, [&] { apps::read_track_file(file); });
   return 0;
 }
