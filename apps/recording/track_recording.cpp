@@ -10,6 +10,7 @@
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
+#include "vision/frame_sink.h"
 #include "vision/overlay.h"
 #include "vision/rehearsal.h"
 
