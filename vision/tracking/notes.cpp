@@ -208,7 +208,8 @@ std::string TrackSummary::brief_report() const {
   if (refound > 0) text += fmt::format(", found again {} times", refound);
   if (absent_at_first > 0) text += fmt::format(", not there in the first {}", absent_at_first);
   if (left_for_good) text += ", left the picture for good";
-  text += fmt::format("; noise {:.2f} grey levels, limit {:.4f} px", noise_levels, limit_px);
+  text += fmt::format("; noise {:.2f} grey levels", noise_levels);
+  if (std::isfinite(limit_px)) text += fmt::format(", limit {:.4f} px", limit_px);
   if (disc.radius > 0)
     text += fmt::format("; disc at ({:.2f}, {:.2f}), radius {:.3f} px", disc.x, disc.y, disc.radius);
   if (rests_for_ever)
