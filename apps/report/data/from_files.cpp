@@ -80,7 +80,7 @@ void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
   Json measured = Json::object();
   if (fs::exists(measurement))
     measured = read_json(measurement);
-  else
+  else if (run.kind != "free_slide")
     note_missing(folder, run.name, measurement, "what was measured in it is not shown", data);
   reading(measurement, [&] { read_measurement(measured, run); });
   if (!fs::exists(csv)) {
