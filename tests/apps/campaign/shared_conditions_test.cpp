@@ -220,9 +220,9 @@ TEST_F(SharedConditionsTest, SlipsAreRefusedByName) {
   EXPECT_THAT(refusal("angular_frequency_rad_s = 0.1"), HasSubstr("0.1 s is the period of 62.83 rad/s"));
   EXPECT_THAT(refusal("amplitude_mm = 0.56"), HasSubstr("0.56 is 0.28 mm peak to peak"));
   EXPECT_THAT(refusal("amplitude_mm = 280"), HasSubstr("280 is 0.28 mm in um"));
-  EXPECT_THAT(refusal("phase_shift_rad = 90"), HasSubstr("90 is 1.571 rad in degrees"));
+  EXPECT_THAT(refusal("phase_shift_rad = 0.25"), HasSubstr("0.25 is 1.571 rad in turns"));
   EXPECT_THAT(refusal("amplitude_mm = 0.4"),
-              HasSubstr("or diameter_mm or mm_per_px, by which it was measured"));
+              HasSubstr("or mm_per_px = 0.1, by which it was measured, is wrong"));
   EXPECT_THAT(refusal("amplitude_mm = 0.28", {{.amplitude_y = 0.1e-3}}),
               HasSubstr("amplitude_y_mm = 0.28 (amplitude_mm, as it is not given)"));
   EXPECT_THAT(refusal("amplitude_mm = 0"), HasSubstr("amplitude_mm = 0"));

@@ -106,7 +106,7 @@ TEST_F(Calibrated, WhatDoesNotFitIsRefused) {
   expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9 --square-mm 2 -o c.json -q"), 2,
                  {"--squares", "10x7"});
   expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9x7 --square-mm -2 -o c.json -q"), 2,
-                 {"square_mm"});
+                 {"--square-mm"});
 }
 
 TEST_F(Calibrated, ACampaignNamesIt) {

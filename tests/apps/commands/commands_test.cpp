@@ -30,7 +30,7 @@ class Commands : public ProgramTest {
             video_extra +
             "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = "
             "0\n[surface]\ntexture_rms = 0\n");
-    const Outcome outcome = run("synth slide_scene.toml -o " + name + " -q");
+    const Outcome outcome = run("synth slide_scene.toml -o " + name + " --overwrite -q");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
 };
