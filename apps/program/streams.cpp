@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -34,7 +35,12 @@ void print_error(std::string_view line) {
 }
 
 void complain(std::string_view message) {
-  print_error(fmt::format("tribotrack: {}", message));
+  std::string shown(message);
+  const auto controls_terminals = [](unsigned char c) {
+    return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F;
+  };
+  std::ranges::replace_if(shown, controls_terminals, '?');  // messages repeat what a damaged file holds
+  print_error(fmt::format("tribotrack: {}", shown));
 }
 
 void occupy_standard_streams() {

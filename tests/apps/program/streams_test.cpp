@@ -34,6 +34,17 @@ TEST_F(Streams, AClosedStandardOutputIsAnError) {
   EXPECT_THAT(outcome.err, HasSubstr("write error"));
 }
 
+TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
+  put(in_folder("t.csv"), "frame,\x1b]0;gone\x07\x1b[2J\n1,2\n");
+  put(in_folder("c.toml"), "[camera]\nmarker = \"\\u001b[2J\"\n");
+  for (const char* command : {"measure t.csv", "fit c.toml -o f.json"}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos) << command;
+  }
+  EXPECT_NE(run("fit c.toml -o f.json").err.find("?[2J"), std::string::npos);
+}
+
 TEST_F(Streams, AStandardErrorThatTakesNothingIsIgnored) {
   for (const char* error : {"2>&-", "2>/dev/full"}) {
     EXPECT_EQ(redirected(std::string("simulate -o t.csv >out.txt ") + error).exit_code, 0);
