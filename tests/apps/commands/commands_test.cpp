@@ -301,7 +301,7 @@ TEST_F(Commands, BadRecordingsAreExit3AndLeaveNothing) {
   expect_refused(run("track good.cine --disc 500,40,9 --mm-per-px 1 -o t.csv"), 3, {"500"});
   expect_refused(run("track good.cine --frames 90:95 --mm-per-px 1 -o t.csv"), 3, {"90"});
   expect_refused(run("track good.cine --mm-per-px 1 -o nowhere/t.csv"), 3, {"nowhere/t.csv"});
-  expect_refused(run("run good.cine -o out"), 3, {"good.cine"});
+  expect_refused(run("run good.cine -o out"), 3, {"good.cine: is a recording"});
   EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv")));
   EXPECT_FALSE(std::filesystem::exists(in_folder("out")));
 }
