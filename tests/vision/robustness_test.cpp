@@ -174,6 +174,7 @@ TEST_P(Robustness, Defocus) {
   const Outcome o = followed("defocus", r);
   EXPECT_EQ(o.errors.ok, r.frames);
   EXPECT_LT(o.errors.rms, 1.15 * o.bound);
+  EXPECT_GT(o.errors.standardised, 0.87);
   EXPECT_LT(o.errors.standardised, 1.13);
 }
 

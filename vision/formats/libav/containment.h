@@ -12,16 +12,18 @@ namespace tribotrack::vision {
 
 /// libav has hundreds of demuxers and decoders, and a file's bytes choose among them. These are the ones that
 /// recordings to be measured come in; no other is run. In libav's names, separated by commas.
-/// MP4/MOV, AVI, Matroska/WebM, MPEG transport streams, Y4M, and the bare streams of three codings.
-inline constexpr const char* kContainers = "mov,avi,matroska,mpegts,yuv4mpegpipe,h264,hevc,mjpeg";
+/// MP4/MOV, AVI, Matroska/WebM, MPEG transport and program streams, WMV, Y4M, and the bare streams of three
+/// codings.
+inline constexpr const char* kContainers = "mov,avi,matroska,mpegts,mpeg,asf,yuv4mpegpipe,h264,hevc,mjpeg";
 /// What cameras and phones write; what editing programs write; what is lossless.
 inline constexpr const char* kCodings =
-    "h264,hevc,mjpeg,mpeg4,mpeg2video,mpeg1video,msmpeg4,dvvideo,vp8,vp9,libdav1d,av1,"
+    "h264,hevc,mjpeg,mpeg4,mpeg2video,mpeg1video,h263,msmpeg4,wmv1,wmv2,wmv3,vc1,dvvideo,vp8,vp9,libdav1d,"
+    "av1,"
     "prores,dnxhd,cfhd,"
     "rawvideo,ffv1,huffyuv,ffvhuff,utvideo,magicyuv,lagarith,v210,v410,png,qtrle";
 /// For messages.
 inline constexpr const char* kContainersInWords =
-    "MP4 and MOV, AVI, Matroska and WebM, MPEG-TS, Y4M, bare H.264, HEVC and MJPEG";
+    "MP4 and MOV, AVI, Matroska and WebM, MPEG, WMV, Y4M, bare H.264, HEVC and MJPEG";
 inline constexpr const char* kRemedyConvert = "convert it, for instance `ffmpeg -i IN -c:v ffv1 OUT.mkv`";
 
 /// Frames: hours at any rate; the list of them takes 40 bytes each.
