@@ -234,7 +234,9 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
 }
 
 TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path) {
-  if (!meta.is_object() || meta.value("command", Json()) != "track" || !meta.contains("summary"))
+  const bool of_another_command =
+      meta.is_object() && meta.contains("command") && meta.at("command") != "track";
+  if (!meta.is_object() || meta.empty() || of_another_command)
     throw InvalidInput(
         fmt::format("{}: is not the meta file of a track; track the recording again, or put back the file "
                     "that `tribotrack track` "
