@@ -18,12 +18,12 @@ std::string text_of(const Json& json);
 /// Reads a JSON file. Throws InvalidInput.
 Json read_json(const std::filesystem::path& path);
 
-/// null where there is no value.
 /// null for what is not finite.
 inline Json finite_json(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
+/// null where there is no value.
 template <class T>
 Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
