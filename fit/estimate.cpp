@@ -113,7 +113,7 @@ class Estimation {
   Uncertainty uncertainty_;
   std::vector<double> t_;             ///< two-sided 95 % quantile of each parameter
   std::vector<KnownMinimum> minima_;  ///< the best and others near it
-  std::vector<std::vector<Interval>> profiles_;
+  std::vector<Profile> profiles_;
 };
 
 void Estimation::find_minimum() {
@@ -264,7 +264,8 @@ FitResult Estimation::report() {
   result.chi2 = best.chi2;
   result.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
   fill_parameters(unknowns_, values_, uncertainty_, t_, result);
-  for (std::size_t i = 0; i < profiles_.size(); ++i) fill_profile(profiles_[i], result.parameters[i]);
+  for (std::size_t i = 0; i < profiles_.size(); ++i)
+    fill_profile(profiles_[i], t_[i] * t_[i], result.parameters[i]);
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
     result.bootstrap = refits.converged;
@@ -285,6 +286,7 @@ FitResult Estimation::report() {
   result.agreement = agreement(result);
   result.neighbours_err_alike = result.runs_test_p_value < kAlike;
   fill_runs(residuals_, best, result);
+  fill_influence(residuals_, best, uncertainty_, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);

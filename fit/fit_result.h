@@ -27,6 +27,12 @@ struct Interval {
   double high = 0;
 };
 
+/// A value at which a parameter was held while all others were fitted again.
+struct ProfilePoint {
+  double value = 0;  ///< SI
+  double rise = 0;   ///< of chi^2 above its minimum
+};
+
 struct ParameterEstimate {
   FitParameter parameter = FitParameter::mu1;
   double estimate = 0;
@@ -45,6 +51,8 @@ struct ParameterEstimate {
   /// valleys: the reference where the likelihood is no parabola. Infinite where open, 0 where mu is
   /// compatible with 0, NaN where not computed (FitOptions::profiles).
   Interval profile_ci95;
+  std::vector<ProfilePoint> profile;  ///< the points looked at for it, ascending; for pictures
+  double profile_level = 0;           ///< t^2, the rise at its ends
   /// 2.5 and 97.5 % points of refits to simulated data. NaN without FitOptions::bootstrap.
   Interval bootstrap_ci95;
 };
@@ -62,6 +70,9 @@ struct RunResult {
   std::string name;
   model::Scenario fitted;  ///< the run's scenario at the fitted values, for curves
   std::vector<Residual> residuals;
+  /// Change of each parameter (FitResult::parameters) without this run, in its sd, to first order. NaN where
+  /// the other runs do not determine it.
+  std::vector<double> influence;
   std::size_t points = 0;  ///< trajectory runs: points used
   double rms_m = 0;        ///< trajectory runs: rms of the residual, m
   /// Trajectory runs: start point, initial velocity, onset, ... with units in the names.

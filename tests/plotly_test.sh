@@ -20,7 +20,7 @@ cat >lock.json <<LOCK
 LOCK
 cat >fetch.cmake <<SCRIPT
 cmake_minimum_required(VERSION 3.25)
-include("$source/apps/report/assets/fetch_plotly.cmake")
+include("$source/apps/page/assets/fetch_plotly.cmake")
 set(TRIBOTRACK_PLOTLY_LOCK "$work/lock.json")
 tribotrack_fetch_plotly(file)
 file(READ "\${file}" text)

@@ -42,9 +42,10 @@ class DebugFolder : public DebugSink {
   std::string index_;
 };
 
-/// A frame, by the recording's own number, as an 8-bit grey PNG in memory (for reports), stretched to full
-/// range.
-std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number);
+/// A frame, by the recording's own number, as a grey JPEG in memory (for reports), stretched to full range
+/// and reduced until its longer side is no more than `largest_side` px.
+std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t frame_number,
+                                            int largest_side = 480);
 
 /// A frame with numbered circles, as a PNG in memory: the question which of them is the part.
 std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,

@@ -9,10 +9,13 @@
 #include "apps/campaign/repeated.h"
 #include "apps/files/scenario_file.h"
 #include "apps/measuring/measure_slide.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
 namespace {
+
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 const char* word_for(fit::Verdict verdict) {
   switch (verdict) {
@@ -43,6 +46,14 @@ Json parameters_json(const fit::FitResult& result, double mm_per_px) {
     if (p.ci95_pieces.size() > 1) {
       Json& pieces = json[fit::to_string(p.parameter)]["ci95_pieces"] = Json::array();
       for (const fit::Interval& piece : p.ci95_pieces) pieces.push_back(interval_json(piece, unit));
+    }
+    if (!p.profile.empty()) {
+      Json& profile = json[fit::to_string(p.parameter)]["profile"] = {
+          {"value", Json::array()}, {"chi2_rise", Json::array()}, {"level", p.profile_level}};
+      for (const fit::ProfilePoint& point : p.profile) {
+        profile["value"].push_back(finite_json(point.value * unit));
+        profile["chi2_rise"].push_back(finite_json(point.rise));
+      }
     }
     if (result.bootstrap > 0)
       json[fit::to_string(p.parameter)]["bootstrap_ci95"] = interval_json(p.bootstrap_ci95, unit);
@@ -121,6 +132,8 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
                                      {"modelled", finite_json(r.modelled)},
                                      {"sd", finite_json(r.sd)},
                                      {"standardised", finite_json(r.standardised)}});
+    for (std::size_t p = 0; p < run.influence.size(); ++p)
+      json["influence"][fit::to_string(result.parameters[p].parameter)] = finite_json(run.influence[p]);
     if (run.points > 0) {
       json["points"] = run.points;
       json["residual_rms_mm"] = run.rms_m * 1e3;
@@ -318,17 +331,17 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
 std::string parameter_table(const Json& fit) {
   std::string table =
       fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", "parameter", "estimate", "sd", "ci95_low", "ci95_high");
-  const auto number = [](const Json& value) {
-    return value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : std::string("open");
-  };
+  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : kNoNumber; };
   for (const auto& [name, p] : fit.at("parameters").items()) {
-    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}", name, number(p["estimate"]), number(p["sd"]),
-                         number(p["ci95"][0]), number(p["ci95"][1]));
+    const double sd = number(p["sd"]), low = number(p["ci95"][0]), high = number(p["ci95"][1]);
+    const auto end = [&](double value) { return rounded_end(value, low, high, sd); };
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}", name, rounded_to_sd(number(p["estimate"]), sd),
+                         std::isfinite(sd) ? rounded_to_sd(sd, sd) : "not determined", end(low), end(high));
     if (const auto pieces = p.find("ci95_pieces"); pieces != p.end()) {
       table += "  ";
       for (std::size_t i = 0; i < pieces->size(); ++i)
-        table +=
-            fmt::format("{}{} to {}", i > 0 ? " or " : "", number((*pieces)[i][0]), number((*pieces)[i][1]));
+        table += fmt::format("{}{} to {}", i > 0 ? " or " : "", end(number((*pieces)[i][0])),
+                             end(number((*pieces)[i][1])));
     }
     table += "\n";
   }
@@ -339,14 +352,17 @@ std::string slide_table(const Json& fit) {
   if (fit.at("slides").empty()) return "";
   std::string table = fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", "slide", "mu1", "sd",
                                   "ci95_low", "ci95_high", "rim/speed", "chi2", "dof");
-  const auto number = [](const Json& value, int digits = 6) {
-    return value.is_number() ? fmt::format("{:.{}g}", value.get<double>(), digits) : std::string("open");
-  };
-  for (const Json& s : fit.at("slides"))
-    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", s["name"].get<std::string>(),
-                         number(s["mu1"]), number(s["mu1_sd"], 3), number(s["ci95"][0]), number(s["ci95"][1]),
-                         s["spin_seen"].get<bool>() ? number(s["spin_ratio"], 3) : std::string("unseen"),
-                         number(s["chi2"], 4), s["dof"].get<int>());
+  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : kNoNumber; };
+  for (const Json& s : fit.at("slides")) {
+    const double sd = number(s["mu1_sd"]), low = number(s["ci95"][0]), high = number(s["ci95"][1]);
+    table += fmt::format(
+        "{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12.4g}{:>8}\n", s["name"].get<std::string>(),
+        rounded_to_sd(number(s["mu1"]), sd), std::isfinite(sd) ? rounded_to_sd(sd, sd) : "not determined",
+        rounded_end(low, low, high, sd), rounded_end(high, low, high, sd),
+        s["spin_seen"].get<bool>() ? rounded_to_sd(number(s["spin_ratio"]), number(s["spin_ratio_sd"]))
+                                   : "unseen",
+        number(s["chi2"]), s["dof"].get<int>());
+  }
   return table;
 }
 

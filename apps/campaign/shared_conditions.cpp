@@ -11,6 +11,7 @@
 #include "apps/campaign/shared_errors.h"
 #include "apps/measuring/unit_slip.h"
 #include "apps/program/errors.h"
+#include "apps/text/number_text.h"
 #include "fit/pooling.h"
 
 namespace tribotrack::apps {
@@ -168,10 +169,10 @@ void Sharing::refuse(const Entry& entry, const Estimate& seen, std::size_t runs)
                             : quantity_.angle ? ""
                                               : wrong_scale(*entry.run->run, given / measured);
   throw InvalidInput(fmt::format(
-      "{}: {} = {:.6g}{}, but the {} shows {:.4g} +- {:.1g}{}{}; mend it, or leave it out to use what was "
+      "{}: {} = {:.6g}{}, but the {} shows {}{}{}; mend it, or leave it out to use what was "
       "measured",
-      where, quantity_.key, given, implied ? " (amplitude_mm, as it is not given)" : "", seen_by_, measured,
-      seen.sd / quantity_.unit, runs > 1 ? fmt::format(" in {} runs", runs) : "",
+      where, quantity_.key, given, implied ? " (amplitude_mm, as it is not given)" : "", seen_by_,
+      quoted(measured, seen.sd / quantity_.unit), runs > 1 ? fmt::format(" in {} runs", runs) : "",
       ": " + (slip.empty() ? "more than an error of measuring" : slip) +
           (slip.empty() || !quantity_.angle ? cause : "")));
 }
@@ -261,10 +262,11 @@ void Sharing::compare(SharedConditions& shared) {
   if (warned(row_) && !said_of_x) {
     const bool exact = !(row_.given->sd > 0);
     shared.warnings.push_back(fmt::format(
-        "{}: the campaign gives {:.6g}{}{}, the {} shows {:.6g} +- {:.2g} in {} run{}, {:.1f} sd off: {}",
-        quantity_.key, row_.given->value, exact ? "" : fmt::format(" +- {:.2g}", row_.given->sd),
-        implied ? " (amplitude_mm, as it is not given)" : "", seen_by_, row_.measured->value,
-        row_.measured->sd, row_.runs, row_.runs == 1 ? "" : "s", std::abs(*row_.difference_in_sd),
+        "{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}", quantity_.key,
+        exact ? fmt::format("{:.6g}", row_.given->value) : quoted(row_.given->value, row_.given->sd),
+        implied ? " (amplitude_mm, as it is not given)" : "", seen_by_,
+        quoted(row_.measured->value, row_.measured->sd), row_.runs, row_.runs == 1 ? "" : "s",
+        std::abs(*row_.difference_in_sd),
         exact ? "the given value is used; leave it out to use the measured one, or give its sd"
               : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small"));
   }

@@ -1,6 +1,7 @@
 #include "apps/campaign/shared_scale.h"
 
 #include "apps/campaign/repeated.h"
+#include "apps/text/number_text.h"
 
 #include <fmt/format.h>
 
@@ -60,14 +61,14 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
         shared.pooled.count, 100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;
   }
-  shared.finding = fmt::format(
-      "{} recordings share one scale, {:.6g} +- {:.2g} mm/px (chi2 {:.3g}{})", shared.pooled.count,
-      shared.pooled.scale.mm_per_px, shared.pooled.scale.sd, shared.pooled.chi2,
-      shared.pooled.scatter > 0
-          ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as rims on differing "
-                        "backgrounds do: the sd of the mean includes it",
-                        100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
-          : "");
+  shared.finding =
+      fmt::format("{} recordings share one scale, {} mm/px (chi2 {:.3g}{})", shared.pooled.count,
+                  quoted(shared.pooled.scale.mm_per_px, shared.pooled.scale.sd), shared.pooled.chi2,
+                  shared.pooled.scatter > 0
+                      ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as rims on differing "
+                                    "backgrounds do: the sd of the mean includes it",
+                                    100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
+                      : "");
   for (AnalysedRun& run : runs) {
     if (!scaled_by_diameter(run)) continue;
     rescale(*run.track, shared.pooled.scale);

@@ -12,6 +12,7 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
+#include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "vision/calibration.h"
 
@@ -60,8 +61,8 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
 
 void print_table(const vision::CalibrationResult& result) {
   const auto& c = result.calibration;
-  print("{} x {} pixels, {:.6g} +- {:.2g} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width,
-        c.height, c.mm_per_px, c.mm_per_px_sd, c.distance_mm());
+  print("{} x {} pixels, {} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width, c.height,
+        quoted(c.mm_per_px, c.mm_per_px_sd), c.distance_mm());
   print("focal length {:.1f} x {:.1f} px, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx, c.lens.fy,
         c.lens.cx, c.lens.cy, result.model);
   print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9} {:>9}  picture\n", result.rms_px, "corners",

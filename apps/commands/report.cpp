@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "apps/commands/command.h"
+#include "apps/figures/printed.h"
+#include "apps/page/assets/embedded_assets.h"
 #include "apps/program/progress.h"
 #include "apps/report/report.h"
 #include "apps/text/output_file.h"
@@ -13,24 +15,43 @@ namespace tribotrack::apps {
 void add_report(CLI::App& app, Context& context) {
   auto folder = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
+  auto figures = std::make_shared<std::string>();
   CLI::App& command =
       *app.add_subcommand("report", "One self-contained HTML page from the folder of a `run`");
   command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
   command
       .add_option("-o,--output", *output, "The page; it is self-contained and loads nothing from elsewhere")
-      ->type_name("report.html")
-      ->required();
-  add_common(command, context, "  tribotrack report out -o report.html");
-  command.callback([folder, output, &context] {
+      ->type_name("report.html");
+  command
+      .add_option("--figures", *figures,
+                  "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
+                  "python3-matplotlib), with their numbers as CSV and the script that drew them")
+      ->type_name("DIR");
+  add_common(command, context,
+             "  tribotrack report out -o report.html\n  tribotrack report out --figures figures");
+  command.callback([folder, output, figures, &context] {
     const RunFolder run_folder{*folder};
-    require_writable({{*output}}, run_folder.files_of_report());
+    if (output->empty() && figures->empty())
+      throw CLI::RequiredError("--output report.html, or --figures DIR,");
+    std::vector<Output> outputs;
+    if (!output->empty()) outputs.push_back({*output});
+    require_writable(outputs, run_folder.files_of_report());
     if (const auto writer = writer_of(run_folder))
       say(context.quiet,
           fmt::format("note: {} is being written by {}: the page shows what is there now", *folder, *writer));
-    const ReportOfFolder report = report_of(run_folder);
-    write_file(*output, report.page);
+    const Report report = report_of(run_folder);
     for (const std::string& file : report.missing) say(context.quiet, "warning: " + file);
-    say(context.quiet, *output + ": written");
+    if (!output->empty()) {
+      write_file(*output, report.page);
+      say(context.quiet, *output + ": written");
+    }
+    if (figures->empty()) return;
+    std::vector<Output> files;
+    create_folder(*figures);
+    for (const auto& file : printed_files(report.figures, *figures)) files.push_back({file});
+    require_writable(files, run_folder.files_of_report());
+    print_figures(report.figures, *figures, embedded_assets().figures_py);
+    say(context.quiet, fmt::format("{}: {} figures written", *figures, report.figures.size()));
   });
 }
 

@@ -109,7 +109,8 @@ void CampaignRunner::take_folder() {
   if (const auto writer = options_.wait ? writer_of(folder_) : std::nullopt)
     say(context_.quiet, fmt::format("waiting for {}: it is writing into {}", *writer, folder_.root.string()));
   lock_.emplace(folder_, options_.campaign, options_.wait);
-  std::vector<Output> outputs = {{folder_.fit()}, {folder_.report()}, {folder_.log()}};
+  std::vector<Output> outputs = {{folder_.fit()},  {folder_.report()},          {folder_.runs_table()},
+                                 {folder_.text()}, {folder_.parameter_table()}, {folder_.log()}};
   for (const CampaignRun& run : campaign_.runs) {
     outputs.push_back({folder_.measurement(run.name)});
     if (!run.video) continue;
@@ -182,8 +183,8 @@ bool CampaignRunner::is_complete(const CampaignRun& run, const std::string& key)
 }
 
 void CampaignRunner::write_pictures(const CampaignRun& run, TrackedRecording& recording) const {
-  const auto png = vision::first_frame_png(*recording.source, recording.result.track.first_seen());
-  write_file(folder_.first_frame(run.name), {reinterpret_cast<const char*>(png.data()), png.size()},
+  const auto jpeg = vision::first_frame_jpeg(*recording.source, recording.result.track.first_seen());
+  write_file(folder_.first_frame(run.name), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()},
              Content::pictures);
   for (const fs::path& overlay : {folder_.overlay(run.name), folder_.overlay_video(run.name)}) {
     if (overlay.extension() == ".mp4" && !options_.overlay_videos) continue;
@@ -223,8 +224,11 @@ void CampaignRunner::fit_and_report() {
   fit_ = fit_runs(campaign_, runs_, shared_, context_);
   const MetaFile meta = meta_of_fit(campaign_, runs_);
   write_fit(folder_.fit(), fit_, meta);
-  write_file(folder_.report(),
-             report_page({campaign_, runs_, fit_.result, fit_.shared, meta.json(), folder_}));
+  const Report report = report_of({campaign_, runs_, fit_.result, fit_.shared, meta.json(), folder_});
+  write_file(folder_.runs_table(), report.runs_csv);
+  write_file(folder_.parameter_table(), report.parameters_csv);
+  write_file(folder_.text(), report.text);
+  write_file(folder_.report(), report.page);
 }
 
 void CampaignRunner::write_log() const {

@@ -364,6 +364,7 @@ Campaign read_campaign(const fs::path& file) {
   Campaign campaign;
   campaign.file = file;
   campaign.input = hashed_input(file, text);
+  campaign.title = top.text("title").value_or("");
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
   if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
   if (auto table = top.table("camera"))
@@ -469,6 +470,7 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
 
 Json Campaign::effective_configuration() const {
   Json json;
+  if (!title.empty()) json["title"] = title;
   json["platform"] = {{"amplitude_mm", in_mm(platform.amplitude)},
                       {"amplitude_mm_sd", in_mm(platform.amplitude_sd)},
                       {"amplitude_y_mm", in_mm(platform.amplitude_y)},

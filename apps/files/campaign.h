@@ -61,7 +61,8 @@ struct CampaignRun {
 
 struct Campaign {
   std::filesystem::path file;
-  Input input;  ///< the file, with the hash of the text that was read
+  Input input;        ///< the file, with the hash of the text that was read
+  std::string title;  ///< of the report; empty: the file's name
   PlatformSection platform;
   PartSection part;
   CameraSection camera;

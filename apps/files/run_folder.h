@@ -9,8 +9,8 @@
 namespace tribotrack::apps {
 
 /// DIR/
-///   fit.json, report.html, run.json
-///   tracks/NAME.csv, NAME.png (overlay), NAME.first.png (first analysed frame)
+///   fit.json, report.html, runs.csv, parameters.csv, report.txt, run.json
+///   tracks/NAME.csv, NAME.png (overlay), NAME.first.jpg (first analysed frame, reduced)
 ///   measurements/NAME.json
 ///   aside/ the same of runs that have left the campaign
 ///   .lock while a `run` is writing
@@ -25,7 +25,7 @@ struct RunFolder {
   std::filesystem::path overlay(const std::string& name) const { return tracks() / (name + ".png"); }
   std::filesystem::path overlay_video(const std::string& name) const { return tracks() / (name + ".mp4"); }
   std::filesystem::path first_frame(const std::string& name) const {
-    return tracks() / (name + ".first.png");
+    return tracks() / (name + ".first.jpg");
   }
   std::filesystem::path measurements() const { return root / "measurements"; }
   std::filesystem::path measurement(const std::string& name) const {
@@ -33,6 +33,9 @@ struct RunFolder {
   }
   std::filesystem::path fit() const { return root / "fit.json"; }
   std::filesystem::path report() const { return root / "report.html"; }
+  std::filesystem::path runs_table() const { return root / "runs.csv"; }
+  std::filesystem::path parameter_table() const { return root / "parameters.csv"; }
+  std::filesystem::path text() const { return root / "report.txt"; }
   std::filesystem::path log() const { return root / "run.json"; }
   std::filesystem::path lock() const { return root / ".lock"; }
   RunFolder aside() const { return {root / "aside"}; }

@@ -163,6 +163,7 @@ void read_facts(const JsonPlace& meta, TrackFacts& facts) {
   const JsonPlace recording = section("recording"), time_base = section("time_base");
   facts.exposure_s = number_at(recording, "exposure_s");
   facts.frame_rate_hz = number_at(time_base, "rate_hz");
+  facts.recorded_at = recording.text("trigger_time");
   if (recording.text("format") == "cine") {
     const auto first = number_at(recording, "first_image");
     if (first && facts.frame_rate_hz) facts.trigger_time_s = -*first / *facts.frame_rate_hz;
@@ -218,8 +219,9 @@ TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const st
     file.x_mm.push_back(row.x_mm);
     file.y_mm.push_back(row.y_mm);
     file.sigma_px.push_back(row.sigma_x_px);
+    file.ncc.push_back(row.ncc);
+    file.time_s.push_back(row.time_s);
     if (rows.has_rotation) {
-      file.time_s.push_back(row.time_s);
       file.theta_rad.push_back(row.theta_rad);
       file.sigma_theta_rad.push_back(row.sigma_theta_rad);
     }

@@ -44,6 +44,7 @@ struct TrackFacts {
   bool accepted = true;         ///< the part was lost in no more frames than allowed, and is no mark at rest
   bool rests_for_ever = false;  ///< the disc was found by itself and never moves
   std::optional<double> trigger_time_s;  ///< of a recording that numbers its images from the trigger
+  std::string recorded_at;               ///< ISO 8601 UTC, empty where the recording does not say
   std::vector<Input> recorded_in;        ///< the recording and, where there is one, the calibration
   std::optional<double> frame_rate_hz;
   std::string time_base;  ///< where the frame rate comes from
@@ -65,9 +66,9 @@ struct TrackFile {
   fit::TrackTable table;  ///< rows with status ok, SI
   std::size_t frames = 0, lost = 0, edge = 0;
   /// For pictures of the path: one per row, NaN where the part was not measured.
-  std::vector<double> x_px, y_px, x_mm, y_mm, sigma_px;
-  /// The part's rotation, one per row, NaN where it is not seen; all empty where it is nowhere.
-  std::vector<double> time_s, theta_rad, sigma_theta_rad;
+  std::vector<double> time_s, x_px, y_px, x_mm, y_mm, sigma_px, ncc;
+  /// The part's rotation, one per row, NaN where it is not seen; empty where it is nowhere.
+  std::vector<double> theta_rad, sigma_theta_rad;
   bool has_marker_columns = false;
   bool platform_from_texture = false;  ///< the marker's columns follow a patch of the platform's own texture
   std::optional<double> mm_per_px;     ///< in use; without it the marker's motion stays unknown

@@ -19,8 +19,7 @@ Json sd_json(const std::optional<fit::Estimate>& estimate) {
 
 std::string text_of(const fit::Estimate& estimate) {
   if (!(estimate.sd > 0)) return fmt::format("{:.6g}", estimate.value);
-  return fmt::format("{} +- {}", rounded_to_sd(estimate.value, estimate.sd),
-                     rounded_to_sd(estimate.sd, estimate.sd));
+  return quoted(estimate.value, estimate.sd);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "apps/measuring/unit_slip.h"
 #include "apps/program/errors.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -199,10 +200,10 @@ RunMeasurement measure_run(const std::string& name, const TrackFile& track, cons
   measure_gate(name, track, given, m);
   if (m.platform && m.platform->frequency_drifts())
     m.warnings.push_back(
-        fmt::format("{}: the platform's frequency drifts by {:.3g} +- {:.2g} rad/s^2, {:.2g} % of w over the "
+        fmt::format("{}: the platform's frequency drifts by {} rad/s^2, {:.2g} % of w over the "
                     "recording; w "
                     "is its mean",
-                    name, m.platform->frequency_drift->value, m.platform->frequency_drift->sd,
+                    name, quoted(m.platform->frequency_drift->value, m.platform->frequency_drift->sd),
                     100 * std::abs(m.platform->frequency_drift->value) * (track.table.time.back() - start) /
                         m.platform->angular_frequency.value));
   if (m.angular_frequency) {
@@ -227,11 +228,11 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
   if (off <= 5 * seen.sd || off <= 2e-3 * *given.angular_frequency) return {};
   const bool used = measured.angular_frequency->value == *given.angular_frequency;
   const std::string slip = likely_slip("angular_frequency_rad_s", *given.angular_frequency, seen.value);
-  return {
-      fmt::format("{}: the marker shows angular_frequency_rad_s = {:.6g} +- {:.2g}, given is {:.6g}{}: {}",
-                  name, seen.value, seen.sd, *given.angular_frequency, slip.empty() ? "" : " (" + slip + ")",
-                  used ? "the given value is used; leave it out to use the measured one"
-                       : "the measured value is used, the given one leaves nothing to measure")};
+  return {fmt::format("{}: the marker shows angular_frequency_rad_s = {}, given is {:.6g}{}: {}", name,
+                      quoted(seen.value, seen.sd), *given.angular_frequency,
+                      slip.empty() ? "" : " (" + slip + ")",
+                      used ? "the given value is used; leave it out to use the measured one"
+                           : "the measured value is used, the given one leaves nothing to measure")};
 }
 
 std::string CodedMotion::sentence() const {

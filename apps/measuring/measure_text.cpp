@@ -17,7 +17,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 std::string with_sd(const fit::Estimate& estimate, double unit = 1) {
   const double value = estimate.value / unit, sd = estimate.sd / unit;
   if (!(sd > 0)) return fmt::format("{:.8g}", value);
-  return fmt::format("{} +- {}", rounded_to_sd(value, sd), rounded_to_sd(sd, sd));
+  return quoted(value, sd);
 }
 
 std::string line(const char* name, const std::string& text) {

@@ -247,6 +247,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   }
   facts.xi_axis_rad = prepared.job.xi_axis_rad;
   facts.exposure_s = info.exposure_s;
+  facts.recorded_at = info.trigger_time;
   if (info.format == "cine" && info.time_base.rate_hz)
     facts.trigger_time_s = -static_cast<double>(info.first_number) / *info.time_base.rate_hz;
   if (recording.result.track.has_gate) facts.gate_clipped_share = summary.gate_clipped_share;
@@ -338,6 +339,7 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                             {"frames", recording.info().frame_count},
                             {"first_image", recording.info().first_number},
                             {"exposure_s", optional_json(recording.info().exposure_s)},
+                            {"trigger_time", recording.info().trigger_time},
                             {"notes", recording.info().notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
   if (recording.result.track.has_marker)

@@ -1,24 +1,28 @@
-// The report: one self-contained HTML page of what a campaign gave.
+// The report of a campaign: one self-contained HTML page, tables for other programs, a text to paste, figures
+// for print.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "apps/figures/figure.h"
 #include "apps/files/run_folder.h"
 #include "apps/report/data/from_results.h"
 
 namespace tribotrack::apps {
 
-/// The page of results in memory.
-std::string report_page(const ReportInput& input);
-
-struct ReportOfFolder {
-  std::string page;
+struct Report {
+  std::string page;  ///< HTML
+  std::string runs_csv, parameters_csv, text;
+  std::vector<Figure> figures;  ///< of the campaign, not of its single runs
   std::vector<std::string>
       missing;  ///< what it does not show since the file is gone; stands on the page, too
 };
 
-/// The page of a folder that `run` has filled: the same bytes as report_page gave there. Throws InvalidInput.
-ReportOfFolder report_of(const RunFolder& folder);
+/// Of results in memory.
+Report report_of(const ReportInput& input);
+
+/// Of a folder that `run` has filled: the same bytes as it wrote there. Throws InvalidInput.
+Report report_of(const RunFolder& folder);
 
 }  // namespace tribotrack::apps

@@ -10,6 +10,8 @@
 #include <optional>
 #include <string>
 
+#include "fit/rounding.h"
+
 namespace tribotrack::apps {
 
 /// Shortest text that reads back as the same double; empty for NaN (an empty cell).
@@ -36,9 +38,8 @@ inline double as_written(double value) {
   return value;
 }
 
-/// A value rounded to the place of the second significant digit of its sd, trailing zeros kept: (0.100123,
-/// 0.00031) gives "0.10012". rounded_to_sd(sd, sd) is the sd itself. Four significant digits without a usable
-/// sd.
-std::string rounded_to_sd(double value, double sd);
+using fit::quoted;
+using fit::rounded_end;
+using fit::rounded_to_sd;
 
 }  // namespace tribotrack::apps

@@ -9,6 +9,7 @@
 #include "fit/checks/rivals.h"
 #include "fit/checks/thinned.h"
 #include "fit/minimum/multi_start.h"
+#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
@@ -44,9 +45,7 @@ struct Criteria {
 };
 
 std::string strength_text(Kind kind, const RivalFit& fit, double w) {
-  const auto pm = [&](double unit) {
-    return number(fit.strength * unit, 3) + " +- " + number(fit.sd * unit, 2);
-  };
+  const auto pm = [&](double unit) { return quoted(fit.strength * unit, fit.sd * unit); };
   switch (kind) {
     case Kind::stribeck:
       return "friction at rest higher by " + pm(100) + " %, fading by A w/4";

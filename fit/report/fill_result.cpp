@@ -10,6 +10,7 @@
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/identifiability.h"
+#include "fit/uncertainty/influence.h"
 #include "fit/uncertainty/intervals.h"
 
 namespace tribotrack::fit::internal {
@@ -47,7 +48,19 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
   }
 }
 
-void fill_profile(const std::vector<Interval>& pieces, ParameterEstimate& estimate) {
+void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
+                    FitResult& result) {
+  const Eigen::MatrixXd influence = influence_of_runs(residuals, best, uncertainty);
+  for (std::size_t run = 0; run < result.runs.size(); ++run) {
+    const Eigen::VectorXd row = influence.row(static_cast<Eigen::Index>(run));
+    result.runs[run].influence.assign(row.begin(), row.end());
+  }
+}
+
+void fill_profile(const Profile& profile, double level, ParameterEstimate& estimate) {
+  const std::vector<Interval>& pieces = profile.pieces;
+  estimate.profile = profile.points;
+  estimate.profile_level = level;
   estimate.profile_ci95 = {pieces.front().low, pieces.back().high};
   const Interval& by_covariance = estimate.covariance_ci95;
   const Interval& by_profile = estimate.profile_ci95;

@@ -4,6 +4,7 @@
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
 #include "fit/uncertainty/covariance.h"
+#include "fit/uncertainty/profile.h"
 
 namespace tribotrack::fit::internal {
 
@@ -13,7 +14,10 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
 /// Residuals of every run; a warning names outlying points.
 void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
 /// The profile, and whether it is the interval to quote.
-void fill_profile(const std::vector<Interval>& pieces, ParameterEstimate& estimate);
+void fill_profile(const Profile& profile, double level, ParameterEstimate& estimate);
+/// RunResult::influence.
+void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
+                    FitResult& result);
 /// All minima near the best, the lag folded; the best with its final values first.
 void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result);
 /// Counts trial values without a motion; a warning where some lie near the minimum.

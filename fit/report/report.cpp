@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fit/fit_result.h"
+#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 
 namespace tribotrack::fit {
@@ -12,14 +13,16 @@ namespace {
 using internal::display_factor;
 using internal::number;
 
-std::string interval(const Interval& interval, double factor) {
+std::string interval(const Interval& interval, double factor, double sd) {
   if (std::isnan(interval.low)) return "-";
-  return fmt::format("[{:.5g}, {:.5g}]", interval.low * factor, interval.high * factor);
+  const double low = interval.low * factor, high = interval.high * factor;
+  return fmt::format("[{}, {}]", rounded_end(low, low, high, sd * factor),
+                     rounded_end(high, low, high, sd * factor));
 }
 
-std::string pieces(const std::vector<Interval>& pieces, double factor) {
+std::string pieces(const std::vector<Interval>& pieces, double factor, double sd) {
   std::string text;
-  for (const Interval& piece : pieces) text += (text.empty() ? "" : " or ") + interval(piece, factor);
+  for (const Interval& piece : pieces) text += (text.empty() ? "" : " or ") + interval(piece, factor, sd);
   return text;
 }
 
@@ -60,10 +63,12 @@ std::string parameter_table(const FitResult& fit) {
     const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
                                     ? fmt::format(" ({:.2g} %)", 100 * p.sd / std::abs(p.estimate))
                                     : "";
-    text += fmt::format("    {:<24} {:12.6g} {:10.2g}  {:<24} {:<24} {}{}{}\n", to_string(p.parameter),
-                        p.estimate * factor, p.sd * factor, pieces(p.ci95_pieces, factor),
-                        interval(p.covariance_ci95, factor), interval(p.profile_ci95, factor), percent,
-                        bootstrap ? "  " + interval(p.bootstrap_ci95, factor) : "");
+    text += fmt::format("    {:<24} {:>12} {:>10}  {:<24} {:<24} {}{}{}\n", to_string(p.parameter),
+                        rounded_to_sd(p.estimate * factor, p.sd * factor),
+                        std::isfinite(p.sd) ? rounded_to_sd(p.sd * factor, p.sd * factor) : "not determined",
+                        pieces(p.ci95_pieces, factor, p.sd), interval(p.covariance_ci95, factor, p.sd),
+                        interval(p.profile_ci95, factor, p.sd), percent,
+                        bootstrap ? "  " + interval(p.bootstrap_ci95, factor, p.sd) : "");
   }
   if (bootstrap)
     text += fmt::format("    bootstrap: {} refits to simulated data, seed {}\n", fit.bootstrap,
@@ -128,8 +133,8 @@ std::string FitResult::brief_report() const {
   std::string text;
   for (const auto& p : parameters) {
     const double factor = display_factor(p.parameter);
-    text += fmt::format("{}{} = {} +- {}", text.empty() ? "" : ", ", to_string(p.parameter),
-                        number(p.estimate * factor, 5), number(p.sd * factor, 2));
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", to_string(p.parameter),
+                        quoted(p.estimate * factor, p.sd * factor));
   }
   text += fmt::format("; chi2 {} at {} dof", number(chi2), dof);
   if (!converged) text += "; NOT CONVERGED";

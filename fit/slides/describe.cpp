@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/thresholds.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr double kLoose = 0.5;  ///< sd of mu1 over mu1
 
 std::string pm(const Estimate& estimate, double unit = 1) {
-  return number(estimate.value * unit, 4) + " +- " + number(estimate.sd * unit, 2);
+  return quoted(estimate.value * unit, estimate.sd * unit);
 }
 
 std::string spin_text(const SlideResult& slide) {

@@ -39,8 +39,9 @@ std::string source_name(FitParameter quantity) {
     case FitParameter::gravity:
       return "gravity";
     case FitParameter::tilt_x:
+      return "tilt along x";
     case FitParameter::tilt_y:
-      return "tilt";
+      return "tilt along y";
     default:
       return std::string("prior of ") + to_string(quantity);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "fit/residuals/sticking.h"
+#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 
 namespace tribotrack::fit::internal {
@@ -202,8 +203,7 @@ class Judge {
   void check_precision(Eigen::Index i) {
     const FitParameter parameter = unknowns_.parameter(i);
     const double widest = range(unknowns_, parameter, values_), factor = display_factor(parameter);
-    const std::string shown =
-        fmt::format("{} = {} +- {}", name(i), number(values_(i) * factor, 4), number(sd_(i) * factor, 2));
+    const std::string shown = fmt::format("{} = {}", name(i), quoted(values_(i) * factor, sd_(i) * factor));
     if (sd_(i) > widest && !profiled_)
       add(Verdict::not_identifiable,
           fmt::format("{} is not determined: its sd exceeds the range it can have ({}).", shown,

@@ -121,6 +121,7 @@ class OneSide {
   }
 
   std::optional<Minimum> better;
+  std::vector<ProfilePoint> points;  ///< by the parameter's value
 
  private:
   struct Point {
@@ -146,6 +147,7 @@ class OneSide {
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
     if (!admissible(unknowns, held.z)) return Point{held.z, std::sqrt(level_ - lowest_)};
     if (held.chi2 < lowest_ - kLower) better = held;
+    points.push_back({axis_.value(held.z(index_)), std::max(0.0, held.chi2 - lowest_)});
     return Point{held.z, height(held.chi2)};
   }
 
@@ -263,11 +265,13 @@ class ParameterProfile {
   }
 
   Profile result() const {
-    if (better) return {{}, better};
+    if (better) return {{}, {}, better};
     if (pieces_.all().empty() || (turn() > 0 && pieces_.open())) return open_profile();
     const Transform& transform = unknowns_.transform(index_);
     const bool may_be_zero = name_ == FitParameter::mu1 || name_ == FitParameter::mu2;
     Profile profile;
+    profile.points = points_;
+    std::ranges::sort(profile.points, {}, &ProfilePoint::value);
     for (const Interval& piece : pieces_.all())
       profile.pieces.push_back({std::isfinite(piece.low) ? transform.value(piece.low)
                                 : may_be_zero            ? 0
@@ -292,6 +296,9 @@ class ParameterProfile {
     const auto low = side.cross(limits_.low + by);
     const auto high = side.better ? std::nullopt : side.cross(limits_.high + by);
     better = side.better;
+    side.points.push_back({unknowns_.transform(index_).value(from.minimum.z(index_)),
+                           std::max(0.0, from.minimum.chi2 - best_.chi2)});
+    points_.insert(points_.end(), side.points.begin(), side.points.end());
     pieces_.add({low.value_or(-kInfinity), high.value_or(kInfinity)}, best_.z(index_));
   }
 
@@ -318,12 +325,13 @@ class ParameterProfile {
   double level_;
   Interval limits_;
   Pieces pieces_;
+  std::vector<ProfilePoint> points_;
 };
 
 }  // namespace
 
 Profile open_profile() {
-  return {{{-kInfinity, kInfinity}}, std::nullopt};
+  return {{{-kInfinity, kInfinity}}, {}, std::nullopt};
 }
 
 Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
@@ -333,10 +341,9 @@ Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& min
   return profile.result();
 }
 
-std::vector<std::vector<Interval>> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
-                                            const std::vector<ScreenedPoint>& sample,
-                                            const std::vector<bool>& open, const std::vector<double>& rises,
-                                            int threads) {
+std::vector<Profile> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+                              const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
+                              const std::vector<double>& rises, int threads) {
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
   Residuals rough = residuals;
   rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
@@ -349,10 +356,9 @@ std::vector<std::vector<Interval>> profiles(const Residuals& residuals, std::vec
     for (const Profile& one : found)
       if (one.better && (!better || one.better->chi2 < better->better->chi2)) better = &one;
     if (!better || restart == 3) {
-      std::vector<std::vector<Interval>> pieces;
-      for (const Profile& one : found)
-        pieces.push_back(one.pieces.empty() ? open_profile().pieces : one.pieces);
-      return pieces;
+      for (Profile& one : found)
+        if (one.pieces.empty()) one.pieces = open_profile().pieces;
+      return found;
     }
     minima.insert(minima.begin(), with_curvature(residuals, minimise(residuals, better->better->z)));
   }

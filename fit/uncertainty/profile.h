@@ -17,8 +17,9 @@
 namespace tribotrack::fit::internal {
 
 struct Profile {
-  std::vector<Interval> pieces;   ///< ascending, apart from each other
-  std::optional<Minimum> better;  ///< a point below the minimum: the fit must start again from there
+  std::vector<Interval> pieces;           ///< ascending, apart from each other
+  std::vector<ProfilePoint> points = {};  ///< that were looked at, ascending
+  std::optional<Minimum> better;          ///< a point below the minimum: the fit must start again from there
 };
 
 /// Whole range, in one piece: nothing is excluded.
@@ -33,9 +34,8 @@ Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& min
 
 /// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
 /// minimum restarts them from there (three times at most); `minima.front()` is then the better one.
-std::vector<std::vector<Interval>> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
-                                            const std::vector<ScreenedPoint>& sample,
-                                            const std::vector<bool>& open, const std::vector<double>& rises,
-                                            int threads);
+std::vector<Profile> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+                              const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
+                              const std::vector<double>& rises, int threads);
 
 }  // namespace tribotrack::fit::internal

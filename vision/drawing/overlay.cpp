@@ -9,6 +9,7 @@
 #include <string>
 
 #include "vision/frame_sink.h"
+#include "vision/io/jpeg.h"
 #include "vision/io/png.h"
 #include "vision/io/temporary_file.h"
 
@@ -233,9 +234,14 @@ void write_overlay(FrameSource& source, const TrackResult& result, const std::fi
     write_video(source, result, path);
 }
 
-std::vector<unsigned char> first_frame_png(FrameSource& source, std::int64_t frame_number) {
+std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t frame_number,
+                                            int largest_side) {
+  constexpr int kQuality = 80;  // of 100: the paths drawn over it matter
   const Picture first = source.read(frame_number - source.info().first_number);
-  return png_of(Stretch(first)(first));
+  cv::Mat shown = Stretch(first)(first);
+  if (const double factor = static_cast<double>(largest_side) / std::max(shown.cols, shown.rows); factor < 1)
+    cv::resize(shown, shown, {}, factor, factor, cv::INTER_AREA);
+  return jpeg_of(shown, kQuality);
 }
 
 std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,

@@ -1,35 +1,77 @@
 #include "apps/report/data/curves.h"
 
+#include <array>
+#include <cmath>
+#include <optional>
+
 #include "apps/report/data/groups.h"
-#include "fit/problem.h"
-#include "model/alpha_v.h"
+#include "fit/prediction.h"
 
 namespace tribotrack::apps {
 namespace {
 
-void evaluate(const model::Scenario& first, bool over_phi, ReportGroup& group) {
+using fit::FitParameter;
+
+constexpr std::size_t kFewGroups = 8;  // more curves than that are drawn with fewer points each
+
+constexpr std::array kParameters = {
+    FitParameter::mu1,   FitParameter::mu2,       FitParameter::lag,
+    FitParameter::delay, FitParameter::amplitude, FitParameter::angular_frequency,
+    FitParameter::scale, FitParameter::tilt_x,    FitParameter::tilt_y};
+
+/// In SI; nullopt where a parameter is not known by that name, or not determined: then there is no band.
+std::optional<fit::FittedParameters> known_parameters(const ReportData& data) {
+  const auto n = static_cast<Eigen::Index>(data.parameters.size());
+  if (data.correlation.size() != data.parameters.size()) return std::nullopt;
+  fit::FittedParameters known{{}, Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
+  Eigen::VectorXd sd(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const ReportParameter& p = data.parameters[static_cast<std::size_t>(i)];
+    const auto found = std::ranges::find_if(
+        kParameters, [&](FitParameter parameter) { return p.name == fit::to_string(parameter); });
+    if (found == kParameters.end() || !std::isfinite(p.sd)) return std::nullopt;
+    const double unit = *found == FitParameter::amplitude ? 1e-3 : 1;
+    known.parameters.push_back(*found);
+    known.estimates(i) = unit * p.estimate;
+    sd(i) = unit * p.sd;
+  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double r = data.correlation[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+      if (!std::isfinite(r)) return std::nullopt;
+      known.covariance(i, j) = r * sd(i) * sd(j);
+    }
+  return known;
+}
+
+void evaluate(const model::Scenario& first, bool over_phi, const std::optional<fit::FittedParameters>& known,
+              ReportGroup& group) {
   model::Scenario scenario = first;
   for (const double x : group.curve_x_rad) {
     (over_phi ? scenario.friction.phase : scenario.friction.pulse_width) = x;
-    const Eigen::Vector2d displacement = fit::modelled_displacement(scenario);
-    const bool moved = displacement.norm() > 0;
-    group.curve_alpha_rad.push_back(moved ? model::displacement_angle(displacement) : no_value);
-    group.curve_v_mm_s.push_back(model::mean_velocity(displacement, scenario.end_time()) * 1e3);
+    const fit::Displacement moved =
+        fit::predicted_displacement(scenario, known.value_or(fit::FittedParameters{}));
+    group.curve_alpha_rad.push_back(moved.alpha ? moved.alpha->value : no_value);
+    group.curve_alpha_sd_rad.push_back(known && moved.alpha ? moved.alpha->sd : no_value);
+    group.curve_v_mm_s.push_back(1e3 * moved.mean_velocity.value);
+    group.curve_v_sd_mm_s.push_back(known ? 1e3 * moved.mean_velocity.sd : no_value);
   }
 }
 
 }  // namespace
 
 void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data) {
+  const std::optional<fit::FittedParameters> known = known_parameters(data);
   data.over_phi = group_over_phi(data.runs);
-  for (ReportGroup& group : data.over_phi) {
-    group.curve_x_rad = curve_phis(group, data.runs);
-    evaluate(scenarios[group.runs.front()], true, group);
-  }
   data.over_dtau = group_over_dtau(data.runs);
+  const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
+  for (ReportGroup& group : data.over_phi) {
+    group.curve_x_rad = curve_phis(group, data.runs, points);
+    evaluate(scenarios[group.runs.front()], true, known, group);
+  }
   for (ReportGroup& group : data.over_dtau) {
-    group.curve_x_rad = curve_dtaus(group, data.runs);
-    evaluate(scenarios[group.runs.front()], false, group);
+    group.curve_x_rad = curve_dtaus(group, data.runs, points);
+    evaluate(scenarios[group.runs.front()], false, known, group);
   }
 }
 

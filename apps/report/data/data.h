@@ -15,6 +15,13 @@ namespace tribotrack::apps {
 
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
+/// The profile likelihood of a parameter: by how much chi-square rises when it is held there and all others
+/// are fitted again. Ascending by value; empty where it was not computed.
+struct ReportProfile {
+  std::vector<double> value, rise;
+  double level = no_value;  ///< rise at the ends of the 95 % interval
+};
+
 /// An interval; -infinity / +infinity where open, NaN where not computed.
 struct ReportInterval {
   double low = no_value;
@@ -31,6 +38,7 @@ struct ReportParameter {
   ReportInterval covariance_ci95;      ///< from the covariance
   ReportInterval profile_ci95;         ///< from the profile likelihood
   ReportInterval bootstrap_ci95 = {};  ///< from refits to simulated data; only on request
+  ReportProfile profile = {};
 };
 
 /// A source of uncertainty.
@@ -132,12 +140,19 @@ struct ReportRun {
 
   /// Path in the platform's frame (or the camera's, see notes), y up; NaN where not measured.
   std::vector<double> x_mm, y_mm;
+  /// The model's path at the fitted parameters at the same times, and where the part was after each whole
+  /// cycle (model_path.h). Empty where there is no fit, or the path holds the platform's motion.
+  std::vector<double> model_x_mm, model_y_mm, cycle_x_mm, cycle_y_mm;
+  /// Of every frame; NaN where the part was not measured.
+  std::vector<double> time_s, sigma_all_px, ncc;
+  std::vector<double> influence;  ///< change of each parameter without this run, in its sd; empty: not known
 
   /// The part's rotation over time, NaN where it is not seen; empty where it is nowhere.
-  std::vector<double> time_s, theta_rad;
+  std::vector<double> theta_rad;
   double sigma_theta_rad = no_value;  ///< median sd
 
   std::vector<ReportResidual> residuals;
+  bool in_camera_frame = false;                 ///< the path holds the platform's motion
   std::size_t points = 0, outlying_points = 0;  ///< trajectory fits: used, and of them beyond 6 sigma
   std::vector<ReportStage> plan;
   vision::Audit audit;
@@ -150,8 +165,9 @@ struct ReportGroup {
   double shared_rad = no_value;     ///< dtau of a group over phi, phi of a group over dtau
   std::vector<std::size_t> runs;    ///< indices into ReportData::runs
   std::vector<double> curve_x_rad;  ///< the varied parameter
-  std::vector<double> curve_alpha_rad;
-  std::vector<double> curve_v_mm_s;
+  std::vector<double> curve_alpha_rad,
+      curve_alpha_sd_rad;  ///< sd by the parameters' covariance; NaN: not known
+  std::vector<double> curve_v_mm_s, curve_v_sd_mm_s;
 };
 
 /// A part sliding freely on the resting platform: distance along its path against time.
@@ -214,6 +230,8 @@ struct ReportSource {
 
 struct ReportData {
   std::string title = "tribotrack report";
+  std::string part;    ///< "6 × 0.8 mm", empty where it is not stated
+  std::string filmed;  ///< day or days of the recordings, empty where they do not say
   std::vector<std::string> warnings;
   std::vector<std::string> missing;  ///< of the warnings, those about files that are gone from the folder
 

@@ -25,6 +25,12 @@ void read_parameters(const JsonPlace& fit, ReportData& data) {
                                .profile_ci95 = interval_at(p, "profile_ci95"),
                                .bootstrap_ci95 = interval_at(p, "bootstrap_ci95")});
   }
+  for (ReportParameter& parameter : data.parameters)
+    if (const auto profile = parameters.at(parameter.name).find("profile")) {
+      parameter.profile.value = numbers_at(*profile, "value");
+      parameter.profile.rise = numbers_at(*profile, "chi2_rise");
+      parameter.profile.level = number_at(*profile, "level");
+    }
   const JsonPlace correlation = fit.at("correlation");
   for (const ReportParameter& row : data.parameters) {
     data.correlation.emplace_back();

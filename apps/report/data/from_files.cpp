@@ -13,6 +13,7 @@
 #include "apps/report/data/curves.h"
 #include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
+#include "apps/report/data/model_path.h"
 #include "apps/report/data/platform_drawing.h"
 #include "apps/report/data/sources.h"
 
@@ -145,6 +146,13 @@ ReportRun read_run(const JsonPlace& entry) {
   return run;
 }
 
+/// Of the last run.
+void read_influence(const JsonPlace& entry, ReportData& data) {
+  if (const auto influence = entry.find("influence"))
+    for (const ReportParameter& parameter : data.parameters)
+      data.runs.back().influence.push_back(number_at(*influence, parameter.name));
+}
+
 /// At the fitted values; a default one where the run took no part in the fit.
 model::Scenario read_scenario(const JsonPlace& entry) {
   const auto scenario = entry.find("scenario");
@@ -167,6 +175,7 @@ ReportSlide read_slide(const JsonPlace& slide, const std::string& name) {
 
 void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, ReportData& data) {
   std::vector<model::Scenario> scenarios;
+  std::vector<bool> took_part;
   reading(folder.fit(), [&] {
     const JsonPlace list = JsonPlace{fit, ""}.at("runs").list();
     if (list.value.empty()) list.refuse("a list with the campaign's runs");
@@ -174,6 +183,8 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
       const JsonPlace entry = list.at(k);
       data.runs.push_back(read_run(entry));
       scenarios.push_back(read_scenario(entry));
+      took_part.push_back(entry.find("scenario").has_value());
+      read_influence(entry, data);
       if (const auto slide = entry.find("slide"))
         data.slides.push_back(read_slide(*slide, data.runs.back().name));
     }
@@ -186,6 +197,7 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
       if (run.video.empty() && run.failure.empty()) read_given_measurement(configuration, run);
     });
     if (run.failure.empty() && !run.video.empty()) read_recording(folder, run, data);
+    if (took_part[k]) add_model_path(scenarios[k], run.in_camera_frame, run);
   }
   add_curves(scenarios, data);
 }

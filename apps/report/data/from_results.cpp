@@ -8,6 +8,7 @@
 #include "apps/report/data/curves.h"
 #include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
+#include "apps/report/data/model_path.h"
 #include "apps/report/data/platform_drawing.h"
 #include "apps/report/data/sources.h"
 
@@ -47,6 +48,12 @@ void add_parameters(const fit::FitResult& fit, double mm_per_px, ReportData& dat
     if (p.ci95_pieces.size() > 1)
       for (const fit::Interval& piece : p.ci95_pieces)
         data.parameters.back().pieces.push_back(interval(piece, unit));
+    ReportProfile& profile = data.parameters.back().profile;
+    if (!p.profile.empty()) profile.level = p.profile_level;
+    for (const fit::ProfilePoint& point : p.profile) {
+      profile.value.push_back(finite(point.value * unit));
+      profile.rise.push_back(finite(point.rise));
+    }
     if (fit.bootstrap > 0) data.parameters.back().bootstrap_ci95 = interval(p.bootstrap_ci95, unit);
   }
   for (Eigen::Index i = 0; i < fit.correlation.rows(); ++i) {
@@ -209,6 +216,7 @@ void add_residuals(const fit::RunResult& result, ReportRun& run) {
     if (r.observable == "v_mm_s") run.modelled_v_mm_s = finite(r.modelled);
   }
   run.points = result.points;
+  for (const double change : result.influence) run.influence.push_back(finite(change));
   if (const auto outliers = result.nuisance.find("outliers"); outliers != result.nuisance.end())
     run.outlying_points = static_cast<std::size_t>(outliers->second);
 }
@@ -261,6 +269,7 @@ void add_runs(const ReportInput& input, ReportData& data) {
       add_residuals(result, run);
       // In the units of fit.json, where a conversion costs the last bit.
       scenario = scenario_from(json_of(result.fitted));
+      add_model_path(scenario, run.in_camera_frame, run);
       if (!result.slide.time.empty()) data.slides.push_back(slide_of(result));
     }
     data.runs.push_back(std::move(run));

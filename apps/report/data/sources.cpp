@@ -64,6 +64,30 @@ double median_of_finite(std::vector<double> values) {
   return *middle;
 }
 
+/// "2021-03-04", or the first and the last day.
+void add_day(const std::string& time, ReportData& data) {
+  constexpr std::size_t kDay = 10;  // "2021-03-04"
+  if (time.size() < kDay) return;
+  const std::string day = time.substr(0, kDay), to = " to ";
+  const auto at = data.filmed.find(to);
+  std::string first = data.filmed.substr(0, kDay),
+              last = at == std::string::npos ? first : data.filmed.substr(at + to.size());
+  if (data.filmed.empty()) first = last = day;
+  first = std::min(first, day);
+  last = std::max(last, day);
+  data.filmed = first == last ? first : first + to + last;
+}
+
+/// "6 × 0.8 mm", as far as it was given.
+std::string part_text(const JsonPlace& configuration) {
+  const auto part = configuration.find("part");
+  if (!part) return "";
+  const double diameter = number_at(*part, "diameter_mm"), height = number_at(*part, "height_mm");
+  if (std::isnan(diameter)) return "";
+  return std::isnan(height) ? fmt::format("⌀ {:g} mm", diameter)
+                            : fmt::format("⌀ {:g} × {:g} mm", diameter, height);
+}
+
 }  // namespace
 
 void add_provenance(const Json& meta, ReportData& data) {
@@ -71,11 +95,13 @@ void add_provenance(const Json& meta, ReportData& data) {
   const JsonPlace configuration = place.at("configuration");
   add_given(configuration, data);
   data.program_version = place.text("version");
+  data.part = part_text(configuration);
   const JsonPlace inputs = place.at("inputs").list();
   for (std::size_t k = 0; k < inputs.value.size(); ++k)
     data.inputs.push_back(source_of(inputs.at(k).at("path").text(), inputs.at(k).at("xxh3_128").text(),
                                     inputs.at(k).text("hashed")));
   if (!data.inputs.empty()) data.title = title_of(inputs.at(0).at("path").text());
+  if (const std::string title = configuration.text("title"); !title.empty()) data.title = title;
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -85,6 +111,9 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
   run.x_mm = track.x_mm;
   run.y_mm = track.y_mm;
   run.time_s = track.time_s;
+  run.sigma_all_px = track.sigma_px;
+  run.ncc = track.ncc;
+  run.in_camera_frame = track.facts.in_camera_frame;
   run.theta_rad = track.theta_rad;
   run.sigma_theta_rad = median_of_finite(track.sigma_theta_rad);
   run.frames_ok = track.frames - track.lost - track.edge;
@@ -107,6 +136,7 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
 }
 
 void add_recording(const TrackFile& track, ReportData& data) {
+  add_day(track.facts.recorded_at, data);
   for (const Input& input : track.facts.recorded_in)
     data.inputs.push_back(source_of(input.path.string(), input.xxh3_128, input.hashed));
 }

@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/page/parameters/verdict.h"
-#include "apps/report/text/text.h"
+#include "apps/page/text.h"
+#include "apps/report/findings/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
 
 constexpr double runs_test_rejects = 0.01;  // p below which neighbouring residuals are called correlated
+constexpr long runs_test_needs = 8;         // runs, to be able to reject anything
+constexpr double fit_rejects =
+    0.001;  // p of chi-square below which the data contradict the model (fit/fit_result.h)
 
 /// "in 6.9 of 100 campaigns".
 std::string how_often(double probability) {
@@ -40,11 +43,20 @@ std::string goodness(const ReportData& data) {
                         number(data.scatter_mm, 2));
   html += "</p>\n";
   if (std::isfinite(data.p_value) && data.dof > 0)
-    html += fmt::format("<p><b>p {}</b>: {}chance alone would make χ² so large {}.</p>\n",
-                        data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
-                        data.scatter_mm > 0 ? "without the scatter estimated from the residuals, " : "",
-                        how_often(data.p_value));
+    html += fmt::format(
+        "<p><b>p {}</b>: {}chance alone would make χ² so large {}. Below p = {} the data are taken to "
+        "contradict the "
+        "model{}.</p>\n",
+        data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
+        data.scatter_mm > 0 ? "without the scatter estimated from the residuals, " : "",
+        how_often(data.p_value), number(fit_rejects, 1),
+        data.p_value < fit_rejects ? ": they do" : ": they do not");
   return html;
+}
+
+long used_runs(const ReportData& data) {
+  return std::ranges::count_if(
+      data.runs, [](const ReportRun& run) { return run.failure.empty() && !run.residuals.empty(); });
 }
 
 std::string runs_test(const ReportData& data) {
@@ -55,8 +67,11 @@ std::string runs_test(const ReportData& data) {
           ? "residuals of neighbouring runs have the same sign more often than by chance, which points to "
             "a wrong model rather than to scatter."
       : p < 1 ? "no sign that residuals of neighbouring runs go together, as they would under a wrong model."
-              : "no objection; with fewer than eight runs the test decides nothing.";
-  return fmt::format("<p><b>Runs test: p = {}</b>: {}</p>\n", number(p, 2), result);
+      : used_runs(data) < runs_test_needs ? "with fewer than eight runs the test decides nothing."
+                                          : "residuals of neighbouring runs change sign as often as by "
+                                            "chance or more often: no sign of a wrong model.";
+  return fmt::format("<p><b>Runs test: p = {}</b> (threshold {}): {}</p>\n", number(p, 2),
+                     number(runs_test_rejects, 1), result);
 }
 
 std::string phi_or_dash(double phi) {
@@ -70,7 +85,7 @@ std::string outlier_table(const ReportData& data) {
   });
   std::string html =
       "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
-      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
+      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table id=\"outliers\" class=\"compact "
       "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
   if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
   html += "</tr></thead><tbody>";
@@ -107,7 +122,7 @@ std::string model_table(const ReportData& data) {
       "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
       "unknowns: lower is better; Δ is the difference from the first model, and less than 6 in AIC is not "
       "taken as evidence.</p>\n<div "
-      "class=\"wide\" tabindex=\"0\"><table class=\"compact models\"><thead><tr><th>Model</th><th "
+      "class=\"wide\"><table id=\"models\" class=\"compact models\"><thead><tr><th>Model</th><th "
       "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">ΔAIC</th><th "
       "class=\"n\">BIC</th><th class=\"n\">ΔBIC</th><th>Result</th></tr></thead><tbody>\n";
   const auto signed_difference = [](double value, double first) {
@@ -134,11 +149,12 @@ std::string not_needed(const ReportData& data) {
 
 }  // namespace
 
-std::string check_section(const ReportData& data) {
-  if (!data.fitted || data.parameters.empty()) return "";
-  return "<section id=\"check\"><h2>Does the model describe the data?</h2>\n" + goodness(data) +
-         runs_test(data) + outlier_table(data) + outlying_points(data) + model_table(data) +
-         not_needed(data) + "</section>\n";
+PageSection check_section(const ReportData& data, const std::vector<Figure>& figures) {
+  PageSection section{"check", "Does the model describe the data?", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  section.html = goodness(data) + runs_test(data) + figure_box(figures, "residuals") + outlier_table(data) +
+                 outlying_points(data) + model_table(data) + not_needed(data);
+  return section;
 }
 
 }  // namespace tribotrack::apps

@@ -2,14 +2,15 @@
 // paper.
 #pragma once
 
-#include <string>
+#include <vector>
 
+#include "apps/page/page.h"
 #include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
 
-/// Chi-squared and runs test, runs and points that contradict the others, the friction models compared, and
-/// the analyses that were not needed. Each only where there is something to show.
-std::string check_section(const ReportData& data);
+/// Chi-squared and runs test, residuals, runs and points that contradict the others, the friction models
+/// compared, and the analyses that were not needed. Each only where there is something to show.
+PageSection check_section(const ReportData& data, const std::vector<Figure>& figures);
 
 }  // namespace tribotrack::apps

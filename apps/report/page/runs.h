@@ -1,18 +1,18 @@
-// The report page's parts that go run by run: pictures with the path over them, the table, the plan. HTML
-// that reads the same without scripts and on paper.
+// The report page's sections on single runs: the table of all, what their recordings say of sigma, what was
+// left out, and each over time.
 #pragma once
 
-#include <string>
+#include <vector>
 
+#include "apps/page/page.h"
 #include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
 
-/// Paths over the first frames (paper, fig. 11); a sentence where no run has a picture.
-std::string picture_section(const ReportData& data);
-
-std::string run_section(const ReportData& data);    ///< table of runs, failures, remarks
-std::string audit_section(const ReportData& data);  ///< what the recordings say of their standard deviations
-std::string plan_section(const ReportData& data);   ///< stages left out, and why
+PageSection run_section(const ReportData& data);
+PageSection audit_section(const ReportData& data);
+PageSection plan_section(const ReportData& data);  ///< runs with the same plan in one table
+/// `of_runs`: the figures of each run, in their order. Drawn when a reader opens the run.
+PageSection detail_section(const ReportData& data, const std::vector<std::vector<Figure>>& of_runs);
 
 }  // namespace tribotrack::apps

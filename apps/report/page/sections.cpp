@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/page/text.h"
+#include "apps/report/findings/verdict.h"
+#include "apps/report/page/methods.h"
 #include "apps/report/page/parameters/budget.h"
 #include "apps/report/page/parameters/intervals.h"
-#include "apps/report/page/parameters/verdict.h"
-#include "apps/report/text/text.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -27,42 +28,41 @@ const char* css_class(Trust trust) {
   return "none";
 }
 
-std::string given_table(const ReportData& data) {
-  if (data.given.empty()) return "";
-  std::string html =
-      "<h3>Taken as known</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact\"><tbody>";
-  for (const ReportGiven& given : data.given) {
-    const ParameterText shown = parameter_text(given.name);
-    const bool in_radians = shown.unit == "rad";
-    html += fmt::format("<tr><th>{}</th>", shown.symbol);
-    html += number_cell(in_radians ? angle(given.value) : number(given.value, 6));
-    html += cell(in_radians ? "" : shown.unit) + cell(escape_html(given.source)) + "</tr>";
-  }
-  return html + "</tbody></table></div>\n";
-}
-
 /// A value in the unit of its key; multiples of pi as such where no sd says more.
 std::string quantity_cell(double value, double sd, const std::string& unit) {
   if (std::isnan(value)) return number_cell("–");
   if (unit == "rad" && std::isnan(sd)) return number_cell(angle(value));
-  return number_cell((std::isnan(sd) ? number(value, 6) : value_and_sd(value, sd)) + " " + unit);
+  return number_cell((std::isnan(sd) || sd == 0 ? number(value, 6) : quoted_value(value, sd)) +
+                     (unit.empty() ? "" : " " + unit));
 }
 
+std::string condition_row(const ReportCondition& c) {
+  const ParameterText shown = parameter_text(c.quantity);
+  return fmt::format("<tr><th>{}</th>", shown.symbol) + quantity_cell(c.given, c.given_sd, shown.unit) +
+         quantity_cell(c.measured, c.sd, shown.unit) +
+         number_cell(std::isnan(c.difference_in_sd) ? "–" : number(c.difference_in_sd, 2) + " σ") +
+         quantity_cell(c.used, c.used_sd, shown.unit) + cell(escape_html(c.from)) + "</tr>\n";
+}
+
+/// Every quantity that was not fitted, in one row each: given, measured, and which was used.
 std::string condition_table(const ReportData& data) {
-  if (data.conditions.empty()) return "";
-  std::string html =
-      "<h3>Conditions that the runs share: given and measured</h3>\n<div class=\"wide\" "
-      "tabindex=\"0\"><table class=\"compact conditions\"><thead><tr><th></th><th class=\"n\">given</th><th "
-      "class=\"n\">measured</th><th class=\"n\">difference</th><th class=\"n\">used</th><th>from</th></tr>"
-      "</thead><tbody>";
-  for (const ReportCondition& c : data.conditions) {
-    const ParameterText shown = parameter_text(c.quantity);
-    html += fmt::format("<tr><th>{}</th>", shown.symbol);
-    html += quantity_cell(c.given, c.given_sd, shown.unit) + quantity_cell(c.measured, c.sd, shown.unit);
-    html += number_cell(std::isnan(c.difference_in_sd) ? "–" : number(c.difference_in_sd, 2) + " σ");
-    html += quantity_cell(c.used, c.used_sd, shown.unit) + cell(escape_html(c.from)) + "</tr>";
+  std::string rows;
+  for (const ReportCondition& c : data.conditions) rows += condition_row(c);
+  for (const ReportGiven& given : data.given) {
+    const bool pooled =
+        std::ranges::any_of(data.conditions, [&](const auto& c) { return c.quantity == given.name; });
+    if (pooled) continue;
+    rows += condition_row(
+        {.quantity = given.name, .given = given.value, .used = given.value, .from = given.source});
   }
-  return html + "</tbody></table></div>\n";
+  if (rows.empty()) return "";
+  return "<h3>Conditions: given, measured, used</h3>\n<div class=\"wide\"><table id=\"conditions\" "
+         "class=\"compact "
+         "conditions\"><thead><tr><th>Quantity</th><th class=\"n\">given</th><th class=\"n\">measured, all "
+         "runs "
+         "pooled</th><th class=\"n\">difference</th><th "
+         "class=\"n\">used</th><th>from</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table></div>\n";
 }
 
 /// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
@@ -76,8 +76,8 @@ std::string correlation_table(const ReportData& data) {
   const std::size_t n = data.parameters.size();
   if (n < 2 || data.correlation.size() != n) return "";
   std::string html =
-      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\" tabindex=\"0\"><table class=\"compact "
-      "correlation\"><thead><tr><th></th>";
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table id=\"correlation\" "
+      "class=\"compact correlation\"><thead><tr><td></td>";
   for (const ReportParameter& p : data.parameters)
     html += "<th class=\"n\">" + parameter_text(p.name).symbol + "</th>";
   html += "</tr></thead><tbody>";
@@ -140,47 +140,59 @@ std::string shared_scale(const ReportData& data) {
 
 }  // namespace
 
-std::string verdict_section(const ReportData& data) {
+std::string verdict_box(const ReportData& data) {
   const Verdict verdict = verdict_of(data);
-  std::string html =
-      fmt::format("<section id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></section>\n",
-                  css_class(verdict.trust), verdict.heading, verdict.paragraph);
-  if (!data.warnings.empty())
-    html +=
-        fmt::format("<section id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</section>\n",
-                    data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
-                    html_list(data.warnings));
-  return html;
+  return fmt::format("<div id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></div>\n",
+                     css_class(verdict.trust), verdict.heading, verdict.paragraph);
 }
 
-std::string parameter_section(const ReportData& data) {
-  if (!data.fitted || data.parameters.empty()) return "";
-  std::string html = "<section id=\"parameters\"><h2>Parameters</h2>\n" + interval_table(data);
-  html += "<div class=\"columns\">\n<div>" + identifiability_text(data) + systematics(data) +
-          shared_scale(data) + "</div>\n<div>" + correlation_table(data) + given_table(data) +
-          "</div>\n</div>\n" + budget_table(data) + condition_table(data);
-  return html + "</section>\n";
+std::string warning_box(const ReportData& data) {
+  if (data.warnings.empty()) return "";
+  return fmt::format("<div id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</div>\n",
+                     data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
+                     html_list(data.warnings));
 }
 
-std::string provenance_section(const ReportData& data) {
-  std::string html = "<section id=\"provenance\"><h2>Provenance</h2>\n";
+PageSection parameter_section(const ReportData& data, const std::vector<Figure>& figures) {
+  PageSection section{"parameters", "Parameters", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
+                 systematics(data) + shared_scale(data) + "</div>\n<div>" + correlation_table(data) +
+                 "</div>\n</div>\n" + figure_box(figures, "corner") + condition_table(data);
+  return section;
+}
+
+PageSection budget_section(const ReportData& data, const std::vector<Figure>& figures) {
+  PageSection section{"budget", "Where the uncertainty comes from", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  section.html = budget_table(data) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
+  return section;
+}
+
+PageSection citing_section(const ReportData& data) {
+  return {"citing", "Methods and how to cite", methods_html(data)};
+}
+
+PageSection provenance_section(const ReportData& data) {
+  PageSection section{"provenance", "Provenance", "", true};
+  std::string& html = section.html;
   html += "<p>Made by tribotrack " +
           escape_html(data.program_version.empty() ? "(version not stated)" : data.program_version) +
-          " after S. Kilikevičius, K. Liutkauskienė and A. Fedaravičius, <i>Nonprehensile Manipulation of "
-          "Parts on a Horizontal Circularly Oscillating Platform with Dynamic Dry Friction Control</i>, "
-          "2021 (“the paper”). Figures drawn with plotly.js (MIT licence), which is part of this page; "
-          "the page fetches nothing.</p>\n";
+          ". Figures drawn with plotly.js (MIT licence), which is part of this page; the page fetches "
+          "nothing.</p>\n";
   if (!data.inputs.empty()) {
-    html += "<details><summary>Inputs and their hashes</summary>\n<table class=\"compact\"><tbody>";
+    html +=
+        "<details class=\"print\"><summary>Inputs and their hashes</summary>\n<table id=\"inputs\" "
+        "class=\"compact\"><thead><tr><th>File</th><th>Hash</th></tr></thead><tbody>";
     for (const ReportSource& input : data.inputs)
       html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
               "</tr>";
     html += "</tbody></table></details>\n";
   }
   if (!data.configuration.empty())
-    html += "<details><summary>Effective configuration</summary>\n<pre>" + escape_html(data.configuration) +
-            "</pre></details>\n";
-  return html + "</section>\n";
+    html += "<details class=\"screen-only\"><summary>Effective configuration</summary>\n<pre>" +
+            escape_html(data.configuration) + "</pre></details>\n";
+  return section;
 }
 
 }  // namespace tribotrack::apps

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/text/text.h"
+#include "apps/page/text.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -26,7 +26,7 @@ std::string row(const ReportData& data, const ReportBudgetEntry& entry) {
   std::string html = fmt::format("<tr{}><th>{}</th>{}{}", entry.counted ? "" : " class=\"exact\"",
                                  escape_html(entry.source), number_cell(source_sd(entry)), cell(entry.from));
   for (std::size_t i = 0; i < data.parameters.size() && i < entry.contribution.size(); ++i)
-    html += bar_cell(entry.contribution[i], data.parameters[i].sd);
+    html += bar_cell(entry.contribution[i], entry.counted ? data.parameters[i].sd : 0);
   return html + "</tr>\n";
 }
 
@@ -34,10 +34,10 @@ std::string row(const ReportData& data, const ReportBudgetEntry& entry) {
 
 std::string budget_table(const ReportData& data) {
   if (data.budget.empty()) return "";
-  std::string html = "<h3 id=\"budget\">Uncertainty budget</h3>\n";
+  std::string html;
   if (!data.improve_first.empty()) html += "<p>" + sentence_html(data.improve_first) + "</p>\n";
   html +=
-      "<div class=\"wide\" tabindex=\"0\"><table class=\"budget\"><thead><tr><th>Source</th><th "
+      "<div class=\"wide\"><table id=\"budget-table\" class=\"budget\"><thead><tr><th>Source</th><th "
       "class=\"n\">Its standard deviation</th><th>From</th>";
   for (const ReportParameter& p : data.parameters) {
     const ParameterText shown = parameter_text(p.name);

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "apps/report/text/text.h"
+#include "apps/page/text.h"
+#include "apps/report/findings/quoted.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -59,26 +60,18 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 
 }  // namespace
 
-std::string quoted_interval(const ReportParameter& parameter) {
-  if (parameter.pieces.empty()) return interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd);
-  std::string text;
-  for (const ReportInterval& piece : parameter.pieces)
-    text += (text.empty() ? "" : " or ") + interval_text(piece.low, piece.high, parameter.sd);
-  return text;
-}
-
 std::string interval_table(const ReportData& data) {
   const std::vector<IntervalColumn> columns = interval_columns(data);
   std::string html = fmt::format(
-      "<div class=\"wide\" tabindex=\"0\"><table class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
-      "class=\"n\">Value</th><th class=\"n\">Standard deviation</th>",
+      "<div class=\"wide\"><table id=\"parameter-table\" "
+      "class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
+      "class=\"n\">Value (sd of the last digits)</th>",
       columns.size() > 2 ? " many" : "");
   for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
   for (const ReportParameter& p : data.parameters) {
     const ParameterText shown = parameter_text(p.name);
-    html += "<tr><th>" + shown.symbol + "</th>" + number_cell(rounded(p.estimate, p.sd)) +
-            number_cell(rounded(p.sd, p.sd));
+    html += "<tr><th>" + shown.symbol + "</th>" + quoted_cell(p.estimate, p.sd);
     for (const IntervalColumn& column : columns)
       html += "<td class=\"n ends\">" +
               (column.interval == &ReportParameter::ci95

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/text/text.h"
+#include "apps/page/text.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -42,7 +42,7 @@ std::string interval(const ReportInterval& range) {
 
 std::string next_table(const ReportData& data) {
   std::string html =
-      "<div class=\"wide\" tabindex=\"0\"><table class=\"next\"><thead><tr><th>Best for</th><th "
+      "<div class=\"wide\"><table id=\"next-runs\" class=\"next\"><thead><tr><th>Best for</th><th "
       "class=\"n\">φ</th><th "
       "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
   for (const ReportParameter& parameter : data.parameters) {
@@ -74,15 +74,15 @@ std::string next_table(const ReportData& data) {
 
 }  // namespace
 
-std::string next_section(const ReportData& data) {
-  if (!data.fitted || data.parameters.empty()) return "";
-  if (data.next_experiment.empty() && data.next_runs.empty()) return "";
+PageSection next_section(const ReportData& data) {
+  PageSection section{"next", "What to film next", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  if (data.next_experiment.empty() && data.next_runs.empty()) return section;
   const std::string sentence =
       data.next_experiment.empty() ? data.next_runs.front().sentence : data.next_experiment;
-  std::string html =
-      "<section id=\"next\"><h2>What to film next</h2>\n<p>" + sentence_html(sentence) + "</p>\n";
-  if (!data.next_runs.empty()) html += next_table(data);
-  return html + "</section>\n";
+  section.html = "<p>" + sentence_html(sentence) + "</p>\n";
+  if (!data.next_runs.empty()) section.html += next_table(data);
+  return section;
 }
 
 }  // namespace tribotrack::apps

@@ -10,9 +10,9 @@
 #include "apps/files/meta_file.h"
 #include "apps/program.h"
 #include "apps/report/data/json.h"
+#include "apps/report/findings/verdict.h"
 #include "apps/report/page/check.h"
 #include "apps/report/page/parameters/next.h"
-#include "apps/report/page/parameters/verdict.h"
 #include "apps/report/page/sections.h"
 
 namespace tribotrack::apps {

@@ -1,4 +1,4 @@
-#include "apps/report/text/text.h"
+#include "apps/page/text.h"
 
 #include <gtest/gtest.h>
 

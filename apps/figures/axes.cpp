@@ -1,0 +1,134 @@
+#include "apps/figures/axes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <numeric>
+
+namespace tribotrack::apps {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kMostTicks = 8.5;
+
+/// Do all values lie on multiples of pi/n?
+bool lie_on(const std::vector<double>& values, long n) {
+  return std::ranges::all_of(values, [&](double v) {
+    const double k = v * static_cast<double>(n) / kPi;
+    return !std::isfinite(v) || std::abs(k - std::round(k)) < 1e-3;
+  });
+}
+
+void extend(Range& range, bool& any, double value) {
+  if (!std::isfinite(value)) return;
+  range = any ? Range{std::min(range.low, value), std::max(range.high, value)} : Range{value, value};
+  any = true;
+}
+
+/// What the series of a panel reach along one axis.
+void add_reach(const FigurePanel& panel, bool along_x, AxisScale scale, Range& range, bool& any) {
+  const auto add = [&](double value) {
+    if (scale == AxisScale::linear || value > 0) extend(range, any, value);
+  };
+  for (const Series& series : panel.series) {
+    const std::vector<double>& values = along_x ? series.x : series.y;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double bar = !along_x && i < series.sd.size() && std::isfinite(series.sd[i]) ? series.sd[i] : 0;
+      add(values[i] - bar);
+      add(values[i] + bar);
+    }
+    if (!along_x)
+      for (const double value : series.y_high) add(value);
+    if (along_x && series.mark == Mark::bars) add(0);
+  }
+}
+
+void settle(FigureAxis& axis, const Range& reach, bool any) {
+  Range ends = any ? reach : Range{};
+  if (axis.scale == AxisScale::logarithmic) {
+    const auto decade = [](double value, bool up) {
+      const double power = std::log10(value);
+      return std::pow(10, up ? std::ceil(power - 1e-9) : std::floor(power + 1e-9));
+    };
+    ends = any ? Range{decade(reach.low, false), decade(reach.high, true)} : Range{1, 10};
+    if (!(ends.high > ends.low)) ends.high = 10 * ends.low;
+  } else {
+    if (!(ends.high > ends.low)) {
+      const double spare = std::max(0.5 * std::abs(ends.low), 1e-9);
+      ends = {ends.low - spare, ends.high + spare};
+    }
+    ends = padded(ends, 0.05);
+  }
+  if (std::isnan(axis.low)) axis.low = ends.low;
+  if (std::isnan(axis.high)) axis.high = ends.high;
+}
+
+}  // namespace
+
+std::string multiple_of_pi(long k, long n) {
+  if (k == 0) return "0";
+  const long divisor = std::gcd(k, n), top = std::abs(k) / divisor, bottom = n / divisor;
+  return (k < 0 ? "−" : "") + (top == 1 ? std::string() : std::to_string(top)) + "π" +
+         (bottom == 1 ? std::string() : "/" + std::to_string(bottom));
+}
+
+FigureAxis angle_axis(const std::string& title, double low, double high, const std::vector<double>& values) {
+  FigureAxis axis{.title = title, .low = low, .high = high};
+  constexpr std::array<long, 5> quarters = {12, 8, 4, 2, 1};
+  constexpr std::array<long, 5> thirds = {12, 6, 3, 2, 1};
+  const double turns = (high - low) / kPi;
+  for (const long n : lie_on(values, 4) || !lie_on(values, 6) ? quarters : thirds) {
+    if (turns * static_cast<double>(n) > kMostTicks && n > 1) continue;
+    const double step = kPi / static_cast<double>(n);
+    for (long k = std::lround(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9;
+         ++k) {
+      axis.ticks.push_back(static_cast<double>(k) * step);
+      axis.labels.push_back(multiple_of_pi(k, n));
+    }
+    break;
+  }
+  if (axis.ticks.size() >= 3) return axis;
+  axis.ticks.clear();
+  axis.labels.clear();
+  return axis;
+}
+
+Range range_of(const std::vector<double>& values) {
+  Range range;
+  bool any = false;
+  for (const double value : values) extend(range, any, value);
+  if (!any) return {};
+  if (!(range.high > range.low)) range.high = range.low + std::max(std::abs(range.low), 1e-3);
+  return range;
+}
+
+Range padded(const Range& range, double share) {
+  return {range.low - share * range.size(), range.high + share * range.size()};
+}
+
+Range hull(const Range& a, const Range& b) {
+  return {std::min(a.low, b.low), std::max(a.high, b.high)};
+}
+
+void settle_axes(Figure& figure) {
+  const auto columns = static_cast<std::size_t>(figure.columns);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    FigurePanel& panel = figure.panels[i];
+    Range reach;
+    bool any = false;
+    add_reach(panel, false, panel.y.scale, reach, any);
+    for (const Stripe& stripe : panel.stripes)
+      for (const double end : {stripe.low, stripe.high}) extend(reach, any, end);
+    if (panel.zero_line) extend(reach, any, 0);
+    settle(panel.y, reach, any);
+    any = false;
+    for (std::size_t k = 0; k < figure.panels.size(); ++k)
+      if (k == i || (figure.shared_x && k % columns == i % columns))
+        add_reach(figure.panels[k], true, panel.x.scale, reach, any);
+    settle(panel.x, reach, any);
+  }
+}
+
+}  // namespace tribotrack::apps

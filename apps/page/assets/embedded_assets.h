@@ -1,0 +1,20 @@
+// The files of pages, carried inside the program so that an installed binary needs nothing beside it.
+#pragma once
+
+#include <string_view>
+
+namespace tribotrack::apps {
+
+/// The bytes of this folder as they were at build time (see embed_assets.cmake). Valid for the whole program.
+struct EmbeddedAssets {
+  std::string_view plotly_js;      ///< plotly.js, cartesian bundle, pinned in this folder/package.json
+  std::string_view page_template;  ///< this folder/page.html, with {{name}} where a page's parts go
+  std::string_view page_css;
+  std::string_view page_js;
+  std::string_view figures_js;  ///< draws figures on the page
+  std::string_view figures_py;  ///< draws them for print
+};
+
+const EmbeddedAssets& embedded_assets();
+
+}  // namespace tribotrack::apps

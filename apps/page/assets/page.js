@@ -1,0 +1,178 @@
+// What a page of tribotrack does beyond standing there: figures and tables leave it as files, pictures grow, on paper all
+// of it is shown. Needs figures.js.
+"use strict";
+(function () {
+  const root = document.documentElement, campaign = root.dataset.name || "tribotrack";
+
+  function save(name, type, text) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: type }));
+    link.download = campaign + "-" + name;
+    link.click();
+    setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
+  }
+
+  // Cells with data-v hold more digits than they show.
+  function table_csv(table) {
+    return Array.from(table.rows).map(function (row) {
+      return Array.from(row.cells).map(function (cell) {
+        const text = cell.dataset.v !== undefined ? cell.dataset.v : cell.textContent.trim().replace(/\s+/g, " ");
+        const more = cell.dataset.sd !== undefined ? "," + cell.dataset.sd : cell.tagName === "TH" && cell.dataset.cols ? ",sd" : "";
+        const filled = ",".repeat(Math.max(0, cell.colSpan - 1));
+        return (/[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text) + more + filled;
+      }).join(",");
+    }).join("\n") + "\n";
+  }
+
+  // The path drawn over a picture, in pixels of the recording.
+  function path_csv(svg) {
+    const path = svg.querySelector(".path"), d = path ? path.getAttribute("d") : "";
+    return "x_px,y_px\n" + (d.match(/[ML][-\d.]+ [-\d.]+/g) || []).map(function (step) {
+      const [x, y] = step.slice(1).split(" ").map(Number);
+      return (x - 0.5).toFixed(1) + "," + (y - 0.5).toFixed(1);
+    }).join("\n") + "\n";
+  }
+
+  function svg_text(svg) {
+    const copy = svg.cloneNode(true), style = document.createElementNS("http://www.w3.org/2000/svg", "style");
+    copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+    style.textContent = ".halo,.path{fill:none;vector-effect:non-scaling-stroke}.halo{stroke:#fff;stroke-width:3.4px;stroke-opacity:.75}" +
+      ".path{stroke:#d55e00;stroke-width:1.5px}.start{fill:#fff;stroke:#d55e00}.end{fill:#d55e00;stroke:#fff}";
+    copy.prepend(style);
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(copy);
+  }
+
+  // Prints one part of the page by itself: "Save as PDF" in the browser's dialogue.
+  function print_alone(element) {
+    const parts = [];
+    for (let part = element; part && part !== document.body; part = part.parentElement) parts.push(part);
+    parts.forEach(function (part) { part.classList.add("alone"); });
+    root.classList.add("print-alone");
+    addEventListener("afterprint", function () {
+      root.classList.remove("print-alone");
+      parts.forEach(function (part) { part.classList.remove("alone"); });
+    }, { once: true });
+    window.print();
+  }
+
+  function tools(what, actions) {
+    const bar = document.createElement("div");
+    bar.className = "tools";
+    actions.forEach(function (action) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = action[0];
+      button.setAttribute("aria-label", action[0] + " of " + what);
+      button.addEventListener("click", action[1]);
+      bar.append(button);
+    });
+    return bar;
+  }
+
+  function title_of(element) {
+    const title = element.querySelector("figcaption b, caption");
+    return title ? title.textContent.replace(/[.\s]+$/, "") : element.id || "table";
+  }
+
+  document.querySelectorAll("figure.plot").forEach(function (figure) {
+    const id = figure.querySelector(".box").id.slice(5);
+    figure.append(tools(title_of(figure), [
+      ["CSV", function () { save(id + ".csv", "text/csv", TribotrackFigures.csv_of(id)); }],
+      ["SVG", function () {
+        TribotrackFigures.svg_of(id).then(function (svg) { save(id + ".svg", "image/svg+xml", svg); });
+      }],
+      ["PDF", function () { print_alone(figure); }]]));
+  });
+
+  document.querySelectorAll("figure.frame").forEach(function (figure) {
+    const svg = figure.querySelector("svg"), name = figure.id;
+    figure.append(tools("the picture of " + title_of(figure), [
+      ["CSV", function () { save(name + ".csv", "text/csv", path_csv(svg)); }],
+      ["SVG", function () { save(name + ".svg", "image/svg+xml", svg_text(svg)); }],
+      ["PDF", function () { print_alone(figure); }]]));
+    const enlarge = function () { figure.classList.toggle("big"); };
+    svg.addEventListener("click", enlarge);
+    const bar = figure.querySelector(".tools"), button = document.createElement("button");
+    button.type = "button";
+    button.textContent = "Larger";
+    button.setAttribute("aria-label", "Larger or smaller: " + title_of(figure));
+    button.addEventListener("click", enlarge);
+    bar.append(button);
+  });
+
+  document.querySelectorAll("table[id]").forEach(function (table) {
+    const name = table.id, holder = table.closest(".wide") || table;
+    holder.after(tools("table " + name, [
+      ["CSV", function () { save(name + ".csv", "text/csv", table_csv(table)); }],
+      ["PDF", function () { print_alone(holder); }]]));
+  });
+
+  // A table's rows in the order of a column: by its numbers where it has them.
+  document.querySelectorAll("table.sortable").forEach(function (table) {
+    Array.from(table.tHead.rows[0].cells).forEach(function (head, column) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "sort";
+      button.append(...head.childNodes);
+      head.append(button);
+      button.addEventListener("click", function () {
+        const up = head.getAttribute("aria-sort") !== "ascending";
+        const key = function (row) {
+          const cell = row.cells[column], text = cell ? (cell.dataset.v || cell.textContent) : "";
+          const number = parseFloat(text.replace("−", "-"));
+          return isNaN(number) ? text : number;
+        };
+        const rows = Array.from(table.tBodies[0].rows);
+        rows.sort(function (a, b) {
+          const x = key(a), y = key(b);
+          const order = typeof x === "number" && typeof y === "number" ? x - y : String(x).localeCompare(String(y));
+          return up ? order : -order;
+        });
+        table.tBodies[0].append(...rows);
+        Array.from(table.tHead.rows[0].cells).forEach(function (other) { other.removeAttribute("aria-sort"); });
+        head.setAttribute("aria-sort", up ? "ascending" : "descending");
+      });
+    });
+  });
+
+  // Boxes that scroll take the keyboard only where there is something to scroll.
+  function settle_scrolling() {
+    document.querySelectorAll(".wide").forEach(function (wide) {
+      if (wide.scrollWidth > wide.clientWidth) {
+        wide.tabIndex = 0;
+        wide.setAttribute("role", "region");
+        wide.setAttribute("aria-label", "table, scrolls sideways");
+      } else {
+        wide.removeAttribute("tabindex");
+        wide.removeAttribute("role");
+        wide.removeAttribute("aria-label");
+      }
+    });
+  }
+  settle_scrolling();
+  addEventListener("resize", settle_scrolling);
+
+  function open_all() { document.querySelectorAll("details").forEach(function (d) { d.open = true; }); }
+  if (location.hash === "#all") open_all();
+  // A link into something folded opens it.
+  function open_target() {
+    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    for (let part = target || null; part; part = part.parentElement) if (part.tagName === "DETAILS") part.open = true;
+    if (target) target.scrollIntoView();
+  }
+  addEventListener("hashchange", open_target);
+
+  const opened_for_print = [];
+  addEventListener("beforeprint", function () {
+    if (!root.classList.contains("print-alone"))
+      document.querySelectorAll("details.print:not([open])").forEach(function (d) { d.open = true; opened_for_print.push(d); });
+    TribotrackFigures.for_print(true);
+  });
+  addEventListener("afterprint", function () {
+    opened_for_print.splice(0).forEach(function (d) { d.open = false; });
+    TribotrackFigures.for_print(false);
+  });
+
+  TribotrackFigures.start();
+  open_target();
+})();

@@ -1,0 +1,13 @@
+// What the fit says of its parameters: profiles, pairs, budget, influence of each run.
+#pragma once
+
+#include <vector>
+
+#include "apps/figures/figure.h"
+#include "apps/report/data/data.h"
+
+namespace tribotrack::apps {
+
+std::vector<Figure> parameter_figures(const ReportData& data);
+
+}  // namespace tribotrack::apps

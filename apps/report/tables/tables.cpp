@@ -1,0 +1,123 @@
+#include "apps/report/tables/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "apps/text/number_text.h"
+
+namespace tribotrack::apps {
+namespace {
+
+std::string quoted_text(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+double residual_of(const ReportRun& run, const char* observable, double ReportResidual::*number) {
+  const auto found = std::ranges::find(run.residuals, observable, &ReportResidual::observable);
+  return found == run.residuals.end() ? no_value : (*found).*number;
+}
+
+/// One column of runs.csv: its name and a run's cell.
+struct Column {
+  const char* name;
+  std::function<std::string(const ReportRun&)> cell;
+};
+
+Column numbers(const char* name, double ReportRun::*member) {
+  return {name, [member](const ReportRun& run) { return exact(run.*member); }};
+}
+
+Column of_platform(const char* name, double ReportPlatform::*member) {
+  return {name, [member](const ReportRun& run) { return exact(run.platform.*member); }};
+}
+
+Column of_residual(const char* name, const char* observable, double ReportResidual::*member) {
+  return {name, [=](const ReportRun& run) { return exact(residual_of(run, observable, member)); }};
+}
+
+Column counts(const char* name, std::size_t ReportRun::*member) {
+  return {name, [member](const ReportRun& run) { return std::to_string(run.*member); }};
+}
+
+Column texts(const char* name, std::string ReportRun::*member) {
+  return {name, [member](const ReportRun& run) { return quoted_text(run.*member); }};
+}
+
+const std::vector<Column>& columns() {
+  using R = ReportResidual;
+  static const std::vector<Column> all = {
+      texts("name", &ReportRun::name),
+      texts("kind", &ReportRun::kind),
+      texts("video", &ReportRun::video),
+      numbers("phi_rad", &ReportRun::phi_rad),
+      numbers("dtau_rad", &ReportRun::dtau_rad),
+      numbers("alpha_rad", &ReportRun::alpha_rad),
+      numbers("alpha_rad_sd", &ReportRun::alpha_sd_rad),
+      numbers("alpha_model_rad", &ReportRun::modelled_alpha_rad),
+      numbers("v_mm_s", &ReportRun::v_mm_s),
+      numbers("v_mm_s_sd", &ReportRun::v_sd_mm_s),
+      numbers("v_model_mm_s", &ReportRun::modelled_v_mm_s),
+      of_residual("dx_mm", "dx_mm", &R::measured),
+      of_residual("dx_mm_sd", "dx_mm", &R::sd),
+      of_residual("dx_model_mm", "dx_mm", &R::modelled),
+      of_residual("dx_residual_sd", "dx_mm", &R::standardised),
+      of_residual("dy_mm", "dy_mm", &R::measured),
+      of_residual("dy_mm_sd", "dy_mm", &R::sd),
+      of_residual("dy_model_mm", "dy_mm", &R::modelled),
+      of_residual("dy_residual_sd", "dy_mm", &R::standardised),
+      {"cycles", [](const ReportRun& run) { return run.cycles > 0 ? std::to_string(run.cycles) : ""; }},
+      of_platform("amplitude_mm", &ReportPlatform::amplitude_mm),
+      of_platform("amplitude_mm_sd", &ReportPlatform::amplitude_sd_mm),
+      of_platform("angular_frequency_rad_s", &ReportPlatform::w_rad_s),
+      of_platform("angular_frequency_rad_s_sd", &ReportPlatform::w_sd_rad_s),
+      of_platform("phase_shift_rad", &ReportPlatform::epsilon_rad),
+      of_platform("phase_shift_rad_sd", &ReportPlatform::epsilon_sd_rad),
+      counts("frames_ok", &ReportRun::frames_ok),
+      counts("frames_lost", &ReportRun::frames_lost),
+      counts("frames_edge", &ReportRun::frames_edge),
+      numbers("frame_rate_hz", &ReportRun::frame_rate_hz),
+      numbers("sigma_px", &ReportRun::sigma_px),
+      texts("failure", &ReportRun::failure)};
+  return all;
+}
+
+}  // namespace
+
+std::string runs_csv(const ReportData& data) {
+  std::string csv = "number";
+  for (const Column& column : columns()) csv.append(",").append(column.name);
+  for (std::size_t i = 0; i < data.runs.size(); ++i) {
+    csv += fmt::format("\n{}", i + 1);
+    for (const Column& column : columns()) csv.append(",").append(column.cell(data.runs[i]));
+  }
+  return csv + "\n";
+}
+
+std::string parameters_csv(const ReportData& data) {
+  std::string csv =
+      "parameter,estimate,sd,ci95_low,ci95_high,covariance_ci95_low,covariance_ci95_high,profile_ci95_low,"
+      "profile_ci95_high";
+  for (const ReportParameter& p : data.parameters) csv += ",correlation_with_" + p.name;
+  csv += "\n";
+  for (std::size_t i = 0; i < data.parameters.size(); ++i) {
+    const ReportParameter& p = data.parameters[i];
+    csv += fmt::format("{},{},{}", p.name, exact(p.estimate), exact(p.sd));
+    // An open end is no number: an empty cell.
+    for (const ReportInterval& range : {p.ci95, p.covariance_ci95, p.profile_ci95})
+      csv += fmt::format(",{},{}", exact(range.low), exact(range.high));
+    for (std::size_t k = 0; k < data.parameters.size(); ++k)
+      csv +=
+          "," + (i < data.correlation.size() && k < data.correlation[i].size() ? exact(data.correlation[i][k])
+                                                                               : "");
+    csv += "\n";
+  }
+  return csv;
+}
+
+}  // namespace tribotrack::apps
