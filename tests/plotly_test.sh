@@ -20,8 +20,8 @@ cat >lock.json <<LOCK
 LOCK
 cat >fetch.cmake <<SCRIPT
 cmake_minimum_required(VERSION 3.25)
-include("$source/apps/page/assets/fetch_plotly.cmake")
-set(TRIBOTRACK_PLOTLY_LOCK "$work/lock.json")
+include("$source/apps/page/assets/fetch_libraries.cmake")
+set(TRIBOTRACK_LIBRARY_LOCK "$work/lock.json")
 tribotrack_fetch_plotly(file)
 file(READ "\${file}" text)
 message("embeds \${text}")
@@ -44,7 +44,7 @@ must_say() { tr -s ' \n' ' ' <said | grep -q -- "$1" || { echo "not said: $1"; c
 
 # Nothing given, nothing cached, no network.
 must_fail nothing
-must_say "plotly.js 1.2.3, which was not found"
+must_say "$name 1.2.3, which was not found"
 must_say "no registry: npm is not installed"
 must_say "npm_config_registry=ADDRESS"
 must_say "npm pack $name@1.2.3 on another machine, and copy the archive to $work/home/.cache/tribotrack/$archive"

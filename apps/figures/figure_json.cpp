@@ -105,6 +105,7 @@ Json json_of(const Figure& figure, Numbers numbers) {
                {"columns", figure.columns},
                {"height", figure.height},
                {"shared_x", figure.shared_x}};
+  if (figure.width != 1) json["width"] = figure.width;
   if (figure.colours) {
     json["colours"] = {{"title", figure.colours->title},
                        {"low", short_number(figure.colours->low)},

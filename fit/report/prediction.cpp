@@ -1,4 +1,4 @@
-#include "fit/prediction.h"
+#include "fit/problem.h"
 
 #include "fit/residuals/end_point.h"
 

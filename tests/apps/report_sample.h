@@ -113,6 +113,7 @@ inline ReportRun displacement_run(double phi, double dtau, std::mt19937& random)
   run.time_base = "camera header";
   run.sigma_px = 0.0123;
   run.residuals = {{"dx_mm", 1.0, 1.01, 0.01, normal(random)}, {"dy_mm", 1.0, 1.01, 0.01, normal(random)}};
+  run.influence = {0.1 * normal(random), 0.1 * normal(random), 0.1 * normal(random)};
   run.plan = {{"rotation of the part", false, "the part turns by 0.1° in 500 frames", 0.002},
               {"marker", true, "the platform moves by 7 px", no_value}};
 
@@ -127,6 +128,15 @@ inline ReportRun displacement_run(double phi, double dtau, std::mt19937& random)
     if (phi > 5 && i >= 200 && i < 203) x = y = no_value;
     run.x_mm.push_back(x);
     run.y_mm.push_back(y);
+    run.time_s.push_back(time);
+    run.sigma_all_px.push_back(std::isnan(x) ? no_value : 0.0123);
+    run.ncc.push_back(std::isnan(x) ? no_value : 0.99);
+    run.model_x_mm.push_back(run.modelled_v_mm_s * time * std::cos(run.modelled_alpha_rad));
+    run.model_y_mm.push_back(run.modelled_v_mm_s * time * std::sin(run.modelled_alpha_rad));
+    if (i % 25 == 0 && !std::isnan(x)) {
+      run.cycle_x_mm.push_back(x);
+      run.cycle_y_mm.push_back(y);
+    }
     run.x_px.push_back(110 + x / 0.12);
     run.y_px.push_back(80 - y / 0.12);
   }
@@ -162,6 +172,13 @@ inline ReportData campaign(unsigned seed = 1) {
       {"mu1", 0.100123, 0.00031, {0.09952, 0.10073}, {}, {0.09952, 0.10073}, {0.09949, 0.10079}},
       {"mu2", 0.01262, 0.00042, {0.01182, 0.01347}, {}, {0.01182, 0.01347}, {0.01175, 0.01352}},
       {"phase_lag_rad", 0.2991, 0.0046, {0.2901, 0.3081}, {}, {0.2901, 0.3081}, {0.2899, 0.3084}}};
+  for (ReportParameter& p : data.parameters) {
+    p.profile.level = 3.84;
+    for (const double z : {-1.96, -1.0, 0.0, 1.0, 1.96}) {
+      p.profile.value.push_back(p.estimate + z * p.sd);
+      p.profile.rise.push_back(z * z);
+    }
+  }
   data.budget = {{.source = "tracking noise",
                   .quantity = "",
                   .from = "the runs' own sds",
@@ -243,6 +260,8 @@ inline ReportData campaign(unsigned seed = 1) {
     for (const double phi : group.curve_x_rad) {
       group.curve_alpha_rad.push_back(alpha_of(phi, group.shared_rad));
       group.curve_v_mm_s.push_back(v_of(group.shared_rad));
+      group.curve_alpha_sd_rad.push_back(0.01);
+      group.curve_v_sd_mm_s.push_back(0.02);
     }
   }
   data.over_dtau = group_over_dtau(data.runs);
@@ -251,6 +270,8 @@ inline ReportData campaign(unsigned seed = 1) {
     for (const double dtau : group.curve_x_rad) {
       group.curve_alpha_rad.push_back(alpha_of(group.shared_rad, dtau));
       group.curve_v_mm_s.push_back(v_of(dtau));
+      group.curve_alpha_sd_rad.push_back(0.01);
+      group.curve_v_sd_mm_s.push_back(0.02);
     }
   }
   data.program_version = "0.1.0";

@@ -334,7 +334,7 @@ TEST(Estimate, TheReportHoldsWhatAReaderNeeds) {
                            "absolute; not scaled by chi2", "Film next phi",
                            "(amplitude_mm) is taken as exact; with 1 % more of it: mu1 up"})
     EXPECT_THAT(report, HasSubstr(text));
-  EXPECT_THAT(result.brief_report(), HasSubstr("mu1 = 0.1 +- 0.0"));
+  EXPECT_THAT(result.brief_report(), HasSubstr("mu1 = 0.100"));
 }
 
 }  // namespace

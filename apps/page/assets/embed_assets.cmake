@@ -1,7 +1,7 @@
 # tribotrack_embed_assets(target): carries the files of pages (apps/page/assets), the script that draws figures for print and
 # the plotting library inside target, which then defines apps/page/assets/embedded_assets.h. The source tree is never
 # written to.
-include("${CMAKE_CURRENT_LIST_DIR}/fetch_plotly.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/fetch_libraries.cmake")
 
 function(tribotrack_embed_assets target)
   set(web "${CMAKE_CURRENT_FUNCTION_LIST_DIR}")

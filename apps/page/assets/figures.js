@@ -4,6 +4,7 @@
 const TribotrackFigures = (function () {
   // Okabe and Ito's colours, distinct to colour-blind eyes; symbols and dashes carry the same without colour.
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#8a5f00"];
+  const ON_DARK = { "#0072b2": "#4aa3df", "#7f7f7f": "#a8a8a8", "#8a5f00": "#c9a04a" };  // of the same hues, lighter
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross", "star", "hexagon"];
   const RAMP = [[0, "#00224e"], [0.25, "#35456c"], [0.5, "#7c7b78"], [0.75, "#bcaf6f"], [1, "#fee838"]];  // cividis
   const LIGHT = { ink: "#1a1a1a", soft: "#666666", grid: "#e6e6e6", paper: "#ffffff", stripe: "#ededed" };
@@ -35,7 +36,8 @@ const TribotrackFigures = (function () {
     }
     if (series.colour === -1) return theme.ink;
     if (series.colour === -2) return theme.soft;
-    return COLOURS[series.colour % COLOURS.length];
+    const colour = COLOURS[series.colour % COLOURS.length];
+    return theme === DARK && ON_DARK[colour] || colour;
   }
 
   function faded(colour, share) {
@@ -112,7 +114,7 @@ const TribotrackFigures = (function () {
   function label_length(axis) {
     if (axis.labels) return axis.labels.reduce(function (n, label) { return Math.max(n, label.length); }, 1);
     if (axis.log) return 4;
-    const step = (axis.high - axis.low) / 4, most = Math.max(Math.abs(axis.low), Math.abs(axis.high));
+    const step = (axis.high - axis.low) / 8, most = Math.max(Math.abs(axis.low), Math.abs(axis.high));
     const whole = Math.max(1, Math.ceil(Math.log10(most + 1e-300))), behind = Math.max(0, Math.ceil(-Math.log10(step)));
     return most >= 1e5 || behind > 9 ? 7 : whole + (behind ? behind + 1 : 0) + (axis.low < 0 ? 1 : 0);
   }
@@ -126,7 +128,7 @@ const TribotrackFigures = (function () {
     const room = function (r) {  // above and below the axes of a row
       const panels = figure.panels.filter(function (p, i) { return row_of(i) === r && p.series.length; });
       return { above: panels.some(function (p) { return p.title; }) ? 26 : 9,
-               below: panels.some(function (p) { return !p.x.hidden; }) ? 46 : 7 };
+               below: panels.some(function (p) { return !p.x.hidden; }) ? (printing ? 36 : 46) : 7 };
     };
     const rooms = weight.map(function (w, r) { return room(r); });
     const used = rooms.reduce(function (sum, r) { return sum + r.above + r.below; }, 0);
@@ -152,7 +154,7 @@ const TribotrackFigures = (function () {
 
   // On narrow screens panels that stand side by side go below each other; a corner picture, which has empty places, does not.
   function stacks(figure, width) {
-    return width < NARROW && figure.columns > 1 && !figure.shared_x &&
+    return width < NARROW && !printing && figure.columns > 1 && !figure.shared_x &&
       figure.panels.every(function (panel) { return panel.series.length; });
   }
 
@@ -169,7 +171,7 @@ const TribotrackFigures = (function () {
     const cells = cells_of(figure, width, area);
     const layout = {
       width: width, height: height, margin: { l: 0, r: 0, t: 0, b: below, pad: 0 }, hovermode: "closest",
-      font: { family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: narrow ? 11 : 12.5, color: theme.ink },
+      font: { family: 'system-ui, "Segoe UI", "DejaVu Sans", sans-serif', size: printing ? 9.5 : narrow ? 11 : 12.5, color: theme.ink },
       paper_bgcolor: theme.paper, plot_bgcolor: theme.paper, shapes: [], annotations: [], showlegend: legend,
       legend: { orientation: "h", x: 0, y: 0, yref: "container", yanchor: "bottom", font: { size: 11.5 } },
       hoverlabel: { font: { size: 12 } }, barmode: "overlay", dragmode: "zoom"
@@ -206,7 +208,7 @@ const TribotrackFigures = (function () {
       });
       if (panel.title)
         layout.annotations.push({ text: panel.title, showarrow: false, xref: "paper", yref: "paper", x: cell.x0, y: cell.y1,
-                                  xanchor: "left", yanchor: "bottom", font: { size: 12.5 } });
+                                  xanchor: "left", yanchor: "bottom", font: { size: printing ? 10 : 12.5 } });
       panel.series.forEach(function (series) { traces.push(trace_of(series, figure, i, theme)); });
     });
     if (figure.colours) {
@@ -222,6 +224,7 @@ const TribotrackFigures = (function () {
 
   function height_of(figure, width) {
     const below = stacks(figure, width) ? 0.8 * figure.columns : 1, lowest = width < NARROW ? 300 : 200;
+    if (printing) return Math.round(Math.max(130, width * figure.height * (width > 360 ? 0.78 : 0.9)));
     return Math.round(Math.max(lowest, width * figure.height * (width < NARROW ? 1.25 : 1) * below));
   }
 
@@ -282,6 +285,13 @@ const TribotrackFigures = (function () {
   function theme_now() { return dark_screen.matches && !printing ? DARK : LIGHT; }
   let printing = false;
 
+  // An A4 sheet without its margins is 695 px wide.
+  function width_on_paper(id) {
+    const box = box_of(id);
+    if (box.closest(".alone")) return 695;
+    return box.closest(".pair") ? 338 : box.closest(".first") ? 285 : Math.round(695 * Math.min(1, figures.get(id).width || 1));
+  }
+
   // Draws or redraws; `width`: of a sheet of paper instead of the screen.
   function draw(id, width) {
     const figure = figures.get(id), box = box_of(id);
@@ -290,15 +300,19 @@ const TribotrackFigures = (function () {
     if (!wide) return;
     const theme = theme_now(), made = picture(figure, wide, height_of(figure, wide), theme, false);
     box.style.height = made.layout.height + "px";
+    box.style.width = width ? width + "px" : "";
     Plotly.react(box, made.traces, made.layout, CONFIG);
     if (seen.has(id)) return;
     seen.add(id);
     add_legend(box, figure, theme);
     box.addEventListener("keydown", on_key);
-    document.documentElement.dataset.drawn = String(++drawn);
+    const noted = document.documentElement.dataset;
+    noted.drawn = String(++drawn);
+    if (drawn === 1) noted.firstAfterMs = performance.now().toFixed(0);
+    noted.lastAfterMs = performance.now().toFixed(0);
   }
 
-  function redraw_all(width) { seen.forEach(function (id) { draw(id, width && box_of(id).closest(".pair") ? width / 2 - 8 : width); }); }
+  function redraw_all() { seen.forEach(function (id) { draw(id, printing ? width_on_paper(id) : 0); }); }
 
   function in_closed_details(box) {
     const details = box.parentElement.closest("details:not([open])");
@@ -337,7 +351,7 @@ const TribotrackFigures = (function () {
   function for_print(on) {
     printing = on;
     if (on) document.querySelectorAll(".box").forEach(function (box) { if (!in_closed_details(box)) draw(box.id.slice(5)); });
-    redraw_all(on ? 690 : 0);
+    redraw_all();
   }
 
   function csv_of(id) {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "apps/report/data/groups.h"
-#include "fit/prediction.h"
+#include "fit/problem.h"
 
 namespace tribotrack::apps {
 namespace {

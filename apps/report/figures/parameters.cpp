@@ -109,7 +109,8 @@ std::vector<Figure> corner(const ReportData& data) {
   const std::size_t n = shown.size();
   Figure figure{.id = "corner", .title = "Profiles and pairs of parameters", .caption = ""};
   figure.columns = static_cast<int>(n);
-  figure.height = n == 1 ? 0.5 : n == 2 ? 0.7 : 0.8;
+  figure.height = n == 1 ? 0.6 : n == 2 ? 0.75 : 0.8;
+  figure.width = n == 1 ? 0.45 : n == 2 ? 0.6 : 0.72;
   const double r68 = std::sqrt(-2 * std::log(1 - 0.683)), r95 = std::sqrt(-2 * std::log(0.05));
   bool named = false;
   for (std::size_t row = 0; row < n; ++row)

@@ -85,6 +85,7 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
   if (any(run.sigma_all_px)) {
     panel("σ, px", {over_time(run, run.sigma_all_px, "σ", 2, Mark::points)}, 0.8);
     figure.panels.back().y.low = 0;
+    figure.panels.back().y.high = 1.2 * range_of(run.sigma_all_px).high;
   }
   if (any(run.ncc)) panel("NCC score", {over_time(run, run.ncc, "NCC", 3, Mark::points)}, 0.8);
   if (part_turns(run)) panel("rotation θ, rad", {over_time(run, run.theta_rad, "θ", 4, Mark::line)});

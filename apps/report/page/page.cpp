@@ -24,11 +24,11 @@ std::string page_of(const ReportData& data) {
   const std::vector<Figure>& figures = page.figures;
   page.first = first_screen(data, figures);
   const std::string shown = first_figure(figures);
-  for (PageSection section : {dependence_section(data, figures, shown), parameter_section(data, figures),
-                              check_section(data, figures), budget_section(data, figures), next_section(data),
-                              slide_section(data, figures, shown), trajectory_section(data, figures, shown),
-                              run_section(data), citing_section(data), detail_section(data, of_runs),
-                              audit_section(data), plan_section(data), provenance_section(data)})
+  for (PageSection section :
+       {dependence_section(data, figures, shown), parameter_section(data, figures),
+        check_section(data, figures), budget_section(data, figures), next_section(data),
+        slide_section(data, figures, shown), run_section(data), citing_section(data), picture_section(data),
+        detail_section(data, of_runs), audit_section(data), plan_section(data), provenance_section(data)})
     if (!section.html.empty()) page.sections.push_back(std::move(section));
   for (std::vector<Figure>& more : of_runs) std::ranges::move(more, std::back_inserter(page.figures));
   return html_of(std::move(page));

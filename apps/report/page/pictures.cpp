@@ -93,7 +93,7 @@ std::string pictures_of_runs(const ReportData& data) {
     if (has_picture(data.runs[i])) pictures += picture(data.runs[i], i, fmt::format("frame-{}", i + 1));
   if (pictures.empty())
     return "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n";
-  return "<h3>The paths over the first frame of each recording</h3>\n<div class=\"frames\">\n" + pictures +
+  return "<div class=\"frames\">\n" + pictures +
          "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the platform’s "
          "own motion included): the path of the part’s centre, from the circle to the square. Gaps are "
          "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";

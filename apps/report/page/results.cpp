@@ -59,9 +59,9 @@ std::string slide_table(const ReportData& data) {
 
 PageSection dependence_section(const ReportData& data, const std::vector<Figure>& figures,
                                const std::string& shown) {
-  PageSection section{"dependences", "Direction and velocity of the displacement", ""};
+  PageSection section{"dependences", "Direction, velocity and paths", ""};
   std::string boxes;
-  for (const char* id : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau"})
+  for (const char* id : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "trajectories"})
     boxes += box_unless(figures, id, shown);
   if (!boxes.empty()) section.html = "<div class=\"pair\">\n" + boxes + "</div>\n";
   if (shown.starts_with("alpha-"))
@@ -77,19 +77,16 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
     section.html +=
         "<p class=\"left-out\">No two runs differ in Δτ at the same φ: the figures of α and v against Δτ "
         "(paper, figures 9b and 10) are left out.</p>\n";
+  if (std::ranges::find(figures, std::string("trajectories"), &Figure::id) == figures.end())
+    section.html +=
+        "<p class=\"left-out\">No run with friction pulses has a tracked path: the trajectories (paper, "
+        "figure 11) are "
+        "left out.</p>\n";
   return section;
 }
 
-PageSection trajectory_section(const ReportData& data, const std::vector<Figure>& figures,
-                               const std::string& shown) {
-  PageSection section{"paths", "Trajectories", ""};
-  const bool any = std::ranges::find(figures, std::string("trajectories"), &Figure::id) != figures.end();
-  section.html =
-      any ? box_unless(figures, "trajectories", shown)
-          : "<p class=\"left-out\">No run with friction pulses has a tracked path: the trajectories (paper, "
-            "figure 11) are left out.</p>\n";
-  section.html += pictures_of_runs(data);
-  return section;
+PageSection picture_section(const ReportData& data) {
+  return {"pictures", "The paths over the first frames", pictures_of_runs(data), true};
 }
 
 PageSection slide_section(const ReportData& data, const std::vector<Figure>& figures,

@@ -11,8 +11,7 @@ namespace tribotrack::apps {
 /// `shown`: a figure that stands on the first screen already.
 PageSection dependence_section(const ReportData& data, const std::vector<Figure>& figures,
                                const std::string& shown);
-PageSection trajectory_section(const ReportData& data, const std::vector<Figure>& figures,
-                               const std::string& shown);
+PageSection picture_section(const ReportData& data);
 PageSection slide_section(const ReportData& data, const std::vector<Figure>& figures,
                           const std::string& shown);
 

@@ -64,18 +64,23 @@ std::string stage_table(const std::vector<ReportStage>& stages) {
   return html + "</tbody></table>\n";
 }
 
-/// Runs whose plans are the same to the last figure.
+/// Runs in which the same stages were left out; the figures in the reasons are those of the first.
 struct PlanGroup {
   std::vector<std::size_t> runs;
   const std::vector<ReportStage>* plan = nullptr;
 };
 
+bool same_stages(const std::vector<ReportStage>& a, const std::vector<ReportStage>& b) {
+  return std::ranges::equal(
+      a, b, [](const ReportStage& x, const ReportStage& y) { return x.stage == y.stage && x.on == y.on; });
+}
+
 std::vector<PlanGroup> plan_groups(const std::vector<ReportRun>& runs) {
   std::vector<PlanGroup> groups;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].plan.empty()) continue;
-    const auto same = std::find_if(groups.begin(), groups.end(),
-                                   [&](const PlanGroup& g) { return *g.plan == runs[i].plan; });
+    const auto same =
+        std::ranges::find_if(groups, [&](const PlanGroup& g) { return same_stages(*g.plan, runs[i].plan); });
     if (same == groups.end())
       groups.push_back({{i}, &runs[i].plan});
     else
@@ -102,7 +107,7 @@ std::string left_out_text(const std::vector<ReportStage>& stages) {
 }  // namespace
 
 PageSection run_section(const ReportData& data) {
-  PageSection section{"runs", "Runs", ""};
+  PageSection section{"runs", "Runs", "", true};
   if (data.runs.empty()) return section;
   std::string& html = section.html;
   html =

@@ -170,7 +170,7 @@ PageSection budget_section(const ReportData& data, const std::vector<Figure>& fi
 }
 
 PageSection citing_section(const ReportData& data) {
-  return {"citing", "Methods and how to cite", methods_html(data)};
+  return {"citing", "Methods and how to cite", methods_html(data), true};
 }
 
 PageSection provenance_section(const ReportData& data) {

@@ -370,7 +370,7 @@ TEST_F(ConditionsOfTheProgram, TheTableStandsInFitJsonAndInExplain) {
   EXPECT_TRUE(fit["conditions"][2]["given"].is_null());
   EXPECT_THAT(fit["taken_as_exact"].dump(), HasSubstr("gravity_m_s2"));
   EXPECT_THAT(fit["taken_as_exact"].dump(), Not(HasSubstr("\"amplitude_mm\"")));
-  EXPECT_THAT(outcome.err, HasSubstr("0.28100 +- 0.00050"));
+  EXPECT_THAT(outcome.err, HasSubstr("0.28100(50)"));
 }
 
 TEST_F(ConditionsOfTheProgram, ASlipIsExit3BeforeTheFit) {

@@ -98,8 +98,8 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   const auto found = profiles(residuals, restarted, {}, open, rises, 2);
   EXPECT_NEAR(restarted.front().minimum.chi2, lowest, 1e-6);
   for (std::size_t i = 0; i < 3; ++i) {
-    ASSERT_EQ(found[i].size(), 1U);
-    const Interval &there = found[i].front(), &here = expected[i].front();
+    ASSERT_EQ(found[i].pieces.size(), 1U);
+    const Interval &there = found[i].pieces.front(), &here = expected[i].pieces.front();
     EXPECT_NEAR(there.low, here.low, 0.02 * (here.high - here.low));
     EXPECT_NEAR(there.high, here.high, 0.02 * (here.high - here.low));
   }

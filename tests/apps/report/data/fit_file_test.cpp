@@ -41,7 +41,8 @@ ReportData collected(const Json& fit) {
 }
 
 std::string page_text(const ReportData& data) {
-  return verdict_section(data) + parameter_section(data) + check_section(data) + next_section(data);
+  return verdict_box(data) + warning_box(data) + parameter_section(data, {}).html +
+         check_section(data, {}).html + next_section(data).html;
 }
 
 TEST(ReportFit, WhatTheFileDoesNotHoldIsNotOnThePage) {
@@ -62,7 +63,7 @@ TEST(ReportFit, TheThreeIntervalsStandSideBySide) {
   fit["parameters"]["mu1"]["bootstrap_ci95"] = {0.0961, 0.1042};
   fit["bootstrap"] = {{"refits", 400}, {"seed", 7}};
   fit["covariance_meaning"] = "sd from the data's own sigma.";
-  const std::string page = parameter_section(collected(fit));
+  const std::string page = parameter_section(collected(fit), {}).html;
   EXPECT_THAT(page, HasSubstr("<th class=\"n\">95 % interval</th><th class=\"n\">by profile</th><th "
                               "class=\"n\">by bootstrap</th>"));
   EXPECT_THAT(page,
@@ -75,7 +76,7 @@ TEST(ReportFit, TheThreeIntervalsStandSideBySide) {
 TEST(ReportFit, WithoutProfilesTheirColumnAndAdviceAreLeftOut) {
   Json fit = bare();
   for (auto& parameter : fit["parameters"]) parameter.erase("profile_ci95");
-  EXPECT_THAT(parameter_section(collected(fit)), Not(HasSubstr("profile")));
+  EXPECT_THAT(parameter_section(collected(fit), {}).html, Not(HasSubstr("profile")));
 }
 
 TEST(ReportFit, AnotherMinimumIsADoubtAndHasItsPlace) {
@@ -87,7 +88,7 @@ TEST(ReportFit, AnotherMinimumIsADoubtAndHasItsPlace) {
   const ReportData data = collected(fit);
   EXPECT_THAT(data.other_minima, ElementsAre(HasSubstr("mu1 = 0.154")));
   EXPECT_EQ(data.warnings.size(), 2u) << "it stays a warning, too";
-  EXPECT_THAT(parameter_section(data), HasSubstr("<h3>Other minima</h3>"));
+  EXPECT_THAT(parameter_section(data, {}).html, HasSubstr("<h3>Other minima</h3>"));
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("other values fit nearly as well"));
 }
 
@@ -98,7 +99,7 @@ TEST(ReportFit, AFlatDirectionComesWithItsRemedy) {
       {"weak_directions", {"mu1 up 1 % is hidden by phase_lag_rad down 0.021, exactly."}}};
   fit["other_next_experiments"] = {
       {{"phi_rad", 0.0}, {"dtau_rad", 3.0}, {"sentence", "For mu1 film dtau = 3."}}};
-  const std::string page = parameter_section(collected(fit));
+  const std::string page = parameter_section(collected(fit), {}).html;
   EXPECT_THAT(page, HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021, exactly.</li>"));
   EXPECT_THAT(page, HasSubstr("<b>Remedy:</b> For μ₁ film Δτ = 3."));
 }
@@ -107,7 +108,7 @@ TEST(ReportFit, SystematicsAndTheSharedScaleAreShown) {
   Json fit = bare();
   fit["systematics"] = {"A up 1 %: mu1 up 1.1 %.", "w up 1 %: mu1 up 2.1 %."};
   fit["shared_scale"] = {{"used", true}, {"finding", "14 recordings share one scale"}};
-  const std::string page = parameter_section(collected(fit));
+  const std::string page = parameter_section(collected(fit), {}).html;
   EXPECT_THAT(page, HasSubstr("<li>A up 1 %: μ₁ up 1.1 %.</li><li>w up 1 %: μ₁ up 2.1 %.</li>"));
   EXPECT_THAT(page, HasSubstr("<p>14 recordings share one scale.</p>"));
 }
@@ -126,7 +127,7 @@ TEST(ReportFit, ARunThatContradictsTheOthersIsADoubt) {
   Json fit = bare();
   fit["outliers"] = {{{"run", "a"}, {"deviation", 9.0}, {"chance", 1e-6}, {"looks_like_phi_rad", nullptr}}};
   EXPECT_THAT(verdict_of(collected(fit)).heading, HasSubstr("one run contradicts the others"));
-  EXPECT_THAT(check_section(collected(fit)), HasSubstr("<td><b>a</b></td><td class=\"n\">9 σ</td>"));
+  EXPECT_THAT(check_section(collected(fit), {}).html, HasSubstr("<td><b>a</b></td><td class=\"n\">9 σ</td>"));
 }
 
 TEST(ReportFit, RunsToFilmNextReadAsPredicted) {
@@ -144,7 +145,7 @@ TEST(ReportFit, RunsToFilmNextReadAsPredicted) {
   EXPECT_EQ(data.next_runs[0].aim, "");
   EXPECT_EQ(data.next_runs[0].predicted_ci95[0].high, 0.101);
   EXPECT_TRUE(std::isinf(data.next_runs[0].predicted_ci95[1].high));
-  EXPECT_THAT(next_section(data), HasSubstr("<p>Film next.</p>"));
+  EXPECT_THAT(next_section(data).html, HasSubstr("<p>Film next.</p>"));
 }
 
 /// What `fit` itself writes, where one run cannot tell three parameters.

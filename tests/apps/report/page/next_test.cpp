@@ -26,7 +26,7 @@ ReportNextRun run(double amplitude_mm, const std::string& aim) {
 TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
   ReportData data = sample::campaign();
   data.next_runs = {run(0.28, "")};
-  const std::string html = next_section(data);
+  const std::string html = next_section(data).html;
   EXPECT_THAT(html, HasSubstr("A run at φ = 3π/4"));
   const std::size_t now = html.find("0.09952 to 0.10073");
   const std::size_t then = html.find(
@@ -41,7 +41,7 @@ TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
 TEST(NextSection, ARunBestForTwoParametersStandsOnce) {
   ReportData data = sample::campaign();
   data.next_runs = {run(0.28, ""), run(0.35, "mu1"), run(0.35, "phase_lag_rad")};
-  const std::string html = next_section(data);
+  const std::string html = next_section(data).html;
   EXPECT_THAT(html, HasSubstr("<b>μ<sub>1</sub> alone, lag alone</b>"));
   EXPECT_EQ(occurrences(html, "<tr>"), 4u);  // heading, now, two runs
 }
@@ -49,7 +49,7 @@ TEST(NextSection, ARunBestForTwoParametersStandsOnce) {
 TEST(NextSection, IsLeftOutWhereNoneWasLookedFor) {
   ReportData data = sample::campaign();
   data.next_experiment.clear();
-  EXPECT_EQ(next_section(data), "");
+  EXPECT_EQ(next_section(data).html, "");
 }
 
 }  // namespace

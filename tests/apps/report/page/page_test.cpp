@@ -3,12 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
 
 #include "apps/chromium.h"
+#include "apps/figures/figure_csv.h"
+#include "apps/report/figures/figures.h"
+#include "apps/report/tables/tables.h"
 #include "apps/report_sample.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -24,7 +31,8 @@ bool holds(const std::string& page, const std::string& text) {
   return page.find(text) != std::string::npos;
 }
 
-constexpr int figures_of_the_sample = 7;  // 4 dependences, trajectories, residuals, one slide
+constexpr int figures_of_the_sample =
+    10;  // 4 dependences, trajectories, residuals, corner, budget, influence, slide
 
 TEST(ReportPage, TheSameDataGiveTheSameBytes) {
   EXPECT_TRUE(page_of(sample::campaign(3)) == page_of(sample::campaign(3)));
@@ -57,10 +65,16 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
 
 TEST(ReportPage, HoldsEverySectionOfTheSample) {
   const std::string page = page_of(sample::campaign());
-  for (const char* id : {"verdict", "warnings", "parameters", "check", "next", "dependences", "trajectories",
-                         "residuals", "slides", "runs", "plan", "provenance"})
+  for (const char* id : {"dependences", "parameters", "check", "budget", "next", "slides", "runs", "citing",
+                         "pictures", "details", "plan", "provenance"}) {
     EXPECT_EQ(occurrences(page, std::string("<section id=\"") + id + "\""), 1u) << id;
-  EXPECT_EQ(occurrences(page, "data:image/png;base64,"), 13u);
+    EXPECT_EQ(occurrences(page, std::string("<a href=\"#") + id + "\""), 1u)
+        << id << " in the list of contents";
+  }
+  for (const char* id : {"verdict", "warnings", "result"})
+    EXPECT_EQ(occurrences(page, std::string("id=\"") + id + "\""), 1u) << id;
+  EXPECT_TRUE(holds(page, "0.10012(31)"));
+  EXPECT_EQ(occurrences(page, "data:image/png;base64,"), 14u) << "13 runs, and one on the first screen";
   EXPECT_TRUE(holds(page, "phi90_dtau90.cine ends after 212 of 500 images"));
   EXPECT_TRUE(holds(page, "<td class=\"n\">500 / 3 / 0</td>"));
   EXPECT_TRUE(holds(page, "xxh3-128:0123456789abcdef0123456789abcdef"));
@@ -103,6 +117,7 @@ class ReportInChromium : public testing::Test {
     return found;
   }
 
+  const std::vector<Figure> figures_ = campaign_figures(sample::campaign());
   std::optional<std::string> program_;
 };
 
@@ -112,9 +127,8 @@ TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutErrorOrRequest) {
   EXPECT_EQ(root_data(browsed.dom, "violations"), "0") << root_data(browsed.dom, "violations-text");
   EXPECT_EQ(root_data(browsed.dom, "figures"), std::to_string(figures_of_the_sample));
   EXPECT_EQ(root_data(browsed.dom, "drawn"), std::to_string(figures_of_the_sample));
-  EXPECT_EQ(occurrences(browsed.dom, "js-plotly-plot\""), static_cast<std::size_t>(figures_of_the_sample));
-  // Lines and points of the four dependences, 13 paths, two observables, three traces of the slide.
-  EXPECT_EQ(occurrences(browsed.dom, "class=\"trace scatter"), 4u * 2 + 13 + 2 + 3);
+  // Folded away until they are opened: 13 runs over time.
+  EXPECT_EQ(occurrences(browsed.dom, "class=\"box"), static_cast<std::size_t>(figures_of_the_sample) + 13);
   EXPECT_FALSE(browsed.net_log.empty());
   EXPECT_THAT(hosts(browsed.net_log), IsEmpty());
 
@@ -122,10 +136,95 @@ TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutErrorOrRequest) {
   for (const char* label : {">3π/4<", ">7π/4<", ">2π<", ">π/6<", ">7π/6<"})
     EXPECT_TRUE(holds(browsed.dom, label)) << label;
 
-  // The library's own choice of buttons includes one that sends the chart to its maker.
-  EXPECT_EQ(occurrences(browsed.dom, "data-title=\"Download plot\""),
-            static_cast<std::size_t>(figures_of_the_sample));
+  // No bar of buttons of the library, one of which would send the chart to its maker.
+  EXPECT_FALSE(holds(browsed.dom, "modebar-btn"));
   EXPECT_FALSE(holds(browsed.dom, "Share chart"));
+}
+
+TEST_F(ReportInChromium, WhatIsFoldedAwayIsDrawnWhenItIsOpened) {
+  std::string page = page_of(sample::campaign());
+  page.insert(page.rfind("</body>"),
+              "<script>document.querySelectorAll('details').forEach(d => { d.open = true; })</script>");
+  const Browsed browsed = look_at(page);
+  EXPECT_EQ(root_data(browsed.dom, "errors"), "0") << root_data(browsed.dom, "errors-text");
+  EXPECT_EQ(root_data(browsed.dom, "drawn"), std::to_string(figures_of_the_sample + 13));
+}
+
+/// `script` puts its result into data-found of the page's root.
+std::string found_by(const std::string& program, const std::string& script) {
+  std::string page = page_of(sample::campaign());
+  page.insert(page.rfind("</body>"), "<script>const root = document.documentElement;" + script + "</script>");
+  return root_data(test::browse(program, page).dom, "found");
+}
+
+TEST_F(ReportInChromium, TheNumbersOnThePageAreThoseOfTheTables) {
+  const ReportData data = sample::campaign();
+  const std::string table = parameters_csv(data);
+  for (std::size_t i = 0; i < data.parameters.size(); ++i) {
+    const std::string shown =
+        found_by(*program_, "root.dataset.found = document.querySelectorAll('#parameter-table td[data-v]')[" +
+                                std::to_string(i) + "].dataset.v");
+    EXPECT_EQ(shown, exact(data.parameters[i].estimate));
+    EXPECT_TRUE(holds(table, data.parameters[i].name + "," + shown + ","));
+  }
+}
+
+TEST_F(ReportInChromium, AFigureLeavesAsTheCsvThatPrintHas) {
+  const std::string csv = found_by(*program_,
+                                   "root.dataset.found = TribotrackFigures.csv_of('v-phi').length + ' ' + "
+                                   "TribotrackFigures.csv_of('v-phi').split('\\n')[0]");
+  EXPECT_THAT(csv, HasSubstr("panel,series,mark,name,x,y,sd,y_high,note"));
+  EXPECT_EQ(found_by(*program_,
+                     "root.dataset.found = TribotrackFigures.csv_of('v-phi').trim().split('\\n').length"),
+            std::to_string(
+                occurrences(csv_of(*std::ranges::find(figures_, std::string("v-phi"), &Figure::id)), "\n")));
+}
+
+TEST_F(ReportInChromium, TheKeyboardZoomsAndTheLegendHides) {
+  EXPECT_EQ(
+      found_by(*program_,
+               "setTimeout(() => { const box = document.getElementById('plot-v-phi'); const wide = () => "
+               "box._fullLayout.xaxis.range[1] - box._fullLayout.xaxis.range[0]; const before = wide();"
+               "box.dispatchEvent(new KeyboardEvent('keydown', {key: '+'})); const after = wide();"
+               "const entry = box.parentElement.querySelector('.legend button'); entry.click();"
+               "root.dataset.found = (after / before).toFixed(2) + ' ' + entry.getAttribute('aria-pressed') "
+               "+ ' ' + "
+               "box.data.filter(t => t.visible === false).length; }, 3000)"),
+      "0.70 false 4");  // band, line, points and residuals of the group
+}
+
+TEST_F(ReportInChromium, PaperShowsNoControlsAndEveryFigureInItsSize) {
+  EXPECT_EQ(
+      found_by(*program_,
+               "setTimeout(() => { dispatchEvent(new Event('beforeprint')); root.dataset.found = "
+               "Array.from(document.querySelectorAll('.pair .box')).every(b => b._fullLayout.width === 338);"
+               " }, 3000)"),
+      "true");
+}
+
+// What a reader who cannot see or use a mouse would stumble over (axe-core's rules of WCAG 2.1 A and AA).
+TEST_F(ReportInChromium, AxeFindsNothingSeriousOrModerate) {
+  std::ifstream file(TRIBOTRACK_AXE_JS, std::ios::binary);
+  const std::string axe{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_FALSE(axe.empty());
+  for (const char* look : {"light", "dark"}) {
+    std::string page = page_of(sample::campaign());
+    if (look == std::string("dark")) {
+      const std::string query = "(prefers-color-scheme: dark)";
+      for (std::size_t at = page.find(query); at != std::string::npos; at = page.find(query, at))
+        page.replace(at, query.size(), "(min-width: 0px)");
+    }
+    page.insert(
+        page.rfind("</body>"),
+        "<script>" + axe +
+            "</script><script>setTimeout(() => axe.run(document, {resultTypes: ['violations']}).then(r => { "
+            "document.documentElement.dataset.axe = r.violations.filter(v => v.impact !== 'minor').map(v => "
+            "v.id + "
+            "' ' + v.impact + ': ' + v.nodes.map(n => n.html).slice(0, 3).join(' | ')).join('; "
+            "').replace(/\"/g, \"'\") || "
+            "'clean'; }), 4000)</script>");
+    EXPECT_EQ(root_data(test::browse(*program_, page).dom, "axe"), "clean") << look;
+  }
 }
 
 /// Every table, as wide as it gets.

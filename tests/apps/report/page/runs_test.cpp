@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/report/page/pictures.h"
 #include "apps/report_sample.h"
 
 namespace tribotrack::apps {
@@ -38,10 +39,12 @@ ReportData one_run() {
 
 TEST(RunSection, ARowSaysAllThatWasMeasured) {
   EXPECT_THAT(
-      run_section(one_run()),
+      run_section(one_run()).html,
       HasSubstr(
-          "<td class=\"n\">1</td><td><b>a</b></td><td class=\"n\">π/2</td><td class=\"n\">π/3</td>"
-          "<td class=\"n\">1.234 ± 0.012</td><td class=\"n\">1.230</td><td class=\"n\">2.500 ± 0.050</td>"
+          "<td class=\"n\">1</td><td><b>a</b></td><td class=\"n\" data-v=\"1.5707963267948966\">π/2</td><td "
+          "class=\"n\" data-v=\"1.0471975511965976\">π/3</td><td class=\"n\" data-v=\"1.2345\" "
+          "data-sd=\"0.012\">1.234(12)</td><td class=\"n\">1.230</td><td class=\"n\" data-v=\"2.5\" "
+          "data-sd=\"0.05\">2.500(50)</td>"
           "<td class=\"n\">2.510</td><td class=\"n\">20</td><td class=\"n\">7 / 2 / 1</td>"
           "<td class=\"n\">0.012</td><td>1000 Hz, camera header</td></tr>"));
 }
@@ -49,20 +52,20 @@ TEST(RunSection, ARowSaysAllThatWasMeasured) {
 TEST(RunSection, AFailedRunSaysWhy) {
   ReportData data = one_run();
   data.runs[0].failure = "a.cine is empty.";
-  EXPECT_THAT(run_section(data), HasSubstr("failed: a.cine is empty.</td></tr>"));
+  EXPECT_THAT(run_section(data).html, HasSubstr("failed: a.cine is empty.</td></tr>"));
 }
 
 TEST(RunSection, TheFileIsNamedWhereTheRunIsNotNamedAfterIt) {
   ReportData data = one_run();
-  EXPECT_THAT(run_section(data), Not(HasSubstr("a.cine")));
+  EXPECT_THAT(run_section(data).html, Not(HasSubstr("a.cine")));
   data.runs[0].video = "other/b.cine";
-  EXPECT_THAT(run_section(data), HasSubstr("other/b.cine"));
+  EXPECT_THAT(run_section(data).html, HasSubstr("other/b.cine"));
 }
 
 TEST(RunSection, RemarksCarryTheRunsNumber) {
   ReportData data = one_run();
   data.runs[0].notes = {"no marker"};
-  EXPECT_THAT(run_section(data), HasSubstr("<li><b>1</b> a: no marker</li>"));
+  EXPECT_THAT(run_section(data).html, HasSubstr("<li><b>1</b> a: no marker</li>"));
 }
 
 TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
@@ -73,7 +76,7 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   run.frame_height_px = 48;
   run.x_px = {no_value, 10, 11, no_value, 13, no_value};
   run.y_px = {no_value, 20, 21, no_value, 23, no_value};
-  const std::string html = picture_section(data);
+  const std::string html = pictures_of_runs(data);
   EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
   // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
   EXPECT_THAT(html, HasSubstr("class=\"path\" d=\"M10.5 20.5L11.5 21.5M13.5 23.5\""));
@@ -86,11 +89,11 @@ TEST(PictureSection, JpegIsToldFromPng) {
   ReportData data = one_run();
   data.runs[0].first_frame = {0xff, 0xd8, 0xff};
   data.runs[0].frame_width_px = data.runs[0].frame_height_px = 10;
-  EXPECT_THAT(picture_section(data), HasSubstr("data:image/jpeg;base64,/9j/"));
+  EXPECT_THAT(pictures_of_runs(data), HasSubstr("data:image/jpeg;base64,/9j/"));
 }
 
 TEST(PictureSection, WithoutPicturesItSaysSo) {
-  EXPECT_THAT(picture_section(one_run()), HasSubstr("left out"));
+  EXPECT_THAT(pictures_of_runs(one_run()), HasSubstr("left out"));
 }
 
 TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
@@ -99,13 +102,13 @@ TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
                        {"weights", false, "even light", 0},
                        {"illumination", false, "brushed platform", no_value},
                        {"marker", true, "moves", no_value}};
-  const std::string html = plan_section(data);
+  const std::string html = plan_section(data).html;
   EXPECT_THAT(html, HasSubstr("1 a: 3 of 4 stages left out"));
   EXPECT_THAT(html, HasSubstr("<td>rotation</td><td><b>left out</b></td><td>turns by 0.1°</td>"
                               "<td>0.002 px</td>"));
   EXPECT_THAT(html, HasSubstr("<td>even light</td><td>none</td>"));
   EXPECT_THAT(html, HasSubstr("<td>brushed platform</td><td>not known</td>"));
-  EXPECT_EQ(plan_section(one_run()), "");
+  EXPECT_EQ(plan_section(one_run()).html, "");
 }
 
 TEST(PlanSection, RunsWithTheSamePlanShareATable) {
@@ -113,19 +116,20 @@ TEST(PlanSection, RunsWithTheSamePlanShareATable) {
   data.runs[0].plan = {{"rotation", false, "turns by 0.1°", no_value}};
   data.runs.resize(3, data.runs[0]);
   data.runs[1].plan[0].on = true;
-  const std::string html = plan_section(data);
+  data.runs[2].plan[0].reason = "turns by 0.2°";  // other figures, the same plan
+  const std::string html = plan_section(data).html;
   EXPECT_THAT(html, HasSubstr("<summary>runs 1, 3: 1 of 1 stages left out</summary>"));
   EXPECT_THAT(html, HasSubstr("<summary>2 a: 0 of 1 stages left out</summary>"));
 }
 
 TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
   ReportData data = one_run();
-  EXPECT_EQ(audit_section(data), "");  // a track of an earlier version, or a run measured elsewhere
+  EXPECT_EQ(audit_section(data).html, "");  // a track of an earlier version, or a run measured elsewhere
   data.runs[0].audit.halves_x = 1.42;
   data.runs[0].audit.lag1 = -0.31;
   data.runs[0].audit.white_factor = 4;
   data.runs[0].audit.slow_sd = 0.0123;
-  EXPECT_THAT(audit_section(data),
+  EXPECT_THAT(audit_section(data).html,
               HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
                         "class=\"n\">–</td><td class=\"n\">–</td><td class=\"n\">–</td><td "
                         "class=\"n\">-0.31</td><td>–</td><td class=\"n\">2.00</td><td "

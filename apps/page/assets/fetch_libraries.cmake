@@ -1,5 +1,6 @@
-# tribotrack_fetch_plotly(result): sets result to the plotting library that the report page embeds, plotly.js as pinned
-# by version and hash in package-lock.json. Its archive is looked for in, in this order:
+# tribotrack_fetch_library(result name file purpose): sets result to FILE of the npm package NAME as pinned by version and
+# hash in package-lock.json; tribotrack_fetch_plotly(result): of the plotting library that pages embed. The archive is
+# looked for in, in this order:
 #   the build folder, from an earlier run;
 #   the cache, ${XDG_CACHE_HOME:-~/.cache}/tribotrack, where it is left for other builds and for builds without network;
 #   the npm registry of the environment: npm_config_registry, npm's own configuration, ~/.npmrc;
@@ -8,8 +9,8 @@
 # Every archive must have the pinned hash. TRIBOTRACK_PLOTLY_JS names a file to embed instead of all this.
 
 set(TRIBOTRACK_PLOTLY_JS "" CACHE FILEPATH
-  "plotly-cartesian.min.js to embed in the report page; empty: fetched as pinned in apps/page/assets")
-set(TRIBOTRACK_PLOTLY_LOCK "${CMAKE_CURRENT_LIST_DIR}/package-lock.json")  # another one in tests
+  "plotly-cartesian.min.js to embed in pages; empty: fetched as pinned in apps/page/assets")
+set(TRIBOTRACK_LIBRARY_LOCK "${CMAKE_CURRENT_LIST_DIR}/package-lock.json")  # another one in tests
 
 # The lock file holds the hash in base 64; file(DOWNLOAD) and file(SHA512) want hexadecimal digits.
 function(tribotrack_hex_of_base64 result text)
@@ -106,7 +107,7 @@ function(tribotrack_download answer folder name version wanted notes_name)
   endif()
   foreach(registry IN LISTS registries)
     string(REGEX REPLACE "//[^/]*@" "//" shown "${registry}")  # without a password
-    message(STATUS "Fetching plotly.js for the report page from ${shown}")
+    message(STATUS "Fetching ${name} from ${shown}")
     file(DOWNLOAD "${registry}/${name}/-/${name}-${version}.tgz" "${archive}" STATUS status
       TLS_VERIFY ON INACTIVITY_TIMEOUT 30 TIMEOUT 300)
     list(POP_FRONT status failed reason)
@@ -129,22 +130,13 @@ function(tribotrack_download answer folder name version wanted notes_name)
   set(${notes_name} "${text}" PARENT_SCOPE)
 endfunction()
 
-function(tribotrack_fetch_plotly result)
-  if(TRIBOTRACK_PLOTLY_JS)
-    if(NOT EXISTS "${TRIBOTRACK_PLOTLY_JS}")
-      message(FATAL_ERROR "TRIBOTRACK_PLOTLY_JS names ${TRIBOTRACK_PLOTLY_JS}, which does not exist.")
-    endif()
-    set(${result} "${TRIBOTRACK_PLOTLY_JS}" PARENT_SCOPE)
-    return()
-  endif()
-
-  set(name "plotly.js-cartesian-dist-min")
-  file(READ "${TRIBOTRACK_PLOTLY_LOCK}" lock)
+function(tribotrack_fetch_library result name file purpose)
+  file(READ "${TRIBOTRACK_LIBRARY_LOCK}" lock)
   string(JSON version GET "${lock}" packages "node_modules/${name}" version)
   string(JSON integrity GET "${lock}" packages "node_modules/${name}" integrity)
   string(REGEX REPLACE "^sha512-" "" integrity "${integrity}")
   tribotrack_hex_of_base64(wanted "${integrity}")
-  set(folder "${CMAKE_BINARY_DIR}/plotly")
+  set(folder "${CMAKE_BINARY_DIR}/libraries/${name}")
   set(archive "${folder}/${name}-${version}.tgz")
   set(cache "$ENV{XDG_CACHE_HOME}")
   if(NOT cache AND NOT "$ENV{HOME}" STREQUAL "")
@@ -167,12 +159,11 @@ function(tribotrack_fetch_plotly result)
   if(NOT ready)
     tribotrack_download(ready "${folder}" ${name} ${version} ${wanted} notes)
     if(NOT ready)
-      message(FATAL_ERROR "The report page embeds plotly.js ${version}, which was not found. Tried:${notes}\n"
+      message(FATAL_ERROR "${purpose} ${name} ${version}, which was not found. Tried:${notes}\n"
         "Any of these helps:\n"
         "  with network, on Debian: apt-get update, then configure again\n"
         "  with network: name a registry in the environment, npm_config_registry=ADDRESS\n"
-        "  without: npm pack ${name}@${version} on another machine, and copy the archive to ${kept}\n"
-        "  -DTRIBOTRACK_PLOTLY_JS=FILE, FILE being plotly-cartesian.min.js ${version}")
+        "  without: npm pack ${name}@${version} on another machine, and copy the archive to ${kept}")
     endif()
     # A cache that cannot be written is no fault. Renaming keeps another build from reading half a file.
     string(RANDOM LENGTH 8 part)
@@ -183,9 +174,20 @@ function(tribotrack_fetch_plotly result)
     endif()
   endif()
 
-  set(script "${folder}/package/plotly-cartesian.min.js")
+  set(script "${folder}/package/${file}")
   if(NOT EXISTS "${script}" OR "${archive}" IS_NEWER_THAN "${script}")
-    file(ARCHIVE_EXTRACT INPUT "${archive}" DESTINATION "${folder}" PATTERNS package/plotly-cartesian.min.js TOUCH)
+    file(ARCHIVE_EXTRACT INPUT "${archive}" DESTINATION "${folder}" PATTERNS package/${file} TOUCH)
+  endif()
+  set(${result} "${script}" PARENT_SCOPE)
+endfunction()
+
+function(tribotrack_fetch_plotly result)
+  set(script "${TRIBOTRACK_PLOTLY_JS}")
+  if(script AND NOT EXISTS "${script}")
+    message(FATAL_ERROR "TRIBOTRACK_PLOTLY_JS names ${script}, which does not exist.")
+  elseif(NOT script)
+    tribotrack_fetch_library(script plotly.js-cartesian-dist-min plotly-cartesian.min.js
+      "Without -DTRIBOTRACK_PLOTLY_JS=FILE, FILE being plotly-cartesian.min.js, pages embed")
   endif()
   set(${result} "${script}" PARENT_SCOPE)
 endfunction()

@@ -1,8 +1,10 @@
-#include "apps/text/number_text.h"
+#include "fit/rounding.h"
 
 #include <gtest/gtest.h>
 
-namespace tribotrack::apps {
+#include <cmath>
+
+namespace tribotrack::fit {
 namespace {
 
 TEST(RoundedToSd, TheSdKeepsTwoDigitsAndTheValueItsPlace) {
@@ -27,9 +29,31 @@ TEST(RoundedToSd, VerySmallAndLargeOnesArePowersOfTen) {
   EXPECT_EQ(rounded_to_sd(2414865, 2414865), "2.4e+06");
 }
 
+TEST(Quoted, TheSdStandsInTheLastDigitsOfTheValue) {
+  EXPECT_EQ(quoted(0.1000006, 2.9e-6), "0.1000006(29)");
+  EXPECT_EQ(quoted(0.100123, 0.00031), "0.10012(31)");
+  EXPECT_EQ(quoted(12.34, 1.2), "12.3(12)");
+  EXPECT_EQ(quoted(1234, 25), "1234(25)");
+  EXPECT_EQ(quoted(-0.2, 0.0996), "-0.20(10)");
+  EXPECT_EQ(quoted(8.757e-27, 3.3e-28), "8.76(33)e-27");
+}
+
+TEST(Quoted, WhatIsNotKnownIsSaid) {
+  EXPECT_EQ(quoted(0.1, INFINITY), "not determined");
+  EXPECT_EQ(quoted(NAN, 0.1), "not determined");
+  EXPECT_EQ(quoted(0.1, NAN), "not determined");
+  EXPECT_EQ(quoted(0.28, 0), "0.28");
+}
+
+TEST(RoundedEnd, HalfTheWidthKeepsTwoDigits) {
+  EXPECT_EQ(rounded_end(0.0999953, 0.0999953, 0.1000044, 2.3e-6), "0.0999953");
+  EXPECT_EQ(rounded_end(0.10000441, 0.0999953, 0.10000441, 2.3e-6), "0.1000044");
+  EXPECT_EQ(rounded_end(INFINITY, 0.05, INFINITY, 0.01), "open");
+}
+
 TEST(RoundedToSd, WithoutAnSdFourDigits) {
   EXPECT_EQ(rounded_to_sd(0.123456, 0), "0.1235");
 }
 
 }  // namespace
-}  // namespace tribotrack::apps
+}  // namespace tribotrack::fit

@@ -1,8 +1,9 @@
-#include "apps/report/data/path.h"
+#include "apps/figures/thinning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -39,6 +40,30 @@ TEST(Thinned, EveryGapStaysAGap) {
 
 TEST(Thinned, NothingGivesNothing) {
   EXPECT_TRUE(thinned({}, {}, 10).x.empty());
+}
+
+TEST(Envelope, AShortSeriesStaysAsItIs) {
+  EXPECT_THAT(envelope({3, 1, 2}, 3), ElementsAre(0, 1, 2));
+}
+
+TEST(Envelope, NoOutlierIsLost) {
+  std::vector<double> y(10000, 1.0);
+  y[1234] = 7;
+  y[5678] = -7;
+  y[9999] = 2;
+  const std::vector<double> drawn = picked(y, envelope(y, 100));
+  EXPECT_LE(drawn.size(), 100u);
+  EXPECT_THAT(drawn, testing::Contains(7));
+  EXPECT_THAT(drawn, testing::Contains(-7));
+  EXPECT_THAT(drawn, testing::Contains(2));
+}
+
+TEST(Envelope, PlacesAscendAndGapsStayGaps) {
+  std::vector<double> y(1000, 0.5);
+  std::fill(y.begin() + 200, y.begin() + 400, gap);
+  const std::vector<std::size_t> places = envelope(y, 50);
+  EXPECT_TRUE(std::ranges::is_sorted(places));
+  EXPECT_THAT(picked(y, places), testing::Contains(IsNan()));
 }
 
 }  // namespace

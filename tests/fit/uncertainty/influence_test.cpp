@@ -1,0 +1,103 @@
+// The influence of a run, to first order, against the fit that leaves it out; profile points against the fit
+// held there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using test::Truth;
+
+/// Fourteen runs with errors of their stated size.
+Problem noisy() {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen(Truth{})) {
+    SummaryRun run = test::summary_run(s, 0.01, 0.05e-3);
+    const Eigen::Matrix2d root = run.measured.covariance.llt().matrixL();
+    run.measured.vector += root * Eigen::Vector2d(normal(random), normal(random));
+    derive_alpha_and_v(run.measured);
+    problem.summary_runs.push_back(run);
+  }
+  return problem;
+}
+
+FitOptions plain() {
+  FitOptions options;
+  options.profiles = options.next_experiment = options.estimate_scatter = false;
+  return options;
+}
+
+TEST(Influence, IsTheChangeOfTheFitWithoutTheRun) {
+  const Problem problem = noisy();
+  const FitResult all = estimate(problem, plain());
+  double largest = 0;
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+    Problem without = problem;
+    without.summary_runs.erase(without.summary_runs.begin() + static_cast<std::ptrdiff_t>(i));
+    const FitResult others = estimate(without, plain());
+    ASSERT_EQ(all.runs[i].influence.size(), 3u);
+    for (std::size_t p = 0; p < 3; ++p) {
+      const double change =
+          (others.parameters[p].estimate - all.parameters[p].estimate) / all.parameters[p].sd;
+      EXPECT_NEAR(all.runs[i].influence[p], change, 0.05 + 0.05 * std::abs(change)) << "run " << i;
+      largest = std::max(largest, std::abs(change));
+    }
+  }
+  EXPECT_GT(largest, 0.3) << "no run matters here: this test shows nothing";
+}
+
+TEST(Influence, ARunWithoutWhichNothingIsDeterminedHasNone) {
+  Problem problem = noisy();
+  problem.summary_runs.resize(2);
+  for (const RunResult& run : estimate(problem, plain()).runs)
+    for (const double change : run.influence) EXPECT_TRUE(std::isnan(change));
+}
+
+TEST(ProfilePoints, ReachFromEndToEndAndRiseAwayFromTheMinimum) {
+  FitOptions options = plain();
+  options.profiles = true;
+  for (const ParameterEstimate& p : estimate(noisy(), options).parameters) {
+    ASSERT_GE(p.profile.size(), 3u);
+    EXPECT_NEAR(p.profile_level, 3.8415, 1e-3);
+    const auto lowest = std::ranges::min_element(p.profile, {}, &ProfilePoint::rise);
+    EXPECT_NEAR(lowest->value, p.estimate, 0.02 * p.sd);
+    EXPECT_TRUE(
+        std::is_sorted(p.profile.begin(), lowest + 1, [](auto a, auto b) { return a.rise > b.rise; }));
+    EXPECT_TRUE(std::is_sorted(lowest, p.profile.end(), [](auto a, auto b) { return a.rise < b.rise; }));
+    const auto reaches = [&](double end) {
+      return std::ranges::any_of(p.profile, [&](const ProfilePoint& point) {
+        return std::abs(point.value - end) < 0.02 * p.sd && std::abs(point.rise - p.profile_level) < 0.1;
+      });
+    };
+    EXPECT_TRUE(reaches(p.profile_ci95.low));
+    EXPECT_TRUE(reaches(p.profile_ci95.high));
+  }
+}
+
+// Held at a point of the profile, the others fitted again, chi^2 is as much higher as the point says.
+TEST(ProfilePoints, AreTheFitHeldThere) {
+  FitOptions options = plain();
+  const Problem problem = noisy();
+  const double lowest = estimate(problem, options).chi2;
+  options.profiles = true;
+  const ParameterEstimate mu1 = estimate(problem, options).parameters.front();
+  options.profiles = false;
+  for (const ProfilePoint& point : mu1.profile) {
+    Problem held = problem;
+    held.free = {FitParameter::mu2, FitParameter::lag};
+    held.fixed[FitParameter::mu1] = point.value;
+    EXPECT_NEAR(estimate(held, options).chi2 - lowest, point.rise, 0.05) << "mu1 = " << point.value;
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
