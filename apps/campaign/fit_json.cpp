@@ -335,8 +335,9 @@ std::string parameter_table(const Json& fit) {
   for (const auto& [name, p] : fit.at("parameters").items()) {
     const double sd = number(p["sd"]), low = number(p["ci95"][0]), high = number(p["ci95"][1]);
     const auto end = [&](double value) { return rounded_end(value, low, high, sd); };
-    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}", name, rounded_to_sd(number(p["estimate"]), sd),
-                         std::isfinite(sd) ? rounded_to_sd(sd, sd) : "not determined", end(low), end(high));
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}", name,
+                         std::isfinite(sd) ? rounded_to_sd(number(p["estimate"]), sd) : "not determined",
+                         std::isfinite(sd) ? rounded_to_sd(sd, sd) : "-", end(low), end(high));
     if (const auto pieces = p.find("ci95_pieces"); pieces != p.end()) {
       table += "  ";
       for (std::size_t i = 0; i < pieces->size(); ++i)
@@ -355,13 +356,14 @@ std::string slide_table(const Json& fit) {
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : kNoNumber; };
   for (const Json& s : fit.at("slides")) {
     const double sd = number(s["mu1_sd"]), low = number(s["ci95"][0]), high = number(s["ci95"][1]);
-    table += fmt::format(
-        "{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12.4g}{:>8}\n", s["name"].get<std::string>(),
-        rounded_to_sd(number(s["mu1"]), sd), std::isfinite(sd) ? rounded_to_sd(sd, sd) : "not determined",
-        rounded_end(low, low, high, sd), rounded_end(high, low, high, sd),
-        s["spin_seen"].get<bool>() ? rounded_to_sd(number(s["spin_ratio"]), number(s["spin_ratio_sd"]))
-                                   : "unseen",
-        number(s["chi2"]), s["dof"].get<int>());
+    table += fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12.4g}{:>8}\n", s["name"].get<std::string>(),
+                         std::isfinite(sd) ? rounded_to_sd(number(s["mu1"]), sd) : "not determined",
+                         std::isfinite(sd) ? rounded_to_sd(sd, sd) : "-", rounded_end(low, low, high, sd),
+                         rounded_end(high, low, high, sd),
+                         s["spin_seen"].get<bool>()
+                             ? rounded_to_sd(number(s["spin_ratio"]), number(s["spin_ratio_sd"]))
+                             : "unseen",
+                         number(s["chi2"]), s["dof"].get<int>());
   }
   return table;
 }

@@ -19,6 +19,8 @@ constexpr const char* kCampaign = R"(# A tribotrack campaign: edit the lines tha
 # it; a value without one is taken as exact, and fit.json lists it under taken_as_exact. What is given and also seen in
 # the recordings is compared once for all runs (conditions in fit.json).
 
+# title = "Silver disc, 6 mm, on polished duralumin"   # of the report; else this file's name
+
 [platform]                      # xi = A cos(wt) to the right, eta = A cos(wt + epsilon) upwards
 # amplitude_mm = 0.28           # A; leave out to measure it from the marker. 0 = platform at rest
 # amplitude_mm_sd = 0.001

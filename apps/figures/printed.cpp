@@ -28,6 +28,7 @@ std::string run_script(const fs::path& script, const std::vector<Figure>& figure
   std::vector<std::string> words = {kInterpreter, "-B", script.string()};
   for (const Figure& figure : figures) words.push_back(figure.id);
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   std::array<int, 2> pipe{};

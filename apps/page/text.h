@@ -27,7 +27,8 @@ std::string value_and_sd(double value, double sd);
 /// "0.10012(31)" (number_text.h), with a true minus sign; "not determined".
 std::string quoted_value(double value, double sd);
 
-/// A cell that shows the same and keeps all digits of both for the table's CSV.
+/// A cell that shows the same and keeps all digits of both for the table's CSV; the value alone, in four
+/// digits, where no sd is known (NaN).
 std::string quoted_cell(double value, double sd);
 
 /// "0.09952 to 0.10073", rounded to the sd or finer, such that its half width keeps two digits; an en dash

@@ -49,9 +49,9 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
             : std::string("95 % intervals with Student's t.") + robust_meaning(result.loss);
     if (result.p_value < kSurprise && !allowed)
       result.warnings.push_back(
-          fmt::format("chi2 = {} at {} degrees of freedom (p = {}): the model or the "
+          fmt::format("chi2 = {} at {} degrees of freedom ({}): the model or the "
                       "sigmas are wrong, and the sds too small.",
-                      number(result.chi2, 4), result.dof, number(result.p_value, 2)));
+                      number(result.chi2, 4), result.dof, chance_text(result.p_value)));
     return;
   }
   const bool repeated = result.scatter_from_replicates;
@@ -62,13 +62,13 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
   if (repeated)
     result.warnings.push_back(
         fmt::format("Repeated runs scatter by {} more than their own sigma; with that the "
-                    "fit agrees with all runs (p = {}).",
-                    scatter_text(excess), number(result.p_value, 2)));
+                    "fit agrees with all runs ({}).",
+                    scatter_text(excess), chance_text(result.p_value)));
   else if (excess.runs() > 0 && result.p_value < kSurprise)
     result.warnings.push_back(fmt::format(
-        "The runs scatter by {} more than their own sigma (chi2 {}, p = {}){}something in A, w, tilt "
+        "The runs scatter by {} more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
         "or the model is wrong.",
-        scatter_text(excess), number(result.chi2_before_scatter, 4), number(result.p_value, 2),
+        scatter_text(excess), number(result.chi2_before_scatter, 4), chance_text(result.p_value),
         result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or "));
   for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
     if (const auto& run = excess.trajectories[i]; run.between_points > 0)
@@ -107,10 +107,10 @@ void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
   if (result.p_value < kSurprise) {
     const double rms = rms_of(errors);
     result.scatter = std::max(result.scatter, rms);
-    result.warnings.push_back(fmt::format(
-        "The tracks have correlated errors of {} mm rms per axis beyond their own sigma (p = {}): "
-        "low-frequency tracking errors, or something in A, w, tilt or the model is wrong.",
-        number(1e3 * rms), number(result.p_value, 2)));
+    result.warnings.push_back(
+        fmt::format("The tracks have correlated errors of {} mm rms per axis beyond their own sigma ({}): "
+                    "low-frequency tracking errors, or something in A, w, tilt or the model is wrong.",
+                    number(1e3 * rms), chance_text(result.p_value)));
   }
   result.covariance_meaning += fmt::format(
       " It counts correlated errors of the points of a track, independent between runs unless "

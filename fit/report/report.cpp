@@ -10,6 +10,7 @@
 namespace tribotrack::fit {
 namespace {
 
+using internal::chance_text;
 using internal::display_factor;
 using internal::number;
 
@@ -45,11 +46,12 @@ std::string goodness(const FitResult& fit) {
   text += fit.starts_screened > 0 ? fmt::format(" ({} starts screened)\n", fit.starts_screened) : "\n";
   text += fmt::format("    chi2 {:.5g} at {} degrees of freedom", fit.chi2, fit.dof);
   if (fit.scatter_from_replicates)
-    text += fmt::format(", p = {:.3g} (with the sigmas alone: {:.5g})", fit.p_value, fit.chi2_before_scatter);
+    text += fmt::format(", {} (with the sigmas alone: {:.5g})", chance_text(fit.p_value),
+                        fit.chi2_before_scatter);
   else if (fit.scatter > 0)
-    text += fmt::format(" (before the scatter was estimated: {:.5g}, p = {:.2g})", fit.chi2_before_scatter,
-                        fit.p_value);
-  if (!(fit.scatter > 0)) text += fmt::format(", p = {:.3g}", fit.p_value);
+    text += fmt::format(" (before the scatter was estimated: {:.5g}, {})", fit.chi2_before_scatter,
+                        chance_text(fit.p_value));
+  if (!(fit.scatter > 0)) text += ", " + chance_text(fit.p_value);
   return text + "\n    " + fit.covariance_meaning + "\n";
 }
 
@@ -63,12 +65,13 @@ std::string parameter_table(const FitResult& fit) {
     const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
                                     ? fmt::format(" ({:.2g} %)", 100 * p.sd / std::abs(p.estimate))
                                     : "";
-    text += fmt::format("    {:<24} {:>12} {:>10}  {:<24} {:<24} {}{}{}\n", to_string(p.parameter),
-                        rounded_to_sd(p.estimate * factor, p.sd * factor),
-                        std::isfinite(p.sd) ? rounded_to_sd(p.sd * factor, p.sd * factor) : "not determined",
-                        pieces(p.ci95_pieces, factor, p.sd), interval(p.covariance_ci95, factor, p.sd),
-                        interval(p.profile_ci95, factor, p.sd), percent,
-                        bootstrap ? "  " + interval(p.bootstrap_ci95, factor, p.sd) : "");
+    text += fmt::format(
+        "    {:<24} {:>12} {:>10}  {:<24} {:<24} {}{}{}\n", to_string(p.parameter),
+        std::isfinite(p.sd) ? rounded_to_sd(p.estimate * factor, p.sd * factor) : "not determined",
+        std::isfinite(p.sd) ? rounded_to_sd(p.sd * factor, p.sd * factor) : "-",
+        pieces(p.ci95_pieces, factor, p.sd), interval(p.covariance_ci95, factor, p.sd),
+        interval(p.profile_ci95, factor, p.sd), percent,
+        bootstrap ? "  " + interval(p.bootstrap_ci95, factor, p.sd) : "");
   }
   if (bootstrap)
     text += fmt::format("    bootstrap: {} refits to simulated data, seed {}\n", fit.bootstrap,

@@ -11,6 +11,10 @@ std::string number(double value, int significant) {
   return fmt::format("{:.{}g}", value, significant);
 }
 
+std::string chance_text(double p_value) {
+  return p_value > 0 ? "p = " + number(p_value, 2) : "p < 1e-300";
+}
+
 std::string change_text(FitParameter parameter, double change, double value) {
   const std::string direction = change < 0 ? " down " : " up ";
   const double size = std::abs(change);

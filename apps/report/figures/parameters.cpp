@@ -206,7 +206,7 @@ std::vector<Figure> influence(const ReportData& data) {
     }
     if (!points.x.empty()) panel.series.push_back(points);
   }
-  if (panel.series.empty()) return {};
+  if (panel.series.empty() || panel.series.front().x.size() < 2) return {};
   const std::size_t step = (data.runs.size() + 23) / 24;
   for (std::size_t i = 0; i < data.runs.size(); i += step) {
     panel.x.ticks.push_back(static_cast<double>(i + 1));

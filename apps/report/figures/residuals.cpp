@@ -49,7 +49,9 @@ std::vector<Figure> residual_figures(const ReportData& data) {
       if (std::isfinite(r.standardised)) largest = std::max(largest, 1.1 * std::abs(r.standardised));
     }
   }
-  if (kinds.empty()) return {};
+  const auto judged =
+      std::ranges::count_if(data.runs, [](const ReportRun& run) { return !run.residuals.empty(); });
+  if (judged < 2) return {};
   const auto count = static_cast<double>(data.runs.size());
   FigurePanel panel{.x = {.title = "run", .low = 0.4, .high = count + 0.6},
                     .y = {.title = "residual, σ", .low = -largest, .high = largest},

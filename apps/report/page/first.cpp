@@ -25,7 +25,7 @@ std::string result_table(const ReportData& data) {
     html += fmt::format(
         "<tr><th>{}</th><td class=\"value\" data-v=\"{}\">{}{}<br><span class=\"ends\">{}</span></td></tr>\n",
         shown.symbol, determined ? fmt::format("{}", p.estimate) : "", quoted_value(p.estimate, p.sd),
-        shown.unit.empty() || !determined ? "" : " " + shown.unit, quoted_interval(p));
+        shown.unit.empty() || !determined ? "" : " " + shown.unit, determined ? quoted_interval(p) : "");
   }
   return html +
          "</tbody></table>\n<p class=\"note\">In parentheses the standard deviation of the last "

@@ -57,6 +57,51 @@ TEST(RivalLaws, AShortRiseIsADelayOfItsHalf) {
   EXPECT_NEAR(error[0] / error[1], 4, 0.2);  // second order
 }
 
+// mu as a trapezoid, by steps of the midpoint rule so small that no care is needed; the part never sticks
+// here.
+Eigen::Vector2d with_trapezoid(const Scenario& s, double rise) {
+  const double w = s.drive.angular_frequency, amplitude = s.drive.amplitude, turn = 2 * M_PI;
+  const auto mu = [&](double t) {
+    double into = w * t - s.friction.phase - s.friction.lag;
+    into -= turn * std::floor(into / turn);
+    const bool reduced = into < s.friction.pulse_width;
+    const double since = (into - (reduced ? 0 : s.friction.pulse_width)) / w;
+    const double from = reduced ? s.friction.nominal : s.friction.reduced;
+    const double to = reduced ? s.friction.reduced : s.friction.nominal;
+    return since < rise ? from + (to - from) * since / rise : to;
+  };
+  // Relative to the platform, eqs. (1) and (5): xi = A cos wt, eta = A cos(wt + epsilon).
+  const auto slope = [&](double t, const Eigen::Vector2d& u) -> Eigen::Vector2d {
+    const Eigen::Vector2d drive =
+        amplitude * w * w * Eigen::Vector2d(std::cos(w * t), std::cos(w * t + s.drive.phase_shift));
+    return u.norm() > 0 ? Eigen::Vector2d(drive - mu(t) * s.drive.gravity * u / u.norm()) : drive;
+  };
+  constexpr int kSteps = 400'000;
+  const double h = s.end_time() / kSteps;
+  Eigen::Vector2d x = Eigen::Vector2d::Zero(), u = Eigen::Vector2d::Zero();
+  for (int k = 0; k < kSteps; ++k) {
+    const double t = k * h;
+    const Eigen::Vector2d middle = u + 0.5 * h * slope(t, u);
+    x += h * middle;
+    u += h * slope(t + 0.5 * h, middle);
+  }
+  return x;
+}
+
+TEST(RivalLaws, ALongRiseIsATrapezoid) {
+  Scenario scenario;
+  scenario.friction = {0.06, 0.0125, 0.4, 2.0, 0.2};
+  scenario.cycles = 2;
+  constexpr double kRise = 0.02;
+  const Eigen::Vector2d trapezoid = with_trapezoid(scenario, kRise);
+  EXPECT_LT((rival_displacement(scenario, {Kind::rise_time, kRise}) - trapezoid).norm(),
+            1e-5 * trapezoid.norm());
+  Scenario delayed = scenario;
+  delayed.friction.lag += 0.5 * kRise * scenario.drive.angular_frequency;
+  EXPECT_GT((rival_displacement(delayed, {Kind::coulomb, 0}) - trapezoid).norm(), 1e-3 * trapezoid.norm())
+      << "a delay does as well: this test shows nothing of the rise";
+}
+
 // Where speeds lie far above A w/4 nothing of the Stribeck term is left; far below it is a higher mu.
 TEST(RivalLaws, StribeckFadesWithSpeed) {
   Scenario slow;

@@ -71,7 +71,8 @@ std::string interval_table(const ReportData& data) {
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
   for (const ReportParameter& p : data.parameters) {
     const ParameterText shown = parameter_text(p.name);
-    html += "<tr><th>" + shown.symbol + "</th>" + quoted_cell(p.estimate, p.sd);
+    html += "<tr><th>" + shown.symbol + "</th>" +
+            (std::isfinite(p.sd) ? quoted_cell(p.estimate, p.sd) : number_cell("not determined"));
     for (const IntervalColumn& column : columns)
       html += "<td class=\"n ends\">" +
               (column.interval == &ReportParameter::ci95

@@ -1,0 +1,114 @@
+// What `run` and `report` leave beside the page: tables, text, and figures for print.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "apps/chromium.h"
+#include "apps/program.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using test::output_of;
+using testing::HasSubstr;
+
+/// Runs measured elsewhere: no recordings are needed.
+class ReportOutputs : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    std::string campaign =
+        "title = \"Measured by hand\"\n[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n"
+        "phase_shift_rad = \"pi/2\"\n[fit]\nparameters = [\"mu1\", \"mu2\", \"phase_lag_rad\"]\n";
+    for (int k = 0; k < 6; ++k) {
+      const std::string phi = std::to_string(k) + "pi/3";
+      const std::string dtau = k % 2 == 0 ? "pi/3" : "2pi/3";
+      const Json moved = Json::parse(
+          run("simulate --mu1 0.1 --mu2 0.0125 --amplitude-mm 0.28 --omega-rad-s 62.8 --phi-rad " + phi +
+              " --dtau-rad " + dtau + " --lag-rad 0.2 --cycles 20 --json")
+              .out);
+      campaign += "[[run]]\nname = \"r" + std::to_string(k) + "\"\nphi_rad = \"" + phi + "\"\ndtau_rad = \"" +
+                  dtau + "\"\nalpha_rad = " + moved["alpha_rad"].dump() +
+                  "\nalpha_sd_rad = 0.01\nv_mm_s = " + moved["v_mm_s"].dump() + "\nv_sd_mm_s = 0.02\n";
+    }
+    put(in_folder("c.toml"), campaign);
+    ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  }
+
+  std::vector<std::string> figures() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(in_folder("figures")))
+      if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
+    return names;
+  }
+};
+
+TEST_F(ReportOutputs, TablesHoldTheNumbersOfTheFit) {
+  const Json mu1 = read_json(in_folder("out/fit.json"))["parameters"]["mu1"];
+  const std::string parameters = content_of(in_folder("out/parameters.csv"));
+  EXPECT_THAT(parameters, HasSubstr("\nmu1," + mu1["estimate"].dump() + "," + mu1["sd"].dump() + ","));
+  const std::string runs = content_of(in_folder("out/runs.csv"));
+  EXPECT_EQ(std::ranges::count(runs, '\n'), 7);
+  EXPECT_THAT(runs, HasSubstr("\n1,r0,"));
+  const std::string text = content_of(in_folder("out/report.txt"));
+  EXPECT_THAT(text, HasSubstr("Measured by hand\n6 runs"));
+  EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("<h1>Measured by hand</h1>"));
+}
+
+TEST_F(ReportOutputs, FiguresForPrintComeWithNumbersScriptAndFonts) {
+  ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
+  const std::vector<std::string> names = figures();
+  EXPECT_THAT(names, testing::IsSupersetOf(
+                         {"alpha-phi", "v-phi", "corner", "budget-shares", "influence", "residuals"}));
+  for (const std::string& name : names)
+    for (const char* width : {"-84mm", "-174mm"}) {
+      const std::string stem = in_folder("figures").string() + "/" + name + width;
+      EXPECT_EQ(output_of("xmllint --noout '" + stem + ".svg' 2>&1"), "");
+      // "yes" under "emb" for every font: 5 columns from the right.
+      std::istringstream fonts(output_of("pdffonts '" + stem + ".pdf'"));
+      std::string line;
+      int count = 0;
+      for (int k = 0; std::getline(fonts, line); ++k) {
+        if (k < 2) continue;  // heading
+        EXPECT_THAT(line, HasSubstr(" yes yes yes "));
+        ++count;
+      }
+      EXPECT_GE(count, 1) << stem;
+      const std::string wide = output_of("pdfinfo '" + stem + ".pdf' | grep 'Page size'");
+      EXPECT_THAT(wide, HasSubstr(width == std::string("-84mm") ? "238.11" : "493.228")) << "points";
+    }
+
+  // The same numbers give the same bytes, by the script alone, too.
+  const std::string before = content_of(in_folder("figures/alpha-phi-84mm.pdf"));
+  const std::string drawing = content_of(in_folder("figures/alpha-phi-174mm.svg"));
+  ASSERT_EQ(
+      output_of("/usr/bin/python3 -B '" + in_folder("figures/figures.py").string() + "' alpha-phi 2>&1"), "");
+  EXPECT_TRUE(before == content_of(in_folder("figures/alpha-phi-84mm.pdf")));
+  EXPECT_TRUE(drawing == content_of(in_folder("figures/alpha-phi-174mm.svg")));
+}
+
+TEST_F(ReportOutputs, AMeasuredPointStandsInTheFiguresNumbersWithAllDigits) {
+  ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
+  const Json first = read_json(in_folder("out/fit.json"))["runs"][0];
+  const std::string runs = content_of(in_folder("out/runs.csv"));
+  const std::size_t row = runs.find("\n1,r0,");
+  std::istringstream cells(runs.substr(row, runs.find('\n', row + 1) - row));
+  std::vector<std::string> list;
+  for (std::string cell; std::getline(cells, cell, ',');) list.push_back(cell);
+  EXPECT_THAT(content_of(in_folder("figures/alpha-phi.csv")),
+              HasSubstr("," + list[6] + "," + list[7] + ",,1 r0\n"))
+      << first.dump();
+}
+
+TEST_F(ReportOutputs, WithoutAnOutputOrWithOneThatCannotBeWrittenItIsRefused) {
+  expect_refused(run("report out"), 2, {"--output", "--figures"});
+  put(in_folder("file"), "mine");
+  expect_refused(run("report out --figures file"), 3, {"file"});
+  EXPECT_EQ(content_of(in_folder("file")), "mine");
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
