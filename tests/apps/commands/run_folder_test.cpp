@@ -131,7 +131,7 @@ TEST_F(RunFolders, RunsThatLeftTheCampaignMoveAsideAndComeBack) {
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("b is not in one.toml: moved to out/aside"));
   EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.csv")));
-  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.first.png")));
+  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.first.jpg")));
   EXPECT_EQ(content_of(in_folder("out/aside/tracks/b.csv")), track);
   EXPECT_EQ(content_of(in_folder("out/tracks/mine.csv")), "no track of a run");
   EXPECT_THAT(run("run one.toml -o out").err, Not(HasSubstr("aside")));
