@@ -71,12 +71,10 @@ void add_paper(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "paper", "The source paper's figures and claims, computed again: one page with a verdict on each");
   command
-      .add_option(
-          "-o,--output", *output,
-          "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, beside "
-          "each "
-          "what the paper claims, what is found and the verdict), claims.csv and the figures' numbers, "
-          "figure3.csv to figure11.csv")
+      .add_option("-o,--output", *output,
+                  "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
+                  "beside each what the paper claims, what is found and the verdict), claims.csv and the "
+                  "figures' numbers, figure3.csv to figure11.csv")
       ->type_name("DIR")
       ->required();
   command

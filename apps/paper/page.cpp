@@ -36,25 +36,22 @@ constexpr FigureText texts[] = {
     {5, "Figure 5: trajectories at different phase shifts",
      "The caption does not say after how many cycles; 20 are taken, as for the mean velocity.", ""},
     {6, "Figure 6: mean displacement velocity",
-     "The caption gives no μ₁ for a and d, no Aₑ for b and d, no ω for c: μ₁ of 0.08, 0.1 and 0.12, 0.28 mm "
-     "and 62.8 "
-     "rad/s are taken, of the other figures.",
+     "The caption gives no μ₁ for a, no Aₑ for b and no ω for c; what is taken for these and for d stands "
+     "below the figure.",
      ""},
     {7, "Figure 7: displacement angle",
-     "The caption gives no Δτ for a, no μ₁ and no φ for b, no ω for c, no μ₁ and no Aₑ for d: π/3, 0, 62.8 "
-     "rad/s, "
-     "0.28 mm and μ₁ of 0.08, 0.1 and 0.12 are taken.",
+     "The caption gives no Δτ for a, no μ₁ and no φ for b and no ω for c; what is taken for these and for d "
+     "stands below the figure.",
      ""},
     {9, "Figure 9: displacement angle, measured",
-     "The caption gives no Δτ for a and no φ for b: π/3 and 0 are taken.",
+     "The caption gives no Δτ for a and no φ for b; what is taken stands below the figure.",
      "The dependency of α on φ obtained by the model showed a good agreement with the experimental values"},
     {10, "Figure 10: mean displacement velocity, measured",
      "The caption does not say after how many cycles; 20 are taken, as for figure 6.",
      "A comparison between the modeling and the experiments also showed a good agreement"},
     {11, "Figure 11: trajectories, measured",
      "The caption gives neither μ₁, μ₂, φ, Δτ nor the number of cycles: those of figure 9 and 20 cycles are "
-     "taken, "
-     "φ and Δτ over their range.",
+     "taken, φ and Δτ over their range.",
      "This nature of the part’s motion was close to the one observed in the modeling results"},
 };
 
@@ -92,13 +89,11 @@ std::string anchor_of(const PaperClaim& claim, const Paper& paper) {
 std::string claim_table(const Paper& paper) {
   std::string html =
       "<div class=\"wide\"><table id=\"claims\" class=\"compact claims\"><thead><tr><th "
-      "class=\"n\">Figure</th>"
-      "<th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
+      "class=\"n\">Figure</th><th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
   for (const PaperClaim& claim : paper.claims)
     html += fmt::format(
         "<tr><td class=\"n\"><a href=\"#figure{0}\">{0}</a></td><td><a href=\"#{1}\">{2}</a></td><td "
-        "class=\"judged "
-        "{3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
+        "class=\"judged {3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
         claim.figure, anchor_of(claim, paper), sentence_html(claim.name), style_of(claim.verdict),
         to_string(claim.verdict), fmt::format("{}", claim.deciding.value), deciding_html(claim));
   return html + "</tbody></table></div>\n";
@@ -107,10 +102,9 @@ std::string claim_table(const Paper& paper) {
 std::string first_screen(const Paper& paper) {
   return fmt::format(
              "<p>{} claims: {}. Each verdict rests on the number beside it. <i>Steady</i> is the periodic "
-             "motion that "
-             "the part settles into; <i>from rest</i> the first cycles, which the paper counts. Of figures 9 "
-             "to 11 only "
-             "the model’s side is shown, since the paper prints its measurements as pictures only.</p>\n",
+             "motion that the part settles into; <i>from rest</i> the first cycles, which the paper counts. "
+             "Of figures 9 to 11 only the model’s side is shown, since the paper prints its measurements as "
+             "pictures only.</p>\n",
              paper.claims.size(), verdicts_text(paper.claims)) +
          claim_table(paper);
 }
@@ -146,8 +140,7 @@ PageSection section_of(const Figure& figure, const Paper& paper) {
   if (*text->agreement)
     section.html += fmt::format(
         "<p class=\"note\">The model’s side only. The paper’s measurements are printed as pictures, without "
-        "numbers; "
-        "<q>{}</q> is neither confirmed nor refuted here.</p>\n",
+        "numbers; <q>{}</q> is neither confirmed nor refuted here.</p>\n",
         text->agreement);
   if (*text->taken) section.html += fmt::format("<p class=\"note\">{}</p>\n", text->taken);
   section.html += "</div></div>\n";
@@ -158,13 +151,12 @@ PageSection sources_section() {
   return {
       "sources", "Where the numbers come from",
       fmt::format(
-          "<p>The paper: {}. Its sentences are quoted with their symbols; [...] marks words left out.</p>\n"
-          "<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, which this "
-          "program carries. The motion, equation (5) of the paper, is solved between its events: friction "
-          "switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
+          "<p>The paper: {}. Its sentences are quoted with their symbols; [...] marks words left "
+          "out.</p>\n<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, "
+          "which this program carries. The motion, equation (5) of the paper, is solved between its events: "
+          "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
           "10<sup>−13</sup> of the path.</p>\n<p>The numbers of each figure are in <code>figure3.csv</code> "
-          "to "
-          "<code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
+          "to <code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
           "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one panel, "
           "<code>tribotrack bench model -o bench</code> the verdicts with every number.</p>\n",
           kPaper)};

@@ -161,8 +161,8 @@ Figure figure3() {
           .title = "Displacement of the part",
           .caption = fmt::format("{}. Solid x, dashed y. {}", conditions_text(scenario), found),
           .alternative =
-              "Displacement over time at constant and at pulsed friction, and the two trajectories: one "
-              "ends on a circle, the other walks on.",
+              "Displacement over time at constant and at pulsed friction, and the two trajectories: one ends "
+              "on a circle, the other walks on.",
           .panels = {displacement, friction, paths},
           .height = 1.3};
 }

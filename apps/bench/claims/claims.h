@@ -1,4 +1,4 @@
-// What Kilikevicius et al. 2021 state about the motion (sections 2.2 and 4), computed again: where it is
+// What Kilikevicius et al. 2021 state about the motion (sections 2.2, 3.2 and 4), computed again: where it is
 // exactly true, where nearly, where not. Each verdict follows from the figures beside it.
 #pragma once
 

@@ -109,12 +109,11 @@ PaperClaim linear_in_phase(bool quick) {
       claim.figures.push_back(
           {conditions(mu1, dtau), "alpha off slope -1, 20 cycles from rest", degrees(rest), "deg"});
     }
-  claim.finding =
-      text_of(
-          "Steady: slope exactly -1 (rotation). Over 20 cycles from rest alpha leaves the line by up to "
-          "%.1f deg (",
-          degrees(most)) +
-      most_at + "), since the transient does not turn with phi.";
+  claim.finding = text_of(
+                      "Steady: slope exactly -1 (rotation). Over 20 cycles from rest alpha leaves the line "
+                      "by up to %.1f deg (",
+                      degrees(most)) +
+                  most_at + "), since the transient does not turn with phi.";
   claim.deciding = {"", "alpha off slope -1, steady, at most", degrees(most_steady), "deg"};
   return claim;
 }
@@ -158,11 +157,10 @@ PaperClaim alpha_over_width(bool quick) {
     }
   }
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "Steady alpha falls throughout for mu1 = %s, also rises for mu1 = %s. Not slowly: by up to %.2f rad "
-      "per rad on the average (a weak pulse: 1/2, its middle moves).",
-      falls.c_str(), rises.empty() ? "none" : rises.c_str(), -steepest);
+  std::snprintf(text, sizeof text,
+                "Steady alpha falls throughout for mu1 = %s, also rises for mu1 = %s. Not slowly: by up to "
+                "%.2f rad per rad on the average (a weak pulse: 1/2, its middle moves).",
+                falls.c_str(), rises.empty() ? "none" : rises.c_str(), -steepest);
   claim.finding = text;
   return claim;
 }
@@ -225,11 +223,10 @@ PaperClaim alpha_over_amplitude(bool quick) {
   if (degrees(most) > 5) claim.verdict = Verdict::holds_in_part;
   claim.deciding = {"A_e above 1 mm", "range of steady alpha, at most", degrees(most), "deg"};
   char text[160];
-  std::snprintf(
-      text, sizeof text,
-      "Steady alpha moves by at most %.2f deg within each range above 1 mm; from rest more, as 20 cycles "
-      "are then only part of the transient.",
-      degrees(most));
+  std::snprintf(text, sizeof text,
+                "Steady alpha moves by at most %.2f deg within each range above 1 mm; from rest more, as 20 "
+                "cycles are then only part of the transient.",
+                degrees(most));
   claim.finding = text;
   return claim;
 }

@@ -70,8 +70,7 @@ PaperClaim displacement_over_width(bool quick) {
   PaperClaim claim{.name = "displacement over dtau",
                    .statement =
                        "When dtau increases, a higher system asymmetry is created, and due this reason the "
-                       "displacement of "
-                       "the part increases at the same number of circular oscillation cycles",
+                       "displacement of the part increases at the same number of circular oscillation cycles",
                    .place = "2.2, figures 4a and 4b; 4",
                    .figure = 4,
                    .verdict = Verdict::holds};
@@ -130,10 +129,8 @@ PaperClaim alpha_by_phase(bool) {
   if (by_phi < std::max(by_width, by_amplitude)) claim.verdict = Verdict::refuted;
   claim.finding =
       text_of("120 deg more of phi turn alpha by at least %.0f deg; ", by_phi) +
-      text_of(
-          "dtau from pi/10 to pi/4 turns it by at most %.0f deg, A_e from 0.28 to 0.32 mm by %.0f "
-          "deg.",
-          by_width, by_amplitude);
+      text_of("dtau from pi/10 to pi/4 turns it by at most %.0f deg, A_e from 0.28 to 0.32 mm by %.0f deg.",
+              by_width, by_amplitude);
   return claim;
 }
 
@@ -166,13 +163,13 @@ PaperClaim less_stretched(bool quick) {
 }
 
 PaperClaim alpha_over_frequency(bool quick) {
-  PaperClaim claim{.name = "alpha over omega",
-                   .statement =
-                       "Similar processes were observed as the angular frequency of the circular excitation "
-                       "was varying",
-                   .place = "2.2, figure 7d",
-                   .figure = 7,
-                   .verdict = Verdict::exact};
+  PaperClaim claim{
+      .name = "alpha over omega",
+      .statement =
+          "Similar processes were observed as the angular frequency of the circular excitation was varying",
+      .place = "2.2, figure 7d",
+      .figure = 7,
+      .verdict = Verdict::exact};
   const double dtau = 2 * pi / 3;
   const Scenario s = paper_conditions(0.1, dtau, pi / 2);
   const double w = s.drive.angular_frequency, amplitude = s.drive.amplitude;
@@ -221,7 +218,7 @@ PaperClaim v_in_experiment(bool quick) {
   if (back > 0) claim.verdict = Verdict::holds_in_part;
   claim.figures = {{where, "v at dtau = pi/12", v.front(), "mm/s"},
                    {where, "v at dtau = pi", v.back(), "mm/s"},
-                   {where, "deepest step back of v", back, "%"}};
+                   {where, "deepest fall of v", back, "%"}};
   claim.deciding = claim.figures.back();
   claim.finding = text_of("The model's v over 20 cycles from rest rises throughout, from %.2f to %.2f mm/s.",
                           v.front(), v.back());
@@ -255,8 +252,7 @@ PaperClaim further_in_experiment(bool quick) {
                     least, "times"};
   claim.finding = text_of(
       "In the model, at every phi: over 20 cycles from rest each of pi/6, pi/3, pi/2, 2 pi/3, pi takes it at "
-      "least "
-      "%.2f times as far as the one before.",
+      "least %.2f times as far as the one before.",
       least);
   return claim;
 }

@@ -90,14 +90,13 @@ PaperClaim v_independent_of_phase(bool quick) {
 }
 
 PaperClaim v_over_width(bool quick) {
-  PaperClaim claim{
-      .name = "v over dtau",
-      .statement =
-          "As dtau increases up to 3 pi/2, the mean displacement velocity v also increases [...] "
-          "However, a further increase in dtau results in a decrease in v",
-      .place = "2.2, figure 6a; 4",
-      .figure = 6,
-      .verdict = Verdict::holds};
+  PaperClaim claim{.name = "v over dtau",
+                   .statement =
+                       "As dtau increases up to 3 pi/2, the mean displacement velocity v also increases "
+                       "[...] However, a further increase in dtau results in a decrease in v",
+                   .place = "2.2, figure 6a; 4",
+                   .figure = 6,
+                   .verdict = Verdict::holds};
   constexpr double kOfFigure6 = 8;  // mu1/mu2
   double below = 0;                 // v at 3 pi/2, under the same conditions, %
   double least = HUGE_VAL, greatest = 0;
@@ -248,8 +247,7 @@ PaperClaim effect_of_tilt(bool quick) {
   claim.finding = text_of("0.1 deg of tilt turns alpha by up to %.0f deg and changes v by up to %.0f %%, ",
                           most_alpha, most_v) +
                   "most at narrow pulses: the model holds as far as the platform is level, and a fit to "
-                  "recordings has to carry "
-                  "the tilt.";
+                  "recordings has to carry the tilt.";
   return claim;
 }
 
