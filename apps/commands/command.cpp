@@ -66,6 +66,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_simulate(app, context);
   add_sweep(app, context);
   add_synth(app, context);
+  add_paper(app, context);
   add_bench(app, context);
   add_bench_peer(app);
   add_init(app, context);

@@ -27,6 +27,7 @@ void add_track(CLI::App& app, Context& context);
 void add_measure(CLI::App& app, Context& context);
 void add_fit(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
+void add_paper(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 /// Not listed by --help: `bench` runs itself as the peers that it compares whole commands with.

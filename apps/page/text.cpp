@@ -66,26 +66,36 @@ bool in_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
 }
 
+bool digit_at(std::string_view text, std::size_t at) {
+  return at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]));
+}
+
 /// Words and signs of sentences and their symbols; the longer of two that begin alike stands first.
 constexpr std::pair<std::string_view, std::string_view> symbols[] = {{"phase_lag_rad", "lag"},
+                                                                     {"mu1/mu2", "μ₁/μ₂"},
                                                                      {"mu1", "μ₁"},
                                                                      {"mu2", "μ₂"},
+                                                                     {"mu", "μ"},
                                                                      {"chi2", "χ²"},
                                                                      {"dtau", "Δτ"},
                                                                      {"phi", "φ"},
                                                                      {"alpha", "α"},
+                                                                     {"omega^2", "ω²"},
+                                                                     {"omega", "ω"},
+                                                                     {"A_e", "Aₑ"},
                                                                      {"rad/s^2", "rad/s²"},
                                                                      {"+-", "±"},
                                                                      {"->", "→"},
                                                                      {"pi", "π"}};
 
-/// Does `word` stand alone at `at`, not inside a longer name, a file's name or a path?
+/// Does `word` stand alone at `at`, not inside a longer name, a file's name or a path? A number may divide
+/// it: "pi/2".
 bool stands_alone(std::string_view text, std::size_t at, std::string_view word) {
   if (!in_word(word.front())) return true;
   const std::size_t end = at + word.size();
   const bool name_before = at > 0 && (in_word(text[at - 1]) || text[at - 1] == '/' || text[at - 1] == '.');
   const bool name_after =
-      end < text.size() && (in_word(text[end]) || text[end] == '/' ||
+      end < text.size() && (in_word(text[end]) || (text[end] == '/' && !digit_at(text, end + 1)) ||
                             (text[end] == '.' && end + 1 < text.size() && in_word(text[end + 1])));
   return !name_before && !name_after;
 }

@@ -1,8 +1,10 @@
 #include "apps/bench/claims/sweeps.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "model/alpha_v.h"
+#include "model/batch.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
@@ -21,6 +23,23 @@ Drift steady_drift(const Scenario& scenario) {
 Drift drift_from_rest(const Scenario& scenario) {
   const Eigen::Vector2d end = integrate(scenario).end().position;
   return {displacement_angle(end), end.norm() / scenario.end_time()};
+}
+
+std::vector<double> steady_v(const std::vector<Scenario>& scenarios) {
+  BatchOptions options;
+  options.ends = false;
+  options.steady = true;
+  std::vector<double> v;
+  for (const BatchSteady& steady : solve_batch(scenarios, options).steady)
+    v.push_back(steady.status == BatchStatus::done ? steady.v : NAN);
+  return v;
+}
+
+std::vector<double> v_from_rest(const std::vector<Scenario>& scenarios) {
+  std::vector<double> v;
+  for (const BatchEnd& end : solve_batch(scenarios).ends)
+    v.push_back(end.status == BatchStatus::done ? end.v : NAN);
+  return v;
 }
 
 std::vector<double> grid(double from, double to, int count) {
@@ -78,6 +97,30 @@ Monotony monotony(const std::vector<double>& swept, const std::vector<double>& v
     }
   }
   return m;
+}
+
+double deepest_step_back(const std::vector<double>& v, int sign) {
+  double from = v.front(), deepest = 0;
+  for (const double here : v) {
+    if (sign * (here - from) >= 0) from = here;
+    if (const double step = std::fabs(here - from); from != 0)
+      deepest = std::max(deepest, step / std::fabs(from));
+  }
+  return deepest;
+}
+
+std::string text_of(const char* format, double a, double b) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+std::string conditions(double mu1, double dtau) {
+  return text_of("mu1 = %g, dtau = %.3f rad", mu1, dtau);
+}
+
+std::string mu1_is(double mu1) {
+  return text_of("mu1 = %g", mu1);
 }
 
 }  // namespace tribotrack::bench

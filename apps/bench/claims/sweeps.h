@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "apps/bench/claims/claims.h"
@@ -19,6 +20,10 @@ struct Drift {
 Drift steady_drift(const model::Scenario& scenario);
 /// Over the scenario's cycles, from rest: as the paper counts them.
 Drift drift_from_rest(const model::Scenario& scenario);
+
+/// v of many scenarios, side by side (model/batch.h); NaN where there is none.
+std::vector<double> steady_v(const std::vector<model::Scenario>& scenarios);
+std::vector<double> v_from_rest(const std::vector<model::Scenario>& scenarios);
 
 using DriftOf = std::function<Drift(const model::Scenario&)>;
 
@@ -42,6 +47,17 @@ struct Monotony {
 };
 Monotony monotony(const std::vector<double>& swept, const std::vector<double>& v, int sign);
 
+/// The deepest step against the sign, not only between neighbours, relative to what it goes back from. 0
+/// where there is none.
+double deepest_step_back(const std::vector<double>& v, int sign);
+
+/// "mu1 = 0.1, dtau = 0.524 rad"
+std::string conditions(double mu1, double dtau);
+/// "mu1 = 0.1"
+std::string mu1_is(double mu1);
+/// With printf's format, for one or two numbers.
+std::string text_of(const char* format, double a, double b = 0);
+
 // The claims, by what they are about.
 PaperClaim circular_end_state(bool quick);
 PaperClaim full_circle(bool quick);
@@ -56,5 +72,12 @@ PaperClaim v_over_amplitude(bool quick);
 PaperClaim v_over_frequency(bool quick);
 PaperClaim v_over_friction(bool quick);
 PaperClaim effect_of_tilt(bool quick);
+PaperClaim keeps_moving(bool quick);
+PaperClaim displacement_over_width(bool quick);
+PaperClaim alpha_by_phase(bool quick);
+PaperClaim less_stretched(bool quick);
+PaperClaim alpha_over_frequency(bool quick);
+PaperClaim v_in_experiment(bool quick);
+PaperClaim further_in_experiment(bool quick);
 
 }  // namespace tribotrack::bench

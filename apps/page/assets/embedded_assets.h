@@ -1,6 +1,8 @@
-// The files of pages, carried inside the program so that an installed binary needs nothing beside it.
+// The files of pages and the conditions of the paper's figures, carried inside the program so that an installed
+// binary needs nothing beside it.
 #pragma once
 
+#include <span>
 #include <string_view>
 
 namespace tribotrack::apps {
@@ -16,5 +18,14 @@ struct EmbeddedAssets {
 };
 
 const EmbeddedAssets& embedded_assets();
+
+/// The conditions of a figure of the paper: data/NAME.toml.
+struct EmbeddedScenario {
+  std::string_view name;  ///< "figure6a"
+  std::string_view toml;
+};
+
+/// All of data/figure*.toml, by name.
+std::span<const EmbeddedScenario> paper_scenarios();
 
 }  // namespace tribotrack::apps

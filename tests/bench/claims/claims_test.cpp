@@ -46,10 +46,12 @@ TEST(Claims, EachHasFiguresAndAFinding) {
     EXPECT_TRUE(names.insert(c.name).second) << c.name;
     EXPECT_FALSE(c.statement.empty() || c.place.empty() || c.finding.empty()) << c.name;
     EXPECT_FALSE(c.figures.empty()) << c.name;
+    EXPECT_TRUE(c.figure >= 3 && c.figure <= 11) << c.name;
+    EXPECT_TRUE(std::isfinite(c.deciding.value) && !c.deciding.quantity.empty()) << c.name;
     for (const ClaimFigure& f : c.figures)
       EXPECT_TRUE(std::isfinite(f.value)) << c.name << ": " << f.conditions << ", " << f.quantity;
   }
-  EXPECT_EQ(claims().size(), 13u);
+  EXPECT_EQ(claims().size(), 20u);
 }
 
 TEST(Claims, CircularEndStateIsExact) {
@@ -121,6 +123,47 @@ TEST(Claims, TiltMattersMostAtNarrowPulses) {
   };
   EXPECT_NEAR(turned(pi / 6), 12, 1);
   EXPECT_LT(turned(pi), 0.5 * turned(pi / 6));
+}
+
+TEST(Claims, ThreadsChangeNothing) {
+  ClaimOptions options;
+  options.quick = true;
+  options.threads = 3;
+  const std::vector<PaperClaim> others = paper_claims(options);
+  ASSERT_EQ(others.size(), claims().size());
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    EXPECT_EQ(others[k].name, claims()[k].name);
+    EXPECT_EQ(others[k].deciding.value, claims()[k].deciding.value) << others[k].name;
+  }
+}
+
+/// One displacement for every phi and both widths: what is at least and at most so of the path.
+TEST(Claims, WiderPulsesStretchTheTrajectory) {
+  const PaperClaim& c = claim("less stretched");
+  EXPECT_EQ(c.verdict, Verdict::refuted);
+  EXPECT_STREQ(to_string(c.verdict), "refuted");
+  EXPECT_GT(c.deciding.value, largest(c, "displacement over path, dtau = pi/6"));
+}
+
+TEST(Claims, AmplitudeAndFrequencyMoveSteadyAlphaTogether) {
+  const PaperClaim& c = claim("alpha over omega");
+  EXPECT_EQ(c.verdict, Verdict::exact);
+  EXPECT_LT(c.deciding.value, 1e-9);
+}
+
+TEST(Claims, VelocityGrowsInTheRangeOfTheExperiment) {
+  EXPECT_EQ(claim("v over dtau, measured").verdict, Verdict::holds);
+  EXPECT_EQ(claim("further at wider dtau").verdict, Verdict::holds);
+  EXPECT_GT(claim("further at wider dtau").deciding.value, 1);
+  EXPECT_EQ(claim("displacement over dtau").verdict, Verdict::holds_in_part) << "it falls after its maximum";
+  EXPECT_EQ(claim("alpha mostly by phi").verdict, Verdict::holds);
+  EXPECT_GT(claim("keeps moving").deciding.value, 1);
+}
+
+TEST(Claims, StepBackIsFromTheHighestBefore) {
+  EXPECT_DOUBLE_EQ(deepest_step_back({1, 2, 1.5, 1, 3, 2.7}, 1), 0.5);
+  EXPECT_DOUBLE_EQ(deepest_step_back({4, 2, 3, 1}, -1), 0.5);
+  EXPECT_EQ(deepest_step_back({0, 1, 2}, 1), 0);
 }
 
 TEST(Claims, MonotonyFindsTheFirstStretchAgainstTheSign) {

@@ -1,0 +1,89 @@
+// tribotrack paper: the source paper's figures and claims, computed again.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands/command.h"
+#include "apps/figures/figure_csv.h"
+#include "apps/figures/printed.h"
+#include "apps/files/meta_file.h"
+#include "apps/page/assets/embedded_assets.h"
+#include "apps/paper/paper.h"
+#include "apps/program/progress.h"
+#include "apps/text/content_hash.h"
+#include "apps/text/output_file.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kFigures[] = {"figure3", "figure4", "figure5",  "figure6",
+                                    "figure7", "figure9", "figure10", "figure11"};
+
+/// The scenarios by their hashes.
+MetaFile meta_of_paper() {
+  MetaFile meta;
+  meta.command = "paper";
+  for (const EmbeddedScenario& scenario : paper_scenarios())
+    meta.configuration["scenarios"][std::string(scenario.name)] = hash_of_text(scenario.toml);
+  return meta;
+}
+
+Paper compute(const Context& context) {
+  Progress progress("paper", context.quiet, "claims");
+  bench::ClaimOptions options;
+  options.threads = threads_to_use(context);
+  options.progress = [&progress](int done, int total) { progress.update(done, total); };
+  return paper_of(options);
+}
+
+void run_paper(const fs::path& folder, const std::string& figures, const Context& context) {
+  create_folder(folder);
+  const fs::path page = folder / "paper.html", claims = folder / "claims.csv";
+  std::vector<Output> outputs = {{page}, {claims}};
+  for (const char* figure : kFigures) outputs.push_back({folder / fmt::format("{}.csv", figure)});
+  require_writable(outputs);
+  if (!figures.empty()) create_folder(figures);
+
+  const Paper paper = compute(context);
+  const MetaFile meta = meta_of_paper();
+  for (const Figure& figure : paper.figures)
+    write_result(folder / (figure.id + ".csv"), csv_of(figure), meta);
+  write_result(claims, claims_csv(paper), meta);
+  write_result(page, page_of(paper), meta);
+  say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),
+                                 paper.claims.size(), verdicts_text(paper.claims)));
+  if (figures.empty()) return;
+  std::vector<Output> files;
+  for (const auto& file : printed_files(paper.figures, figures)) files.push_back({file});
+  require_writable(files);
+  print_figures(paper.figures, figures, embedded_assets().figures_py);
+  say(context.quiet, fmt::format("{}: {} figures written", figures, paper.figures.size()));
+}
+
+}  // namespace
+
+void add_paper(CLI::App& app, Context& context) {
+  auto output = std::make_shared<std::string>();
+  auto figures = std::make_shared<std::string>();
+  CLI::App& command = *app.add_subcommand(
+      "paper", "The source paper's figures and claims, computed again: one page with a verdict on each");
+  command
+      .add_option("-o,--output", *output,
+                  "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
+                  "beside each what the paper claims, what is found and the verdict), claims.csv and the "
+                  "figures' numbers, figure3.csv to figure11.csv")
+      ->type_name("DIR")
+      ->required();
+  command
+      .add_option("--figures", *figures,
+                  "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
+                  "python3-matplotlib), with their numbers as CSV and the script that drew them")
+      ->type_name("DIR");
+  add_common(command, context, "  tribotrack paper -o paper");
+  command.callback([output, figures, &context] { run_paper(*output, *figures, context); });
+}
+
+}  // namespace tribotrack::apps

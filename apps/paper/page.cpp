@@ -1,0 +1,178 @@
+// The page of paper.h.
+#include "apps/page/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/page/text.h"
+#include "apps/paper/figures.h"
+#include "apps/paper/paper.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using bench::ClaimFigure;
+using bench::PaperClaim;
+using bench::Verdict;
+
+constexpr const char* kPaper =
+    "S. Kilikevičius, K. Liutkauskienė, A. Fedaravičius: Nonprehensile Manipulation of Parts on a Horizontal "
+    "Circularly Oscillating Platform with Dynamic Dry Friction Control, 2021 (CC BY)";
+
+/// What stands beside a figure but the claims.
+struct FigureText {
+  int number;
+  const char* heading;
+  const char* taken;      ///< what the caption leaves open, and what is taken for it; "": nothing
+  const char* agreement;  ///< what the paper says of its measurements; "": shows none
+};
+
+constexpr FigureText texts[] = {
+    {3, "Figure 3: displacement of the part", "", ""},
+    {4, "Figure 4: trajectories of the part", "", ""},
+    {5, "Figure 5: trajectories at different phase shifts",
+     "The caption does not say after how many cycles; 20 are taken, as for the mean velocity.", ""},
+    {6, "Figure 6: mean displacement velocity",
+     "The caption gives no μ₁ for a, no Aₑ for b and no ω for c; what is taken for these and for d stands "
+     "below the figure.",
+     ""},
+    {7, "Figure 7: displacement angle",
+     "The caption gives no Δτ for a, no μ₁ and no φ for b and no ω for c; what is taken for these and for d "
+     "stands below the figure.",
+     ""},
+    {9, "Figure 9: displacement angle, measured",
+     "The caption gives no Δτ for a and no φ for b; what is taken stands below the figure.",
+     "The dependency of α on φ obtained by the model showed a good agreement with the experimental values"},
+    {10, "Figure 10: mean displacement velocity, measured",
+     "The caption does not say after how many cycles; 20 are taken, as for figure 6.",
+     "A comparison between the modeling and the experiments also showed a good agreement"},
+    {11, "Figure 11: trajectories, measured",
+     "The caption gives neither μ₁, μ₂, φ, Δτ nor the number of cycles: those of figure 9 and 20 cycles are "
+     "taken, φ and Δτ over their range.",
+     "This nature of the part’s motion was close to the one observed in the modeling results"},
+};
+
+/// The style of a verdict (page.css).
+const char* style_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::exact:
+    case Verdict::holds:
+      return "good";
+    case Verdict::holds_in_part:
+      return "care";
+    case Verdict::refuted:
+      return "bad";
+  }
+  return "none";
+}
+
+std::string value_text(const ClaimFigure& figure) {
+  const std::string unit = figure.unit.empty() ? "" : " " + escape_html(figure.unit);
+  constexpr double kRounding = 1e-9;  // below it the size matters, not the digits
+  return number(figure.value, std::abs(figure.value) < kRounding ? 1 : 4) + unit;
+}
+
+/// "<b>5.169 rad</b> dtau of the greatest v; mu1 = 0.1".
+std::string deciding_html(const PaperClaim& claim) {
+  const ClaimFigure& found = claim.deciding;
+  return fmt::format("<b>{}</b> {}{}", value_text(found), sentence_html(found.quantity),
+                     found.conditions.empty() ? "" : "; " + sentence_html(found.conditions));
+}
+
+std::string anchor_of(const PaperClaim& claim, const Paper& paper) {
+  return fmt::format("claim-{}", &claim - paper.claims.data() + 1);
+}
+
+std::string claim_table(const Paper& paper) {
+  std::string html =
+      "<div class=\"wide\"><table id=\"claims\" class=\"compact claims\"><thead><tr><th "
+      "class=\"n\">Figure</th><th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
+  for (const PaperClaim& claim : paper.claims)
+    html += fmt::format(
+        "<tr><td class=\"n\"><a href=\"#figure{0}\">{0}</a></td><td><a href=\"#{1}\">{2}</a></td><td "
+        "class=\"judged {3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
+        claim.figure, anchor_of(claim, paper), sentence_html(claim.name), style_of(claim.verdict),
+        to_string(claim.verdict), fmt::format("{}", claim.deciding.value), deciding_html(claim));
+  return html + "</tbody></table></div>\n";
+}
+
+std::string first_screen(const Paper& paper) {
+  return fmt::format(
+             "<p>{} claims: {}. Each verdict rests on the number beside it. <i>Steady</i> is the periodic "
+             "motion that the part settles into; <i>from rest</i> the first cycles, which the paper counts. "
+             "Of figures 9 to 11 only the model’s side is shown, since the paper prints its measurements as "
+             "pictures only.</p>\n",
+             paper.claims.size(), verdicts_text(paper.claims)) +
+         claim_table(paper);
+}
+
+/// All that the finding sums up.
+std::string numbers_table(const PaperClaim& claim) {
+  std::string html = fmt::format(
+      "<details><summary>{} number{}</summary><div class=\"wide\"><table "
+      "class=\"compact\"><thead><tr><th>Conditions</th><th>Quantity</th><th "
+      "class=\"n\">Value</th></tr></thead><tbody>\n",
+      claim.figures.size(), claim.figures.size() == 1 ? "" : "s");
+  for (const ClaimFigure& figure : claim.figures)
+    html += "<tr>" + cell(sentence_html(figure.conditions)) + cell(sentence_html(figure.quantity)) +
+            number_cell(value_text(figure)) + "</tr>\n";
+  return html + "</tbody></table></div></details>";
+}
+
+std::string claim_box(const PaperClaim& claim, const Paper& paper) {
+  return fmt::format(
+      "<div class=\"verdict {}\" id=\"{}\"><h3>{}: {}</h3>\n<p><q>{}</q> <span class=\"small\">(section "
+      "{})</span></p>\n<p>{}</p>\n<p>{}</p>\n{}</div>\n",
+      style_of(claim.verdict), anchor_of(claim, paper), sentence_html(claim.name), to_string(claim.verdict),
+      sentence_html(claim.statement), sentence_html(claim.place), sentence_html(claim.finding),
+      deciding_html(claim), numbers_table(claim));
+}
+
+PageSection section_of(const Figure& figure, const Paper& paper) {
+  const auto* text = std::ranges::find(texts, number_of(figure), &FigureText::number);
+  if (text == std::end(texts)) throw std::logic_error("no text for " + figure.id);
+  PageSection section{figure.id, text->heading, "<div class=\"claim\">\n" + figure_box(figure) + "<div>\n"};
+  for (const PaperClaim& claim : paper.claims)
+    if (claim.figure == text->number) section.html += claim_box(claim, paper);
+  if (*text->agreement)
+    section.html += fmt::format(
+        "<p class=\"note\">The model’s side only. The paper’s measurements are printed as pictures, without "
+        "numbers; <q>{}</q> is neither confirmed nor refuted here.</p>\n",
+        text->agreement);
+  if (*text->taken) section.html += fmt::format("<p class=\"note\">{}</p>\n", text->taken);
+  section.html += "</div></div>\n";
+  return section;
+}
+
+PageSection sources_section() {
+  return {
+      "sources", "Where the numbers come from",
+      fmt::format(
+          "<p>The paper: {}. Its sentences are quoted with their symbols; [...] marks words left "
+          "out.</p>\n<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, "
+          "which this program carries. The motion, equation (5) of the paper, is solved between its events: "
+          "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
+          "10<sup>−13</sup> of the path.</p>\n<p>The numbers of each figure are in <code>figure3.csv</code> "
+          "to <code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
+          "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one panel, "
+          "<code>tribotrack bench model -o bench</code> the verdicts with every number.</p>\n",
+          kPaper)};
+}
+
+}  // namespace
+
+std::string page_of(const Paper& paper) {
+  Page page{.name = "paper",
+            .title = "What the paper claims, computed again",
+            .subtitle = kPaper,
+            .first = first_screen(paper),
+            .figures = paper.figures};
+  for (const Figure& figure : paper.figures) page.sections.push_back(section_of(figure, paper));
+  page.sections.push_back(sources_section());
+  return html_of(std::move(page));
+}
+
+}  // namespace tribotrack::apps
