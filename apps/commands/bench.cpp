@@ -3,21 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <optional>
 
+#include "apps/bench/page/page.h"
 #include "apps/bench/peers/library_peers.h"
-#include "apps/bench/tables/tables.h"
 #include "apps/commands/command.h"
 #include "apps/commands/wrong_usage.h"
+#include "apps/figures/printed.h"
 #include "apps/files/meta_file.h"
+#include "apps/page/assets/embedded_assets.h"
 #include "apps/program/progress.h"
 #include "apps/text/output_file.h"
-#include "apps/text/svg_plot.h"
 
 namespace tribotrack::apps {
 
@@ -33,147 +30,65 @@ struct BenchOptions {
   std::vector<int> frames;
   std::vector<double> diameters;
   std::string keep;
+  std::string figures;
 };
 
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
-  return "unknown";
-}
-
-Json load_average() {
-  std::array<double, 3> load{};
-  if (getloadavg(load.data(), 3) != 3) return {};
-  return {load[0], load[1], load[2]};
-}
-
-/// What the figures depend on: machine, build and references.
-Json circumstances() {
-  Json json;
-  json["program"] = "tribotrack " TRIBOTRACK_VERSION;
-  json["cpu"] = cpu_name();
-  json["compiler"] = TRIBOTRACK_COMPILER;
-  json["compiler_flags"] = TRIBOTRACK_COMPILER_FLAGS;
-  json["threads"] = 1;
-  json["clock"] =
-      "CPU time of the measuring thread, of whole commands of their process; medians of repetitions in which "
-      "the methods take turns";
-  json["load_average_before"] = load_average();
-  json["reference"] = {{"model",
-                        "Dormand-Prince 5(4) in extended precision (64-bit mantissa), segmented at the "
-                        "friction switches, local "
-                        "tolerance 1e-17 of the scene's scales (1e-15 with --quick); in the marginal scene, "
-                        "where explicit methods "
-                        "hang, tribotrack's own result at tolerance 1e-17. Each row names its reference"},
-                       {"vision",
-                        "truth of analytically rendered pictures; the bound is Cramer-Rao with everything "
-                        "but the position known, "
-                        "the 1/12 of rounding included"},
-                       {"fit", "truth of simulated campaigns; 1 degree on alpha and 2 % on v per run"}};
-  json["peers_missing"] = bench::peers::missing_libraries();
-  json["peers"] =
-      "own compact implementations of the paper's recipe, Dormand-Prince and Moreau-Jean, and Boost.odeint, "
-      "compiled with the same flags (odeint a second time for AVX2 and FMA); SUNDIALS and OpenCV as "
-      "installed, on one thread";
-  return json;
+/// Carries out a benchmark with its progress on the terminal.
+template <class Options, class Measure>
+auto measured(const std::string& name, Options options, const Context& context, Measure measure) {
+  Progress progress(name, context.quiet);
+  options.progress = [&](int done, int total) { progress.update(done, total); };
+  return measure(options);
 }
 
 class Bench {
  public:
   Bench(const BenchOptions& options, const Context& context)
-      : options_(options), context_(context), folder_(options.output), json_(circumstances()) {
+      : options_(options), context_(context), folder_(options.output), here_(bench::circumstances_here()) {
     create_folder(folder_);
-    require_writable(folder_ / "bench.json");
+    require_writable({{folder_ / "bench.json"}, {folder_ / "bench.html"}});
   }
 
   void model() {
     bench::ModelBenchOptions options;
     options.quick = options_.quick;
     options.peers = bench::peers::all_peers();
-    for (const std::string& library : bench::peers::missing_libraries())
+    for (const std::string& library : here_.missing)
       say(context_.quiet,
           fmt::format("bench model: this build was made without {}; its solvers are not compared", library));
-    std::vector<bench::ModelBenchRow> rows;
-    std::vector<bench::ModelExtremeRow> extremes;
-    {
-      Progress progress("bench model", context_.quiet);
-      options.progress = [&](int done, int total) { progress.update(done, total); };
-      rows = bench::bench_model(options);
-    }
-    {
-      Progress progress("bench model, extremes", context_.quiet);
-      options.progress = [&](int done, int total) { progress.update(done, total); };
-      extremes = bench::bench_model_extremes(options);
-    }
-    std::vector<bench::PlanBenchRow> omissions;
-    {
-      Progress progress("bench model, plan", context_.quiet);
-      options.progress = [&](int done, int total) { progress.update(done, total); };
-      omissions = bench::bench_plan(options);
-    }
-    std::vector<bench::BatchBenchRow> batches;
-    {
-      Progress progress("bench model, many at once", context_.quiet);
-      options.progress = [&](int done, int total) { progress.update(done, total); };
-      batches = bench::bench_batch(options);
-    }
-    std::vector<bench::PaperClaim> claims;
-    {
-      Progress progress("bench model, claims", context_.quiet);
-      bench::ClaimOptions claim_options;
-      claim_options.quick = options_.quick;
-      claim_options.progress = [&](int done, int total) { progress.update(done, total); };
-      claims = bench::paper_claims(claim_options);
-    }
-    keep("bench_model", table_of(rows, bench::peers::missing_libraries()));
-    keep("bench_model_extremes", table_of(extremes));
-    keep("bench_model_plan", table_of(omissions));
-    keep("bench_model_batch", table_of(batches));
-    keep("bench_model_claims", table_of(claims));
-    long broken = 0;
-    for (const auto& row : extremes) broken += !row.held;
-    results_["model"] = {{"rows", rows.size()},
-                         {"extremes", extremes.size()},
-                         {"laws_broken", broken},
-                         {"omissions", omissions.size()},
-                         {"batches", batches.size()}};
-    for (const auto& claim : claims) results_["model"]["claims"][claim.name] = to_string(claim.verdict);
+    bench::ClaimOptions claims;
+    claims.quick = options_.quick;
+    bench::ModelResults found;
+    found.rows = measured("bench model", options, context_, bench::bench_model);
+    found.extremes = measured("bench model, extremes", options, context_, bench::bench_model_extremes);
+    found.omissions = measured("bench model, plan", options, context_, bench::bench_plan);
+    found.batches = measured("bench model, many at once", options, context_, bench::bench_batch);
+    found.claims = measured("bench model, claims", claims, context_, bench::paper_claims);
+    const auto broken = std::ranges::count(found.extremes, false, &bench::ModelExtremeRow::held);
+    counts_["model"] = {{"rows", found.rows.size()},
+                        {"extremes", found.extremes.size()},
+                        {"laws_broken", broken},
+                        {"omissions", found.omissions.size()},
+                        {"batches", found.batches.size()}};
+    for (const auto& claim : found.claims) counts_["model"]["claims"][claim.name] = to_string(claim.verdict);
     if (broken > 0)
       say(context_.quiet, fmt::format("bench model: {} of the extreme cases break their law", broken));
+    results_.model = std::move(found);
   }
 
   void vision() {
     bench::VisionBenchOptions options;
     options.quick = options_.quick;
-    std::vector<bench::VisionBenchRow> rows;
-    {
-      Progress progress("bench vision", context_.quiet);
-      options.progress = [&](int done, int total) { progress.update(done, total); };
-      rows = bench::bench_vision(options);
-    }
-    bench::VisionLimitOptions grid;
-    if (options_.quick) grid = bench::quick_limit_options();
-    std::vector<bench::VisionLimitRow> limits;
-    {
-      Progress progress("bench vision, limit", context_.quiet);
-      grid.progress = [&](int done, int total) { progress.update(done, total); };
-      limits = bench::bench_limit(grid);
-    }
-    bench::VisionDecodingOptions recordings;
-    if (options_.quick) recordings = bench::quick_decoding_options();
-    std::vector<bench::VisionDecodingRow> decodings;
-    {
-      Progress progress("bench vision, recordings", context_.quiet);
-      recordings.progress = [&](int done, int total) { progress.update(done, total); };
-      decodings = bench::bench_decoding(recordings);
-    }
-    keep("bench_vision", table_of(rows));
-    keep("bench_vision_limit", table_of(limits));
-    keep("bench_vision_decoding", table_of(decodings));
-    results_["vision"] = {
-        {"rows", rows.size()}, {"limit_rows", limits.size()}, {"decoding_rows", decodings.size()}};
+    const auto grid = options_.quick ? bench::quick_limit_options() : bench::VisionLimitOptions();
+    const auto recordings = options_.quick ? bench::quick_decoding_options() : bench::VisionDecodingOptions();
+    bench::VisionResults found;
+    found.rows = measured("bench vision", options, context_, bench::bench_vision);
+    found.limits = measured("bench vision, limit", grid, context_, bench::bench_limit);
+    found.decodings = measured("bench vision, recordings", recordings, context_, bench::bench_decoding);
+    counts_["vision"] = {{"rows", found.rows.size()},
+                         {"limit_rows", found.limits.size()},
+                         {"decoding_rows", found.decodings.size()}};
+    results_.vision = std::move(found);
   }
 
   void commands() {
@@ -183,72 +98,68 @@ class Bench {
     if (!options_.frames.empty()) options.frames = options_.frames;
     if (!options_.diameters.empty()) options.diameters = options_.diameters;
     options.keep = options_.keep;
-    Progress progress("bench commands", context_.quiet);
-    options.progress = [&](int done, int total) { progress.update(done, total); };
-    const auto rows = bench::bench_whole_commands(options);
-    keep("bench_commands", table_of(rows));
-    results_["commands"] = {{"rows", rows.size()}};
+    results_.commands = measured("bench commands", options, context_, bench::bench_whole_commands);
+    counts_["commands"] = {{"rows", results_.commands->size()}};
   }
 
   void fit() {
     bench::FitBenchOptions options;
     options.quick = options_.quick;
-    Progress progress("bench fit", context_.quiet);
-    options.progress = [&](int done, int total) { progress.update(done, total); };
-    const auto rows = bench::bench_fit(options);
-    keep("bench_fit", table_of(rows));
     bench::CoverageOptions campaigns;
     if (options_.quick) campaigns.campaigns = 2;
     if (options_.campaigns) campaigns.campaigns = *options_.campaigns;
     campaigns.of_trajectories = std::min(campaigns.campaigns, options_.quick ? 1 : campaigns.of_trajectories);
     campaigns.threads = threads_to_use(context_);
-    Progress counting("bench fit, coverage", context_.quiet);
-    campaigns.progress = [&](int done, int total) { counting.update(done, total); };
-    const auto covered = bench::coverage(campaigns);
-    keep("bench_fit_coverage", table_of(covered));
-    results_["fit"] = {{"rows", rows.size()},
-                       {"coverage", {{"campaigns", campaigns.campaigns}, {"seed", campaigns.seed}}}};
+    bench::FitResults found;
+    found.rows = measured("bench fit", options, context_, bench::bench_fit);
+    found.covered = measured("bench fit, coverage", campaigns, context_, bench::coverage);
+    found.campaigns = campaigns.campaigns;
+    found.seed = campaigns.seed;
+    counts_["fit"] = {{"rows", found.rows.size()},
+                      {"coverage", {{"campaigns", found.campaigns}, {"seed", found.seed}}}};
+    results_.fit = std::move(found);
   }
 
   /// Files and tables once everything is measured: an interrupted bench leaves nothing half done.
   void finish() {
-    for (const auto& [name, table] : tables_) {
-      const fs::path csv = folder_ / (name + ".csv");
-      write_file(csv, table.csv);
+    here_.load_after = bench::load_average();
+    const auto tables = tables_of(results_, here_.missing);
+    for (const bench::BenchTable& table : tables) {
+      const fs::path csv = folder_ / (table.name + ".csv");
+      write(csv, table.csv);
       write_meta(csv);
-      fmt::print("{}\n", csv.string());
-      if (!table.plot.panels.empty()) {
-        const fs::path svg = folder_ / (name + ".svg");
-        write_file(svg, svg_of(table.plot));
-        write_meta(svg);
-        fmt::print("{}\n", svg.string());
-      }
       say(context_.quiet, table.text);
     }
-    json_["load_average_after"] = load_average();
-    json_["results"] = results_;
-    write_file(folder_ / "bench.json", text_of(json_));
-    fmt::print("{}\n", (folder_ / "bench.json").string());
+    write(folder_ / "bench.html", page_of(results_, tables, here_));
+    Json json = json_of(here_);
+    json["results"] = counts_;
+    write(folder_ / "bench.json", text_of(json));
+    if (!options_.figures.empty()) print(bench::figures_of(tables));
   }
 
  private:
-  void keep(const std::string& name, bench::BenchTable table) {
-    tables_.emplace_back(name, std::move(table));
+  static void write(const fs::path& file, const std::string& text) {
+    write_file(file, text);
+    fmt::print("{}\n", file.string());
   }
   void write_meta(const fs::path& result) const {
     MetaFile meta;
     meta.command = "bench";
     meta.configuration = {{"what", options_.what}, {"quick", options_.quick}};
-    meta.more["reference"] = json_.at("reference");
+    meta.more["reference"] = json_of(here_).at("reference");
     meta.write_beside(result);
+  }
+  void print(const std::vector<Figure>& figures) const {
+    print_figures(figures, options_.figures, embedded_assets().figures_py);
+    say(context_.quiet, fmt::format("{}: {} figures written", options_.figures, figures.size()));
   }
 
   const BenchOptions& options_;
   const Context& context_;
   fs::path folder_;
-  Json json_;
-  Json results_ = Json::object();
-  std::vector<std::pair<std::string, bench::BenchTable>> tables_;
+  bench::Circumstances here_;
+  bench::BenchResults results_;
+  Json counts_ = Json::object();
 };
 
 void run_bench(const BenchOptions& options, const Context& context) {
@@ -295,9 +206,10 @@ void add_bench(CLI::App& app, Context& context) {
           "-o,--output", options->output,
           "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
           "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
-          "bench_vision_decoding.csv, bench_commands.csv, bench_fit.csv, bench_fit_coverage.csv, their "
-          "plots (.svg) and bench.json (CPU, compiler flags, how the references were made, solvers this "
-          "build lacks)")
+          "bench_vision_audit.csv, bench_vision_decoding.csv, bench_commands.csv, bench_fit.csv, "
+          "bench_fit_coverage.csv, bench.html (all of it on one page, with figures of error against run "
+          "time) and bench.json (CPU, compiler flags, how the references were made, solvers this build "
+          "lacks)")
       ->type_name("DIR")
       ->required();
   command
@@ -326,6 +238,11 @@ void add_bench(CLI::App& app, Context& context) {
                   "temporary ones, removed)")
       ->type_name("DIR");
   command
+      .add_option("--figures", options->figures,
+                  "Folder for the page's figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib "
+                  "(Debian's python3-matplotlib), with their numbers as CSV and the script that drew them")
+      ->type_name("DIR");
+  command
       .add_flag("--quick", options->quick,
                 "Few and short cases, seconds in all: a check that it works, not a measurement")
       ->excludes(frames)
@@ -333,7 +250,8 @@ void add_bench(CLI::App& app, Context& context) {
   add_common(
       command, context,
       "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to "
-      "stdout. Where another\nmethod is more accurate or faster, the table marks it PEER WINS. One thread is "
+      "stdout; bench.html shows all of\nit. Where another method is more accurate or faster, the table marks "
+      "it PEER WINS. One thread is "
       "used\nwhatever --threads is, but two for the measured sweep of a million and for a column of\nwhole "
       "commands, and all for the simulated campaigns of `bench fit`. `bench model` includes\n"
       "SUNDIALS and Boost.odeint where the program was built with them (CMake option\nTRIBOTRACK_PEERS), "

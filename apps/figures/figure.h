@@ -48,6 +48,7 @@ struct Series {
   bool in_legend = false;  ///< one of those that share the name
   bool dashed = false;
   bool small = false;  ///< dots for many points, a thin line
+  bool large = false;  ///< dots that stand out among others
 };
 
 /// A stripe in the background: "19 of 20 lie within".

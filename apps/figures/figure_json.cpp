@@ -58,6 +58,7 @@ Json series_json(const Series& series, const FigurePanel& panel, Numbers numbers
   if (series.in_legend) json["in_legend"] = true;
   if (series.dashed) json["dashed"] = true;
   if (series.small) json["small"] = true;
+  if (series.large) json["large"] = true;
   if (numbers == Numbers::left_out) return json;
   json["x"] = places(series.x, panel.x);
   json["y"] = places(series.y, panel.y);

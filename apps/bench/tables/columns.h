@@ -1,9 +1,11 @@
-// A table of benchmark rows: each column is described once and printed as CSV and as text.
+// A table of benchmark rows: each column is described once and printed as CSV, as text and on the page.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/bench/tables/html_table.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::bench {
@@ -115,6 +118,17 @@ struct Column {
           return text_cell(format, value);
         }) {}
 
+  /// For the page. The CSV's digits stand behind a number that the text rounds.
+  bool number() const { return align.starts_with('>'); }
+  HtmlCell html_heading() const {
+    std::string words(align.empty() ? name : heading);
+    std::ranges::replace(words, '_', ' ');
+    return {std::move(words), {}, number()};
+  }
+  HtmlCell html_cell(const Row& row) const {
+    return {text(row), number() && !name.empty() ? csv(row) : std::string(), number()};
+  }
+
   std::string_view name, heading, align;
   std::function<std::string(const Row&)> csv, text;
 };
@@ -142,6 +156,24 @@ class Columns {
     std::string out = fmt::format("{}{}", indent, heading());
     for (const Row& row : rows) out.append(indent).append(line(row));
     return out;
+  }
+  /// The columns of the text as a table of the page; before them those that only the CSV has and `also`
+  /// names.
+  std::string html(std::string_view id, const std::vector<Row>& rows,
+                   std::initializer_list<std::string_view> also = {}) const {
+    std::vector<const Column<Row>*> shown;
+    for (const std::string_view name : also)
+      shown.push_back(&*std::ranges::find(columns_, name, &Column<Row>::name));
+    for (const Column<Row>& column : columns_)
+      if (!column.align.empty()) shown.push_back(&column);
+    std::vector<HtmlCell> headings;
+    for (const Column<Row>* column : shown) headings.push_back(column->html_heading());
+    std::vector<std::vector<HtmlCell>> cells;
+    for (const Row& row : rows) {
+      cells.emplace_back();
+      for (const Column<Row>* column : shown) cells.back().push_back(column->html_cell(row));
+    }
+    return html_table(id, headings, cells);
   }
 
  private:

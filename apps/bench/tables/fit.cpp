@@ -1,6 +1,7 @@
+#include "apps/bench/figures/figures.h"
 #include "apps/bench/tables/columns.h"
-#include "apps/bench/tables/plots.h"
 #include "apps/bench/tables/tables.h"
+#include "apps/bench/verdicts/verdicts.h"
 
 namespace tribotrack::bench {
 namespace {
@@ -15,7 +16,7 @@ BenchTable table_of(const std::vector<FitBenchRow>& rows) {
   using Row = FitBenchRow;
   const Columns<Row> columns{
       {"data", &Row::data},
-      {"method", &Row::method, "", "<64"},
+      {"method", &Row::method, "method", "<64"},
       {"campaigns", &Row::campaigns},
       {"converged", &Row::converged},
       {"time_s", seconds(&Row::time), "time", ">10"},
@@ -32,35 +33,23 @@ BenchTable table_of(const std::vector<FitBenchRow>& rows) {
       {"lag_mean_sd_rad", component(&Row::mean_sd, 2)},
       {"lag_covered", component(&Row::covered, 2)},
       {"", [](const Row& r) { return fmt::format("{:>3}/{:<3}", r.converged, r.campaigns); }, "conv.", ">7"},
-      {"",
-       [](const Row& r) {
-         return fmt::format("{:.4f} {:>7.3f} {:>8.5f}", 100 * r.rms_error(0), 100 * r.rms_error(1),
-                            r.rms_error(2));
-       },
-       "rms mu1 %, mu2 %, lag", ">25"},
-      {"",
-       [](const Row& r) {
-         return fmt::format("{:>5.2f}{:>5.2f}{:>5.2f}", r.covered(0), r.covered(1), r.covered(2));
-       },
-       "95 % cover", ">15"},
+      {"", [](const Row& r) { return Percent{r.rms_error(0)}; }, "rms mu1", ">9", "{:.4f} %"},
+      {"", [](const Row& r) { return Percent{r.rms_error(1)}; }, "mu2", ">8", "{:.3f} %"},
+      {"", component(&Row::rms_error, 2), "lag, rad", ">8", "{:.5f}"},
+      {"", component(&Row::covered, 0), "holds mu1", ">9", "{:.2f}"},
+      {"", component(&Row::covered, 1), "mu2", ">4", "{:.2f}"},
+      {"", component(&Row::covered, 2), "lag", ">4", "{:.2f}"},
       {"", &Row::off_minimum, "off, sd", ">9", "{:.1e}"},
+      {"", [&](const Row& r) { return verdict(r, rows); }, " against ours", "<", " {}"},
   };
-  BenchTable table;
-  table.csv = columns.csv(rows);
+  BenchTable table{"bench_fit", columns.csv(rows), "", columns.html("bench_fit", rows, {"data"})};
   std::string data;
   for (const Row& row : rows) {
     if (row.data != data)
       table.text += fmt::format("\n{}", columns.heading(fmt::format("fits to {}", data = row.data)));
     table.text += columns.line(row);
-    const auto draw = [&](const std::string& what, double value) {
-      series_in(table.plot, row.data + ": " + what, row.method, row.ours).points.push_back({row.time, value});
-    };
-    draw("rms error of mu1", row.rms_error(0));
-    draw("half the 95 % interval of mu1", 1.96 * row.mean_sd(0));
-    draw("distance from the minimum, sd", row.off_minimum);
   }
-  table.plot.x_label = "CPU time per campaign, s";
-  table.plot.y_label = "relative error; standard deviations";
+  table.figures = {fit_error_figure(rows), fit_minimum_figure(rows)};
   return table;
 }
 
@@ -86,7 +75,11 @@ BenchTable table_of(const std::vector<CoverageRow>& rows) {
       {"covered_of_all", percent(&Row::share_of_all), "of all", ">8", "{:.1f} %"},
       {"score", &Row::score, "score", ">6", "{:.2f}"},
   };
-  return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
+  return {"bench_fit_coverage",
+          columns.csv(rows),
+          fmt::format("\n{}", columns.lines(rows)),
+          columns.html("bench_fit_coverage", rows),
+          {coverage_figure(rows)}};
 }
 
 }  // namespace tribotrack::bench

@@ -1,19 +1,12 @@
 #include <cmath>
 
+#include "apps/bench/figures/figures.h"
 #include "apps/bench/tables/columns.h"
-#include "apps/bench/tables/plots.h"
 #include "apps/bench/tables/tables.h"
+#include "apps/bench/verdicts/verdicts.h"
 
 namespace tribotrack::bench {
 namespace {
-
-std::string verdict(const ModelBenchRow& row) {
-  if (row.ours) return "";
-  if (!row.finished) return "gave up";
-  if (row.time_over_ours == 0) return "PEER WINS: more accurate than any of ours";
-  return row.time_over_ours < 1 ? fmt::format("PEER WINS x{:.2f}", 1 / row.time_over_ours)
-                                : fmt::format("ours faster x{:.1f}", row.time_over_ours);
-}
 
 /// Nothing where a method has no such setting.
 std::optional<Exact> setting(double value) {
@@ -47,20 +40,16 @@ BenchTable table_of(const std::vector<ModelBenchRow>& rows, const std::vector<st
       {"reference", &Row::reference},
       {"", [](const Row& r) { return verdict(r); }, " at the same error", "<", " {}"},
   };
-  BenchTable table;
-  table.csv = columns.csv(rows);
+  BenchTable table{"bench_model", columns.csv(rows), "", columns.html("bench_model", rows, {"scene"})};
   std::string scene;
   for (const Row& row : rows) {
     if (row.scene != scene) table.text += fmt::format("\n{}\n  {}", scene = row.scene, columns.heading());
     table.text += fmt::format("  {}", columns.line(row));
-    if (row.finished)
-      series_in(table.plot, row.scene, row.method, row.ours).points.push_back({row.time, row.error});
   }
   for (const std::string& library : missing)
     table.text +=
         fmt::format("\nnot compared: the solvers of {}, which this build was made without\n", library);
-  table.plot.x_label = "CPU time of 20 cycles, s";
-  table.plot.y_label = "error of the end point, m";
+  table.figures = {model_figure(rows)};
   return table;
 }
 
@@ -92,7 +81,18 @@ BenchTable table_of(const std::vector<ModelExtremeRow>& rows) {
        },
        " law", "<", " {}"},
   };
-  return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
+  const Columns<Row> on_page{
+      {"", &Row::name, "case", "<"},
+      {"", [](const Row& r) { return r.failure.empty() ? r.invariant : r.failure; }, "law that must hold",
+       "<"},
+      {"", [](const Row& r) { return r.held ? "held" : "BROKEN"; }, "verdict", "<"},
+      {"", &Row::violation, "violated by", ">9", "{:.1e}"},
+      {"", &Row::allowed, "allowed", ">8", "{:.1e}"},
+      {"", seconds(&Row::time), "time", ">9"},
+      {"", &Row::ratio_per_cycle, "time per cycle, x ordinary", ">6", "{:.2f}"},
+  };
+  return {"bench_model_extremes", columns.csv(rows), fmt::format("\n{}", columns.lines(rows)),
+          on_page.html("bench_model_extremes", rows)};
 }
 
 BenchTable table_of(const std::vector<PlanBenchRow>& rows) {
@@ -109,7 +109,8 @@ BenchTable table_of(const std::vector<PlanBenchRow>& rows) {
       {"repetitions", &Row::repetitions},
       {"", &Row::scene, " scene", "<", " {}"},
   };
-  return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
+  return {"bench_model_plan", columns.csv(rows), fmt::format("\n{}", columns.lines(rows)),
+          columns.html("bench_model_plan", rows)};
 }
 
 BenchTable table_of(const std::vector<BatchBenchRow>& rows) {
@@ -130,7 +131,8 @@ BenchTable table_of(const std::vector<BatchBenchRow>& rows) {
       {"repetitions", &Row::repetitions},
       {"", &Row::sweep, " sweep", "<", " {}"},
   };
-  return {columns.csv(rows), fmt::format("\n{}", columns.lines(rows)), {}};
+  return {"bench_model_batch", columns.csv(rows), fmt::format("\n{}", columns.lines(rows)),
+          columns.html("bench_model_batch", rows)};
 }
 
 /// The figures of every claim in the CSV, its finding in the text.
@@ -144,7 +146,14 @@ BenchTable table_of(const std::vector<PaperClaim>& claims) {
       {"claim", &Row::claim},       {"verdict", bare(&Row::verdict)}, {"conditions", &Row::conditions},
       {"quantity", &Row::quantity}, {"value", &Row::value},           {"unit", bare(&Row::unit)},
   };
-  BenchTable table;
+  const Columns<PaperClaim> on_page{
+      {"", &PaperClaim::name, "claim", "<"},
+      {"", &PaperClaim::statement, "as the paper has it", "<"},
+      {"", &PaperClaim::place, "where", "<"},
+      {"", [](const PaperClaim& c) { return to_string(c.verdict); }, "verdict", "<"},
+      {"", &PaperClaim::finding, "what was found", "<"},
+  };
+  BenchTable table{"bench_model_claims", "", "", on_page.html("bench_model_claims", claims)};
   table.text = "\nclaims of the paper (every figure is in the CSV)\n";
   std::vector<Row> rows;
   for (const PaperClaim& claim : claims) {

@@ -1,4 +1,5 @@
-// The benchmarks' rows as CSV, as tables for people, and as plots. One list of columns per table (columns.h).
+// The benchmarks' rows as CSV, as tables for people, and as figures. One list of columns per table
+// (columns.h).
 #pragma once
 
 #include <string>
@@ -14,13 +15,14 @@
 #include "apps/bench/vision/decoding.h"
 #include "apps/bench/vision/limit.h"
 #include "apps/bench/vision/whole_command.h"
-#include "apps/text/svg_plot.h"
+#include "apps/figures/figure.h"
 
 namespace tribotrack::bench {
 
 struct BenchTable {
-  std::string csv, text;
-  apps::LogLogPlot plot;  ///< no panels: nothing to draw
+  std::string name;  ///< of the file, and of the table on the page
+  std::string csv, text, html;
+  std::vector<apps::Figure> figures = {};
 };
 
 /// `missing`: libraries this build was made without, named below the text (peers/library_peers.h).
@@ -31,6 +33,8 @@ BenchTable table_of(const std::vector<BatchBenchRow>& rows);
 BenchTable table_of(const std::vector<PaperClaim>& claims);
 BenchTable table_of(const std::vector<VisionBenchRow>& rows);
 BenchTable table_of(const std::vector<VisionLimitRow>& rows);
+/// What each recording says of the standard deviations found in it, beside what the truth says.
+BenchTable audit_table_of(const std::vector<VisionLimitRow>& rows);
 BenchTable table_of(const std::vector<VisionDecodingRow>& rows);
 BenchTable table_of(const std::vector<WholeCommandRow>& rows);
 BenchTable table_of(const std::vector<FitBenchRow>& rows);

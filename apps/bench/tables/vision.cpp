@@ -1,17 +1,12 @@
+#include <cmath>
+
+#include "apps/bench/figures/figures.h"
 #include "apps/bench/tables/columns.h"
-#include "apps/bench/tables/plots.h"
 #include "apps/bench/tables/tables.h"
+#include "apps/bench/verdicts/verdicts.h"
 
 namespace tribotrack::bench {
 namespace {
-
-std::string verdict(const VisionBenchRow& row) {
-  if (row.ours) return "";
-  const bool closer = row.rms_over_ours < 1, faster = row.time_over_ours < 1;
-  if (closer && faster) return "PEER WINS both";
-  if (closer) return "PEER WINS on error";
-  return faster ? "peer faster" : "";
-}
 
 /// For rows that have both.
 constexpr auto rms_over_bound = [](const auto& row) { return row.rms / row.bound; };
@@ -37,21 +32,18 @@ BenchTable table_of(const std::vector<VisionBenchRow>& rows) {
       {"rms_over_ours", &Row::rms_over_ours},
       {"time_over_ours", &Row::time_over_ours},
       {"", &Row::lost, "lost", ">5"},
-      {"", [](const Row& r) { return verdict(r); }, "", "<", " {}"},
+      {"", [](const Row& r) { return verdict(r); }, " against ours", "<", " {}"},
   };
-  BenchTable table;
-  table.csv = columns.csv(rows);
+  BenchTable table{"bench_vision", columns.csv(rows), "",
+                   columns.html("bench_vision", rows, {"scene", "radius_px", "noise_levels"})};
   std::string scene;
   for (const Row& row : rows) {
     const std::string title = fmt::format("{}, R = {:g} px, noise {:g}", row.scene, row.radius, row.noise);
     if (title != scene)
       table.text += fmt::format("\n{} (bound {:.4f} px)\n  {}", scene = title, row.bound, columns.heading());
     table.text += fmt::format("  {}", columns.line(row));
-    if (row.noise == 2)
-      series_in(table.plot, title, row.method, row.ours).points.push_back({row.time, row.rms / row.bound});
   }
-  table.plot.x_label = "CPU time per frame, s";
-  table.plot.y_label = "rms over the Cramer-Rao bound";
+  table.figures = {tracking_figure(rows)};
   return table;
 }
 
@@ -69,15 +61,39 @@ BenchTable table_of(const std::vector<VisionLimitRow>& rows) {
       {"bound_px", &Row::bound},
       {"rms_over_bound", rms_over_bound, "x bound", ">8", "{:.3f}"},
       {"standardised_rms", &Row::standardised, "standardised", ">13", "{:.3f}"},
-      {"halves", &Row::halves, "halves", ">7", "{:.3f}"},
+      {"halves", [](const Row& r) { return r.audit.halves(); }, "halves", ">7", "{:.3f}"},
       {"noise_found_levels", &Row::noise_found},
       {"time_s", seconds(&Row::time), "time/frame", ">11"},
       {"", &Row::lost, "lost", ">5"},
   };
-  return {columns.csv(rows),
+  return {"bench_vision_limit", columns.csv(rows),
           fmt::format("\nhow close to the limit `track` is, and how true its standard deviations\n{}",
                       columns.lines(rows, "  ")),
-          {}};
+          columns.html("bench_vision_limit", rows)};
+}
+
+BenchTable audit_table_of(const std::vector<VisionLimitRow>& rows) {
+  using Row = VisionLimitRow;
+  const auto audited = [](std::optional<double> vision::Audit::*ratio) {
+    return [ratio](const Row& r) { return r.audit.*ratio; };
+  };
+  const Columns<Row> columns{
+      {"radius_px", exactly(&Row::radius), "R, px", ">8", "{:g}"},
+      {"texture_levels", exactly(&Row::texture), "texture", ">8", "{:g}"},
+      {"noise_levels", exactly(&Row::noise), "noise", ">6", "{:g}"},
+      {"frames", [](const Row& r) { return r.audit.frames; }, "frames", ">7"},
+      {"halves_x", audited(&vision::Audit::halves_x), "left/right", ">10", "{:.3f}"},
+      {"halves_y", audited(&vision::Audit::halves_y), "top/bottom", ">10", "{:.3f}"},
+      {"checkerboard", audited(&vision::Audit::checkerboard), "checkerboard", ">12", "{:.3f}"},
+      {"high_frequency", audited(&vision::Audit::high_frequency), "frame to frame", ">14", "{:.3f}"},
+      {"widened_by", [](const Row& r) { return std::sqrt(r.audit.white_factor); }, "widened by", ">10",
+       "{:.3f}"},
+      {"standardised_rms", &Row::standardised, "true errors", ">11", "{:.3f}"},
+  };
+  return {"bench_vision_audit", columns.csv(rows),
+          fmt::format("\nwhat the recordings themselves say of the standard deviations: 1 is right\n{}",
+                      columns.lines(rows, "  ")),
+          columns.html("bench_vision_audit", rows)};
 }
 
 BenchTable table_of(const std::vector<VisionDecodingRow>& rows) {
@@ -104,10 +120,10 @@ BenchTable table_of(const std::vector<VisionDecodingRow>& rows) {
        },
        "x decoding", ">10"},
   };
-  return {columns.csv(rows),
+  return {"bench_vision_decoding", columns.csv(rows),
           fmt::format("\nwhat tracking a recording on disk costs, opening, reading and decoding included\n{}",
                       columns.lines(rows, "  ")),
-          {}};
+          columns.html("bench_vision_decoding", rows)};
 }
 
 BenchTable table_of(const std::vector<WholeCommandRow>& rows) {
@@ -158,11 +174,11 @@ BenchTable table_of(const std::vector<WholeCommandRow>& rows) {
       {"", &Row::lost, "lost", ">4"},
   };
   return {
-      columns.csv(rows),
+      "bench_commands", columns.csv(rows),
       fmt::format("\nwhole commands, from the start of the process to its end: CPU time of one thread, wall "
                   "time of one and two; shares of the wall time in %\n{}",
                   columns.lines(rows, "  ")),
-      {}};
+      columns.html("bench_commands", rows)};
 }
 
 }  // namespace tribotrack::bench

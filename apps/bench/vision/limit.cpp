@@ -112,7 +112,7 @@ VisionLimitRow measure(const Path& path, const std::vector<Picture>& exact, doub
   const TrackResult result = track(source, options);
   row.time = (thread_seconds() - begin) / frames;
   row.layered = result.summary.layered;
-  row.halves = result.summary.audit.halves();
+  row.audit = result.summary.audit;
   row.noise_found = result.summary.noise_levels;
   judge(result.track, path, row);
   return row;

@@ -3,8 +3,9 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <vector>
+
+#include "vision/track.h"
 
 namespace tribotrack::bench {
 
@@ -30,9 +31,9 @@ struct VisionLimitRow {
   double rms = 0;        ///< px, of the errors' components, mean offset removed
   double bound = 0;      ///< px, Cramer-Rao bound with everything but the position known, rms over the path
   double standardised = 0;  ///< rms of the errors over their own standard deviations: 1 where these are true
-  std::optional<double> halves;  ///< of the audit, over what the model predicts
-  double noise_found = 0;        ///< grey levels, rounding included
-  double time = 0;               ///< s per frame, CPU time of one thread, learning included
+  vision::Audit audit;      ///< what the recording itself says of them, before the audit widened them
+  double noise_found = 0;   ///< grey levels, rounding included
+  double time = 0;          ///< s per frame, CPU time of one thread, learning included
 };
 
 std::vector<VisionLimitRow> bench_limit(const VisionLimitOptions& options);

@@ -86,7 +86,7 @@ const TribotrackFigures = (function () {
                                     textfont: { color: colour, size: 12 }, hoverinfo: "skip", cliponaxis: false });
     const many = "value" in series;
     Object.assign(trace, { mode: "markers", text: series.notes, customdata: series.sd,
-      marker: { color: colour, symbol: symbol, size: series.small ? 3 : many ? 5 : 7.5,
+      marker: { color: colour, symbol: symbol, size: series.small ? 3 : many ? 5 : series.large ? 11 : 7.5,
                 line: { color: theme.paper, width: series.small || many ? 0 : 0.8 } },
       hovertemplate: (series.notes ? "%{text}<br>" : marked ? marked + "<br>" : "") + "%{x:.5g}, %{y:.5g}" +
         (series.sd ? " ± %{customdata:.2g}" : "") + "<extra></extra>" });

@@ -78,7 +78,7 @@ def draw_series(axes, series, scale, size):
     else:
         symbol = SYMBOLS[series["colour"] % len(SYMBOLS)] if series.get("colour", -1) >= 0 else "o"
         axes.plot(x, y, linestyle="none", marker=symbol, color=colour, zorder=3,
-                  markersize=1.0 if series.get("small") else 2.2 if thin else 3.2, markeredgewidth=0)
+                  markersize=1.0 if series.get("small") else 2.2 if thin else 4.6 if series.get("large") else 3.2, markeredgewidth=0)
         if not all(math.isnan(sd) for sd in series["sd"]):
             bars = [0 if math.isnan(sd) else sd for sd in series["sd"]]
             axes.errorbar(x, y, yerr=bars, linestyle="none", ecolor=colour, elinewidth=0.6,

@@ -48,7 +48,7 @@ class BenchCommand : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
+TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
   const fs::path out = folder_ / "out";
   ASSERT_EQ(call("all --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
   EXPECT_EQ(first_line(out / "bench_model.csv"),
@@ -86,13 +86,23 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsPlotAndItsMetaFile) {
   EXPECT_EQ(first_line(out / "bench_fit_coverage.csv"),
             "design,noise,parameter,campaigns,usable,weak,open,covered,covered_low,covered_high,covered_of_"
             "all,score");
-  for (const char* name : {"bench_model", "bench_vision", "bench_fit"})
-    EXPECT_TRUE(text_in(out / (std::string(name) + ".svg")).starts_with("<svg")) << name;
+  EXPECT_EQ(first_line(out / "bench_vision_audit.csv"),
+            "radius_px,texture_levels,noise_levels,frames,halves_x,halves_y,checkerboard,high_frequency,"
+            "widened_by,standardised_rms");
+  const std::string page = text_in(out / "bench.html");
+  for (const char* section : {"model", "extremes", "plan", "batch", "claims", "tracking", "audit", "fit",
+                              "coverage", "circumstances"})
+    EXPECT_NE(page.find("<section id=\"" + std::string(section)), std::string::npos) << section;
+  EXPECT_EQ(page.find("Not run for this page"), std::string::npos);
+  for (const char* figure :
+       {"model-error-time", "tracking-error-time", "fit-error-time", "fit-minimum-time", "coverage"})
+    EXPECT_NE(page.find("<figure class=\"plot\" id=\"figure-" + std::string(figure)), std::string::npos)
+        << figure;
   EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
             "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
             "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
   for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
-                           "bench_model_claims", "bench_vision", "bench_vision_limit",
+                           "bench_model_claims", "bench_vision", "bench_vision_limit", "bench_vision_audit",
                            "bench_vision_decoding", "bench_commands", "bench_fit", "bench_fit_coverage"})
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
@@ -163,6 +173,15 @@ TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
   const std::string before = text_in(out / "bench_fit.csv.meta.json");
   ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
   EXPECT_EQ(text_in(out / "bench_fit.csv.meta.json"), before);
+}
+
+TEST_F(BenchCommand, FiguresLeaveAsFilesForPrint) {
+  const fs::path figures = folder_ / "figures";
+  ASSERT_EQ(call("fit --quick -o " + (folder_ / "out").string() + " --figures " + figures.string()), 0)
+      << text_in(folder_ / "stderr");
+  for (const char* name : {"fit-error-time", "fit-minimum-time", "coverage"})
+    for (const char* ending : {".csv", ".json", "-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
+      EXPECT_GT(fs::file_size(figures / (std::string(name) + ending)), 0U) << name << ending;
 }
 
 TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
