@@ -232,7 +232,12 @@ std::vector<fs::path> create_folder(const fs::path& path) {
     throw InvalidInput(fmt::format("{}: the output folder cannot be created: {}; give one that can",
                                    path.string(),
                                    error ? error.message() : "a file of that name is in the way"));
-  require_writable(path / "writable");
+  try {
+    require_writable(path / "writable");
+  } catch (const InvalidInput&) {
+    if (fs::exists(path, error)) throw;
+    return create_folder(path);  // removed meanwhile by a run that came to nothing
+  }
   return missing;
 }
 

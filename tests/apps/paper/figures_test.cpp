@@ -154,8 +154,9 @@ TEST(PaperFigures, AnglesBreakWhereTheyStartAgain) {
   const Series& alpha = series(figure(7), 0, "μ₁ = 0.1");
   EXPECT_EQ(std::ranges::count_if(alpha.y, [](double y) { return std::isnan(y); }), 1);
   for (std::size_t k = 1; k < alpha.y.size(); ++k)
-    if (std::isfinite(alpha.y[k]) && std::isfinite(alpha.y[k - 1]))
+    if (std::isfinite(alpha.y[k]) && std::isfinite(alpha.y[k - 1])) {
       EXPECT_LT(std::abs(alpha.y[k] - alpha.y[k - 1]), 0.2);
+    }
 }
 
 TEST(PaperFigures, ThreadsChangeNothing) {

@@ -1,18 +1,21 @@
 #include "model/equation/phase.h"
 
 #include <gtest/gtest.h>
-#include <quadmath.h>
 
 #include <cmath>
 #include <random>
 
+#include "model/quad_math.h"
+
 namespace tribotrack::model::internal {
 namespace {
 
+using test::quad;
+
 /// The same in quadruple precision.
-double rest_of(__float128 phase) {
-  const __float128 turn = 2 * M_PIq;
-  return static_cast<double>(phase - turn * floorq(phase / turn));
+double rest_of(quad phase) {
+  const quad turn = 2 * test::pi();
+  return static_cast<double>(phase - turn * test::floor_of(phase / turn));
 }
 
 /// Distance on the circle.
@@ -29,7 +32,7 @@ TEST(Phase, NothingIsLostHoweverManyCyclesItCounts) {
     EXPECT_GE(reduced.rest, 0);
     EXPECT_LT(reduced.rest, kTwoPi);
     EXPECT_LT(off(reduced.rest, rest_of(phase)), 2e-15) << phase;
-    EXPECT_EQ(reduced.cycles, std::floor(static_cast<double>(static_cast<__float128>(phase) / (2 * M_PIq))));
+    EXPECT_EQ(reduced.cycles, static_cast<double>(test::floor_of(quad(phase) / (2 * test::pi()))));
   }
 }
 
@@ -40,7 +43,7 @@ TEST(Phase, AProductKeepsWhatItsRoundingLost) {
   double largest = 0;
   for (int k = 0; k < 1000; ++k) {
     const double w = frequency(random), t = time(random);
-    const double exact = rest_of(static_cast<__float128>(w) * t);
+    const double exact = rest_of(quad(w) * quad(t));
     EXPECT_LT(off(reduce_product(w, t).rest, exact), 2e-15);
     largest = std::max(largest, off(reduce(w * t).rest, exact));
   }
