@@ -47,6 +47,9 @@ class Bench {
       : options_(options), context_(context), folder_(options.output), here_(bench::circumstances_here()) {
     create_folder(folder_);
     require_writable({{folder_ / "bench.json"}, {folder_ / "bench.html"}});
+    if (options_.figures.empty()) return;
+    create_folder(options_.figures);
+    require_writable(printed_files({}, options_.figures).front());
   }
 
   void model() {

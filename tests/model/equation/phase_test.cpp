@@ -10,12 +10,12 @@
 namespace tribotrack::model::internal {
 namespace {
 
-using test::quad;
+using reference::quad;
 
 /// The same in quadruple precision.
 double rest_of(quad phase) {
-  const quad turn = 2 * test::pi();
-  return static_cast<double>(phase - turn * test::floor_of(phase / turn));
+  const quad turn = 2 * reference::pi();
+  return static_cast<double>(phase - turn * reference::floor_of(phase / turn));
 }
 
 /// Distance on the circle.
@@ -32,7 +32,7 @@ TEST(Phase, NothingIsLostHoweverManyCyclesItCounts) {
     EXPECT_GE(reduced.rest, 0);
     EXPECT_LT(reduced.rest, kTwoPi);
     EXPECT_LT(off(reduced.rest, rest_of(phase)), 2e-15) << phase;
-    EXPECT_EQ(reduced.cycles, static_cast<double>(test::floor_of(quad(phase) / (2 * test::pi()))));
+    EXPECT_EQ(reduced.cycles, static_cast<double>(reference::floor_of(quad(phase) / (2 * reference::pi()))));
   }
 }
 
