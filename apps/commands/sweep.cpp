@@ -10,7 +10,7 @@
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
 #include "apps/files/scenario_file.h"
-#include "apps/files/sweep_axis.h"
+#include "apps/files/sweeps/sweep_axis.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/number_text.h"

@@ -7,7 +7,7 @@
 
 #include "apps/figures/figure.h"
 #include "apps/files/scenario_file.h"
-#include "apps/files/sweep_axis.h"
+#include "apps/files/sweeps/sweep_axis.h"
 
 namespace tribotrack::apps {
 

@@ -92,6 +92,7 @@ const std::map<std::string, Rooms> kMayUse = {
     {"apps/json", {"apps/text"}},
     {"apps/files/kinds", {"apps/text", "apps/program"}},
     {"apps/files", {"apps/files/kinds", "apps/json", "apps/text", "apps/program"}},
+    {"apps/files/sweeps", {"apps/files", "apps/text", "apps/program"}},
     {"apps/recording", {"apps/files", "apps/text", "apps/program"}},
     {"apps/measuring", {"apps/files", "apps/text", "apps/program"}},
     {"apps/campaign", {"apps/measuring", "apps/files", "apps/text", "apps/program"}},
@@ -128,11 +129,12 @@ const std::map<std::string, Rooms> kMayUse = {
      {"apps/bench/tables", "apps/bench/verdicts", "apps/bench/timing", "apps/bench/peers", "apps/page",
       "apps/figures", "apps/text"}},
     {"apps/paper",
-     {"apps/bench/claims", "apps/page", "apps/page/assets", "apps/figures", "apps/files", "apps/text"}},
+     {"apps/bench/claims", "apps/page", "apps/page/assets", "apps/figures", "apps/files/sweeps", "apps/files",
+      "apps/text"}},
     {"apps/commands",
      {"apps/paper", "apps/bench/page", "apps/bench/peers", "apps/bench/vision", "apps/report",
-      "apps/page/assets", "apps/figures", "apps/campaign", "apps/recording", "apps/measuring", "apps/files",
-      "apps/text", "apps/program"}},
+      "apps/page/assets", "apps/figures", "apps/campaign", "apps/recording", "apps/measuring",
+      "apps/files/sweeps", "apps/files", "apps/text", "apps/program"}},
     {"apps/main.cpp", {"apps/commands", "apps/program", "apps/text"}},
 };
 

@@ -49,6 +49,7 @@ TEST(ReportText, SentencesGetSymbolsNamesKeepTheirLetters) {
   EXPECT_EQ(sentence_html("phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad"),
             "phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad");
   EXPECT_EQ(sentence_html("no mu1."), "no μ₁.");
+  EXPECT_EQ(sentence_html("mu1/mu2, mu1/8, 3 pi/2, A_e omega^2"), "μ₁/μ₂, μ₁/8, 3 π/2, Aₑ ω²");
 }
 
 TEST(ReportText, WithoutAnSdTheValueStandsAlone) {

@@ -153,10 +153,10 @@ TEST(PaperFigures, CurvesAreWhatARunGives) {
 TEST(PaperFigures, AnglesBreakWhereTheyStartAgain) {
   const Series& alpha = series(figure(7), 0, "μ₁ = 0.1");
   EXPECT_EQ(std::ranges::count_if(alpha.y, [](double y) { return std::isnan(y); }), 1);
-  for (std::size_t k = 1; k < alpha.y.size(); ++k)
-    if (std::isfinite(alpha.y[k]) && std::isfinite(alpha.y[k - 1])) {
-      EXPECT_LT(std::abs(alpha.y[k] - alpha.y[k - 1]), 0.2);
-    }
+  for (std::size_t k = 1; k < alpha.y.size(); ++k) {
+    const double step = std::abs(alpha.y[k] - alpha.y[k - 1]);
+    EXPECT_FALSE(step > 0.2) << "at phi = " << alpha.x[k];  // NaN at the break
+  }
 }
 
 TEST(PaperFigures, ThreadsChangeNothing) {

@@ -37,7 +37,7 @@ TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
     EXPECT_EQ(count(page, "<q>" + sentence_html(claim.statement) + "</q>"), 1u) << claim.name;
     EXPECT_EQ(count(page, "<h3>" + name + ": " + verdict + "</h3>"), 1u) << claim.name;
     EXPECT_EQ(count(page, ">" + name + "</a></td>"), 1u) << claim.name << " in the table of the first screen";
-    EXPECT_EQ(count(page, sentence_html(claim.finding)), 1u) << claim.name;
+    EXPECT_GE(count(page, "<p>" + sentence_html(claim.finding) + "</p>"), 1u) << claim.name;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "apps/files/sweep_axis.h"
+#include "apps/files/sweeps/sweep_axis.h"
 
 #include <gtest/gtest.h>
 
