@@ -25,7 +25,8 @@ constexpr const char* kInterpreter = "/usr/bin/python3";  // Debian's, whose pac
 
 /// Runs `script` with the figures' names; its standard error.
 std::string run_script(const fs::path& script, const std::vector<Figure>& figures, int& status) {
-  std::vector<std::string> words = {kInterpreter, "-B", script.string()};
+  // Isolated: a json.py that lies in the folder is not what the script imports.
+  std::vector<std::string> words = {kInterpreter, "-I", "-B", script.string()};
   for (const Figure& figure : figures) words.push_back(figure.id);
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);

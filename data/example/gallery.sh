@@ -21,6 +21,6 @@ chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1
 png() { pdftoppm -r 150 -png -singlefile "$1" "${2%.png}"; }  # PDF, picture
 cp "$work/report.png" data/example/report.png
 png "$work/figures/alpha-phi-84mm.pdf" data/example/figure.png
-png "$work/bench_figures/bench_model-174mm.pdf" data/example/bench.png
+png "$work/bench_figures/model-error-time-174mm.pdf" data/example/bench.png
 cp "$work/debug/layers_part.png" data/example/debug.png
 ls -l data/example/*.png

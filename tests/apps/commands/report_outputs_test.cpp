@@ -90,6 +90,15 @@ TEST_F(ReportOutputs, FiguresForPrintComeWithNumbersScriptAndFonts) {
   EXPECT_TRUE(drawing == content_of(in_folder("figures/alpha-phi-174mm.svg")));
 }
 
+// A folder may come from a stranger: what lies in it is not run.
+TEST_F(ReportOutputs, NothingThatLiesInTheFolderIsRun) {
+  fs::create_directory(in_folder("figures"));
+  for (const char* module : {"json.py", "csv.py", "matplotlib.py"})
+    put(in_folder("figures") / module, "open('" + in_folder("ran").string() + "', 'w')\n");
+  ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
+  EXPECT_FALSE(fs::exists(in_folder("ran")));
+}
+
 TEST_F(ReportOutputs, AMeasuredPointStandsInTheFiguresNumbersWithAllDigits) {
   ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
   const Json first = read_json(in_folder("out/fit.json"))["runs"][0];
