@@ -1,5 +1,5 @@
-// The files of pages and the conditions of the paper's figures, carried inside the program so that an installed
-// binary needs nothing beside it.
+// The files of pages and the conditions of the paper's figures, carried inside the program so that an
+// installed binary needs nothing beside it.
 #pragma once
 
 #include <span>
