@@ -10,7 +10,7 @@ namespace tribotrack::apps {
 namespace {
 
 constexpr int kDigits = 7;            // of what stands by itself
-constexpr double kTellsApart = 2e-5;  // of an axis: a fiftieth of a pixel on any screen
+constexpr double kTellsApart = 1e-4;  // of an axis: a tenth of a pixel where it is a thousand long
 
 Json short_number(double value, int digits = kDigits) {
   if (!std::isfinite(value)) return nullptr;

@@ -9,7 +9,7 @@ namespace tribotrack::apps {
 const char* word_for(Mark mark);  ///< "points", "line", "band", "bars", "text"
 
 enum class Numbers {
-  as_drawn,  ///< to a fiftieth of a pixel: a third of the bytes
+  as_drawn,  ///< to a tenth of a pixel: a third of the bytes
   left_out,  ///< they stand in the CSV
 };
 

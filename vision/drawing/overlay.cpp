@@ -236,7 +236,7 @@ void write_overlay(FrameSource& source, const TrackResult& result, const std::fi
 
 std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t frame_number,
                                             int largest_side) {
-  constexpr int kQuality = 80;  // of 100: the paths drawn over it matter
+  constexpr int kQuality = 70;  // of 100: the paths drawn over it matter
   const Picture first = source.read(frame_number - source.info().first_number);
   cv::Mat shown = Stretch(first)(first);
   if (const double factor = static_cast<double>(largest_side) / std::max(shown.cols, shown.rows); factor < 1)

@@ -14,8 +14,8 @@
 namespace tribotrack::apps {
 namespace {
 
-constexpr std::size_t kMostPoints = 260;  // over time: a screen tells no more apart
-constexpr std::size_t kMostOfOrbit = 300;
+constexpr std::size_t kMostPoints = 180;  // over time, of each curve
+constexpr std::size_t kMostOfOrbit = 200;
 constexpr double kTurns = 5;  // standard deviations: less may be chance
 
 /// Stretches of frames in which the part was not measured.

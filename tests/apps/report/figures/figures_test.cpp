@@ -121,7 +121,7 @@ TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   EXPECT_NEAR(f.panels[0].spans[0].low, 200 / 250.0, 1e-12);
   EXPECT_NEAR(f.panels[0].spans[0].high, 203 / 250.0, 1e-12);
   EXPECT_THAT(f.caption, HasSubstr("Shaded: the part was not found"));
-  EXPECT_THAT(f.caption, HasSubstr("Of 501 frames at most 260 points"));
+  EXPECT_THAT(f.caption, HasSubstr("Of 501 frames at most 180 points"));
   const Series& left = f.panels[1].series[0];
   double largest = 0, wanted = 0;
   for (const double y : left.y)
