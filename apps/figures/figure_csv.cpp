@@ -3,17 +3,11 @@
 #include <fmt/format.h>
 
 #include "apps/figures/figure_json.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 namespace {
-
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
 
 std::string at(const std::vector<double>& values, std::size_t i) {
   return i < values.size() ? exact(values[i]) : std::string();
@@ -28,8 +22,8 @@ std::string csv_of(const Figure& figure) {
       const Series& series = figure.panels[p].series[s];
       for (std::size_t i = 0; i < series.x.size(); ++i)
         csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", p + 1, s + 1, word_for(series.mark),
-                           quoted(series.name), at(series.x, i), at(series.y, i), at(series.sd, i),
-                           at(series.y_high, i), i < series.notes.size() ? quoted(series.notes[i]) : "");
+                           csv_cell(series.name), at(series.x, i), at(series.y, i), at(series.sd, i),
+                           at(series.y_high, i), i < series.notes.size() ? csv_cell(series.notes[i]) : "");
     }
   return csv;
 }

@@ -113,11 +113,6 @@ std::string rounded(double value, double sd) {
   return with_minus_sign(rounded_to_sd(value, sd));
 }
 
-std::string value_and_sd(double value, double sd) {
-  if (!std::isfinite(value) || !usable(sd)) return number(value);
-  return rounded(value, sd) + " ± " + rounded(sd, sd);
-}
-
 std::string quoted_value(double value, double sd) {
   return with_minus_sign(quoted(value, sd));
 }

@@ -21,9 +21,6 @@ std::string number(double value, int digits = 4);
 /// A value rounded to its sd (number_text.h), with a true minus sign; number(value) without a usable sd.
 std::string rounded(double value, double sd);
 
-/// "0.10012 ± 0.00031"; the value alone without a usable sd.
-std::string value_and_sd(double value, double sd);
-
 /// "0.10012(31)" (number_text.h), with a true minus sign; "not determined".
 std::string quoted_value(double value, double sd);
 

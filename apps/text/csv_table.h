@@ -9,6 +9,9 @@
 
 namespace tribotrack::apps {
 
+/// Text as a cell of a CSV file (RFC 4180): in quotes only where it needs them.
+std::string csv_cell(const std::string& text);
+
 /// The lines of a CSV file as cells without their surrounding blanks and quotes. Separated by commas; by
 /// semicolons, with decimal commas, where the first line holds a semicolon. A byte-order mark is skipped.
 class CsvTable {

@@ -12,15 +12,28 @@
     setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
   }
 
-  // Cells with data-v hold more digits than they show.
+  function csv_cell(text) { return /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text; }
+
+  // Cells with data-v hold more digits than they show; a column with data-sd has its standard deviations beside it.
   function table_csv(table) {
-    return Array.from(table.rows).map(function (row) {
-      return Array.from(row.cells).map(function (cell) {
+    const rows = Array.from(table.rows), with_sd = new Set();
+    const each_cell = function (row, act) {
+      let column = 0;
+      Array.from(row.cells).forEach(function (cell) { act(cell, column); column += cell.colSpan; });
+    };
+    rows.forEach(function (row) {
+      each_cell(row, function (cell, column) { if (cell.dataset.sd !== undefined) with_sd.add(column); });
+    });
+    return rows.map(function (row) {
+      const line = [];
+      each_cell(row, function (cell, first) {
         const text = cell.dataset.v !== undefined ? cell.dataset.v : cell.textContent.trim().replace(/\s+/g, " ");
-        const more = cell.dataset.sd !== undefined ? "," + cell.dataset.sd : cell.tagName === "TH" && cell.dataset.cols ? ",sd" : "";
-        const filled = ",".repeat(Math.max(0, cell.colSpan - 1));
-        return (/[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text) + more + filled;
-      }).join(",");
+        for (let column = first; column < first + cell.colSpan; ++column) {
+          line.push(column === first ? csv_cell(text) : "");
+          if (with_sd.has(column)) line.push(cell.dataset.sd || (row.parentElement.tagName === "THEAD" ? csv_cell(text + ", sd") : ""));
+        }
+      });
+      return line.join(",");
     }).join("\n") + "\n";
   }
 

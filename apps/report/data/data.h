@@ -80,11 +80,6 @@ struct ReportStage {
   bool on = true;
   std::string reason;                ///< with its figure
   double error_bound_px = no_value;  ///< what leaving it out can add to a position; NaN: nobody computed it
-  bool operator==(const ReportStage& other) const {
-    return stage == other.stage && on == other.on && reason == other.reason &&
-           (error_bound_px == other.error_bound_px ||
-            (std::isnan(error_bound_px) && std::isnan(other.error_bound_px)));
-  }
 };
 
 /// A multiple of the drive's frequency in the platform's motion.

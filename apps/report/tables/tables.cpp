@@ -6,17 +6,11 @@
 #include <functional>
 #include <vector>
 
+#include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 namespace {
-
-std::string quoted_text(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
 
 double residual_of(const ReportRun& run, const char* observable, double ReportResidual::*number) {
   const auto found = std::ranges::find(run.residuals, observable, &ReportResidual::observable);
@@ -46,7 +40,7 @@ Column counts(const char* name, std::size_t ReportRun::*member) {
 }
 
 Column texts(const char* name, std::string ReportRun::*member) {
-  return {name, [member](const ReportRun& run) { return quoted_text(run.*member); }};
+  return {name, [member](const ReportRun& run) { return csv_cell(run.*member); }};
 }
 
 const std::vector<Column>& columns() {

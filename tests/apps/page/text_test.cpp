@@ -27,11 +27,11 @@ TEST(ReportText, NumbersThatAreNotFiniteAreSaidInSigns) {
 }
 
 TEST(ReportText, AValueIsRoundedWhereItsSdHasTwoDigits) {
-  EXPECT_EQ(value_and_sd(0.100123, 0.00031), "0.10012 ± 0.00031");
-  EXPECT_EQ(value_and_sd(5.0263, 0.0139), "5.026 ± 0.014");
-  EXPECT_EQ(value_and_sd(-3.14159, 0.2), "−3.14 ± 0.20");
-  EXPECT_EQ(value_and_sd(1234.5, 57), "1234 ± 57");
-  EXPECT_EQ(value_and_sd(1234.5, 1234), "1234 ± 1234");
+  EXPECT_EQ(quoted_value(0.100123, 0.00031), "0.10012(31)");
+  EXPECT_EQ(quoted_value(5.0263, 0.0139), "5.026(14)");
+  EXPECT_EQ(quoted_value(-3.14159, 0.2), "−3.14(20)");
+  EXPECT_EQ(quoted_value(1234.5, 57), "1234(57)");
+  EXPECT_EQ(quoted_value(1234.5, 1234), "1234(1234)");
 }
 
 TEST(ReportText, AnIntervalKeepsTwoDigitsOfItsHalfWidth) {
@@ -53,10 +53,10 @@ TEST(ReportText, SentencesGetSymbolsNamesKeepTheirLetters) {
 }
 
 TEST(ReportText, WithoutAnSdTheValueStandsAlone) {
-  EXPECT_EQ(value_and_sd(0.1, nan), "0.1");
-  EXPECT_EQ(value_and_sd(0.1, 0), "0.1");
-  EXPECT_EQ(value_and_sd(0.1, infinity), "0.1");
-  EXPECT_EQ(value_and_sd(nan, 0.1), "–");
+  EXPECT_EQ(rounded(0.1, nan), "0.1");
+  EXPECT_EQ(rounded(0.1, 0), "0.1");
+  EXPECT_EQ(rounded(0.1, infinity), "0.1");
+  EXPECT_EQ(rounded(nan, 0.1), "–");
 }
 
 TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {

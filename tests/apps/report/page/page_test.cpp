@@ -180,6 +180,31 @@ TEST_F(ReportInChromium, AFigureLeavesAsTheCsvThatPrintHas) {
                 occurrences(csv_of(*std::ranges::find(figures_, std::string("v-phi"), &Figure::id)), "\n")));
 }
 
+// Its CSV has a heading for every cell, standard deviations too.
+TEST_F(ReportInChromium, ATableLeavesAsRowsOfOneLength) {
+  const std::string csv =
+      found_by(*program_,
+               "URL.createObjectURL = blob => { blob.text().then(text => { root.dataset.found = "
+               "text.replace(/\\n/g, ' | '); }); "
+               "return '#'; }; document.querySelector('[aria-label=\"CSV of table run-table\"]').click()");
+  const std::size_t heading = csv.find(" | "), second = csv.find(" | ", heading + 3);
+  ASSERT_NE(second, std::string::npos) << csv;
+  EXPECT_THAT(csv, HasSubstr("α, rad, sd"));
+  EXPECT_THAT(csv, HasSubstr("," + exact(sample::campaign().runs[0].alpha_rad) + "," +
+                             exact(sample::campaign().runs[0].alpha_sd_rad) + ","));
+  // Commas in quotes stand in headings only: "α, rad", "v, mm/s", "σ, px" and the two sds.
+  const auto commas = [&](std::size_t from, std::size_t to) {
+    bool in_quotes = false;
+    int count = 0;
+    for (std::size_t i = from; i < to; ++i) {
+      if (csv.compare(i, 6, "&quot;") == 0) in_quotes = !in_quotes;
+      count += csv[i] == ',' && !in_quotes;
+    }
+    return count;
+  };
+  EXPECT_EQ(commas(0, heading), commas(heading, second)) << csv.substr(0, second);
+}
+
 TEST_F(ReportInChromium, TheKeyboardZoomsAndTheLegendHides) {
   EXPECT_EQ(
       found_by(*program_,
