@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "vision/frame_source.h"
+#include "vision/survey.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -46,6 +47,9 @@ class DebugFolder : public DebugSink {
 /// and reduced until its longer side is no more than `largest_side` px.
 std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t frame_number,
                                             int largest_side = 480);
+
+/// The survey's frame with a pixel grid, its discs numbered from 1 and its lamps from L1, as a PNG in memory.
+std::vector<unsigned char> survey_png(FrameSource& source, const Survey& seen);
 
 /// A frame with numbered circles, as a PNG in memory: the question which of them is the part.
 std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,

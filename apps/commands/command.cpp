@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/commands/wrong_usage.h"
+#include "apps/files/campaign_keys.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "fit/measurement.h"
@@ -122,11 +123,17 @@ int run_program(int argc, const char* const* argv) {
   app.footer(
       "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
       "-o OUT`.\n"
-      "Each command explains itself: tribotrack COMMAND --help");
+      "Each command explains itself: tribotrack COMMAND --help; so do the keys of campaigns: tribotrack help "
+      "campaign");
   add_options_of_all(app, context);
   add_commands(app, context);
   const std::vector<std::string> typed = arguments_of(argc, argv);
   try {
+    if (typed == std::vector<std::string>{"campaign", "--help"}) {
+      print_text(campaign_reference());
+      flush_output();
+      return kDone;
+    }
     try {
       app.parse(std::vector<std::string>(typed.rbegin(), typed.rend()));
     } catch (const CLI::ParseError& error) {

@@ -1,4 +1,4 @@
-// tribotrack probe: what a recording is, and where its frame rate comes from.
+// tribotrack probe: what a recording is, where its frame rate comes from, and what lies in it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,13 +8,24 @@
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/streams.h"
+#include "apps/survey/survey_page.h"
+#include "apps/survey/survey_text.h"
+#include "apps/text/input_file.h"
+#include "apps/text/output_file.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
+#include "vision/overlay.h"
 #include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 
 namespace {
+
+struct ProbeOptions {
+  std::string video, picture, page;
+  std::optional<double> fps;
+  bool json = false;
+};
 
 /// Frames are compared until so many pixels have been: a second or two.
 constexpr double kPixelsToCompare = 3e8;
@@ -152,35 +163,72 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
     print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
 }
 
+/// What the first frame shows, in a picture and on a page; nothing where neither is asked for.
+std::optional<vision::Survey> look_around(vision::FrameSource& source, const ProbeOptions& options) {
+  if (options.picture.empty() && options.page.empty()) return std::nullopt;
+  vision::Survey seen = vision::survey(source);
+  if (!options.picture.empty()) {
+    const auto png = vision::survey_png(source, seen);
+    write_file(options.picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
+  }
+  if (!options.page.empty()) write_file(options.page, survey_page(source, seen));
+  return seen;
+}
+
+void print_survey(const vision::Survey& seen, const vision::SourceInfo& info) {
+  print("  in frame {}\n", seen.frame);
+  for (const std::string& line : descriptions(seen)) print("    {}\n", line);
+  print("  for the campaign, or a run of it\n{}", camera_section(seen, info));
+}
+
+void probe(const ProbeOptions& options) {
+  std::vector<Output> outputs;
+  if (!options.picture.empty()) outputs.push_back({options.picture, Content::pictures});
+  if (!options.page.empty()) outputs.push_back({options.page});
+  require_writable(outputs, files_of_input(options.video));
+  const auto source = vision::open_source(options.video, {options.fps});
+  vision::SourceInfo info = source->info();
+  const double pixels = static_cast<double>(info.width) * info.height;
+  vision::RepeatedFrames repeats;
+  try {
+    repeats = vision::find_repeated_frames(*source, static_cast<std::int64_t>(kPixelsToCompare / pixels) + 2);
+  } catch (const vision::InputError& error) {
+    info.notes.push_back(std::string("not every frame can be read: ") + error.what());
+  }
+  for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
+  const auto seen = look_around(*source, options);
+  if (options.json) {
+    Json json = description_of(info, repeats);
+    if (seen) json["survey"] = json_of(*seen);
+    print_text(text_of(json));
+    return;
+  }
+  print_description(info, repeats);
+  if (seen) print_survey(*seen, info);
+}
+
 }  // namespace
 
 void add_probe(CLI::App& app, Context& context) {
-  auto video = std::make_shared<std::string>();
-  auto json = std::make_shared<bool>(false);
-  auto fps = std::make_shared<std::optional<double>>();
+  auto options = std::make_shared<ProbeOptions>();
   CLI::App& command = *app.add_subcommand(
-      "probe", "Describe a recording: size, depth, frames, and where its frame rate comes from");
-  command.add_option("VIDEO", *video, "The recording")->required();
-  add_number(command, "--fps", *fps, "Override the frame rate, to see what follows from it");
-  command.add_flag("--json", *json, "Print one JSON object");
-  add_common(command, context, "  tribotrack probe phi000.cine");
-  command.callback([video, json, fps] {
-    const auto source = vision::open_source(*video, {*fps});
-    vision::SourceInfo info = source->info();
-    const double pixels = static_cast<double>(info.width) * info.height;
-    vision::RepeatedFrames repeats;
-    try {
-      repeats =
-          vision::find_repeated_frames(*source, static_cast<std::int64_t>(kPixelsToCompare / pixels) + 2);
-    } catch (const vision::InputError& error) {
-      info.notes.push_back(std::string("not every frame can be read: ") + error.what());
-    }
-    for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
-    if (*json)
-      print_text(text_of(description_of(info, repeats)));
-    else
-      print_description(info, repeats);
-  });
+      "probe",
+      "Describe a recording: size, depth, frames, where its frame rate comes from, and what lies in it");
+  command.add_option("VIDEO", options->video, "The recording")->required();
+  add_number(command, "--fps", options->fps, "Override the frame rate, to see what follows from it");
+  command
+      .add_option(
+          "--picture", options->picture,
+          "Write the first frame with a pixel grid, its discs numbered, lamps marked, and print the lines of "
+          "[camera] to paste")
+      ->type_name("F.png");
+  command
+      .add_option("--page", options->page,
+                  "Write a page to find part, mark and lamp with the mouse: frames to scrub, lines to copy")
+      ->type_name("F.html");
+  command.add_flag("--json", options->json, "Print one JSON object");
+  add_common(command, context, "  tribotrack probe phi000.cine --picture first.png");
+  command.callback([options] { probe(*options); });
 }
 
 }  // namespace tribotrack::apps

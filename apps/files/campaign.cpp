@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "apps/files/campaign_keys.h"
 #include "apps/files/kinds/toml_kind.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
@@ -355,6 +356,20 @@ void note_gravity(Campaign& campaign) {
                     g));
 }
 
+/// Everything but what only holds between tables.
+void read_tables(StrictTable& top, Campaign& campaign) {
+  campaign.title = top.text("title").value_or("");
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
+  if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
+  if (auto table = top.table("camera"))
+    campaign.camera = read_camera(*table, campaign.file.parent_path(), WithSd::yes);
+  if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
+  FitDefaults defaults;
+  if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
+  for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
+  top.finish();
+}
+
 }  // namespace
 
 Campaign read_campaign(const fs::path& file) {
@@ -364,16 +379,7 @@ Campaign read_campaign(const fs::path& file) {
   Campaign campaign;
   campaign.file = file;
   campaign.input = hashed_input(file, text);
-  campaign.title = top.text("title").value_or("");
-  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
-  if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
-  if (auto table = top.table("camera"))
-    campaign.camera = read_camera(*table, file.parent_path(), WithSd::yes);
-  if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
-  FitDefaults defaults;
-  if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
-  for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
-  top.finish();
+  read_tables(top, campaign);
   check_sds(campaign, top);
   note_gravity(campaign);
   if (campaign.runs.empty())
@@ -382,6 +388,19 @@ Campaign read_campaign(const fs::path& file) {
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
+}
+
+std::vector<AskedKey> keys_asked_of_campaign() {
+  constexpr const char* every_section =
+      "[platform]\n[part]\ndiameter_mm = 1\n[camera]\n[scope]\n[fit]\n[fit.fixed]\n[fit.guess]\n[fit.prior]\n"
+      "mu1 = { mean = 1, sd = 1 }\n[[run]]\nvideo = \"v\"\nphi_rad = 0\ndtau_rad = 0\n";
+  StrictTable top = StrictTable::parse(every_section, "campaign");
+  Campaign campaign;
+  read_tables(top, campaign);
+  std::vector<AskedKey> asked = top.asked();
+  std::erase_if(asked, [](const AskedKey& key) { return key.section.starts_with("fit.prior."); });
+  asked.push_back({"fit.prior", "mu1", "{ mean, sd }"});
+  return asked;
 }
 
 std::vector<fs::path> Campaign::input_files() const {

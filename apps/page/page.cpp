@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <stdexcept>
-#include <string_view>
 
 #include "apps/figures/axes.h"
 #include "apps/figures/figure_json.h"
 #include "apps/page/assets/embedded_assets.h"
+#include "apps/page/filling.h"
 #include "apps/page/text.h"
 
 namespace tribotrack::apps {
@@ -17,41 +15,11 @@ namespace {
 
 constexpr int kNarrowest = 480;  // px, of a figure that is narrower than the text
 
-using Parts = std::map<std::string, std::string_view, std::less<>>;
-
-/// Replaces each {{name}} of the template once, in one pass: what is put in is not looked at again.
-std::string fill_template(std::string_view page, const Parts& parts) {
-  std::string filled;
-  std::size_t position = 0;
-  while (true) {
-    const std::size_t open = page.find("{{", position);
-    if (open == std::string_view::npos) break;
-    const std::size_t close = page.find("}}", open);
-    const auto part = parts.find(page.substr(open + 2, close - open - 2));
-    if (close == std::string_view::npos || part == parts.end())
-      throw std::logic_error("page.html names a part that the page does not have");
-    filled += page.substr(position, open - position);
-    filled += part->second;
-    position = close + 2;
-  }
-  return filled += page.substr(position);
-}
-
-/// JSON inside a script element: "<" occurs only inside strings, and written as an escape nothing in them can
-/// close the element.
+/// JSON inside a script element.
 std::string figures_json(const std::vector<Figure>& figures) {
   Json list = Json::array();
   for (const Figure& figure : figures) list.push_back(json_of(figure, Numbers::as_drawn));
-  const std::string text = list.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe += c;
-  }
-  return safe;
+  return json_for_script(list);
 }
 
 std::string contents(const std::vector<PageSection>& sections) {

@@ -1,6 +1,8 @@
 #include "apps/text/input_file.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
 
 #include <limits>
 
@@ -8,6 +10,28 @@
 #include "vision/frame_source.h"
 
 namespace tribotrack::apps {
+
+namespace {
+
+std::string suffix_of(const std::filesystem::path& path) {
+  std::string suffix = path.extension().string();
+  for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return suffix;
+}
+
+}  // namespace
+
+bool names_a_recording(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 15> kVideos = {".cine", ".mp4",  ".m4v", ".avi",  ".mkv",
+                                                        ".mov",  ".webm", ".wmv", ".mpg",  ".mpeg",
+                                                        ".mts",  ".ts",   ".y4m", ".tiff", ".tif"};
+  return std::ranges::find(kVideos, suffix_of(path)) != kVideos.end() || names_a_picture(path);
+}
+
+bool names_a_picture(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 5> kPictures = {".png", ".bmp", ".jpeg", ".jpg", ".pgm"};
+  return std::ranges::find(kPictures, suffix_of(path)) != kPictures.end();
+}
 
 namespace fs = std::filesystem;
 

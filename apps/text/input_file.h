@@ -20,6 +20,11 @@ struct Input {
 /// Is there such a recording: a file, a folder, or a printf pattern (whose pictures are looked for later)?
 bool may_be_recording(const std::filesystem::path& path);
 
+/// By its suffix: what cameras and video tools write.
+bool names_a_recording(const std::filesystem::path& path);
+/// By its suffix: a single picture, one frame of a series (a TIFF may hold many).
+bool names_a_picture(const std::filesystem::path& path);
+
 /// The files of a recording, or the one file that is not one; the path itself where nothing is there.
 std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& path);
 

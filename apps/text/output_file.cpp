@@ -21,6 +21,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
+#include "apps/text/input_file.h"
 #include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
@@ -88,15 +89,6 @@ class TemporaryNames {
   throw OutputError(
       fmt::format("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
                   path.string(), why));
-}
-
-bool names_a_recording(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  constexpr std::array<std::string_view, 20> kRecordings = {
-      ".cine", ".mp4", ".m4v", ".avi",  ".mkv", ".mov", ".webm", ".wmv",  ".mpg", ".mpeg",
-      ".mts",  ".ts",  ".y4m", ".tiff", ".tif", ".png", ".bmp",  ".jpeg", ".jpg", ".pgm"};
-  return std::find(kRecordings.begin(), kRecordings.end(), extension) != kRecordings.end();
 }
 
 /// Where writing to `path` really ends: links are followed, so that the link stays.

@@ -22,9 +22,18 @@ struct StrictTable::Node {
   std::string file;
   std::string name;  // "platform", "" for the top
   std::set<std::string, std::less<>> looked_up;
+  std::shared_ptr<std::vector<AskedKey>> asked;  // of the whole document
 
-  const toml::node* find(std::string_view key) {
+  /// A kind that is asked for first is the narrower one: positive() asks number().
+  void note(std::string_view key, const std::string& kind) {
+    const std::string section = name.starts_with('[') ? name.substr(1, name.size() - 2) : name;
+    if (std::ranges::none_of(*asked, [&](const AskedKey& a) { return a.section == section && a.key == key; }))
+      asked->push_back({section, std::string(key), kind});
+  }
+  /// Tables have no kind.
+  const toml::node* find(std::string_view key, const std::string& kind = {}) {
     looked_up.emplace(key);
+    if (!kind.empty()) note(key, kind);
     return table->get(key);
   }
 };
@@ -73,6 +82,7 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
     node->document = std::make_shared<const toml::table>(toml::parse(text, name));
     node->table = node->document.get();
     node->file = name;
+    node->asked = std::make_shared<std::vector<AskedKey>>();
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
@@ -97,7 +107,7 @@ void StrictTable::fail(std::string_view key, const std::string& message) const {
 }
 
 std::optional<double> StrictTable::number(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "number");
   if (node == nullptr) return std::nullopt;
   const auto value = number_in(*node);
   if (!value) fail(key, fmt::format("must be a number, not {}", kind_of(*node)));
@@ -106,19 +116,21 @@ std::optional<double> StrictTable::number(std::string_view key) {
 }
 
 std::optional<double> StrictTable::positive(std::string_view key) {
+  node_->note(key, "number above 0");
   const auto value = number(key);
   if (value && !(*value > 0)) fail(key, fmt::format("must be greater than 0, not {}", *value));
   return value;
 }
 
 std::optional<double> StrictTable::not_negative(std::string_view key) {
+  node_->note(key, "number, 0 or more");
   const auto value = number(key);
   if (value && !(*value >= 0)) fail(key, fmt::format("must be 0 or more, not {}", *value));
   return value;
 }
 
 std::optional<double> StrictTable::angle(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "angle");
   if (node == nullptr) return std::nullopt;
   if (const auto text = node->value_exact<std::string>()) {
     const auto value = parse_angle(*text);
@@ -138,28 +150,28 @@ std::optional<double> StrictTable::angle(std::string_view key) {
 }
 
 std::optional<std::int64_t> StrictTable::integer(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "whole number");
   if (node == nullptr) return std::nullopt;
   if (!node->is_integer()) fail(key, fmt::format("must be a whole number, not {}", kind_of(*node)));
   return node->value<std::int64_t>();
 }
 
 std::optional<bool> StrictTable::boolean(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "true or false");
   if (node == nullptr) return std::nullopt;
   if (!node->is_boolean()) fail(key, fmt::format("must be true or false, not {}", kind_of(*node)));
   return node->value<bool>();
 }
 
 std::optional<std::string> StrictTable::text(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "text");
   if (node == nullptr) return std::nullopt;
   if (!node->is_string()) fail(key, fmt::format("must be a text in quotes, not {}", kind_of(*node)));
   return node->value<std::string>();
 }
 
 std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, std::size_t count) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, fmt::format("list of {} numbers", count));
   if (node == nullptr) return std::nullopt;
   const toml::array* list = node->as_array();
   std::vector<double> values;
@@ -172,7 +184,7 @@ std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, st
 }
 
 std::optional<std::vector<std::int64_t>> StrictTable::integers(std::string_view key, std::size_t count) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, fmt::format("list of {} whole numbers", count));
   if (node == nullptr) return std::nullopt;
   const toml::array* list = node->as_array();
   std::vector<std::int64_t> values;
@@ -185,7 +197,7 @@ std::optional<std::vector<std::int64_t>> StrictTable::integers(std::string_view 
 }
 
 std::optional<std::vector<std::string>> StrictTable::texts(std::string_view key) {
-  const toml::node* node = node_->find(key);
+  const toml::node* node = node_->find(key, "list of texts");
   if (node == nullptr) return std::nullopt;
   const toml::array* list = node->as_array();
   std::vector<std::string> values;
@@ -205,6 +217,7 @@ std::optional<StrictTable> StrictTable::table(std::string_view key) {
   inner->document = node_->document;
   inner->table = table;
   inner->file = node_->file;
+  inner->asked = node_->asked;
   inner->name = node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key);
   return StrictTable(std::move(inner));
 }
@@ -222,6 +235,7 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
     inner->document = node_->document;
     inner->table = table;
     inner->file = node_->file;
+    inner->asked = node_->asked;
     inner->name = fmt::format("[{}]", key);
     found.push_back(StrictTable(std::move(inner)));
   }
@@ -229,6 +243,7 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
 }
 
 std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::vector<std::string>& words) {
+  node_->note(key, fmt::format("\"{}\"", fmt::join(words, "\", \"")));
   const auto word = text(key);
   if (!word) return std::nullopt;
   const auto at = std::find(words.begin(), words.end(), *word);
@@ -238,6 +253,10 @@ std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::
                           near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
   }
   return static_cast<std::size_t>(at - words.begin());
+}
+
+std::vector<AskedKey> StrictTable::asked() const {
+  return *node_->asked;
 }
 
 bool StrictTable::has(std::string_view key) const {

@@ -11,6 +11,13 @@
 
 namespace tribotrack::apps {
 
+/// A key that a reader asked for, with the kind of value it takes: "number", "angle", "rest, circling,
+/// steady".
+struct AskedKey {
+  std::string section;  ///< "platform", "fit.fixed", "run"; "" for the top
+  std::string key, kind;
+};
+
 /// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses the keys
 /// that no getter was called for and names the nearest one that exists. All errors are InvalidInput with
 /// file, line and column.
@@ -20,6 +27,8 @@ class StrictTable {
   static StrictTable read(const std::filesystem::path& file);
   /// Parses a text; `name` stands in error messages.
   static StrictTable parse(std::string_view text, const std::string& name);
+  /// Every key asked of the whole file so far, tables left out, in the order of first asking.
+  std::vector<AskedKey> asked() const;
 
   std::optional<double> number(std::string_view key);
   std::optional<double> positive(std::string_view key);      ///< > 0

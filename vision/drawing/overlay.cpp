@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "vision/drawing/canvas.h"
 #include "vision/frame_sink.h"
 #include "vision/io/jpeg.h"
 #include "vision/io/png.h"
@@ -16,109 +16,7 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kShift = 5;           ///< binary places of the sub-pixel drawing coordinates
-constexpr int kLegibleWidth = 960;  ///< smaller pictures are enlarged by a whole factor up to about this
-constexpr int kMaxEnlargement = 4;
-constexpr std::size_t kTail = 2000;   ///< points of the path drawn in a video
-const cv::Scalar kPath(0, 160, 255);  // BGR
-const cv::Scalar kOutline(80, 255, 80);
-const cv::Scalar kMarker(255, 200, 0);
-const cv::Scalar kBad(60, 60, 255);
-const cv::Scalar kText(255, 255, 255);
-
-/// Grey levels to 8 bits so that the darkest and brightest half per cent of the first frame just clip.
-struct Stretch {
-  float low = 0, high = 255;
-  explicit Stretch(const Picture& picture) {
-    std::vector<float> levels(picture.levels().begin(), picture.levels().end());
-    if (levels.empty()) return;
-    const auto at = [&](double share) {
-      const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
-      std::nth_element(levels.begin(), levels.begin() + rank, levels.end());
-      return levels[static_cast<std::size_t>(rank)];
-    };
-    low = at(0.005);
-    high = std::max(at(0.995), low + 1);
-  }
-  cv::Mat operator()(const Picture& picture) const {
-    cv::Mat out(picture.height(), picture.width(), CV_8U);
-    for (int y = 0; y < picture.height(); ++y)
-      for (int x = 0; x < picture.width(); ++x)
-        out.at<unsigned char>(y, x) = static_cast<unsigned char>(
-            std::clamp(255 * (picture.at(x, y) - low) / (high - low), 0.0F, 255.0F));
-    return out;
-  }
-};
-
-/// A colour canvas over a frame, enlarged, with drawing in the frame's pixel coordinates.
-class Canvas {
- public:
-  Canvas(const cv::Mat& grey, int enlargement) : scale_(enlargement) {
-    cv::Mat large;
-    cv::resize(grey, large, {}, scale_, scale_, scale_ > 1 ? cv::INTER_CUBIC : cv::INTER_NEAREST);
-    cv::cvtColor(large, image_, cv::COLOR_GRAY2BGR);
-    weight_ = std::max(1, image_.cols / 640);
-  }
-  cv::Mat& image() { return image_; }
-
-  void line(const Point& a, const Point& b, const cv::Scalar& colour) {
-    cv::line(image_, fixed(a), fixed(b), colour, weight_, cv::LINE_AA, kShift);
-  }
-  void circle(const Point& c, double radius, const cv::Scalar& colour) {
-    const int r = static_cast<int>(std::lround(radius * scale_ * (1 << kShift)));
-    cv::circle(image_, fixed(c), r, colour, weight_, cv::LINE_AA, kShift);
-  }
-  void dot(const Point& c, const cv::Scalar& colour) {
-    const int r = static_cast<int>(std::lround(1.6 * weight_ * (1 << kShift)));
-    cv::circle(image_, fixed(c), r, colour, cv::FILLED, cv::LINE_AA, kShift);
-  }
-  void cross(const Point& c, const cv::Scalar& colour) {
-    const double arm = 5.0 * weight_ / scale_;
-    line({c.x - arm, c.y}, {c.x + arm, c.y}, colour);
-    line({c.x, c.y - arm}, {c.x, c.y + arm}, colour);
-  }
-  /// A number beside a circle, on the side where the picture has room.
-  void number(const Circle& c, int value, const cv::Scalar& colour) {
-    const std::string words = std::to_string(value);
-    const double size = std::max(0.6, image_.cols / 1200.0);
-    int base = 0;
-    const cv::Size box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 2, &base);
-    const auto place = [&](double v) { return static_cast<int>((v + 0.5) * scale_); };
-    int x = place(c.x + c.radius) + 3;
-    if (x + box.width > image_.cols) x = place(c.x - c.radius) - 3 - box.width;
-    const int y = std::clamp(place(c.y) + box.height / 2, box.height + 2, image_.rows - 3);
-    cv::putText(image_, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 5, cv::LINE_AA);
-    cv::putText(image_, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, size, colour, 2, cv::LINE_AA);
-  }
-  /// One line of text in the top left corner, line 0, 1, ...; dark behind so that it reads on any ground.
-  void text(int row, const std::string& words, const cv::Scalar& colour) {
-    const double size = std::max(0.45, image_.cols / 1600.0);
-    int base = 0;
-    const cv::Size box = cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, size, 1, &base);
-    const int step = box.height + base + 4;
-    const cv::Point at(8, 8 + box.height + row * step);
-    const cv::Rect back =
-        cv::Rect(4, at.y - box.height - 3, box.width + 8, step) & cv::Rect(0, 0, image_.cols, image_.rows);
-    image_(back) *= 0.4;
-    cv::putText(image_, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
-  }
-
- private:
-  cv::Point fixed(const Point& p) const {
-    // Pixel centres at integers before and after enlargement.
-    const auto to = [&](double v) {
-      return static_cast<int>(std::lround(((v + 0.5) * scale_ - 0.5) * (1 << kShift)));
-    };
-    return {to(p.x), to(p.y)};
-  }
-  cv::Mat image_;
-  int scale_;
-  int weight_ = 1;
-};
-
-int enlargement_for(const SourceInfo& info) {
-  return std::clamp(kLegibleWidth / std::max(1, info.width), 1, kMaxEnlargement);
-}
+constexpr std::size_t kTail = 2000;  ///< points of the path drawn in a video
 
 void draw_path(Canvas& canvas, const std::vector<TrackPoint>& points, std::size_t count) {
   for (std::size_t k = 1; k < count; ++k) {
@@ -250,7 +148,7 @@ std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t 
   Canvas canvas(Stretch(frame)(frame), enlargement_for(source.info()));
   for (std::size_t k = 0; k < discs.size(); ++k) {
     canvas.circle({discs[k].x, discs[k].y}, discs[k].radius, kOutline);
-    canvas.number(discs[k], static_cast<int>(k) + 1, kOutline);
+    canvas.label(discs[k], std::to_string(k + 1), kOutline);
   }
   canvas.text(0, "frame " + std::to_string(frame_number) + ": which of these is the part?", kText);
   return png_of(canvas.image());

@@ -1,0 +1,315 @@
+#include "apps/survey/campaign_draft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "apps/files/campaign_keys.h"
+#include "apps/files/scope_file.h"
+#include "apps/program/errors.h"
+#include "apps/program/parallel.h"
+#include "apps/program/progress.h"
+#include "apps/survey/name_guess.h"
+#include "apps/survey/survey_text.h"
+#include "apps/text/input_file.h"
+#include "vision/survey.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kSamePlace = 1.5;  ///< px: marks that lie so near to each other in all recordings are one
+
+/// What one recording shows.
+struct Look {
+  vision::SourceInfo info;
+  vision::Survey seen;
+  std::string failure;
+};
+
+Look look_at(const fs::path& recording, const std::optional<double>& fps) {
+  Look look;
+  try {
+    const auto source = vision::open_source(recording, {fps});
+    look.info = source->info();
+    look.seen = vision::survey(*source);
+  } catch (const std::exception& error) {
+    look.failure = error.what();
+  }
+  return look;
+}
+
+std::string quoted_toml(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string relative_to(const fs::path& recording, const fs::path& folder) {
+  const fs::path relative =
+      fs::absolute(recording).lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal());
+  return relative.empty() ? fs::absolute(recording).string() : relative.string();
+}
+
+/// The place that all recordings show, where they show one.
+std::optional<vision::Circle> common_place(const std::vector<std::optional<vision::Circle>>& places) {
+  if (places.empty() || !places.front()) return std::nullopt;
+  const vision::Circle& first = *places.front();
+  const bool same = std::ranges::all_of(places, [&](const std::optional<vision::Circle>& c) {
+    return c && std::hypot(c->x - first.x, c->y - first.y) < kSamePlace + first.radius / 4 &&
+           std::abs(c->radius - first.radius) < kSamePlace;
+  });
+  return same ? places.front() : std::nullopt;
+}
+
+DraftValue angle_guess(const std::string& text) {
+  return text.empty() ? DraftValue{"\"0deg\"", "not in the recording's name: fill it in", true}
+                      : DraftValue{text.ends_with("deg") ? quoted_toml(text) : text, "guess: by the name"};
+}
+
+/// A trace of the same name beside the recording.
+std::optional<fs::path> trace_beside(const fs::path& recording) {
+  fs::path trace = recording;
+  trace.replace_extension(".csv");
+  if (fs::is_directory(recording) || !fs::exists(trace)) return std::nullopt;
+  try {
+    read_scope_file(trace);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+  return trace;
+}
+
+/// Others than the part and marks may be taken for the part.
+bool part_is_in_question(const vision::Survey& seen) {
+  return std::ranges::any_of(seen.discs, [](const vision::SurveyedDisc& d) {
+    return d.role == vision::DiscRole::like_part || d.role == vision::DiscRole::resting;
+  });
+}
+
+DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
+                  const DraftOptions& options) {
+  DraftTable run;
+  run["video"] = {quoted_toml(relative_to(recording, options.folder)), ""};
+  if (guess.free_slide) {
+    run["kind"] = {"\"free_slide\"", "guess: by the name"};
+  } else {
+    run["phi_rad"] = angle_guess(guess.phi_text);
+    run["dtau_rad"] = angle_guess(guess.dtau_text);
+  }
+  if (const auto* part = look.seen.part(); part != nullptr && part_is_in_question(look.seen))
+    run["disc_px"] = {circle_text(part->circle), "guess: of several discs, that which moves farthest"};
+  if (const auto trace = trace_beside(recording))
+    run["scope"] = {quoted_toml(relative_to(*trace, options.folder)), "guess: by the name"};
+  return run;
+}
+
+/// Marks and lamps: under [camera] where all recordings agree, else with each run.
+void place_marks(CampaignDraft& draft, const std::vector<Look>& looks,
+                 const std::vector<NameGuess>& guesses) {
+  const auto place = [&](const char* key, const char* why, auto of) {
+    std::vector<std::optional<vision::Circle>> places, driven;
+    for (std::size_t k = 0; k < looks.size(); ++k) {
+      places.push_back(of(looks[k].seen));
+      if (!guesses[k].free_slide) driven.push_back(places.back());
+    }
+    if (const auto common = common_place(driven)) {
+      draft.tables["camera"][key] = {circle_text(*common), why};
+      return;
+    }
+    for (std::size_t k = 0; k < looks.size(); ++k)
+      if (places[k] && !guesses[k].free_slide) draft.runs[k][key] = {circle_text(*places[k]), why};
+  };
+  place("marker_px", "guess: a disc that moves and stays near its place",
+        [](const vision::Survey& seen) -> std::optional<vision::Circle> {
+          return seen.mark() ? std::optional(seen.mark()->circle) : std::nullopt;
+        });
+  place("gate_px", "guess: a place that switches between two levels",
+        [](const vision::Survey& seen) -> std::optional<vision::Circle> {
+          return seen.lamps.empty() ? std::nullopt : std::optional(seen.lamps.front().circle);
+        });
+}
+
+void place_frame_rate(CampaignDraft& draft, const std::vector<Look>& looks,
+                      const std::vector<NameGuess>& guesses, const DraftOptions& options) {
+  DraftTable& camera = draft.tables["camera"];
+  if (options.fps) {
+    camera["frame_rate_hz"] = {fmt::format("{}", *options.fps), "given"};
+    return;
+  }
+  const auto unknown =
+      std::ranges::find_if(looks, [](const Look& look) { return !look.info.time_base.known(); });
+  if (unknown == looks.end()) return;
+  const auto& rate = guesses[static_cast<std::size_t>(unknown - looks.begin())].frame_rate_hz;
+  const bool agree =
+      rate && std::ranges::all_of(guesses, [&](const NameGuess& g) { return g.frame_rate_hz == rate; });
+  if (agree) {
+    camera["frame_rate_hz"] = {fmt::format("{}", *rate), "guess: by the names"};
+    camera["frame_rate_reason"] = {"\"the recordings' names\"", ""};
+    return;
+  }
+  camera["frame_rate_hz"] = {"1000.0", "fill it in: the recordings do not say how fast they were taken",
+                             true};
+  draft.missing.push_back(
+      fmt::format("frame_rate_hz in [camera]: {}", unknown->info.time_base.why_unknown()));
+}
+
+std::string key_line(const CampaignKey& key, const DraftTable& values) {
+  const auto found = values.find(key.key);
+  const bool live = found != values.end() && !found->second.missing;
+  const std::string value = found != values.end() ? found->second.value : std::string(key.example);
+  std::string why(key.meaning);
+  if (found != values.end() && !found->second.why.empty()) why = found->second.why;
+  const std::string line = fmt::format("{}{} = {}", live ? "" : "# ", key.key, value);
+  return why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, why);
+}
+
+/// [platform], [part], [camera] and [fit] may stand empty; the others are comments where nothing is filled
+/// in.
+std::string section_text(const CampaignSection& section, const DraftTable& values) {
+  const bool always = section.name == "platform" || section.name == "part" || section.name == "camera" ||
+                      section.name == "fit";
+  const bool live = always || std::ranges::any_of(values, [](const auto& v) { return !v.second.missing; });
+  std::string text = section.name.empty()
+                         ? ""
+                         : fmt::format("\n{:<44}  # {}\n",
+                                       fmt::format("{}[{}]", live ? "" : "# ", section.name), section.remark);
+  for (const CampaignKey& key : campaign_keys())
+    if (key.section == section.name) text += key_line(key, values);
+  return text;
+}
+
+/// Only what is filled in, in the order of the keys.
+std::string run_text(const DraftTable& run) {
+  std::string text = "\n[[run]]\n";
+  for (const CampaignKey& key : campaign_keys())
+    if (key.section == "run" && run.contains(key.key)) {
+      const DraftValue& value = run.find(key.key)->second;
+      const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key.key, value.value);
+      text += value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
+    }
+  return text;
+}
+
+std::string runs_text(const CampaignDraft& draft) {
+  const auto& sections = campaign_sections();
+  std::string text = fmt::format("\n# [[run]]: {}.\n", sections.back().remark);
+  for (const DraftTable& run : draft.runs) text += run_text(run);
+  text += draft.runs.empty() ? "\n# [[run]]\n" : "\n# All that a run may hold:\n# [[run]]\n";
+  for (const CampaignKey& key : campaign_keys())
+    if (key.section == sections.back().name) text += key_line(key, {});
+  return text;
+}
+
+bool is_series_frame(const fs::path& path) {
+  if (names_a_picture(path)) return true;
+  const std::string suffix = path.extension().string();
+  if (suffix != ".tif" && suffix != ".tiff") return false;
+  try {
+    return vision::open_source(path)->info().frame_count == 1;
+  } catch (const vision::InputError&) {
+    return false;  // what is wrong with it is said where it is looked into
+  }
+}
+
+bool holds_pictures(const fs::path& folder) {
+  return std::ranges::any_of(fs::directory_iterator(folder), [](const fs::directory_entry& entry) {
+    return entry.is_regular_file() && is_series_frame(entry.path());
+  });
+}
+
+}  // namespace
+
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  if (!fs::is_directory(folder))
+    throw InvalidInput(fmt::format("{}: is no folder of recordings; give one", folder.string()));
+  std::vector<fs::path> recordings;
+  bool pictures = false;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    if (path.filename().string().starts_with('.')) continue;
+    if (entry.is_directory()) {
+      if (holds_pictures(path)) recordings.push_back(path);
+    } else if (names_a_recording(path)) {
+      if (is_series_frame(path))
+        pictures = true;
+      else
+        recordings.push_back(path);
+    }
+  }
+  // Pictures without anything else: the folder itself is the recording.
+  if (recordings.empty() && pictures) recordings.push_back(folder);
+  std::ranges::sort(recordings);
+  return recordings;
+}
+
+CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptions& options,
+                       const Context& context) {
+  std::vector<Look> looks(recordings.size());
+  Progress progress("looking into recordings", context.quiet);
+  std::atomic<std::int64_t> done = 0;
+  for_each_index(static_cast<long>(recordings.size()), threads_to_use(context), [&](long k) {
+    looks[k] = look_at(recordings[k], options.fps);
+    progress.update(++done, static_cast<std::int64_t>(recordings.size()));
+  });
+  CampaignDraft draft;
+  std::vector<fs::path> readable;
+  std::vector<std::string> names;
+  std::vector<Look> usable;
+  for (std::size_t k = 0; k < looks.size(); ++k) {
+    if (!looks[k].failure.empty()) {
+      draft.left_out.push_back(looks[k].failure);
+      continue;
+    }
+    readable.push_back(recordings[k]);
+    names.push_back(recordings[k].stem().string());
+    usable.push_back(std::move(looks[k]));
+  }
+  if (readable.empty())
+    throw InvalidInput(draft.left_out.empty()
+                           ? "there are no recordings to look into"
+                           : fmt::format("no recording can be read; the first: {}", draft.left_out.front()));
+  const std::vector<NameGuess> guesses = guesses_from(names);
+  for (std::size_t k = 0; k < readable.size(); ++k) {
+    draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
+    if (!guesses[k].free_slide && (guesses[k].phi_text.empty() || guesses[k].dtau_text.empty()))
+      draft.missing.push_back(
+          fmt::format("phi_rad and dtau_rad of {}: its name does not tell them", names[k]));
+  }
+  place_marks(draft, usable, guesses);
+  place_frame_rate(draft, usable, guesses, options);
+  if (options.diameter_mm)
+    draft.tables["part"]["diameter_mm"] = {fmt::format("{}", *options.diameter_mm), "given"};
+  else
+    draft.missing.insert(draft.missing.begin(),
+                         "diameter_mm in [part] (or mm_per_px in [camera]): the scale");
+  return draft;
+}
+
+std::string toml_of(const CampaignDraft& draft) {
+  std::string text =
+      "# A tribotrack campaign:  tribotrack run campaign.toml -o out\n"
+      "# Units stand in the key names. Angles are radians: a number, or a text such as \"pi/3\" or "
+      "\"60deg\".\n"
+      "# KEY_sd is the standard deviation of KEY: the intervals count it; a value without one is taken as "
+      "exact.\n"
+      "# What is given and also seen in the recordings is compared. All keys: tribotrack help campaign\n";
+  for (const std::string& missing : draft.missing) text += fmt::format("# TO FILL IN: {}\n", missing);
+  for (const std::string& left_out : draft.left_out) text += fmt::format("# LEFT OUT: {}\n", left_out);
+  text += "\n";
+  for (const CampaignSection& section : campaign_sections()) {
+    if (section.repeated) continue;
+    const auto found = draft.tables.find(section.name);
+    text += section_text(section, found == draft.tables.end() ? DraftTable{} : found->second);
+  }
+  return text + runs_text(draft);
+}
+
+}  // namespace tribotrack::apps

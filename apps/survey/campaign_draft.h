@@ -1,0 +1,46 @@
+// A campaign to start from: every key explained, what recordings show filled in and marked as a guess.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/program/context.h"
+
+namespace tribotrack::apps {
+
+/// A value that a draft fills in, as TOML, and how it is known.
+struct DraftValue {
+  std::string value;
+  std::string why;
+  bool missing = false;  ///< written as a comment: it is for the user to fill in
+};
+
+using DraftTable = std::map<std::string, DraftValue, std::less<>>;
+
+struct CampaignDraft {
+  std::map<std::string, DraftTable, std::less<>> tables;  ///< by section
+  std::vector<DraftTable> runs;
+  std::vector<std::string> left_out;  ///< recordings that cannot be read, each with the reason
+  std::vector<std::string> missing;   ///< what the user must fill in before `run`, one sentence each
+};
+
+/// Recordings directly in a folder: files with the name of a recording, and folders of pictures; by name.
+std::vector<std::filesystem::path> recordings_in(const std::filesystem::path& folder);
+
+struct DraftOptions {
+  std::filesystem::path folder;            ///< of the campaign: recordings are named relative to it
+  std::optional<double> diameter_mm, fps;  ///< as the user gives them
+};
+
+/// Looks into every recording (vision/survey.h) and at its name (name_guess.h), with all threads. Throws
+/// InvalidInput where none of them can be read.
+CampaignDraft draft_of(const std::vector<std::filesystem::path>& recordings, const DraftOptions& options,
+                       const Context& context);
+
+/// The campaign as TOML. Keys that the draft does not fill in are comments with an example.
+std::string toml_of(const CampaignDraft& draft);
+
+}  // namespace tribotrack::apps

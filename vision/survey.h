@@ -1,0 +1,58 @@
+// What a recording shows before anything is given: round things and how they move, lamps that switch.
+//
+//   const auto source = open_source("run.cine");
+//   const Survey seen = survey(*source);
+//   if (const SurveyedDisc* part = seen.part()) std::cout << part->circle.x << ' ' << part->circle.y << '\n';
+//
+// A look at some frames, not a measurement: places are good to a fraction of a pixel, roles are guesses for a
+// person to confirm (write_survey_png in overlay.h draws them).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "vision/frame_source.h"
+
+namespace tribotrack::vision {
+
+/// What a disc may be, by how it moves in the frames looked at.
+enum class DiscRole {
+  part,      ///< moves farthest; where nothing does, the one seen best
+  mark,      ///< stays near its place but moves there, as what is fixed to the platform does
+  resting,   ///< stays where it is: fixed to the camera's frame, or to a platform at rest
+  like_part  ///< as large as the part, and moves too
+};
+
+struct SurveyedDisc {
+  Circle circle;        ///< in the survey's frame
+  double coverage = 0;  ///< share of its rim that is seen, 0 .. 1
+  double moved_px = 0;  ///< the farthest it was seen from there in other frames
+  int seen_in = 0;      ///< of Survey::frames_looked_at
+  DiscRole role = DiscRole::resting;
+};
+
+/// A place that switches between two levels again and again.
+struct SurveyedLamp {
+  Circle circle;
+  double dark = 0, lit = 0;  ///< grey levels, means over the circle
+  double lit_share = 0;      ///< of the frames
+};
+
+struct Survey {
+  std::int64_t frame = 0;  ///< the recording's own number of that in which circles lie: the first with a disc
+  int frames_looked_at = 0;         ///< for discs
+  std::vector<SurveyedDisc> discs;  ///< the part first, then marks, then the rest; each best first
+  std::vector<SurveyedLamp> lamps;  ///< brightest change first
+
+  /// Null where no disc was found.
+  const SurveyedDisc* part() const;
+  /// The mark seen best; null where there is none.
+  const SurveyedDisc* mark() const;
+  /// Whether anything but the part moves with a platform: a mark does.
+  bool platform_moves() const { return mark() != nullptr; }
+};
+
+/// Throws InputError where frames cannot be read.
+Survey survey(FrameSource& source);
+
+}  // namespace tribotrack::vision
