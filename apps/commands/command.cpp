@@ -58,6 +58,7 @@ void add_options_of_all(CLI::App& command, Context& context) {
 
 void add_commands(CLI::App& app, Context& context) {
   add_run(app, context);
+  add_watch(app, context);
   add_track(app, context);
   add_measure(app, context);
   add_fit(app, context);

@@ -372,7 +372,7 @@ void read_tables(StrictTable& top, Campaign& campaign) {
 
 }  // namespace
 
-Campaign read_campaign(const fs::path& file) {
+Campaign read_campaign(const fs::path& file, Runs runs) {
   const std::string text = read_text(file);
   StrictTable top = parse_campaign(text, file);
   require_kind(top, TomlKind::campaign, file.string());
@@ -382,7 +382,7 @@ Campaign read_campaign(const fs::path& file) {
   read_tables(top, campaign);
   check_sds(campaign, top);
   note_gravity(campaign);
-  if (campaign.runs.empty())
+  if (campaign.runs.empty() && runs == Runs::required)
     throw InvalidInput(
         fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
   require_all_parameters(campaign, top);

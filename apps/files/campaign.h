@@ -83,7 +83,9 @@ struct Campaign {
 /// for a folder without one and for standard input, which has no place that paths could be relative to.
 std::filesystem::path campaign_file(const std::filesystem::path& given);
 
-Campaign read_campaign(const std::filesystem::path& file);
+/// May a campaign stand without a [[run]]?
+enum class Runs { required, may_be_missing };
+Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::required);
 
 /// The names of fit parameters in campaigns, and back.
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);

@@ -112,26 +112,27 @@ DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& 
 }
 
 /// Marks and lamps: under [camera] where all recordings agree, else with each run.
-void place_marks(CampaignDraft& draft, const std::vector<Look>& looks,
-                 const std::vector<NameGuess>& guesses) {
-  const auto place = [&](const char* key, const char* why, auto of) {
+void place_marks(CampaignDraft& draft, const std::vector<Look>& looks, const std::vector<NameGuess>& guesses,
+                 bool with_runs) {
+  const auto place = [&](const char* key, const char* why, bool of_runs, auto of) {
     std::vector<std::optional<vision::Circle>> places, driven;
     for (std::size_t k = 0; k < looks.size(); ++k) {
       places.push_back(of(looks[k].seen));
       if (!guesses[k].free_slide) driven.push_back(places.back());
     }
-    if (const auto common = common_place(driven)) {
+    if (const auto common = common_place(driven); common && !with_runs) {
       draft.tables["camera"][key] = {circle_text(*common), why};
       return;
     }
+    if (!of_runs) return;
     for (std::size_t k = 0; k < looks.size(); ++k)
       if (places[k] && !guesses[k].free_slide) draft.runs[k][key] = {circle_text(*places[k]), why};
   };
-  place("marker_px", "guess: a disc that moves and stays near its place",
+  place("marker_px", "guess: a disc that moves and stays near its place", true,
         [](const vision::Survey& seen) -> std::optional<vision::Circle> {
           return seen.mark() ? std::optional(seen.mark()->circle) : std::nullopt;
         });
-  place("gate_px", "guess: a place that switches between two levels",
+  place("gate_px", "guess: a place that switches between two levels", false,
         [](const vision::Survey& seen) -> std::optional<vision::Circle> {
           return seen.lamps.empty() ? std::nullopt : std::optional(seen.lamps.front().circle);
         });
@@ -186,22 +187,10 @@ std::string section_text(const CampaignSection& section, const DraftTable& value
   return text;
 }
 
-/// Only what is filled in, in the order of the keys.
-std::string run_text(const DraftTable& run) {
-  std::string text = "\n[[run]]\n";
-  for (const CampaignKey& key : campaign_keys())
-    if (key.section == "run" && run.contains(key.key)) {
-      const DraftValue& value = run.find(key.key)->second;
-      const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key.key, value.value);
-      text += value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
-    }
-  return text;
-}
-
 std::string runs_text(const CampaignDraft& draft) {
   const auto& sections = campaign_sections();
   std::string text = fmt::format("\n# [[run]]: {}.\n", sections.back().remark);
-  for (const DraftTable& run : draft.runs) text += run_text(run);
+  for (const DraftTable& run : draft.runs) text += toml_of_run(run);
   text += draft.runs.empty() ? "\n# [[run]]\n" : "\n# All that a run may hold:\n# [[run]]\n";
   for (const CampaignKey& key : campaign_keys())
     if (key.section == sections.back().name) text += key_line(key, {});
@@ -276,14 +265,17 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
     throw InvalidInput(draft.left_out.empty()
                            ? "there are no recordings to look into"
                            : fmt::format("no recording can be read; the first: {}", draft.left_out.front()));
-  const std::vector<NameGuess> guesses = guesses_from(names);
+  std::vector<std::string> all_names = names;
+  all_names.insert(all_names.end(), options.other_names.begin(), options.other_names.end());
+  std::vector<NameGuess> guesses = guesses_from(all_names);
+  guesses.resize(names.size());
   for (std::size_t k = 0; k < readable.size(); ++k) {
     draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
     if (!guesses[k].free_slide && (guesses[k].phi_text.empty() || guesses[k].dtau_text.empty()))
       draft.missing.push_back(
           fmt::format("phi_rad and dtau_rad of {}: its name does not tell them", names[k]));
   }
-  place_marks(draft, usable, guesses);
+  place_marks(draft, usable, guesses, options.marks_with_runs);
   place_frame_rate(draft, usable, guesses, options);
   if (options.diameter_mm)
     draft.tables["part"]["diameter_mm"] = {fmt::format("{}", *options.diameter_mm), "given"};
@@ -291,6 +283,17 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
     draft.missing.insert(draft.missing.begin(),
                          "diameter_mm in [part] (or mm_per_px in [camera]): the scale");
   return draft;
+}
+
+std::string toml_of_run(const DraftTable& run) {
+  std::string text = "\n[[run]]\n";
+  for (const CampaignKey& key : campaign_keys())
+    if (key.section == "run" && run.contains(key.key)) {
+      const DraftValue& value = run.find(key.key)->second;
+      const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key.key, value.value);
+      text += value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
+    }
+  return text;
 }
 
 std::string toml_of(const CampaignDraft& draft) {

@@ -33,12 +33,18 @@ std::vector<std::filesystem::path> recordings_in(const std::filesystem::path& fo
 struct DraftOptions {
   std::filesystem::path folder;            ///< of the campaign: recordings are named relative to it
   std::optional<double> diameter_mm, fps;  ///< as the user gives them
+  bool marks_with_runs = false;            ///< not under [camera], though all recordings agree
+  /// Of recordings that belong to the same campaign: what one name leaves open, another may tell.
+  std::vector<std::string> other_names = {};
 };
 
 /// Looks into every recording (vision/survey.h) and at its name (name_guess.h), with all threads. Throws
 /// InvalidInput where none of them can be read.
 CampaignDraft draft_of(const std::vector<std::filesystem::path>& recordings, const DraftOptions& options,
                        const Context& context);
+
+/// A [[run]] of it, with an empty line before.
+std::string toml_of_run(const DraftTable& run);
 
 /// The campaign as TOML. Keys that the draft does not fill in are comments with an example.
 std::string toml_of(const CampaignDraft& draft);

@@ -1,0 +1,83 @@
+// From a campaign's recordings to its report: every run tracked and measured, one fit, the results in a
+// folder. What is there already and current is kept.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/campaign/fit_stage.h"
+#include "apps/files/campaign.h"
+#include "apps/files/run_folder.h"
+#include "apps/program/context.h"
+#include "apps/recording/track_recording.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+struct RunnerOptions {
+  std::string campaign;  ///< as the user names it
+  std::string output;    ///< the folder
+  std::string command = "run";
+  bool overlay_videos = false, explain = false, json = false;
+  bool wait = false;               ///< while another process is writing into the folder
+  bool locked = false;             ///< the caller holds the folder's lock
+  std::size_t new_recordings = 0;  ///< the others are tracked already; 0: not known
+};
+
+/// How one run went, for run.json.
+struct RunLog {
+  bool skipped = false;  ///< its track was current
+  double seconds = 0;
+  double frames_per_second = 0;
+  Json stage_seconds = Json::object();  ///< of tracking
+};
+
+/// One way through a campaign: its verbs in the order in which they are to be called.
+class CampaignRunner {
+ public:
+  CampaignRunner(const RunnerOptions& options, Campaign campaign, Context& context);
+
+  /// What would be done, on stdout.
+  void print_plan() const;
+  /// From here on only this process writes into the folder, and only over earlier results of `run`.
+  void take_folder();
+  void measure_runs();
+  void share_scale();
+  /// Refuses a campaign that contradicts its recordings; their tracks stay.
+  void share_conditions();
+  /// Failed runs are named; finished tracks stay for the next call.
+  void refuse_if_none_is_left();
+  void fit_all();
+  void report() const;
+  void write_log() const;
+  void print_result() const;
+
+  const Campaign& campaign() const { return campaign_; }
+  const std::vector<AnalysedRun>& runs() const { return runs_; }
+  const FitStage& fit() const { return fit_; }
+  std::size_t failed() const;
+
+ private:
+  AnalysedRun carry_out(std::size_t index, const FramesDone& frames_done);
+  TrackFile track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
+  bool is_complete(const CampaignRun& run, const std::string& key) const;
+  void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
+  void write_measurement(const AnalysedRun& run) const;
+  std::size_t skipped() const;
+
+  const RunnerOptions options_;
+  Context& context_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  const Campaign campaign_;
+  const RunFolder folder_;
+  std::optional<RunFolderLock> lock_;
+  std::vector<RunLog> logs_;
+  std::vector<AnalysedRun> runs_;
+  SharedFindings shared_;
+  FitStage fit_;
+};
+
+}  // namespace tribotrack::apps
