@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/commands/wrong_usage.h"
-#include "apps/files/campaign_keys.h"
+#include "apps/survey/campaign_keys.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "fit/measurement.h"

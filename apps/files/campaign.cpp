@@ -6,7 +6,6 @@
 #include <array>
 #include <set>
 
-#include "apps/files/campaign_keys.h"
 #include "apps/files/kinds/toml_kind.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/errors.h"

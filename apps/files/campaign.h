@@ -87,6 +87,9 @@ std::filesystem::path campaign_file(const std::filesystem::path& given);
 enum class Runs { required, may_be_missing };
 Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::required);
 
+/// Every key that the reader asks a campaign for, with the kind of its value.
+std::vector<AskedKey> keys_asked_of_campaign();
+
 /// The names of fit parameters in campaigns, and back.
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
 

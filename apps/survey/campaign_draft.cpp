@@ -6,11 +6,11 @@
 #include <atomic>
 #include <cmath>
 
-#include "apps/files/campaign_keys.h"
 #include "apps/files/scope_file.h"
 #include "apps/program/errors.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"
+#include "apps/survey/campaign_keys.h"
 #include "apps/survey/name_guess.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"

@@ -43,7 +43,7 @@ Written written(const std::string& number, const std::string& unit) {
 
 /// The number after one of some words, which stand at the beginning or after something that is no letter.
 std::optional<Written> named(const std::string& name, const std::string& words) {
-  const std::regex pattern("(?:^|[^a-z])(?:" + words + ")[ _=]?-?_?" + kNumber + kUnit);
+  const std::regex pattern("(?:^|[^a-z])(?:" + words + ")(?:[ _]?-?_?| ?= ?)" + kNumber + kUnit);
   std::smatch match;
   if (!std::regex_search(name, match, pattern)) return std::nullopt;
   return written(match[1], match[2]);

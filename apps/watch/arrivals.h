@@ -13,7 +13,7 @@ namespace tribotrack::apps {
 struct FileState {
   std::uintmax_t bytes = 0;
   std::int64_t files = 0;
-  std::filesystem::file_time_type changed;
+  std::filesystem::file_time_type changed = std::filesystem::file_time_type::min();
   bool operator==(const FileState&) const = default;
 };
 

@@ -16,10 +16,11 @@ constexpr int kFramesForLamps = 160;
 constexpr std::int64_t kLampSpan = 3000, kLampSpanDecoded = 600;
 constexpr int kMostDiscs = 30;
 constexpr double kSmallestRadius = 3;
-constexpr double kSameRadius = 0.1;    ///< relative
-constexpr double kNearItsPlace = 0.5;  ///< of its radius: platforms circle by less than that
-constexpr double kLeastNear = 6;       ///< px
-constexpr double kMoves = 0.5;         ///< px: noise and the search move a disc at rest by less
+constexpr double kSameRadius = 0.1;  ///< relative
+constexpr double kNearItsPlace =
+    1;  ///< of its radius: no other disc can be so near, and platforms circle by less
+constexpr double kLeastNear = 10;  ///< px
+constexpr double kMoves = 0.5;     ///< px: noise and the search move a disc at rest by less
 
 DiscSearch all_discs() {
   DiscSearch search;

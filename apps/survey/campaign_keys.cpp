@@ -1,9 +1,11 @@
-#include "apps/files/campaign_keys.h"
+#include "apps/survey/campaign_keys.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+
+#include "apps/files/campaign.h"
 
 namespace tribotrack::apps {
 

@@ -5,9 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
-
-#include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
 
@@ -24,12 +21,10 @@ struct CampaignKey {
   std::string_view with{};   ///< another key of the section without which it is refused
 };
 
-/// In the order of a campaign.
+/// In the order of a campaign. They must be all that the reader asks for (keys_asked_of_campaign): a test
+/// compares them.
 std::span<const CampaignSection> campaign_sections();
 std::span<const CampaignKey> campaign_keys();
-
-/// What the reader itself asks a campaign for: the above must be all of it (a test compares them).
-std::vector<AskedKey> keys_asked_of_campaign();
 
 /// `help campaign`: all sections, keys, kinds of values and meanings.
 std::string campaign_reference();

@@ -1,0 +1,137 @@
+// `probe` with a picture and a page, and `init --from`, on rendered recordings.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/chromium.h"
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+std::string scene(const std::string& more = "") {
+  return "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"\n"
+         "[friction]\nmu1 = 0.1\nmu2 = 0.0125\nlag_rad = 0.2\nphi_rad = 0\ndtau_rad = \"pi/3\"\n"
+         "[video]\nwidth = 180\nheight = 160\nframe_rate_hz = 250\nexposure_s = 0.4e-3\nframes = 60\n"
+         "[camera]\nmm_per_px = 0.15\n[disc]\ndiameter_mm = 6\n"
+         "[marker]\nposition_px = [30, 30]\nradius_px = 9\n" +
+         more;
+}
+
+class Look : public ProgramTest {
+ protected:
+  void film(const std::string& name, const std::string& more = "") {
+    put(in_folder("scene.toml"), scene(more));
+    const Outcome outcome = run("synth scene.toml -q -o " + name);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+};
+
+TEST_F(Look, ProbeWritesPicturePageAndTheLinesToPaste) {
+  film("a.cine", "[lamp]\nposition_px = [150, 20]\nradius_px = 5\n");
+  const Outcome outcome = run("probe a.cine --picture first.png --page first.html");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("disc 1: the part"), HasSubstr("a mark on the platform"),
+                                 HasSubstr("[camera]\n"), HasSubstr("disc_px = ["),
+                                 HasSubstr("marker_px = ["), HasSubstr("gate_px = [150")));
+  EXPECT_EQ(content_of(in_folder("first.png")).substr(1, 3), "PNG");
+  EXPECT_THAT(content_of(in_folder("first.html")), Not(HasSubstr("http://"))) << "the page asks nobody";
+}
+
+TEST_F(Look, TheSurveyStandsInTheJson) {
+  film("a.cine");
+  const Json json = Json::parse(run("probe a.cine --json --picture first.png").out);
+  const Json& discs = json.at("survey").at("discs");
+  ASSERT_GE(discs.size(), 2U);
+  EXPECT_EQ(discs[0].at("role"), "part");
+  EXPECT_NEAR(discs[0].at("circle_px")[2].get<double>(), 20, 0.5);
+  EXPECT_EQ(discs[1].at("role"), "mark");
+  EXPECT_FALSE(Json::parse(run("probe a.cine --json").out).contains("survey"))
+      << "only where it is asked for";
+}
+
+TEST_F(Look, ThePictureNeverReplacesTheRecording) {
+  film("a.avi");
+  const std::string before = content_of(in_folder("a.avi"));
+  expect_refused(run("probe a.avi --picture a.avi"), 3, {"a.avi", "input"});
+  expect_refused(run("probe a.avi --page page.mp4"), 3, {"page.mp4"});
+  EXPECT_EQ(content_of(in_folder("a.avi")), before);
+}
+
+TEST_F(Look, ThePageWorksInABrowser) {
+  const auto browser = test::chromium();
+  if (!browser) GTEST_SKIP() << "no Chromium";
+  film("a.cine");
+  ASSERT_EQ(run("probe a.cine --page first.html").exit_code, 0);
+  const std::string dom =
+      test::output_of(*browser +
+                      " --headless --no-sandbox --disable-gpu --virtual-time-budget=8000 --dump-dom "
+                      "'file://" +
+                      in_folder("first.html").string() + "' 2>/dev/null");
+  EXPECT_THAT(dom, HasSubstr("data-errors=\"0\""));
+  EXPECT_THAT(dom, HasSubstr("disc_px = [")) << "the script has written the lines";
+  EXPECT_THAT(dom, HasSubstr("marker_px = ["));
+}
+
+TEST_F(Look, InitFromAFolderIsACampaignThatRuns) {
+  std::filesystem::create_directory(in_folder("recordings"));
+  film("recordings/phi000_dtau060.cine");
+  film("recordings/phi090_dtau060.cine");
+  put(in_folder("recordings/notes.txt"), "not a recording");
+  const Outcome made = run("init lab --from recordings --disc-diameter-mm 6");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::string campaign = content_of(in_folder("lab/campaign.toml"));
+  EXPECT_THAT(campaign, AllOf(HasSubstr("video = \"../recordings/phi090_dtau060.cine\""),
+                              HasSubstr("phi_rad = \"90deg\""), HasSubstr("dtau_rad = \"60deg\""),
+                              HasSubstr("marker_px = ["), HasSubstr("# guess")));
+  const Outcome plan = run("run lab/campaign.toml -o out --dry-run");
+  EXPECT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_THAT(plan.out,
+              AllOf(HasSubstr("phi000_dtau060"), HasSubstr("phi090_dtau060"), Not(HasSubstr("cannot"))));
+}
+
+TEST_F(Look, WhatIsNotKnownIsLeftToFillInAndSaid) {
+  std::filesystem::create_directory(in_folder("recordings"));
+  film("recordings/one.avi");
+  put(in_folder("recordings/torn.cine"), "CI");
+  const Outcome made = run("init lab --from recordings");
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err,
+              AllOf(HasSubstr("left out"), HasSubstr("torn.cine"), HasSubstr("to fill in: diameter_mm"),
+                    HasSubstr("phi_rad and dtau_rad of one")));
+  EXPECT_THAT(content_of(in_folder("lab/campaign.toml")),
+              AllOf(HasSubstr("# LEFT OUT"), HasSubstr("# TO FILL IN"), HasSubstr("# phi_rad = \"0deg\"")));
+}
+
+TEST_F(Look, AFolderWithoutRecordingsIsRefused) {
+  std::filesystem::create_directory(in_folder("empty"));
+  expect_refused(run("init lab --from empty"), 3, {"empty", "recording"});
+  expect_refused(run("init lab --from nowhere"), 3, {"nowhere"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("lab"))) << "nothing is left behind";
+}
+
+TEST_F(Look, FoldersOfPicturesAreRecordings) {
+  film("recordings_phi045_dtau060_%04d.png");
+  std::filesystem::create_directories(in_folder("all/phi045_dtau060"));
+  for (const auto& entry : std::filesystem::directory_iterator(in_folder("")))
+    if (entry.path().extension() == ".png")
+      std::filesystem::rename(entry.path(), in_folder("all/phi045_dtau060") / entry.path().filename());
+  const Outcome made = run("init lab --from all --disc-diameter-mm 6 --fps 250");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(content_of(in_folder("lab/campaign.toml")),
+              AllOf(HasSubstr("video = \"../all/phi045_dtau060\""), HasSubstr("frame_rate_hz = 250")));
+}
+
+TEST_F(Look, HelpCampaignExplainsTheKeys) {
+  const Outcome outcome = run("help campaign");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("[platform]"), HasSubstr("[[run]]"), HasSubstr("marker_px")));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
