@@ -45,6 +45,9 @@ struct FitOptions {
   void validate() const;
 };
 
+/// What finds the minimum: "Ceres 2.1.0".
+const char* solver();
+
 /// Fits. Throws DataError, model::InvalidParameter (a run that has no motion) or std::invalid_argument (an
 /// option). A fit that is not identifiable returns (usable() == false) with what can be determined.
 FitResult estimate(const Problem& problem, const FitOptions& options = {});

@@ -9,12 +9,12 @@
 #include "apps/bench/page/page.h"
 #include "apps/bench/peers/library_peers.h"
 #include "apps/commands/command.h"
-#include "apps/commands/wrong_usage.h"
 #include "apps/figures/printed.h"
 #include "apps/files/meta_file.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/progress.h"
 #include "apps/text/output_file.h"
+#include "apps/usage/wrong_usage.h"
 
 namespace tribotrack::apps {
 

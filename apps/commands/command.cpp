@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/wrong_usage.h"
-#include "apps/survey/campaign_keys.h"
+#include "apps/doctor/version.h"
 #include "apps/program/streams.h"
+#include "apps/survey/campaign_keys.h"
 #include "apps/text/angle.h"
+#include "apps/usage/command_line.h"
+#include "apps/usage/wrong_usage.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
@@ -53,7 +55,7 @@ void add_options_of_all(CLI::App& command, Context& context) {
       .add_option("--threads", context.threads,
                   "Threads to use, for one recording too (default: all this process may use)")
       ->check(whole_number(1, 4096));
-  command.set_version_flag("--version,-V", "tribotrack " TRIBOTRACK_VERSION);
+  command.set_version_flag("--version,-V", version_text, "Version, commit and libraries");
 }
 
 void add_commands(CLI::App& app, Context& context) {
@@ -72,6 +74,8 @@ void add_commands(CLI::App& app, Context& context) {
   add_bench(app, context);
   add_bench_peer(app);
   add_init(app, context);
+  add_doctor(app, context);
+  add_completion(app, context);
 }
 
 }  // namespace
@@ -120,6 +124,7 @@ int run_program(int argc, const char* const* argv) {
   CLI::App app{
       "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters",
       "tribotrack"};
+  app.formatter(std::make_shared<FoldedHelp>(width_of_terminal()));
   app.require_subcommand(1);
   app.footer(
       "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "

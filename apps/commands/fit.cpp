@@ -8,12 +8,12 @@
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
-#include "apps/commands/wrong_usage.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/job.h"
 #include "apps/text/output_file.h"
+#include "apps/usage/wrong_usage.h"
 
 namespace tribotrack::apps {
 

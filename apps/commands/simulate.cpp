@@ -61,10 +61,20 @@ std::string help_for(const std::string& name) {
   if (name == "dtau_rad") return "Width dtau of the pulse, 0 .. 2pi";
   if (name == "lag_rad") return "Phase lag of the actuator, added to phi";
   if (name == "gravity_m_s2") return "Gravity g";
-  if (name == "tilt_x_rad" || name == "tilt_y_rad") return "Tilt of the platform towards +x or +y";
+  if (name == "tilt_x_rad") return "Slope of the platform towards +x (right)";
+  if (name == "tilt_y_rad") return "Slope of the platform towards +y (up)";
   if (name == "cycles") return "Platform cycles to simulate";
   if (name == "start_phase_rad") return "Platform phase wt at the start";
   return "Initial velocity relative to the platform (start = rest)";
+}
+
+/// " (default 0.28)": what holds without a scenario, the paper's conditions.
+std::string default_of(const std::string& name) {
+  if (name == "epsilon_rad") return " (default pi/2)";
+  const Json conditions = json_of(model::Scenario());
+  return conditions.contains(name) && name != "amplitude_y_mm"
+             ? fmt::format(" (default {})", conditions[name].dump())
+             : "";
 }
 
 std::string flag_of(std::string name) {
@@ -204,15 +214,21 @@ void simulate(const SimulateOptions& options, const Context& context) {
 void add_simulate(CLI::App& app, Context& context) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App& command = *app.add_subcommand("simulate", "Simulate one trajectory of the friction model");
-  command.add_option("SCENARIO", options->scenario,
-                     "Scenario file (TOML); flags below override it. Without one: the paper's conditions");
+  command.add_option(
+      "SCENARIO", options->scenario,
+      "Scenario file (TOML); the flags override it. Without one: the paper's platform (A, w, epsilon, g) and "
+      "the defaults below, in which friction is constant: mu2 and dtau make pulses");
   for (auto& [name, value] : options->values) {
     if (name.ends_with("_rad"))
-      add_angle(command, flag_of(name), value, help_for(name));
+      add_angle(command, flag_of(name), value, help_for(name) + default_of(name));
     else
-      add_number(command, flag_of(name), value, help_for(name));
+      add_number(command, flag_of(name), value, help_for(name) + default_of(name));
   }
-  command.add_option("--start", options->start, "rest, circling or steady")->type_name("WORD");
+  command
+      .add_option("--start", options->start,
+                  "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "
+                  "motion (default rest)")
+      ->type_name("rest|circling|steady");
   add_number(command, "--samples-per-cycle", options->samples_per_cycle,
              "Rows of the table per cycle (default 100)");
   command

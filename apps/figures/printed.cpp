@@ -23,11 +23,11 @@ namespace {
 constexpr const char* kScript = "figures.py";
 constexpr const char* kInterpreter = "/usr/bin/python3";  // Debian's, whose packages hold matplotlib
 
-/// Runs `script` with the figures' names; its standard error.
-std::string run_script(const fs::path& script, const std::vector<Figure>& figures, int& status) {
-  // Isolated: a json.py that lies in the folder is not what the script imports.
-  std::vector<std::string> words = {kInterpreter, "-I", "-B", script.string()};
-  for (const Figure& figure : figures) words.push_back(figure.id);
+/// Runs Debian's python3 with these arguments; what it says.
+std::string run_python(const std::vector<std::string>& given, int& status) {
+  // Isolated: a json.py that lies in the folder is not what a script imports.
+  std::vector<std::string> words = {kInterpreter, "-I", "-B"};
+  words.insert(words.end(), given.begin(), given.end());
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
@@ -58,6 +58,14 @@ std::string run_script(const fs::path& script, const std::vector<Figure>& figure
   return said;
 }
 
+bool ended_well(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+bool has_no_python(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == 127;
+}
+
 /// The last line that says something.
 std::string last_line(const std::string& text) {
   const auto end = text.find_last_not_of(" \n");
@@ -77,6 +85,13 @@ std::vector<fs::path> printed_files(const std::vector<Figure>& figures, const fs
   return files;
 }
 
+std::string why_not_printed() {
+  int status = 0;
+  const std::string said = run_python({"-c", "import matplotlib"}, status);
+  if (ended_well(status)) return "";
+  return has_no_python(status) ? fmt::format("there is no {}", kInterpreter) : last_line(said);
+}
+
 void print_figures(const std::vector<Figure>& figures, const fs::path& folder, std::string_view script) {
   create_folder(folder);
   write_file(folder / kScript, script);
@@ -86,13 +101,13 @@ void print_figures(const std::vector<Figure>& figures, const fs::path& folder, s
   }
   if (figures.empty()) return;
   int status = 0;
-  const std::string said = run_script(folder / kScript, figures, status);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-  const bool missing = (WIFEXITED(status) && WEXITSTATUS(status) == 127) ||
-                       said.find("ModuleNotFoundError") != std::string::npos;
-  const std::string reason = WIFEXITED(status) && WEXITSTATUS(status) == 127
-                                 ? fmt::format("there is no {}", kInterpreter)
-                                 : last_line(said);
+  std::vector<std::string> words = {(folder / kScript).string()};
+  for (const Figure& figure : figures) words.push_back(figure.id);
+  const std::string said = run_python(words, status);
+  if (ended_well(status)) return;
+  const bool missing = has_no_python(status) || said.find("ModuleNotFoundError") != std::string::npos;
+  const std::string reason =
+      has_no_python(status) ? fmt::format("there is no {}", kInterpreter) : last_line(said);
   throw InvalidInput(
       fmt::format("{}: the figures were not drawn: {}; {} (numbers and script are there)", folder.string(),
                   reason.empty() ? "the plotting program failed" : reason,

@@ -16,6 +16,9 @@ namespace tribotrack::apps {
 std::vector<std::filesystem::path> printed_files(const std::vector<Figure>& figures,
                                                  const std::filesystem::path& folder);
 
+/// Why no figure could be drawn for print; empty where one can.
+std::string why_not_printed();
+
 /// Writes numbers and script, and runs the script. Throws InvalidInput with what to install where there is no
 /// python3 with matplotlib; the numbers and the script are then there all the same.
 void print_figures(const std::vector<Figure>& figures, const std::filesystem::path& folder,

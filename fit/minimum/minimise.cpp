@@ -7,8 +7,17 @@
 #include <limits>
 #include <memory>
 
+#include "fit/estimate.h"
 #include "fit/minimum/compress.h"
 #include "fit/tools/thresholds.h"
+
+namespace tribotrack::fit {
+
+const char* solver() {
+  return "Ceres " CERES_VERSION_STRING;
+}
+
+}  // namespace tribotrack::fit
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/commands/wrong_usage.h"
+#include "apps/usage/wrong_usage.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
