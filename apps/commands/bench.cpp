@@ -13,6 +13,7 @@
 #include "apps/files/meta_file.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
 
@@ -31,6 +32,7 @@ struct BenchOptions {
   std::vector<double> diameters;
   std::string keep;
   std::string figures;
+  bool json = false;
 };
 
 /// Carries out a benchmark with its progress on the terminal.
@@ -137,13 +139,14 @@ class Bench {
     Json json = json_of(here_);
     json["results"] = counts_;
     write(folder_ / "bench.json", text_of(json));
+    if (options_.json) print_text(text_of(json));
     if (!options_.figures.empty()) print(bench::figures_of(tables));
   }
 
  private:
-  static void write(const fs::path& file, const std::string& text) {
+  void write(const fs::path& file, const std::string& text) const {
     write_file(file, text);
-    fmt::print("{}\n", file.string());
+    if (!options_.json) apps::print("{}\n", file.string());
   }
   void write_meta(const fs::path& result) const {
     MetaFile meta;
@@ -250,6 +253,7 @@ void add_bench(CLI::App& app, Context& context) {
                 "Few and short cases, seconds in all: a check that it works, not a measurement")
       ->excludes(frames)
       ->excludes(diameters);
+  command.add_flag("--json", options->json, "Print bench.json instead of the names of the files");
   add_common(
       command, context,
       "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to "

@@ -10,6 +10,7 @@
 #include "apps/program/streams.h"
 #include "apps/survey/campaign_keys.h"
 #include "apps/text/angle.h"
+#include "apps/text/output_file.h"
 #include "apps/usage/command_line.h"
 #include "apps/usage/wrong_usage.h"
 #include "fit/measurement.h"
@@ -134,6 +135,7 @@ int run_program(int argc, const char* const* argv) {
   add_options_of_all(app, context);
   add_commands(app, context);
   const std::vector<std::string> typed = arguments_of(argc, argv);
+  const LastWords stopped("stopped: nothing half-written is left");
   try {
     if (typed == std::vector<std::string>{"campaign", "--help"}) {
       print_text(campaign_reference());

@@ -7,6 +7,7 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/survey/campaign_draft.h"
+#include "apps/text/json.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
@@ -18,6 +19,7 @@ namespace {
 struct InitOptions {
   std::string folder, from;
   std::optional<double> diameter_mm, fps;
+  bool json = false;
 };
 
 CampaignDraft draft_for(const InitOptions& options, const Context& context) {
@@ -45,7 +47,13 @@ void init(const InitOptions& options, const Context& context) {
   const CampaignDraft draft = draft_for(options, context);
   create_folder(options.folder);
   write_file(file, toml_of(draft));
-  print("{}\n", file.string());
+  if (options.json)
+    print_text(text_of(Json{{"campaign", file.string()},
+                            {"runs", draft.runs.size()},
+                            {"to_fill_in", draft.missing},
+                            {"left_out", draft.left_out}}));
+  else
+    print("{}\n", file.string());
   for (const std::string& left_out : draft.left_out) complain(fmt::format("left out: {}", left_out));
   if (!options.from.empty())
     say(context.quiet, fmt::format("{} recordings; every guess is marked as one", draft.runs.size()));
@@ -72,6 +80,7 @@ void add_init(CLI::App& app, Context& context) {
   add_number(command, "--disc-diameter-mm", options->diameter_mm,
              "The part's diameter, which sets the scale");
   add_number(command, "--fps", options->fps, "Frame rate, where the recordings do not say it");
+  command.add_flag("--json", options->json, "Print what was found as one JSON object");
   add_common(command, context, "  tribotrack init my_campaign --from recordings --disc-diameter-mm 6");
   command.callback([options, &context] { init(*options, context); });
 }

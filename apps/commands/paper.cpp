@@ -10,6 +10,7 @@
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/paper/paper.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/content_hash.h"
 #include "apps/text/output_file.h"
 
@@ -39,7 +40,7 @@ Paper compute(const Context& context) {
   return paper_of(options);
 }
 
-void run_paper(const fs::path& folder, const std::string& figures, const Context& context) {
+void run_paper(const fs::path& folder, const std::string& figures, bool json, const Context& context) {
   create_folder(folder);
   const fs::path page = folder / "paper.html", claims = folder / "claims.csv";
   std::vector<Output> outputs = {{page}, {claims}};
@@ -55,6 +56,12 @@ void run_paper(const fs::path& folder, const std::string& figures, const Context
   write_result(page, page_of(paper), meta);
   say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),
                                  paper.claims.size(), verdicts_text(paper.claims)));
+  if (json) {
+    Json list = Json::array();
+    for (const auto& claim : paper.claims)
+      list.push_back({{"claim", claim.name}, {"verdict", to_string(claim.verdict)}});
+    print_text(text_of(Json{{"page", page.string()}, {"claims", list}}));
+  }
   if (figures.empty()) return;
   std::vector<Output> files;
   for (const auto& file : printed_files(paper.figures, figures)) files.push_back({file});
@@ -82,8 +89,10 @@ void add_paper(CLI::App& app, Context& context) {
                   "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
                   "python3-matplotlib), with their numbers as CSV and the script that drew them")
       ->type_name("DIR");
+  auto json = std::make_shared<bool>(false);
+  command.add_flag("--json", *json, "Print claims and verdicts as one JSON object");
   add_common(command, context, "  tribotrack paper -o paper");
-  command.callback([output, figures, &context] { run_paper(*output, *figures, context); });
+  command.callback([output, figures, json, &context] { run_paper(*output, *figures, *json, context); });
 }
 
 }  // namespace tribotrack::apps

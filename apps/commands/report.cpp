@@ -7,6 +7,7 @@
 #include "apps/figures/printed.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/report/report.h"
 #include "apps/text/output_file.h"
 
@@ -16,6 +17,7 @@ void add_report(CLI::App& app, Context& context) {
   auto folder = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
   auto figures = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
   CLI::App& command =
       *app.add_subcommand("report", "One self-contained HTML page from the folder of a `run`");
   command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
@@ -27,9 +29,10 @@ void add_report(CLI::App& app, Context& context) {
                   "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
                   "python3-matplotlib), with their numbers as CSV and the script that drew them")
       ->type_name("DIR");
+  command.add_flag("--json", *json, "Print what was written as one JSON object");
   add_common(command, context,
              "  tribotrack report out -o report.html\n  tribotrack report out --figures figures");
-  command.callback([folder, output, figures, &context] {
+  command.callback([folder, output, figures, json, &context] {
     const RunFolder run_folder{*folder};
     if (output->empty() && figures->empty())
       throw CLI::RequiredError("--output report.html, or --figures DIR,");
@@ -45,13 +48,21 @@ void add_report(CLI::App& app, Context& context) {
       write_file(*output, report.page);
       say(context.quiet, *output + ": written");
     }
-    if (figures->empty()) return;
-    std::vector<Output> files;
-    create_folder(*figures);
-    for (const auto& file : printed_files(report.figures, *figures)) files.push_back({file});
-    require_writable(files, run_folder.files_of_report());
-    print_figures(report.figures, *figures, embedded_assets().figures_py);
-    say(context.quiet, fmt::format("{}: {} figures written", *figures, report.figures.size()));
+    if (!figures->empty()) {
+      std::vector<Output> files;
+      create_folder(*figures);
+      for (const auto& file : printed_files(report.figures, *figures)) files.push_back({file});
+      require_writable(files, run_folder.files_of_report());
+      print_figures(report.figures, *figures, embedded_assets().figures_py);
+      say(context.quiet, fmt::format("{}: {} figures written", *figures, report.figures.size()));
+    }
+    if (!*json) return;
+    Json ids = Json::array();
+    for (const Figure& figure : report.figures) ids.push_back(figure.id);
+    print_text(text_of(Json{{"page", output->empty() ? Json() : Json(*output)},
+                            {"figures_folder", figures->empty() ? Json() : Json(*figures)},
+                            {"figures", ids},
+                            {"missing", report.missing}}));
   });
 }
 

@@ -73,7 +73,7 @@ std::string default_of(const std::string& name) {
   if (name == "epsilon_rad") return " (default pi/2)";
   const Json conditions = json_of(model::Scenario());
   return conditions.contains(name) && name != "amplitude_y_mm"
-             ? fmt::format(" (default {})", conditions[name].dump())
+             ? fmt::format(" (default {:.10g})", conditions[name].get<double>())
              : "";
 }
 

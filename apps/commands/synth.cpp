@@ -140,7 +140,7 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
 
 struct SynthOptions {
   std::string scene, output, extension = "cine";
-  bool overwrite = false;
+  bool overwrite = false, json = false;
 };
 
 constexpr std::array<const char*, 8> kExtensions = {".cine", ".mkv", ".avi", ".mp4",
@@ -200,6 +200,12 @@ void synth(const SynthOptions& options, const Context& context) {
            [&](long total) { progress.update(++frames, total * static_cast<long>(shots.size())); });
     write_meta(shot);
   });
+  if (options.json) {
+    Json recordings = Json::array();
+    for (const fs::path& video : videos)
+      recordings.push_back({{"video", video.string()}, {"truth", video.string() + ".truth.csv"}});
+    print_text(text_of(Json{{"recordings", recordings}, {"frames", frames.load()}}));
+  }
   say(context.quiet, many ? fmt::format("{}: {} recordings", options.output, shots.size())
                           : fmt::format("{}: {} frames", options.output, frames.load()));
 }
@@ -224,6 +230,7 @@ void add_synth(CLI::App& app, Context& context) {
       .add_option("--extension", options->extension,
                   "With [[shot]] entries: the recordings' file type (default cine)")
       ->type_name("EXT");
+  command.add_flag("--json", options->json, "Print what was written as one JSON object");
   command.add_flag("--overwrite", options->overwrite, "Replace recordings of these names");
   add_common(command, context, "  tribotrack synth data/example/scene.toml -o recordings");
   command.callback([options, &context] { synth(*options, context); });

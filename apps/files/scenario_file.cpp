@@ -149,7 +149,9 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     friction.reduced = mu2.value_or(friction.reduced);
     friction.phase = table->angle("phi_rad").value_or(friction.phase);
     friction.pulse_width = table->angle("dtau_rad").value_or(friction.pulse_width);
-    friction.lag = table->angle("lag_rad").value_or(friction.lag);
+    const auto lag = table->angle("lag_rad"), phase_lag = table->angle("phase_lag_rad");
+    if (lag && phase_lag) table->fail("phase_lag_rad", "and `lag_rad` mean the same; give one of them");
+    friction.lag = lag ? *lag : phase_lag.value_or(friction.lag);
     table->finish();
   }
   if (auto table = top.table("run")) {
@@ -181,8 +183,15 @@ std::vector<std::string> scenario_parameter_names() {
   return names;
 }
 
+std::string scenario_name_of(const std::string& campaign_name) {
+  if (campaign_name == "angular_frequency_rad_s") return "omega_rad_s";
+  if (campaign_name == "phase_shift_rad") return "epsilon_rad";
+  if (campaign_name == "phase_lag_rad") return "lag_rad";
+  return campaign_name;
+}
+
 void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value) {
-  const auto found = setters().find(name);
+  const auto found = setters().find(scenario_name_of(name));
   if (found == setters().end()) {
     const std::string near = nearest_word(name, scenario_parameter_names());
     throw UsageError(fmt::format("\"{}\" is not a parameter of a scenario{}; known: {}", name,

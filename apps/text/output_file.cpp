@@ -18,6 +18,7 @@
 #include <set>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
@@ -58,9 +59,10 @@ class TemporaryNames {
     const std::lock_guard lock(mutex_);
     names_.erase(name);
   }
-  void set_last_words(const std::string& text) {
+  /// Returns those before.
+  std::string set_last_words(const std::string& text) {
     const std::lock_guard lock(mutex_);
-    last_words_ = text;
+    return std::exchange(last_words_, text);
   }
   /// Returns what is to be said then.
   std::string remove_all() {
@@ -245,12 +247,11 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
-LastWords::LastWords(const std::string& text) {
-  TemporaryNames::of_this_process().set_last_words(text);
-}
+LastWords::LastWords(const std::string& text)
+    : before_(TemporaryNames::of_this_process().set_last_words(text)) {}
 
 LastWords::~LastWords() {
-  TemporaryNames::of_this_process().set_last_words("");
+  TemporaryNames::of_this_process().set_last_words(before_);
 }
 
 namespace {

@@ -76,6 +76,9 @@ class LastWords {
   ~LastWords();
   LastWords(const LastWords&) = delete;
   LastWords& operator=(const LastWords&) = delete;
+
+ private:
+  std::string before_;  ///< said again when this object is gone
 };
 
 /// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends,

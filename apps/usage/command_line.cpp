@@ -117,7 +117,7 @@ std::string FoldedHelp::make_subcommand(const CLI::App* command) const {
 
 std::string FoldedHelp::make_footer(const CLI::App* app) const {
   const std::string footer = app->get_footer();
-  return footer.empty() ? "" : "\n" + folded_lines(footer, width_) + "\n";
+  return footer.empty() ? "" : folded_lines(footer, width_) + "\n";
 }
 
 std::string FoldedHelp::make_description(const CLI::App* app) const {
