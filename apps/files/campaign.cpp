@@ -383,7 +383,9 @@ Campaign read_campaign(const fs::path& file, Runs runs) {
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)
     throw InvalidInput(
-        fmt::format("{}: has no [[run]]; add one for each recording (see `tribotrack init`)", file.string()));
+        fmt::format("{}: has no [[run]]; add one for each recording, or have them written by `tribotrack "
+                    "init DIR --from RECORDINGS`",
+                    file.string()));
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
