@@ -18,3 +18,5 @@ cmake --build consumer/build >/dev/null
 ./consumer/build/consumer | tee said
 # The end point that the model is known to reach.
 grep -q '^5.470210819 -10.983961947 mm$' said
+for page in man1/tribotrack.1 man1/tribotrack-run.1 man5/tribotrack-campaign.5; do test -s "prefix/share/man/$page"; done
+test -s prefix/share/bash-completion/completions/tribotrack
