@@ -38,14 +38,10 @@ SCENE
 }
 {
   scene 6
-  for phi in 000 045 090 135 180 225 270 315; do
-    for dtau in 060 090 120 150; do
-      echo "[[shot]]
-name = \"phi${phi}_dtau${dtau}\"
-phi_rad = \"$((10#$phi))deg\"
-dtau_rad = \"$((10#$dtau))deg\""
-    done
-  done | head -n $((4 * 29))
+  for k in $(seq 0 28); do
+    phi=$((k / 4 * 45)) dtau=$((60 + k % 4 * 30))
+    printf '[[shot]]\nname = "phi%03d_dtau%03d"\nphi_rad = "%ddeg"\ndtau_rad = "%ddeg"\n' $phi $dtau $phi $dtau
+  done
 } >scene.toml
 { scene 4; printf '[[shot]]\nname = "phi315_dtau180"\nphi_rad = "315deg"\ndtau_rad = "180deg"\n'; } >other.toml
 "$binary" synth scene.toml -o filmed -q
