@@ -118,6 +118,11 @@ class Bench {
     bench::FitResults found;
     found.rows = measured("bench fit", options, context_, bench::bench_fit);
     found.covered = measured("bench fit, coverage", campaigns, context_, bench::coverage);
+    bench::FilmingOptions filming;
+    filming.threads = campaigns.threads;
+    if (options_.quick) filming.campaigns = 2;
+    if (options_.campaigns) filming.campaigns = std::min(filming.campaigns, *options_.campaigns);
+    found.filmed = measured("bench fit, filming", filming, context_, bench::filming);
     found.campaigns = campaigns.campaigns;
     found.seed = campaigns.seed;
     counts_["fit"] = {{"rows", found.rows.size()},

@@ -152,6 +152,23 @@ std::vector<Unknown> tilts() {
           {[](model::Scenario& s, double by) { s.drive.tilt_y += by; }, 1e-6}};
 }
 
+/// What whoever fits is told of the truth.
+model::Scenario without_friction(model::Scenario truth) {
+  truth.friction.nominal = truth.friction.reduced = 0.05;
+  truth.friction.lag = truth.drive.tilt_x = truth.drive.tilt_y = 0;
+  return truth;
+}
+
+SummaryRun run_of(const Filmed& filmed, model::Scenario given, int number, Dice& dice) {
+  SummaryRun run;
+  run.name = "run" + std::to_string(number);
+  given.friction.phase = filmed.truth.friction.phase;
+  given.friction.pulse_width = filmed.truth.friction.pulse_width;
+  run.scenario = given;
+  run.measured = filmed.measured(given.drive.angular_frequency, dice);
+  return run;
+}
+
 CoverageCampaign film(Design design, NoiseLevel level, const model::Scenario& truth, const Pulses& pulses,
                       Dice& dice) {
   const Noise noise = noise_of(level);
@@ -163,9 +180,7 @@ CoverageCampaign film(Design design, NoiseLevel level, const model::Scenario& tr
   const auto also = [&](const std::vector<Unknown>& more) {
     unknowns.insert(unknowns.end(), more.begin(), more.end());
   };
-  model::Scenario given = truth;
-  given.friction.nominal = given.friction.reduced = 0.05;
-  given.friction.lag = given.drive.tilt_x = given.drive.tilt_y = 0;
+  model::Scenario given = without_friction(truth);
   if (with_tilt(design)) {
     problem.free.insert(problem.free.end(), {FitParameter::tilt_x, FitParameter::tilt_y});
     campaign.truth.insert(campaign.truth.end(), {truth.drive.tilt_x, truth.drive.tilt_y});
@@ -188,13 +203,7 @@ CoverageCampaign film(Design design, NoiseLevel level, const model::Scenario& tr
     scenario.friction.pulse_width = dtau;
     filmed.emplace_back(scenario, noise);
     runs.push_back(scenario);
-    SummaryRun run;
-    run.name = "run" + std::to_string(runs.size());
-    run.scenario = given;
-    run.scenario.friction.phase = phi;
-    run.scenario.friction.pulse_width = dtau;
-    run.measured = filmed.back().measured(given.drive.angular_frequency, dice);
-    problem.summary_runs.push_back(run);
+    problem.summary_runs.push_back(run_of(filmed.back(), given, static_cast<int>(runs.size()), dice));
   }
   campaign.bound = cramer_rao(runs, unknowns, reported, [&](std::size_t k, const model::Scenario& scenario) {
     return filmed[k].whitened(mean_velocity(scenario));
@@ -260,6 +269,18 @@ CoverageCampaign draw_random_runs(int runs, NoiseLevel level, std::uint64_t seed
     const model::Scenario truth = draw_truth(Design::five_runs, dice);
     return film(Design::five_runs, level, truth, random_pulses(runs, dice), dice);
   });
+}
+
+SimulatedLab::SimulatedLab(NoiseLevel level, std::uint64_t seed, int index)
+    : level_(level),
+      dice_(seed, 1000 + static_cast<std::uint32_t>(level), index),
+      truth_(draw_truth(Design::both_sweeps, dice_)) {}
+
+SummaryRun SimulatedLab::film(double phi, double dtau) {
+  model::Scenario scenario = truth_;
+  scenario.friction.phase = phi;
+  scenario.friction.pulse_width = dtau;
+  return run_of(Filmed(scenario, noise_of(level_)), without_friction(truth_), ++runs_, dice_);
 }
 
 }  // namespace tribotrack::bench

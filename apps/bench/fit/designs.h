@@ -79,6 +79,23 @@ class Dice {
   std::normal_distribution<double> normal_;
 };
 
+/// A laboratory whose truth is drawn like that of a campaign of both sweeps; it films one run after the
+/// other.
+class SimulatedLab {
+ public:
+  SimulatedLab(NoiseLevel level, std::uint64_t seed, int index);
+  /// The displacement of another run after 20 cycles from rest, with an error of its own. The run's scenario
+  /// holds nothing of the truth.
+  fit::SummaryRun film(double phi, double dtau);
+  double mu1() const { return truth_.friction.nominal; }
+
+ private:
+  NoiseLevel level_;
+  Dice dice_;
+  model::Scenario truth_;
+  int runs_ = 0;
+};
+
 /// The peer's integrator did not come to an end.
 struct PeerHangs {};
 

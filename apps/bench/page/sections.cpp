@@ -167,6 +167,14 @@ std::vector<PageSection> sections_of(const BenchResults& results, const std::vec
   if (const auto& fit = results.fit) {
     sections.push_back(fit_section(*fit, table_named(tables, "bench_fit")));
     sections.push_back(coverage_section(*fit, table_named(tables, "bench_fit_coverage")));
+    sections.push_back(
+        {"filming", "Which run to film next",
+         paragraph(
+             "How many runs are filmed until half the 95 % interval of μ₁ is 1 % of it: chosen one by one as "
+             "<code>watch</code> suggests, against the source paper’s design (8 values of φ at one Δτ, 6 of "
+             "Δτ at one "
+             "φ, then again). Both film the same simulated parts.") +
+             table_named(tables, "bench_fit_filming").html});
   }
   return sections;
 }

@@ -82,4 +82,24 @@ BenchTable table_of(const std::vector<CoverageRow>& rows) {
           {coverage_figure(rows)}};
 }
 
+BenchTable table_of(const std::vector<FilmingRow>& rows) {
+  using Row = FilmingRow;
+  const Columns<Row> columns{
+      {"choice", [](const Row& r) { return std::string(to_string(r.choice)); },
+       "runs until mu1 is known to 1 %", "<32"},
+      {"noise", [](const Row& r) { return to_string(r.level); }, "noise", "<5"},
+      {"campaigns", &Row::campaigns, "campaigns", ">9"},
+      {"reached", &Row::reached, "reached", ">7"},
+      {"interval_holds", &Row::holds, "interval holds", ">14"},
+      {"runs_lower_quartile", &Row::runs_low, "25 %", ">5", "{:.0f}"},
+      {"runs_median", &Row::runs_median, "median", ">6", "{:.0f}"},
+      {"runs_upper_quartile", &Row::runs_high, "75 %", ">5", "{:.0f}"},
+  };
+  return {"bench_fit_filming",
+          columns.csv(rows),
+          fmt::format("\n{}", columns.lines(rows)),
+          columns.html("bench_fit_filming", rows),
+          {}};
+}
+
 }  // namespace tribotrack::bench

@@ -21,6 +21,7 @@ std::vector<BenchTable> tables_of(const BenchResults& results, const std::vector
   if (const auto& fit = results.fit) {
     tables.push_back(table_of(fit->rows));
     tables.push_back(table_of(fit->covered));
+    tables.push_back(table_of(fit->filmed));
   }
   return tables;
 }

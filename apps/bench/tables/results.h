@@ -27,6 +27,7 @@ struct VisionResults {
 struct FitResults {
   std::vector<FitBenchRow> rows;
   std::vector<CoverageRow> covered;
+  std::vector<FilmingRow> filmed;
   int campaigns = 0;  ///< of each design and level
   std::uint64_t seed = 0;
 };

@@ -8,6 +8,7 @@
 #include "apps/bench/claims/claims.h"
 #include "apps/bench/fit/bench.h"
 #include "apps/bench/fit/coverage.h"
+#include "apps/bench/fit/filming.h"
 #include "apps/bench/model/batch.h"
 #include "apps/bench/model/bench.h"
 #include "apps/bench/model/plan.h"
@@ -39,5 +40,6 @@ BenchTable table_of(const std::vector<VisionDecodingRow>& rows);
 BenchTable table_of(const std::vector<WholeCommandRow>& rows);
 BenchTable table_of(const std::vector<FitBenchRow>& rows);
 BenchTable table_of(const std::vector<CoverageRow>& rows);
+BenchTable table_of(const std::vector<FilmingRow>& rows);
 
 }  // namespace tribotrack::bench

@@ -1,0 +1,37 @@
+#include "apps/bench/fit/filming.h"
+
+#include <gtest/gtest.h>
+
+namespace tribotrack::bench {
+namespace {
+
+TEST(Filming, TheSameLabFilmsTheSameRuns) {
+  SimulatedLab one(NoiseLevel::low, 7, 3), same(NoiseLevel::low, 7, 3), other(NoiseLevel::low, 7, 4);
+  EXPECT_EQ(one.mu1(), same.mu1());
+  EXPECT_NE(one.mu1(), other.mu1());
+  for (const double phi : {0.0, 1.0}) {
+    const fit::SummaryRun a = one.film(phi, 1), b = same.film(phi, 1);
+    EXPECT_EQ(a.measured.vector, b.measured.vector);
+    EXPECT_EQ(a.scenario.friction.phase, phi);
+    EXPECT_NE(a.scenario.friction.nominal, one.mu1()) << "whoever fits is not told";
+  }
+}
+
+TEST(Filming, ACoarseGoalIsReachedSoonAndQuartilesAreInOrder) {
+  FilmingOptions options;
+  options.campaigns = 3;
+  options.goal = 0.2;
+  options.levels = {NoiseLevel::low};
+  const auto rows = filming(options);
+  ASSERT_EQ(rows.size(), 2U);
+  for (const FilmingRow& row : rows) {
+    EXPECT_EQ(row.campaigns, 3);
+    EXPECT_EQ(row.reached, 3);
+    EXPECT_GE(row.runs_low, 2) << "one run cannot tell three parameters";
+    EXPECT_LE(row.runs_low, row.runs_median);
+    EXPECT_LE(row.runs_median, row.runs_high);
+  }
+}
+
+}  // namespace
+}  // namespace tribotrack::bench
