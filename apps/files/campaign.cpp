@@ -357,13 +357,13 @@ void note_gravity(Campaign& campaign) {
 
 }  // namespace
 
-Campaign read_campaign(const fs::path& file) {
-  const std::string text = read_text(file);
-  StrictTable top = parse_campaign(text, file);
+namespace {
+
+Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input) {
   require_kind(top, TomlKind::campaign, file.string());
   Campaign campaign;
   campaign.file = file;
-  campaign.input = hashed_input(file, text);
+  campaign.input = input;
   campaign.title = top.text("title").value_or("");
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
   if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
@@ -382,6 +382,17 @@ Campaign read_campaign(const fs::path& file) {
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
+}
+
+}  // namespace
+
+Campaign read_campaign(const fs::path& file) {
+  const std::string text = read_text(file);
+  return campaign_in(parse_campaign(text, file), file, hashed_input(file, text));
+}
+
+Campaign campaign_of(const Json& object, const std::string& name) {
+  return campaign_in(StrictTable::of(object, name), name, hashed_input(name, object.dump()));
 }
 
 std::vector<fs::path> Campaign::input_files() const {

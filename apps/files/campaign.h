@@ -85,6 +85,10 @@ std::filesystem::path campaign_file(const std::filesystem::path& given);
 
 Campaign read_campaign(const std::filesystem::path& file);
 
+/// The same from a JSON object of the file's structure; `name` stands in messages. Paths are relative to the
+/// working folder.
+Campaign campaign_of(const Json& object, const std::string& name);
+
 /// The names of fit parameters in campaigns, and back.
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
 

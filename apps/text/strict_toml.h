@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/text/json.h"
+
 namespace tribotrack::apps {
 
 /// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses the keys
@@ -20,6 +22,9 @@ class StrictTable {
   static StrictTable read(const std::filesystem::path& file);
   /// Parses a text; `name` stands in error messages.
   static StrictTable parse(std::string_view text, const std::string& name);
+  /// Of a JSON object that stands in place of a file: errors name, for want of lines, the list's entry, as in
+  /// "NAME, run 3". Throws InvalidInput for what TOML cannot say (null, deep nesting).
+  static StrictTable of(const Json& object, const std::string& name);
 
   std::optional<double> number(std::string_view key);
   std::optional<double> positive(std::string_view key);      ///< > 0
