@@ -20,3 +20,17 @@ cmake --build consumer/build >/dev/null
 grep -q '^5.470210819 -10.983961947 mm$' said
 for page in man1/tribotrack.1 man1/tribotrack-run.1 man5/tribotrack-campaign.5; do test -s "prefix/share/man/$page"; done
 test -s prefix/share/bash-completion/completions/tribotrack
+
+# Where the Python module is built, it is found in the prefix, for the Python it was built for.
+python=$(sed -n 's/^Python3_EXECUTABLE:[A-Z]*=//p' "$build/CMakeCache.txt")
+module=$(find prefix -path '*dist-packages/tribotrack/__init__.py')
+if [ -n "$module" ]; then
+  PYTHONPATH=$work/$(dirname "$(dirname "$module")") "$python" -B -c '
+import tribotrack
+assert tribotrack.__file__.startswith("'"$work"'"), tribotrack.__file__
+print(tribotrack.__version__, tribotrack.simulate(cycles=1)["cycles"])' | tee said
+  grep -q "^$(./prefix/bin/tribotrack --version | cut -d" " -f2) 1.0$" said
+elif [ -e "$build/apps/python/tribotrack" ]; then
+  echo "the Python module is not installed"
+  exit 1
+fi

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# Runs every `tribotrack` command of the README's sh blocks, in order, in a folder of its own, and compares what it prints
-# with the block that follows: words exactly, numbers to 1 % of the value (other processors round otherwise), times
+# Runs every `tribotrack` command of the README's sh blocks, and its python blocks, in order, in a folder of its own, and
+# compares what they print with the block that follows: words exactly, numbers to 1 % of the value (other processors round otherwise), times
 # (numbers followed by " s", and the table "time of each stage") not at all. Inputs are the quickstart's recordings and data/.
-# Use: readme_test.sh BINARY SOURCE [--update]; --update writes what was printed into the README.
+# Use: readme_test.sh BINARY SOURCE PYTHON [--update]; --update writes what was printed into the README. PYTHON is the
+# interpreter of the module beside the binary, or empty where that was not built.
 set -euo pipefail
 binary=$(cd "$(dirname "${1:?binary}")" && pwd)
 source=${2:?source folder}
-update=${3:-}
+python=${3?interpreter}
+update=${4:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 ln -s "$source/data" "$work/data"
@@ -14,9 +16,9 @@ ln -s "$source/out" "$work/out"
 export PATH="$binary:$PATH"
 cd "$work"
 
-# The README in pieces: block N.sh, and N.out where a block of output follows directly.
+# The README in pieces: block N.sh or N.py, and N.out where a block of output follows directly.
 awk '
-  /^```sh$/ { n++; file = n ".sh"; printf "" > file; in_sh = 1; next }
+  /^```(sh|python)$/ { n++; file = n (/sh$/ ? ".sh" : ".py"); printf "" > file; in_sh = 1; next }
   /^```$/ && in_sh { in_sh = 0; expect = 1; next }
   /^```$/ && expect { file = n ".out"; printf "" > file; in_out = 1; expect = 0; next }
   /^```$/ && in_out { in_out = 0; next }
@@ -24,7 +26,7 @@ awk '
   NF { expect = 0 }
 ' "$source/README.md"
 
-blocks=$(ls ./*.sh | wc -l)
+blocks=$(ls ./*.sh ./*.py | wc -l)
 commands=$(cat ./*.sh | grep -c '^tribotrack ')
 test "$commands" -ge 8 || { echo "only $commands commands were found in the README"; exit 1; }
 
@@ -54,21 +56,29 @@ same() {  # expected, printed
 }
 
 failed=0
+compare() {  # block
+  if [ ! -f "$1.out" ] || [ -n "$update" ]; then return; fi
+  same "$1.out" "$1.printed" || { echo "block $1 differs from what README.md shows; refresh it with --update"; failed=1; }
+}
 for n in $(seq "$blocks"); do
+  if [ -f "$n.py" ]; then
+    [ -n "$python" ] || { echo "block $n is not run: the Python module is not built"; cp "$n.out" "$n.printed"; continue; }
+    PYTHONPATH=$binary/python "$python" -B "$n.py" </dev/null >"$n.printed" 2>&1 || { cat "$n.printed"; echo "block $n failed"; exit 1; }
+    compare "$n"
+    continue
+  fi
   grep '^tribotrack ' "$n.sh" >"$n.run" || true
   : >"$n.printed"
   while read -r line; do
     echo "\$ $line"
     bash -c "$line" </dev/null >>"$n.printed" 2>&1 || { cat "$n.printed"; echo "failed with exit code $?: $line"; exit 1; }
   done <"$n.run"
-  if [ -f "$n.out" ] && [ -z "$update" ]; then
-    same "$n.out" "$n.printed" || { echo "block $n differs from what README.md shows; refresh it with --update"; failed=1; }
-  fi
+  compare "$n"
 done
 
 if [ -n "$update" ]; then
   awk '
-    /^```sh$/ { n++; in_sh = 1 }
+    /^```(sh|python)$/ { n++; in_sh = 1 }
     /^```$/ && in_sh { in_sh = 0; expect = 1; print; next }
     /^```$/ && expect { print; while ((getline line < (n ".printed")) > 0) print line; skip = 1; expect = 0; next }
     /^```$/ && skip { skip = 0 }

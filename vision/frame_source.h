@@ -18,6 +18,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -141,6 +142,30 @@ class MemorySource : public FrameSource {
 
  private:
   std::vector<Picture> frames_;
+};
+
+/// Where the grey levels of a recording lie in memory: level (frame k, row y, column x) at first + k
+/// frame_stride + y row_stride + x level_stride. Strides count bytes and may be negative.
+struct FrameStack {
+  const void* first = nullptr;
+  int bytes_per_level = 1;  ///< 1 or 2, in the processor's byte order
+  std::int64_t frames = 0;
+  int width = 0, height = 0;
+  std::ptrdiff_t frame_stride = 0, row_stride = 0, level_stride = 0;
+};
+
+/// Frames that stay where they are, in the memory of a camera's library or a NumPy array: nothing is copied
+/// but the windows that are read. The memory must outlive the source, unchanged; frame 0 is at time 0.
+class StackSource : public FrameSource {
+ public:
+  /// Throws std::invalid_argument for an empty stack, levels of other sizes or more bits than these hold, and
+  /// a rate not above 0 Hz.
+  StackSource(const FrameStack& stack, double frame_rate_hz, int bits);
+  void read(std::int64_t index, const Rect& window, Picture& picture) override;
+  using FrameSource::read;
+
+ private:
+  FrameStack stack_;
 };
 
 struct SourceOptions {

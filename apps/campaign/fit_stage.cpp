@@ -89,8 +89,10 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
     const std::size_t index = order[static_cast<std::size_t>(k)];
     const CampaignRun& run = campaign.runs[index];
     try {
-      runs[index] =
-          work(index, [&](std::int64_t done, std::int64_t total) { progress.update(index, done, total); });
+      runs[index] = work(index, [&](std::int64_t done, std::int64_t total) {
+        progress.update(index, done, total);
+        context.tell("track " + run.name, done, total);
+      });
     } catch (const OutputError&) {
       throw;  // a full disk is no fault of this run
     } catch (const vision::OutputError&) {
@@ -116,8 +118,10 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   stage.shared = std::move(shared);
   options.threads = threads_to_use(context);
   StageProgress progress(context.quiet);
-  options.progress = [&progress](const char* name, std::size_t done, std::size_t total) {
-    progress.update(std::string("fit, ") + name, done, total);
+  options.progress = [&](const char* name, std::size_t done, std::size_t total) {
+    const std::string stage_name = std::string("fit, ") + name;
+    progress.update(stage_name, done, total);
+    context.tell(stage_name, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const fit::Problem problem = problem_of(campaign, runs, stage.shared.conditions);
   stage.result = fit::estimate(problem, options);
@@ -144,26 +148,38 @@ void write_fit(const std::filesystem::path& path, const FitStage& stage, const M
   write_result(path, text_of(stage.json), meta);
 }
 
+std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& stage,
+                                      const std::string& look_at) {
+  const fit::FitResult& result = stage.result;
+  std::vector<Reservation> found;
+  if (coder_exceeds_interval(result))
+    found.push_back(
+        {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
+  if (!result.usable())
+    found.push_back(
+        {kFitUnusable,
+         fmt::format(
+             "{}: the fit is not usable: {}", campaign.file.string(),
+             !result.converged ? "it did not converge; give first guesses in [fit.guess]"
+             : result.identifiability.verdict == fit::Verdict::not_identifiable
+                 ? "the data do not determine these parameters separately; see " + look_at
+                 : "the runs scatter about the model by more than a tenth of what they measure; see " +
+                       look_at),
+         remedies(result)});
+  return found;
+}
+
 void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, const std::string& look_at,
                 Context& context) {
-  const fit::FitResult& result = stage.result;
-  say(context.quiet, explain ? result.full_report() : result.brief_report());
+  say(context.quiet, explain ? stage.result.full_report() : stage.result.brief_report());
   if (explain) say(context.quiet, conditions_text(stage.shared.conditions.table));
   for (const Json& warning : stage.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
-  if (coder_exceeds_interval(result)) {
-    complain(fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)));
-    context.exit_code = kQualityGate;
+  for (const Reservation& reservation : reservations(campaign, stage, look_at)) {
+    complain(reservation.sentence);
+    for (const std::string& sentence : reservation.remedies) print_error("  " + sentence);
+    context.exit_code = reservation.exit_code;
   }
-  if (result.usable()) return;
-  complain(fmt::format(
-      "{}: the fit is not usable: {}", campaign.file.string(),
-      !result.converged ? "it did not converge; give first guesses in [fit.guess]"
-      : result.identifiability.verdict == fit::Verdict::not_identifiable
-          ? "the data do not determine these parameters separately; see " + look_at
-          : "the runs scatter about the model by more than a tenth of what they measure; see " + look_at));
-  for (const std::string& sentence : remedies(result)) print_error("  " + sentence);
-  context.exit_code = kFitUnusable;
 }
 
 }  // namespace tribotrack::apps

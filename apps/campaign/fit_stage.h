@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "apps/campaign/conditions.h"
@@ -48,8 +49,19 @@ MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& r
 /// Writes fit.json and its meta file.
 void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta);
 
-/// The fit's report and warnings on stderr, unless quiet; an unusable fit is explained in any case and sets
-/// the exit code. `look_at` names where the user finds more.
+/// What stands against using the fit as it is, with the exit code that says so.
+struct Reservation {
+  ExitCode exit_code = kDone;
+  std::string sentence;
+  std::vector<std::string> remedies;
+};
+
+/// The weightiest last; empty for a sound fit. `look_at` names where the user finds more.
+std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& stage,
+                                      const std::string& look_at);
+
+/// The fit's report and warnings on stderr, unless quiet; its reservations in any case, which set the exit
+/// code.
 void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, const std::string& look_at,
                 Context& context);
 

@@ -1,17 +1,14 @@
 // tribotrack fit: friction parameters from the runs of a campaign.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <utility>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
-#include "apps/program/progress.h"
+#include "apps/fitting/fit_campaign.h"
 #include "apps/program/streams.h"
-#include "apps/recording/job.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
 
@@ -21,27 +18,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kLosses = {"squares", "huber", "cauchy"};  ///< in the order of fit::Loss
-
 struct FitCommandOptions {
-  std::string campaign, output, tracks, loss = "squares";
+  std::string campaign, output, tracks;
   bool require_all = false, json = false, explain = false;
-  int allow_missing = 0;
-  fit::FitOptions fit;
+  FitChoices choices;
 };
-
-/// The track of a run: from the folder the user names, else made here.
-std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run,
-                                  const FitCommandOptions& options, const FramesDone& frames_done) {
-  if (!run.video) return std::nullopt;
-  if (!options.tracks.empty()) return read_track_file(RunFolder::track_in(options.tracks, run.name));
-  PreparedJob job = prepare(job_for(campaign, run));
-  job.job.track.progress = frames_done;
-  TrackFile track =
-      track_file_of(job, track_recording(job, fs::path(options.output).parent_path() / (run.name + ".csv")));
-  track.inputs = job.inputs;
-  return track;
-}
 
 /// Refuses to write over what is read, and into the folder of a `run` that is under way.
 void check_output(const Campaign& campaign, const FitCommandOptions& options) {
@@ -63,36 +44,15 @@ void check_output(const Campaign& campaign, const FitCommandOptions& options) {
         options.output, *writer));
 }
 
-/// Names the runs that failed; throws for the first of more than are allowed.
-void allow_for_missing(const std::vector<AnalysedRun>& runs, const FitCommandOptions& options,
-                       const Context& context) {
-  int missing = 0;
-  for (const AnalysedRun& run : runs) {
-    if (run.failure.empty()) continue;
-    if (++missing > options.allow_missing)
-      throw InvalidInput(
-          options.allow_missing == 0
-              ? runs.size() == 1 ? run.failure : run.failure + " (--allow-missing 1 goes on without this run)"
-              : fmt::format("{} (more than {} runs are missing)", run.failure, options.allow_missing));
-    say(context.quiet, "left out: " + run.failure);
-  }
-}
-
 void fit_command(const FitCommandOptions& options, Context& context) {
-  if (options.require_all && options.allow_missing > 0)
+  if (options.require_all && options.choices.allow_missing > 0)
     throw UsageError("give --require-all or --allow-missing, not both");
   const Campaign campaign = read_campaign(campaign_file(options.campaign));
   check_output(campaign, options);
-  std::vector<AnalysedRun> runs =
-      for_each_run(campaign, context, [&](std::size_t index, const FramesDone& frames_done) {
-        const CampaignRun& run = campaign.runs[index];
-        return analyse(campaign, run, track_of(campaign, run, options, frames_done));
-      });
-  SharedFindings shared;
-  shared.scale = share_scale(campaign, runs);
-  allow_for_missing(runs, options, context);
-  shared.conditions = share_conditions(campaign, runs);
-  const FitStage stage = fit_runs(campaign, runs, std::move(shared), context, options.fit);
+  FitChoices choices = options.choices;
+  choices.tracks = options.tracks;
+  choices.result = options.output;
+  const auto [runs, stage] = fit_campaign(campaign, choices, context);
   write_fit(options.output, stage, meta_of_fit(campaign, runs));
   if (!is_standard_output(options.output))
     print_text(options.json ? text_of(stage.json) : parameter_table(stage.json) + slide_table(stage.json));
@@ -115,23 +75,26 @@ void add_fit(CLI::App& app, Context& context) {
                   "tracked now")
       ->type_name("DIR");
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
-  command.add_option("--allow-missing", options->allow_missing, "Go on when up to N runs are not usable")
+  command
+      .add_option("--allow-missing", options->choices.allow_missing, "Go on when up to N runs are not usable")
       ->type_name("N")
       ->check(whole_number(0));
   command
-      .add_option("--bootstrap", options->fit.bootstrap,
+      .add_option("--bootstrap", options->choices.fit.bootstrap,
                   "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
       ->type_name("N")
       ->check(whole_number(20, 1'000'000));
-  command.add_option("--seed", options->fit.bootstrap_seed, "Seed of the bootstrap; recorded in the result")
+  command
+      .add_option("--seed", options->choices.fit.bootstrap_seed,
+                  "Seed of the bootstrap; recorded in the result")
       ->type_name("N");
   command
-      .add_option("--loss", options->loss,
+      .add_option("--loss", options->choices.loss,
                   "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
                   "means for the intervals is printed with them")
-      ->check(one_of(kLosses))
+      ->check(one_of(losses()))
       ->type_name("LOSS");
-  command.add_flag("--compare-models", options->fit.rivals,
+  command.add_flag("--compare-models", options->choices.fit.rivals,
                    "Compare tilt and alternative friction laws even where the residuals give no reason to");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
@@ -141,11 +104,7 @@ void add_fit(CLI::App& app, Context& context) {
              "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
              "gravity_m_s2_sd, phi_rad_sd, ...): the "
              "intervals count it. Values without one are taken as exact and listed in fit.json.");
-  command.callback([options, &context] {
-    const auto loss = std::find(kLosses.begin(), kLosses.end(), options->loss);
-    options->fit.loss = static_cast<fit::Loss>(loss - kLosses.begin());
-    fit_command(*options, context);
-  });
+  command.callback([options, &context] { fit_command(*options, context); });
 }
 
 }  // namespace tribotrack::apps

@@ -1,8 +1,6 @@
 // tribotrack simulate: one trajectory of the friction model.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "apps/commands/command.h"
@@ -10,11 +8,10 @@
 #include "apps/files/scenario_file.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/text/number_text.h"
+#include "apps/simulating/given_scenario.h"
+#include "apps/simulating/simulation.h"
 #include "apps/text/output_file.h"
-#include "model/alpha_v.h"
 #include "model/plan.h"
-#include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::apps {
@@ -83,79 +80,20 @@ std::string flag_of(std::string name) {
   return "--" + name;
 }
 
-ScenarioFile scenario_of(const SimulateOptions& options) {
-  const auto is_given = [&](const char* name) {
-    return std::any_of(options.values.begin(), options.values.end(),
-                       [&](const auto& entry) { return entry.first == name && entry.second; });
-  };
-  if (is_given("mu2") && is_given("mu1_over_mu2"))
-    throw UsageError("--mu2 and --mu1-over-mu2 mean the same; give one of them");
-  ScenarioFile file = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
+GivenScenario given_of(const SimulateOptions& options) {
+  GivenScenario given{options.scenario, {}, options.start, options.samples_per_cycle};
   for (const auto& [name, value] : options.values)
-    if (value) set_scenario_parameter(file, name, *value);
-  if (!options.start.empty()) file.scenario.start = parse_start(options.start);
-  if (options.samples_per_cycle) {
-    if (!(*options.samples_per_cycle >= 1 && *options.samples_per_cycle <= 1e6))
-      throw UsageError("--samples-per-cycle must be between 1 and 1000000");
-    file.samples_per_cycle = static_cast<int>(*options.samples_per_cycle);
-  }
-  file.settle();
-  file.scenario.validate();
-  return file;
-}
-
-double rows_of(const model::Scenario& scenario, int samples_per_cycle) {
-  return std::ceil(scenario.cycles * samples_per_cycle);
-}
-
-/// Before the work: a table may grow beyond any disk.
-void require_sensible_table(const SimulateOptions& options, const ScenarioFile& file) {
-  constexpr double kBytesPerRow = 120, kLargest = 2e9;
-  const double rows = rows_of(file.scenario, file.samples_per_cycle) + 1;
-  if (options.output.empty() || rows * kBytesPerRow < kLargest) return;
-  throw InvalidInput(
-      fmt::format("{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
-                  "lower --cycles or --samples-per-cycle",
-                  options.output, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest));
+    if (value) given.values.emplace_back(name, *value);
+  return given;
 }
 
 std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle) {
-  const auto& scenario = trajectory.scenario();
-  const auto count = static_cast<long>(rows_of(scenario, samples_per_cycle));
   std::string table = "time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state\n";
-  for (long k = 0; k <= count; ++k) {
-    const double time = k == count
-                            ? trajectory.end_time()
-                            : trajectory.end_time() * static_cast<double>(k) / static_cast<double>(count);
-    const model::Sample s = trajectory.at(time);
-    table += fmt::format("{},{},{},{},{},{},{}\n", s.time, s.position.x() * 1e3, s.position.y() * 1e3,
-                         s.velocity.x() * 1e3, s.velocity.y() * 1e3, s.mu,
-                         s.state == model::State::slip ? "slip" : "stick");
-  }
+  for_each_row(trajectory, samples_per_cycle, [&](const SimulatedRow& row) {
+    table += fmt::format("{},{},{},{},{},{},{}\n", row.time_s, row.x_mm, row.y_mm, row.vx_mm_s, row.vy_mm_s,
+                         row.mu, row.state);
+  });
   return table;
-}
-
-Json results_of(const model::Trajectory& trajectory) {
-  const auto& scenario = trajectory.scenario();
-  const model::Sample end = trajectory.end();
-  Json json;
-  json["end_x_mm"] = end.position.x() * 1e3;
-  json["end_y_mm"] = end.position.y() * 1e3;
-  const bool moved = end.position.norm() > 0;
-  json["alpha_rad"] = moved ? Json(model::displacement_angle(end.position)) : Json();
-  json["v_mm_s"] = model::mean_velocity(end.position, trajectory.end_time()) * 1e3;
-  json["cycles"] = scenario.cycles;
-  json["stops"] = trajectory.summary().stops;
-  json["sticking_fraction"] = trajectory.summary().sticking_fraction;
-  json["steps"] = trajectory.summary().steps;
-  json["steady"] = Json();
-  if (const auto orbit = model::steady_orbit(scenario); orbit && scenario.cycles > 0) {
-    constexpr double kRounding = 1e-12;  // of the platform's velocity
-    double v = orbit->mean_velocity(scenario.drive.angular_frequency);
-    if (v < kRounding * scenario.drive.amplitude * scenario.drive.angular_frequency) v = 0;
-    json["steady"] = {{"alpha_rad", v > 0 ? Json(orbit->alpha()) : Json()}, {"v_mm_s", v * 1e3}};
-  }
-  return json;
 }
 
 void check_output(const SimulateOptions& options) {
@@ -170,9 +108,9 @@ void check_output(const SimulateOptions& options) {
 }
 
 void simulate(const SimulateOptions& options, const Context& context) {
-  const ScenarioFile file = scenario_of(options);
+  const ScenarioFile file = scenario_of(given_of(options));
   check_output(options);
-  require_sensible_table(options, file);
+  if (!options.output.empty()) require_sensible_table(options.output, file.scenario, file.samples_per_cycle);
   if (const model::Friction& friction = file.scenario.friction; friction.reduced > friction.nominal)
     say(context.quiet, fmt::format("note: mu2 = {} within the pulse is more than mu1 = {} outside of it",
                                    friction.reduced, friction.nominal));
@@ -184,7 +122,7 @@ void simulate(const SimulateOptions& options, const Context& context) {
                                                      100 * stage.predicted_saving, 1e3 * stage.error_bound)));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
-  const Json results = results_of(trajectory);
+  const Json results = simulation_json(trajectory);
   if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "simulate";

@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
-#include <cstdint>
 #include <memory>
-#include <stdexcept>
+#include <utility>
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
@@ -13,55 +11,25 @@
 #include "apps/files/sweeps/sweep_axis.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/simulating/swept_model.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
-#include "model/batch.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
-/// All scenarios' ends and steady motions, on all threads.
-model::BatchOutcome solve(const Sweep& sweep, const Context& context) {
-  const std::size_t total = sweep.count();
-  Progress progress("sweep", context.quiet);
-  model::BatchOptions options;
-  options.steady = true;
-  options.threads = threads_to_use(context);
-  options.progress = [&progress](std::size_t done, std::size_t of) {
-    progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(of));
-  };
-  model::BatchOutcome outcome = model::solve_batch(
-      total, [&sweep](std::size_t index) { return sweep.scenario(index); }, options);
-  for (std::size_t k = 0; k < total; ++k) {
-    if (outcome.ends[k].status == model::BatchStatus::failed) throw std::runtime_error(outcome.reasons.at(k));
-    if (outcome.ends[k].status != model::BatchStatus::done)
-      throw model::InvalidParameter(outcome.reasons.at(k));
-  }
-  return outcome;
-}
-
-/// alpha and v, mm/s; empty where there is none.
-template <class Solution>
-std::string cells(const Solution& solution) {
-  if (solution.status != model::BatchStatus::done) return ",";
-  return compact(solution.alpha) + "," + compact(solution.v * 1e3);
-}
-
 /// One list for each column of the table; null for "no value".
-Json columns_of(const Sweep& sweep, const model::BatchOutcome& outcome) {
+Json columns_of(const Sweep& sweep, const SweptModel& solved) {
   Json json;
-  const auto put = [&](const char* alpha, const char* v, const auto& solution) {
-    const bool done = solution.status == model::BatchStatus::done;
-    json[alpha].push_back(done && std::isfinite(solution.alpha) ? Json(solution.alpha) : Json());
-    json[v].push_back(done && std::isfinite(solution.v) ? Json(solution.v * 1e3) : Json());
-  };
-  for (std::size_t index = 0; index < outcome.ends.size(); ++index) {
+  for (std::size_t index = 0; index < sweep.count(); ++index)
     for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis)
       json[sweep.axes()[axis].name()].push_back(sweep.value(index, axis));
-    put("alpha_rad", "v_mm_s", outcome.ends[index]);
-    put("steady_alpha_rad", "steady_v_mm_s", outcome.steady[index]);
-  }
+  for (const auto& [name, column] :
+       {std::pair{"alpha_rad", &solved.alpha_rad}, std::pair{"v_mm_s", &solved.v_mm_s},
+        std::pair{"steady_alpha_rad", &solved.steady_alpha_rad},
+        std::pair{"steady_v_mm_s", &solved.steady_v_mm_s}})
+    for (const double value : *column) json[name].push_back(finite_json(value));
   return json;
 }
 
@@ -84,23 +52,16 @@ void run_sweep(const SweepOptions& options, const Context& context) {
     require_writable({{options.output}}, inputs);
   }
 
-  const std::size_t total = sweep.count();
-  try {
-    for (std::size_t index = 0; index < total; ++index)
-      sweep.scenario(index).validate();  // refuse before the work, not after it
-  } catch (const model::InvalidParameter& error) {
-    throw InvalidInput(fmt::format("--over {}: {}", fmt::join(texts, " --over "), error.what()));
-  }
-  const model::BatchOutcome outcome = solve(sweep, context);
-
-  if (options.json) print_text(text_of(columns_of(sweep, outcome)));
+  const SweptModel solved = solve(sweep, context);
+  if (options.json) print_text(text_of(columns_of(sweep, solved)));
   std::string table;
   for (const SweepAxis& axis : sweep.axes()) table += axis.name() + ",";
   table += "alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s\n";
-  for (std::size_t index = 0; index < total; ++index) {
+  for (std::size_t index = 0; index < sweep.count(); ++index) {
     for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis)
       table += compact(sweep.value(index, axis)) + ",";
-    table += cells(outcome.ends[index]) + "," + cells(outcome.steady[index]) + "\n";
+    table += fmt::format("{},{},{},{}\n", compact(solved.alpha_rad[index]), compact(solved.v_mm_s[index]),
+                         compact(solved.steady_alpha_rad[index]), compact(solved.steady_v_mm_s[index]));
   }
   MetaFile meta;
   meta.command = "sweep";
@@ -109,7 +70,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   meta.configuration["over"] = texts;
   write_result(options.output, table, meta);
   say(context.quiet,
-      fmt::format("{}: {} scenarios; {}", options.output, total, outcome.summary.full_report()));
+      fmt::format("{}: {} scenarios; {}", options.output, sweep.count(), solved.summary.full_report()));
 }
 
 }  // namespace

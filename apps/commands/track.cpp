@@ -9,31 +9,23 @@
 #include <utility>
 
 #include "apps/commands/command.h"
-#include "apps/files/camera_section.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/recording/job.h"
+#include "apps/recording/track_choices.h"
 #include "apps/recording/track_recording.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
-#include "apps/text/strict_toml.h"
 #include "vision/overlay.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
-/// Frames/s: in-situ storage cameras reach 10^8 with some hundred frames; a higher rate is a slip.
-constexpr double kFastestCamera = 1e9;
-
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, gate, frames, overlay, config, layers, calibration,
-      fps_reason;
-  std::optional<double> fps, mm_per_px, diameter_mm, xi_axis_rad, height_mm, working_distance_mm;
-  std::string debug, debug_frames;
+  std::string input, output, disc, target, marker, gate, frames, overlay, debug, debug_frames;
+  TrackChoices choices;  ///< but for those that are read from the texts above
   bool json = false;
   bool explain = false;
-  bool rehearse = false;
 };
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -60,7 +52,6 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
 vision::Circle circle_of(const std::string& flag, const std::string& text,
                          const char* form = "X,Y,R in pixels, such as 640,400,150") {
   const auto v = numbers_of(flag, text, 3, form);
-  if (!(v[2] > 0)) throw UsageError(fmt::format("{} {}: the radius must be greater than 0", flag, text));
   return {v[0], v[1], v[2]};
 }
 
@@ -68,7 +59,6 @@ vision::Rect rectangle_of(const std::string& text) {
   const auto v = numbers_of("--template", text, 4, "X,Y,W,H in whole pixels, such as 100,40,41,41");
   for (const double value : v)
     if (value != std::floor(value)) throw UsageError("--template must be whole pixels");
-  if (!(v[2] > 0 && v[3] > 0)) throw UsageError("--template must have a width and a height greater than 0");
   return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
 }
 
@@ -79,7 +69,7 @@ std::int64_t frame_number(const std::string& flag, const std::string& text) {
   return static_cast<std::int64_t>(*value);
 }
 
-void set_frames(vision::TrackOptions& track, const std::string& text) {
+void set_frames(TrackChoices& choices, const std::string& text) {
   const auto parts = split(text, ':');
   const auto number = [&](const std::string& part) -> std::optional<std::int64_t> {
     if (part.empty()) return std::nullopt;
@@ -91,106 +81,31 @@ void set_frames(vision::TrackOptions& track, const std::string& text) {
     return static_cast<std::int64_t>(*value);
   };
   if (parts.size() != 2) number("x");
-  track.first_frame = number(parts[0]);
-  track.last_frame = number(parts[1]);
-  if (track.first_frame && track.last_frame && *track.first_frame > *track.last_frame)
-    throw UsageError(fmt::format("--frames {}: the first frame comes after the last", text));
+  choices.first_frame = number(parts[0]);
+  choices.last_frame = number(parts[1]);
 }
 
-/// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
-void apply_config(RecordingJob& job, const std::string& file) {
-  StrictTable top = StrictTable::read(file);
-  PartSection part;
-  CameraSection camera;
-  if (auto table = top.table("part")) part = read_part(*table, WithSd::no);
-  if (auto table = top.table("camera"))
-    camera = read_camera(*table, std::filesystem::path(file).parent_path(), WithSd::no);
-  apply(part, camera, job);
-  if (auto track = top.table("track")) {
-    job.track.min_ncc = track->number("min_ncc").value_or(job.track.min_ncc);
-    job.track.max_lost_share = track->not_negative("max_lost_share").value_or(job.track.max_lost_share);
-    job.track.search_margin_px = static_cast<int>(track->integer("search_margin_px").value_or(0));
-    track->finish();
-  }
-  top.finish();
+vision::MarkerChoice marker_of(const std::string& text) {
+  if (const auto named = marker_named(text)) return *named;
+  return {vision::MarkerChoice::Kind::circle,
+          circle_of("--marker", text, "X,Y,R in pixels, such as 200,180,24, or be auto, texture or none")};
+}
+
+TrackChoices choices_of(const TrackCommandOptions& options) {
+  TrackChoices choices = options.choices;
+  if (!options.disc.empty()) choices.disc = circle_of("--disc", options.disc);
+  if (!options.target.empty()) choices.rectangle = rectangle_of(options.target);
+  if (!options.marker.empty()) choices.marker = marker_of(options.marker);
+  if (!options.gate.empty()) choices.gate = circle_of("--gate", options.gate);
+  if (!options.frames.empty()) set_frames(choices, options.frames);
+  return choices;
 }
 
 RecordingJob job_of(const TrackCommandOptions& options) {
-  RecordingJob job;
   if (options.input == "-" || options.input == "/dev/stdin")
     throw InvalidInput(
         fmt::format("'{}': a recording is not read from standard input; give its file", options.input));
-  job.video = options.input;
-  if (!options.config.empty()) apply_config(job, options.config);
-  const auto positive = [](const char* flag, const std::optional<double>& value) {
-    if (value && !(*value > 0))
-      throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *value));
-    return value;
-  };
-  if (positive("--fps", options.fps)) {
-    if (*options.fps > kFastestCamera)
-      throw UsageError(
-          fmt::format("--fps {:g} is more than any camera records; give frames/s, at most {:.0e}",
-                      *options.fps, kFastestCamera));
-    job.frame_rate_hz = options.fps;
-    job.frame_rate_reason.clear();
-  }
-  if (!options.fps_reason.empty() && !job.frame_rate_hz) throw UsageError("--fps-reason needs --fps");
-  if (!options.fps_reason.empty()) job.frame_rate_reason = options.fps_reason;
-  if (options.mm_per_px && options.diameter_mm)
-    throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
-  if (!options.calibration.empty() && (options.mm_per_px || options.diameter_mm))
-    throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
-  if (positive("--mm-per-px", options.mm_per_px)) {
-    job.mm_per_px = options.mm_per_px;
-    job.mm_per_px_sd = 0;
-    job.calibration.reset();
-  }
-  if (positive("--disc-diameter-mm", options.diameter_mm)) {
-    job.diameter_mm = options.diameter_mm;
-    job.diameter_sd_mm = 0;
-    job.mm_per_px.reset();
-    job.calibration.reset();
-  }
-  if (!options.calibration.empty()) {
-    job.calibration = options.calibration;
-    job.mm_per_px.reset();
-  }
-  if (positive("--height-mm", options.height_mm)) job.height_mm = options.height_mm;
-  if (positive("--working-distance-mm", options.working_distance_mm))
-    job.working_distance_mm = options.working_distance_mm;
-  if (options.xi_axis_rad) job.xi_axis_rad = *options.xi_axis_rad;
-  if (!options.disc.empty() && !options.target.empty())
-    throw UsageError("give --disc or --template, not both");
-  if (!options.disc.empty()) {
-    job.track.target.kind = vision::Target::Kind::disc;
-    job.track.target.disc = circle_of("--disc", options.disc);
-  } else if (!options.target.empty()) {
-    job.track.target.kind = vision::Target::Kind::rectangle;
-    job.track.target.rectangle = rectangle_of(options.target);
-  }
-  if (options.marker == "auto") {
-    job.track.marker.kind = vision::MarkerChoice::Kind::find;
-  } else if (options.marker == "texture") {
-    job.track.marker.kind = vision::MarkerChoice::Kind::texture;
-  } else if (options.marker == "none") {
-    job.track.marker.kind = vision::MarkerChoice::Kind::none;
-  } else if (!options.marker.empty()) {
-    job.track.marker.kind = vision::MarkerChoice::Kind::circle;
-    job.track.marker.circle = circle_of("--marker", options.marker,
-                                        "X,Y,R in pixels, such as 200,180,24, or be auto, texture or none");
-  }
-  job.rehearse = job.rehearse || options.rehearse;
-  if (!options.gate.empty()) job.track.gate = circle_of("--gate", options.gate);
-  if (!options.frames.empty()) set_frames(job.track, options.frames);
-  if (options.layers == "off")
-    job.track.layers = vision::Layers::off;
-  else if (options.layers == "on")
-    job.track.layers = vision::Layers::on;
-  else if (!options.layers.empty() && options.layers != "auto")
-    throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", options.layers));
-  if (job.track.layers == vision::Layers::on && job.track.target.kind == vision::Target::Kind::rectangle)
-    throw UsageError("--layers on needs a disc with a round rim, and --template follows a rectangle");
+  RecordingJob job = job_of(options.input, choices_of(options));
   if (!options.debug_frames.empty() && options.debug.empty())
     throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
   if (!options.debug_frames.empty())
@@ -246,7 +161,7 @@ void check_outputs(const TrackCommandOptions& options) {
     throw UsageError("give -o - or --json: both would go to standard output");
   if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
-  for (const std::string& file : {options.config, options.calibration})
+  for (const std::string& file : {options.choices.config, options.choices.calibration})
     if (!file.empty()) inputs.emplace_back(file);
   require_writable(outputs, inputs);
   if (!options.overlay.empty()) vision::require_overlay_name(options.overlay);
@@ -293,19 +208,10 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  if (summary.rests_for_ever) {
-    complain(fmt::format(
-        "{}: the disc that was found by itself never moves: give the part with --disc X,Y,R; should it be "
-        "this one, --disc {:.1f},{:.1f},{:.1f}",
-        options.input, summary.disc.x, summary.disc.y, summary.disc.radius));
-    context.exit_code = kQualityGate;
-  } else if (!summary.gate_passed) {
-    complain(fmt::format(
-        "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
-        "--disc, or leave frames out with --frames",
-        options.input, summary.lost_counted, summary.frames, job.track.max_lost_share));
-    context.exit_code = kQualityGate;
-  }
+  const std::string failure = gate_failure(job, summary);
+  if (failure.empty()) return;
+  complain(failure);
+  context.exit_code = kQualityGate;
 }
 
 }  // namespace
@@ -319,21 +225,23 @@ void add_track(CLI::App& app, Context& context) {
           "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png")
       ->required();
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
-  add_number(command, "--fps", options->fps,
+  add_number(command, "--fps", options->choices.fps,
              "Rate of recording, frames/s, where the file does not give it reliably");
   command
-      .add_option("--fps-reason", options->fps_reason,
+      .add_option("--fps-reason", options->choices.fps_reason,
                   "How you know that the camera recorded at --fps: demanded where that is but the playback "
                   "rate the file states, and kept in the meta file")
       ->type_name("TEXT");
-  add_number(command, "--mm-per-px", options->mm_per_px, "Scale, of the platform's plane");
-  add_number(command, "--disc-diameter-mm", options->diameter_mm, "Scale by the disc's true diameter");
+  add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
+  add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
+             "Scale by the disc's true diameter");
   command
-      .add_option("--calibration", options->calibration,
+      .add_option("--calibration", options->choices.calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  add_number(command, "--height-mm", options->height_mm, "Height of the part's top above the marker's plane");
-  add_number(command, "--working-distance-mm", options->working_distance_mm,
+  add_number(command, "--height-mm", options->choices.height_mm,
+             "Height of the part's top above the marker's plane");
+  add_number(command, "--working-distance-mm", options->choices.working_distance_mm,
              "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
@@ -359,11 +267,11 @@ void add_track(CLI::App& app, Context& context) {
       .add_option("--frames", options->frames,
                   "Image numbers of the first and last frame to analyse, both included")
       ->type_name("A:B");
-  add_angle(command, "--xi-axis-rad", options->xi_axis_rad,
+  add_angle(command, "--xi-axis-rad", options->choices.xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
       .add_option(
-          "--layers", options->layers,
+          "--layers", options->choices.layers,
           "Second pass over pictures of disc and platform learnt from the recording (default auto: for "
           "discs, kept where it does better)")
       ->type_name("auto|on|off");
@@ -382,11 +290,11 @@ void add_track(CLI::App& app, Context& context) {
       ->type_name("N,N,...");
   command
       .add_option(
-          "--config", options->config,
+          "--config", options->choices.config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
   command.add_flag(
-      "--rehearse", options->rehearse,
+      "--rehearse", options->choices.rehearse,
       "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
       "once more the same way and take standard deviations, attenuation and delay from it");
   command.add_flag("--json", options->json, "Print a summary as one JSON object");

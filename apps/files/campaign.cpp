@@ -371,13 +371,13 @@ void read_tables(StrictTable& top, Campaign& campaign) {
 
 }  // namespace
 
-Campaign read_campaign(const fs::path& file, Runs runs) {
-  const std::string text = read_text(file);
-  StrictTable top = parse_campaign(text, file);
+namespace {
+
+Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, Runs runs) {
   require_kind(top, TomlKind::campaign, file.string());
   Campaign campaign;
   campaign.file = file;
-  campaign.input = hashed_input(file, text);
+  campaign.input = input;
   read_tables(top, campaign);
   check_sds(campaign, top);
   note_gravity(campaign);
@@ -389,6 +389,17 @@ Campaign read_campaign(const fs::path& file, Runs runs) {
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
+}
+
+}  // namespace
+
+Campaign read_campaign(const fs::path& file, Runs runs) {
+  const std::string text = read_text(file);
+  return campaign_in(parse_campaign(text, file), file, hashed_input(file, text), runs);
+}
+
+Campaign campaign_of(const Json& object, const std::string& name) {
+  return campaign_in(StrictTable::of(object, name), name, hashed_input(name, object.dump()), Runs::required);
 }
 
 std::vector<AskedKey> keys_asked_of_campaign() {

@@ -90,6 +90,10 @@ Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::requ
 /// Every key that the reader asks a campaign for, with the kind of its value.
 std::vector<AskedKey> keys_asked_of_campaign();
 
+/// The same from a JSON object of the file's structure; `name` stands in messages. Paths are relative to the
+/// working folder.
+Campaign campaign_of(const Json& object, const std::string& name);
+
 /// The names of fit parameters in campaigns, and back.
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
 

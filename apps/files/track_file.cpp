@@ -256,6 +256,20 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
   return facts;
 }
 
+TrackFile track_file_of(const std::filesystem::path& path, std::string text,
+                        const std::optional<Json>& meta) {
+  const std::filesystem::path meta_path = path.string() + ".meta.json";
+  TrackFacts facts;
+  if (meta) facts = track_facts_from(*meta, meta_path);
+  const TrackRows rows = read_track_rows(path, std::move(text));
+  if (rows.has_marker && !rows.has_planes && !facts.mm_per_px)
+    throw InvalidInput(fmt::format(
+        "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
+        "both again with `tribotrack track`",
+        meta_path.string(), path.string()));
+  return track_file_of(rows, facts, path);
+}
+
 TrackFile read_track_file(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path))
     throw InvalidInput(fmt::format("{}: is a folder; name a track, such as {}", path.string(),
@@ -269,16 +283,10 @@ TrackFile read_track_file(const std::filesystem::path& path) {
         "{}: is no table but a binary file; if it is a recording, `tribotrack track` makes a track of it",
         path.string()));
   const std::filesystem::path meta_path = path.string() + ".meta.json";
-  TrackFacts facts;
-  if (std::filesystem::exists(meta_path)) facts = track_facts_from(read_json(meta_path), meta_path);
+  std::optional<Json> meta;
+  if (std::filesystem::exists(meta_path)) meta = read_json(meta_path);
   Input input = hashed_input(path, text);
-  const TrackRows rows = read_track_rows(path, std::move(text));
-  if (rows.has_marker && !rows.has_planes && !facts.mm_per_px)
-    throw InvalidInput(fmt::format(
-        "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
-        "both again with `tribotrack track`",
-        meta_path.string(), path.string()));
-  TrackFile file = track_file_of(rows, facts, path);
+  TrackFile file = track_file_of(path, std::move(text), meta);
   file.inputs = {std::move(input)};
   return file;
 }

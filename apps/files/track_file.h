@@ -81,6 +81,9 @@ struct TrackFile {
 /// Throws InvalidInput naming `path` and the frame and column that is missing.
 TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path);
 
+/// Of the texts of T.csv and its meta file, `path` standing in messages. `inputs` stay empty.
+TrackFile track_file_of(const std::filesystem::path& path, std::string text, const std::optional<Json>& meta);
+
 /// Reads T.csv and, where there is one, T.csv.meta.json. Throws InvalidInput naming file, line and column.
 TrackFile read_track_file(const std::filesystem::path& path);
 

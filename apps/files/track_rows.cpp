@@ -204,6 +204,12 @@ TrackRows track_rows(const vision::Track& track, const std::optional<vision::Pla
   return table;
 }
 
+void for_each_column(const TrackRows& rows,
+                     const std::function<void(const char* name, double TrackRow::*number)>& visit) {
+  for (const Column& column : kColumns)
+    if (holds(rows, column.group)) visit(column.name, column.number);
+}
+
 std::string track_csv(const TrackRows& table) {
   std::string csv = header_of(table) + "\n";
   for (const TrackRow& row : table.rows) {

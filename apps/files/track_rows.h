@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -40,6 +41,11 @@ struct TrackRows {
 /// another scale than the part's top, or a lens is corrected, there are four more columns.
 TrackRows track_rows(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
                      double xi_axis_rad);
+
+/// Visits the columns that a table has, in the file's order, after `frame` and `time_s`; `number` is null for
+/// the status.
+void for_each_column(const TrackRows& rows,
+                     const std::function<void(const char* name, double TrackRow::*number)>& visit);
 
 /// The CSV, columns as the interface promises.
 std::string track_csv(const TrackRows& rows);

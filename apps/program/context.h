@@ -1,6 +1,10 @@
 // What every command is given.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <string>
+
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -10,6 +14,13 @@ struct Context {
   bool quiet = false;
   int threads = 0;             ///< 0: as many as this process may use
   ExitCode exit_code = kDone;  ///< set by a command that completed with a reservation
+  /// Told of progress, beside the terminal, by any of the threads at work and by several at once. What it
+  /// throws ends the work; runs of a campaign go on after a std::exception.
+  std::function<void(const std::string& stage, std::int64_t done, std::int64_t total)> progress;
+
+  void tell(const std::string& stage, std::int64_t done, std::int64_t total) const {
+    if (progress) progress(stage, done, total);
+  }
 };
 
 /// --threads, else min(affinity, SLURM_CPUS_PER_TASK, cgroup quota).

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "apps/files/calibration_file.h"
-#include "apps/files/meta_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
 #include "vision/frame_sink.h"
@@ -88,10 +87,14 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
 
 /// The question as the user sees it: what to look at, and what to paste.
 [[noreturn]] void ask(vision::FrameSource& source, const vision::AmbiguousTarget& question,
-                      const std::filesystem::path& picture) {
-  const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
-  write_file(picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
-  std::string text = fmt::format("{}: look at {} and give the part, ", question.what(), picture.string());
+                      const std::optional<std::filesystem::path>& picture) {
+  std::string text = fmt::format("{}: ", question.what());
+  if (picture) {
+    const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
+    write_file(*picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
+    text += fmt::format("look at {} and ", picture->string());
+  }
+  text += "give the part, ";
   const std::string frames = question.first ? "" : fmt::format(" --frames {}:", question.frame);
   for (std::size_t k = 0; k < question.discs.size(); ++k) {
     const vision::Circle& c = question.discs[k];
@@ -101,7 +104,7 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
   text += question.first ? " (campaign: disc_px = [X, Y, R] in the run)"
                          : fmt::format(" (campaign: disc_px = [X, Y, R], frames = [{}, LAST] in the run)",
                                        question.frame);
-  throw InvalidInput(text);
+  throw AmbiguousPart(text, question);
 }
 
 /// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
@@ -193,10 +196,25 @@ PreparedJob prepare(RecordingJob job) {
   return prepared;
 }
 
-TrackedRecording track_recording(const PreparedJob& prepared, const std::filesystem::path& beside) {
+PreparedJob prepare_in_memory(RecordingJob job) {
+  PreparedJob prepared;
+  if (job.calibration) {
+    prepared.state = InputState({*job.calibration});
+    prepared.inputs.push_back(hashed_input(*job.calibration));
+  }
+  prepared.configuration =
+      configuration_of(job, job.calibration ? std::optional(prepared.inputs[0]) : std::nullopt);
+  prepared.job = std::move(job);
+  return prepared;
+}
+
+namespace {
+
+TrackedRecording track_source(const PreparedJob& prepared, std::unique_ptr<vision::FrameSource> source,
+                              const std::optional<std::filesystem::path>& picture) {
   const RecordingJob& job = prepared.job;
   TrackedRecording recording;
-  recording.source = vision::open_source(job.video, {job.frame_rate_hz, job.frame_rate_reason});
+  recording.source = std::move(source);
   const vision::SourceInfo& info = recording.info();
   if (!info.time_base.known())
     throw vision::InputError(fmt::format("{}: {}", job.video.string(), info.time_base.why_unknown()));
@@ -210,7 +228,7 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
   try {
     recording.result = vision::track(*recording.source, job.track);
   } catch (const vision::AmbiguousTarget& question) {
-    ask(*recording.source, question, question_picture(beside, job.video));
+    ask(*recording.source, question, picture);
   }
   require_mark(job, recording.result.track);
   drop_covered_lamp(job, recording.result);
@@ -234,6 +252,21 @@ TrackedRecording track_recording(const PreparedJob& prepared, const std::filesys
                                    job.video.string(), error.what()));
   }
   return recording;
+}
+
+}  // namespace
+
+TrackedRecording track_recording(const PreparedJob& prepared,
+                                 const std::optional<std::filesystem::path>& beside) {
+  const RecordingJob& job = prepared.job;
+  std::optional<std::filesystem::path> picture;
+  if (beside) picture = question_picture(*beside, job.video);
+  return track_source(prepared, vision::open_source(job.video, {job.frame_rate_hz, job.frame_rate_reason}),
+                      picture);
+}
+
+TrackedRecording track_recording(const PreparedJob& prepared, std::unique_ptr<vision::FrameSource> source) {
+  return track_source(prepared, std::move(source), std::nullopt);
 }
 
 TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording) {
@@ -290,6 +323,20 @@ void write_overlay_file(const std::filesystem::path& path, const TrackedRecordin
   file.commit();
 }
 
+std::string gate_failure(const RecordingJob& job, const vision::TrackSummary& summary) {
+  if (summary.rests_for_ever)
+    return fmt::format(
+        "{}: the disc that was found by itself never moves: give the part with --disc X,Y,R; should it be "
+        "this one, --disc {:.1f},{:.1f},{:.1f}",
+        job.video.string(), summary.disc.x, summary.disc.y, summary.disc.radius);
+  if (!summary.gate_passed)
+    return fmt::format(
+        "{}: the part was lost in {} of {} frames, more than the allowed share {}; look at --overlay, give "
+        "--disc, or leave frames out with --frames",
+        job.video.string(), summary.lost_counted, summary.frames, job.track.max_lost_share);
+  return {};
+}
+
 Json summary_json(const TrackedRecording& recording) {
   const vision::TrackSummary& s = recording.result.summary;
   Json json = {{"frames", s.frames},
@@ -323,13 +370,12 @@ Json summary_json(const TrackedRecording& recording) {
   return json;
 }
 
-Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
-                  const TrackedRecording& recording) {
+MetaFile meta_of(const PreparedJob& prepared, const TrackedRecording& recording) {
   MetaFile meta;
   meta.command = "track";
   meta.inputs = prepared.inputs;
   meta.configuration = prepared.configuration;
-  meta.more["key"] = prepared.key;
+  if (!prepared.key.empty()) meta.more["key"] = prepared.key;
   meta.more["time_base"] = json_of(recording.info().time_base);
   meta.more["recording"] = {{"format", recording.info().format},
                             {"codec", recording.info().codec},
@@ -356,8 +402,13 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
   meta.more["audit"] = json_of(recording.result.summary.audit);
   if (recording.result.summary.coded) meta.more["coding"] = json_of(*recording.result.summary.coded);
   meta.more["plan"] = json_of(recording.result.summary.plan);
+  return meta;
+}
+
+Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
+                  const TrackedRecording& recording) {
   const std::string table = track_csv(recording.rows);
-  write_result(csv, table, meta);
+  write_result(csv, table, meta_of(prepared, recording));
   return hashed_input(csv, table);
 }
 

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/meta_file.h"
 #include "apps/files/track_file.h"
+#include "apps/program/errors.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
 #include "vision/frame_source.h"
@@ -49,6 +51,17 @@ struct PreparedJob {
 
 /// Hashes the recording. Throws InvalidInput.
 PreparedJob prepare(RecordingJob job);
+/// The same for frames that are in memory already: there is nothing to hash but a calibration, and no key.
+PreparedJob prepare_in_memory(RecordingJob job);
+
+/// Several discs may be the part. what() lists them, each with the --disc that chooses it.
+class AmbiguousPart : public InvalidInput {
+ public:
+  AmbiguousPart(const std::string& what, const vision::AmbiguousTarget& question)
+      : InvalidInput(what), frame(question.frame), discs(question.discs) {}
+  std::int64_t frame;                 ///< the recording's own number: where all of them are seen
+  std::vector<vision::Circle> discs;  ///< px
+};
 
 struct TrackedRecording {
   std::unique_ptr<vision::FrameSource> source;    ///< still open, for pictures of the track
@@ -60,9 +73,12 @@ struct TrackedRecording {
 };
 
 /// Throws vision::InputError where the recording cannot be tracked, with the flag to give where its frame
-/// rate is unknown; InvalidInput where it has changed since it was prepared, and where several discs may be
-/// the part: then a picture that numbers them lies beside the result `beside` (question_picture()).
-TrackedRecording track_recording(const PreparedJob& prepared, const std::filesystem::path& beside);
+/// rate is unknown; InvalidInput where it has changed since it was prepared; AmbiguousPart, before which a
+/// picture that numbers the discs is written beside the result `beside` (question_picture()), or none.
+TrackedRecording track_recording(const PreparedJob& prepared,
+                                 const std::optional<std::filesystem::path>& beside);
+/// The same for frames in memory.
+TrackedRecording track_recording(const PreparedJob& prepared, std::unique_ptr<vision::FrameSource> source);
 
 /// OUT/x.csv -> OUT/x.discs.png; of standard output, x.discs.png for a recording x.mp4.
 std::filesystem::path question_picture(const std::filesystem::path& beside,
@@ -72,6 +88,9 @@ std::filesystem::path question_picture(const std::filesystem::path& beside,
 /// `inputs` stay empty.
 TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording);
 
+/// What stands beside T.csv.
+MetaFile meta_of(const PreparedJob& prepared, const TrackedRecording& recording);
+
 /// Writes T.csv and T.csv.meta.json. Returns T.csv with its hash.
 Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
                   const TrackedRecording& recording);
@@ -79,6 +98,9 @@ Input write_track(const std::filesystem::path& csv, const PreparedJob& prepared,
 /// Draws the track over its recording (vision/overlay.h) into a file that appears whole or not at all. Throws
 /// InvalidInput.
 void write_overlay_file(const std::filesystem::path& path, const TrackedRecording& recording);
+
+/// Why a track fails its quality gate, and what to do; empty where it does not.
+std::string gate_failure(const RecordingJob& job, const vision::TrackSummary& summary);
 
 /// Summary of the track as JSON (`track --json`, meta file).
 Json summary_json(const TrackedRecording& recording);

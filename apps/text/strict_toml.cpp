@@ -21,6 +21,7 @@ struct StrictTable::Node {
   const toml::table* table = nullptr;
   std::string file;
   std::string name;  // "platform", "" for the top
+  bool parsed = true;
   std::set<std::string, std::less<>> looked_up;
   std::shared_ptr<std::vector<AskedKey>> asked;  // of the whole document
 
@@ -53,6 +54,51 @@ std::optional<double> number_in(const toml::node& node) {
   if (node.is_integer()) return static_cast<double>(*node.value<std::int64_t>());
   if (node.is_floating_point()) return *node.value<double>();
   return std::nullopt;
+}
+
+constexpr int kDeepest = 16;  ///< tables within tables; a campaign has three
+
+void put_into(toml::table& to, const Json& object, const std::string& place, int depth);
+void put_into(toml::array& to, const Json& list, const std::string& place, int depth);
+
+/// Hands the TOML form of a value to `put`.
+template <class Put>
+void convert(const Json& value, const std::string& place, int depth, const Put& put) {
+  if (depth > kDeepest) throw InvalidInput(fmt::format("{} is nested too deeply", place));
+  switch (value.type()) {
+    case Json::value_t::boolean:
+      return put(value.get<bool>());
+    case Json::value_t::number_integer:
+    case Json::value_t::number_unsigned:
+      return put(value.get<std::int64_t>());
+    case Json::value_t::number_float:
+      return put(value.get<double>());
+    case Json::value_t::string:
+      return put(value.get<std::string>());
+    case Json::value_t::array: {
+      toml::array list;
+      put_into(list, value, place, depth + 1);
+      return put(std::move(list));
+    }
+    case Json::value_t::object: {
+      toml::table table;
+      put_into(table, value, place, depth + 1);
+      return put(std::move(table));
+    }
+    default:
+      throw InvalidInput(fmt::format("{} must be a number, a text, a list or a table", place));
+  }
+}
+
+void put_into(toml::array& to, const Json& list, const std::string& place, int depth) {
+  for (const Json& item : list)
+    convert(item, place, depth, [&to](auto&& converted) { to.push_back(std::move(converted)); });
+}
+
+void put_into(toml::table& to, const Json& object, const std::string& place, int depth) {
+  for (const auto& [key, value] : object.items())
+    convert(value, fmt::format("{}: `{}`", place, key), depth,
+            [&to, &key = key](auto&& converted) { to.insert(key, std::move(converted)); });
 }
 
 }  // namespace
@@ -91,7 +137,20 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
   }
 }
 
+StrictTable StrictTable::of(const Json& object, const std::string& name) {
+  toml::table table;
+  put_into(table, object, name, 0);
+  auto node = std::make_shared<Node>();
+  node->document = std::make_shared<const toml::table>(std::move(table));
+  node->table = node->document.get();
+  node->file = name;
+  node->parsed = false;
+  node->asked = std::make_shared<std::vector<AskedKey>>();
+  return StrictTable(std::move(node));
+}
+
 std::string StrictTable::place(std::string_view key) const {
+  if (!node_->parsed) return node_->file;
   const toml::node* node = key.empty() ? nullptr : node_->table->get(key);
   auto source = node != nullptr ? node->source() : node_->table->source();
   if (!source.begin) source.begin = {1, 1};
@@ -218,6 +277,7 @@ std::optional<StrictTable> StrictTable::table(std::string_view key) {
   inner->table = table;
   inner->file = node_->file;
   inner->asked = node_->asked;
+  inner->parsed = node_->parsed;
   inner->name = node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key);
   return StrictTable(std::move(inner));
 }
@@ -234,8 +294,9 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
     auto inner = std::make_shared<Node>();
     inner->document = node_->document;
     inner->table = table;
-    inner->file = node_->file;
     inner->asked = node_->asked;
+    inner->parsed = node_->parsed;
+    inner->file = node_->parsed ? node_->file : fmt::format("{}, {} {}", node_->file, key, found.size() + 1);
     inner->name = fmt::format("[{}]", key);
     found.push_back(StrictTable(std::move(inner)));
   }

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/text/json.h"
+
 namespace tribotrack::apps {
 
 /// A key that a reader asked for, with the kind of value it takes: "number", "angle", "rest, circling,
@@ -29,6 +31,9 @@ class StrictTable {
   static StrictTable parse(std::string_view text, const std::string& name);
   /// Every key asked of the whole file so far, tables left out, in the order of first asking.
   std::vector<AskedKey> asked() const;
+  /// Of a JSON object that stands in place of a file: errors name, for want of lines, the list's entry, as in
+  /// "NAME, run 3". Throws InvalidInput for what TOML cannot say (null, deep nesting).
+  static StrictTable of(const Json& object, const std::string& name);
 
   std::optional<double> number(std::string_view key);
   std::optional<double> positive(std::string_view key);      ///< > 0

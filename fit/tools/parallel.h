@@ -11,9 +11,9 @@
 
 namespace tribotrack::fit::internal {
 
-/// body(i) for i in [0, count); the first exception is thrown again after all threads have ended. The threads
-/// are started anew: some 20 us, where one evaluation of tracks takes milliseconds, so that a pool would not
-/// pay.
+/// body(i) for i in [0, count); after an exception no further i is begun, and the first one is thrown again
+/// when all threads have ended. The threads are started anew: some 20 us, where one evaluation of tracks
+/// takes milliseconds, so that a pool would not pay.
 template <class Body>
 void parallel_for(std::size_t count, int threads, const Body& body) {
   if (threads <= 1 || count <= 1) {
@@ -30,6 +30,7 @@ void parallel_for(std::size_t count, int threads, const Body& body) {
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!error) error = std::current_exception();
+        next = count;
       }
     }
   };

@@ -97,6 +97,8 @@ const std::map<std::string, Rooms> kMayUse = {
     {"apps/recording", {"apps/files", "apps/text", "apps/program"}},
     {"apps/measuring", {"apps/files", "apps/text", "apps/program"}},
     {"apps/campaign", {"apps/measuring", "apps/files", "apps/text", "apps/program"}},
+    {"apps/simulating", {"apps/files/sweeps", "apps/files", "apps/text", "apps/program"}},
+    {"apps/fitting", {"apps/campaign", "apps/recording", "apps/files", "apps/program"}},
     {"apps/figures", {"apps/text", "apps/program"}},
     {"apps/page/assets", {}},
     {"apps/page", {"apps/page/assets", "apps/figures", "apps/text"}},
@@ -131,8 +133,7 @@ const std::map<std::string, Rooms> kMayUse = {
       "apps/figures", "apps/text"}},
     {"apps/usage", {"apps/text"}},
     {"apps/doctor", {"apps/figures", "apps/text", "apps/program"}},
-    {"apps/survey",
-     {"apps/page", "apps/page/assets", "apps/files", "apps/text", "apps/program"}},
+    {"apps/survey", {"apps/page", "apps/page/assets", "apps/files", "apps/text", "apps/program"}},
     {"apps/pipeline",
      {"apps/report", "apps/campaign", "apps/recording", "apps/files", "apps/text", "apps/program"}},
     {"apps/watch", {"apps/survey", "apps/files", "apps/text", "apps/program"}},
@@ -140,8 +141,13 @@ const std::map<std::string, Rooms> kMayUse = {
      {"apps/bench/claims", "apps/page", "apps/page/assets", "apps/figures", "apps/files/sweeps", "apps/files",
       "apps/text"}},
     {"apps/commands",
-     {"apps/usage", "apps/doctor", "apps/watch", "apps/pipeline", "apps/survey", "apps/paper", "apps/bench/page", "apps/bench/peers", "apps/bench/vision", "apps/report",
-      "apps/page/assets", "apps/figures", "apps/campaign", "apps/recording", "apps/measuring",
+     {"apps/usage",       "apps/doctor",     "apps/watch",        "apps/pipeline",     "apps/survey",
+      "apps/paper",       "apps/bench/page", "apps/bench/peers",  "apps/bench/vision", "apps/report",
+      "apps/page/assets", "apps/figures",    "apps/fitting",      "apps/campaign",     "apps/recording",
+      "apps/measuring",   "apps/simulating", "apps/files/sweeps", "apps/files",        "apps/text",
+      "apps/program"}},
+    {"apps/python",
+     {"apps/fitting", "apps/campaign", "apps/recording", "apps/measuring", "apps/simulating",
       "apps/files/sweeps", "apps/files", "apps/text", "apps/program"}},
     {"apps/main.cpp", {"apps/commands", "apps/program", "apps/text"}},
 };
@@ -262,6 +268,7 @@ TEST(Structure, LibrariesOfOthersStayWhereTheyBelong) {
     const bool of_fitting = header.starts_with("ceres/");
     const bool of_peers = header.starts_with("boost/numeric/odeint") || header.starts_with("cvode/") ||
                           header.starts_with("nvector/") || header.starts_with("sun");
+    const bool of_python = header.starts_with("pybind11/");
     const bool hidden =
         of_pictures || of_fitting || header.starts_with("boost/") || header.starts_with("fmt/");
     const std::string room = source.room();
@@ -269,6 +276,7 @@ TEST(Structure, LibrariesOfOthersStayWhereTheyBelong) {
         << place(source, line) << " includes " << header;
     EXPECT_TRUE(!of_fitting || source.library() == "fit") << place(source, line) << " includes " << header;
     EXPECT_TRUE(!of_peers || room == "apps/bench/peers") << place(source, line) << " includes " << header;
+    EXPECT_TRUE(!of_python || room == "apps/python") << place(source, line) << " includes " << header;
     // Who links a library must not need the headers of what it hides.
     EXPECT_FALSE(source.is_public() && hidden) << place(source, line) << " includes " << header;
   });

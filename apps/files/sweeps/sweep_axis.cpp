@@ -38,7 +38,16 @@ std::vector<double> listed_values(const std::string& text, std::string_view list
 
 }  // namespace
 
-SweepAxis::SweepAxis(const std::string& text) {
+SweepAxis::SweepAxis(std::string name, std::vector<double> values)
+    : name_(std::move(name)), text_(name_), count_(values.size()), listed_(std::move(values)) {
+  if (listed_.empty()) throw UsageError(fmt::format("--over {}: has no values", name_));
+  for (const double value : listed_) {
+    if (!std::isfinite(value)) throw UsageError(fmt::format("--over {}: {} is no value", name_, value));
+    refuse_degrees(text_, name_, value);
+  }
+}
+
+SweepAxis::SweepAxis(const std::string& text) : text_(text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos) refuse(text);
   name_ = text.substr(0, equals);
@@ -71,13 +80,11 @@ double SweepAxis::value(std::size_t k) const {
   return from_ + (to_ - from_) * static_cast<double>(k) / static_cast<double>(count_ - 1);
 }
 
-std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
-  if (texts.empty() || texts.size() > 2)
+void require_sweepable(const std::vector<SweepAxis>& axes) {
+  if (axes.empty() || axes.size() > 2)
     throw UsageError(
         "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
-  std::vector<SweepAxis> axes;
-  for (const auto& text : texts) axes.emplace_back(text);
-  if (axes.size() == 1) return axes;
+  if (axes.size() == 1) return;
   if (axes[0].name() == axes[1].name())
     throw UsageError(
         fmt::format("--over names {} twice; give another parameter for the second axis", axes[0].name()));
@@ -90,7 +97,13 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
   if (total > kMostScenarios)
     throw UsageError(fmt::format(
         "--over {} --over {}: {:.0f} scenarios, at most {:.0f} are solved at once; lower the counts",
-        texts[0], texts[1], total, kMostScenarios));
+        axes[0].text(), axes[1].text(), total, kMostScenarios));
+}
+
+std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
+  std::vector<SweepAxis> axes;
+  for (const auto& text : texts) axes.emplace_back(text);
+  require_sweepable(axes);
   return axes;
 }
 

@@ -18,12 +18,16 @@ class SweepAxis {
  public:
   /// Throws UsageError where the text does not read.
   explicit SweepAxis(const std::string& text);
+  /// Throws UsageError without values, and for an angle that is none.
+  SweepAxis(std::string name, std::vector<double> values);
   const std::string& name() const { return name_; }
+  /// As given; of listed values the name.
+  const std::string& text() const { return text_; }
   std::size_t count() const { return count_; }
   double value(std::size_t k) const;
 
  private:
-  std::string name_;
+  std::string name_, text_;
   double from_ = 0, to_ = 0;
   std::size_t count_ = 0;
   std::vector<double> listed_;  ///< empty: evenly from `from_` to `to_`
@@ -32,6 +36,8 @@ class SweepAxis {
 /// One or two axes. Throws UsageError for any other number, for two that mean the same, and for more than
 /// kMostScenarios.
 std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts);
+/// The same checks of axes that are there.
+void require_sweepable(const std::vector<SweepAxis>& axes);
 
 /// A scenario and its axes as a row of scenarios, the last axis running fastest.
 class Sweep {

@@ -83,5 +83,32 @@ TEST(StrictToml, NearestWordIsNearOrNothing) {
   EXPECT_EQ(nearest_word("zzzz", {"phi_rad", "mu1"}), "");
 }
 
+TEST(StrictToml, AnObjectStandsInPlaceOfAFile) {
+  StrictTable t = StrictTable::of(Json::parse(R"({"phi_rad": "pi/2", "cycles": 20, "fit": {"mu1": 0.5},
+      "on": true, "disc": [1, 2.5, 3], "run": [{"a": 1}, {"a": "b"}]})"),
+                                  "campaign");
+  EXPECT_DOUBLE_EQ(*t.angle("phi_rad"), std::numbers::pi / 2);
+  EXPECT_EQ(*t.integer("cycles"), 20);
+  EXPECT_EQ(*t.boolean("on"), true);
+  EXPECT_EQ(*t.numbers("disc", 3), (std::vector{1, 2.5, 3}));
+  StrictTable fit = *t.table("fit");
+  EXPECT_EQ(*fit.number("mu1"), 0.5);
+  EXPECT_EQ(complaint([&] { fit.integer("mu1"); }),
+            "campaign: `mu1` in [fit] must be a whole number, not 0.5");
+  std::vector<StrictTable> runs = t.tables("run");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(complaint([&] { runs[1].number("a"); }),
+            "campaign, run 2: `a` in [[run]] must be a number, not the text \"b\"");
+}
+
+TEST(StrictToml, AnObjectHoldsWhatAFileCould) {
+  EXPECT_EQ(complaint([] { StrictTable::of(Json::parse(R"({"a": [1, null]})"), "c"); }),
+            "c: `a` must be a number, a text, a list or a table");
+  std::string deep = "1";
+  for (int k = 0; k < 40; ++k) deep = "[" + deep + "]";
+  EXPECT_EQ(complaint([&] { StrictTable::of(Json::parse("{\"a\": " + deep + "}"), "c"); }),
+            "c: `a` is nested too deeply");
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "apps/program/errors.h"
@@ -34,6 +35,16 @@ TEST(SweepAxis, WhatDoesNotReadIsRefused) {
        {"", "phi_rad", "phi_rad=", "phi_rad=1", "phi_rad=0:1", "phi_rad=0,", "phi_rad=0,x", "phi_rad=,1",
         "phi_rad=0:1:0", "phi_rad=0:1:2.5", "phi_rad=0,90", "phi_rad=0:90:3"})
     EXPECT_THROW(SweepAxis{text}, UsageError) << text;
+}
+
+TEST(SweepAxis, ValuesInMemoryAreListed) {
+  const SweepAxis axis("dtau_rad", {0.5, pi, 1});
+  EXPECT_EQ(axis.name(), "dtau_rad");
+  ASSERT_EQ(axis.count(), 3u);
+  EXPECT_EQ(axis.value(1), pi);
+  EXPECT_THROW(SweepAxis("dtau_rad", {}), UsageError);
+  EXPECT_THROW(SweepAxis("dtau_rad", {90}), UsageError);
+  EXPECT_THROW(SweepAxis("mu1", {std::nan("")}), UsageError);
 }
 
 TEST(Sweep, TheLastAxisRunsFastest) {

@@ -1,0 +1,33 @@
+// What `measure` makes of one track: the motion of a driven part, or a free slide.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/files/track_file.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+/// Each a flag of the command line and a keyword in Python; empty: not given.
+struct MeasureChoices {
+  std::optional<double> omega_rad_s, epsilon_rad, cycles;
+  std::optional<double> gravity_m_s2;  ///< of a free slide
+  bool free_slide = false;             ///< else where no drive is given or seen
+};
+
+struct TrackMeasurement {
+  Json json;         ///< the object `measure --json` prints
+  std::string text;  ///< the same for people
+  std::vector<std::string> warnings;
+  Json configuration;   ///< for the meta file
+  std::string failure;  ///< what fails its quality gate; empty: nothing
+};
+
+/// `name` begins messages. Throws UsageError for choices that are out of range or contradict each other,
+/// InvalidInput and fit::DataError where the track does not show what is asked for.
+TrackMeasurement measure_track(const std::string& name, const TrackFile& track,
+                               const MeasureChoices& choices);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,217 @@
+// track(): a recording, or frames in memory.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "apps/files/track_rows.h"
+#include "apps/program/context.h"
+#include "apps/program/errors.h"
+#include "apps/python/doors.h"
+#include "apps/python/errors.h"
+#include "apps/python/released.h"
+#include "apps/python/tables.h"
+#include "apps/python/values.h"
+#include "apps/recording/track_choices.h"
+#include "apps/recording/track_recording.h"
+#include "apps/text/output_file.h"
+#include "vision/frame_source.h"
+#include "vision/overlay.h"
+
+namespace tribotrack::python {
+
+namespace py = pybind11;
+using apps::UsageError;
+
+namespace {
+
+std::optional<std::int64_t> frame_number(const py::handle& value) {
+  if (value.is_none()) return std::nullopt;
+  const double number = number_of("frames", value);
+  if (number != std::floor(number))
+    throw UsageError(fmt::format("--frames must hold the recording's own image numbers, not {}", number));
+  return static_cast<std::int64_t>(number);
+}
+
+void set_frames(apps::TrackChoices& choices, const py::object& frames) {
+  if (frames.is_none()) return;
+  if (py::isinstance<py::str>(frames) || PySequence_Check(frames.ptr()) == 0 || py::len(frames) != 2)
+    throw UsageError(
+        "--frames must be (first, last) in the recording's own image numbers, either of which may be None");
+  choices.first_frame = frame_number(frames[py::int_(0)]);
+  choices.last_frame = frame_number(frames[py::int_(1)]);
+}
+
+std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {
+  const py::object marker = member(options, "marker");
+  if (marker.is_none()) return std::nullopt;
+  if (py::isinstance<py::str>(marker)) {
+    if (const auto named = apps::marker_named(marker.cast<std::string>())) return named;
+    throw UsageError(fmt::format(
+        "--marker must be (x, y, radius) in pixels, \"auto\", \"texture\" or \"none\", not \"{}\"",
+        marker.cast<std::string>()));
+  }
+  return vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *circle_in(options, "marker")};
+}
+
+std::optional<vision::Rect> rectangle_in(const py::dict& options) {
+  const py::object value = member(options, "template");
+  if (value.is_none()) return std::nullopt;
+  const auto v =
+      numbers_of("template", value, 4, "(x, y, width, height) in whole pixels, such as (100, 40, 41, 41)");
+  for (const double number : v)
+    if (number != std::floor(number) || std::abs(number) > 1e9)
+      throw UsageError("--template must be whole pixels");
+  return vision::Rect{static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]),
+                      static_cast<int>(v[3])};
+}
+
+apps::TrackChoices choices_of(const py::dict& options) {
+  apps::TrackChoices choices;
+  choices.fps = number_in(options, "fps");
+  choices.fps_reason = text_in(options, "fps_reason");
+  choices.mm_per_px = number_in(options, "mm_per_px");
+  choices.disc_diameter_mm = number_in(options, "disc_diameter_mm");
+  choices.calibration = text_in(options, "calibration");
+  choices.height_mm = number_in(options, "height_mm");
+  choices.working_distance_mm = number_in(options, "working_distance_mm");
+  choices.xi_axis_rad = number_in(options, "xi_axis_rad");
+  choices.config = text_in(options, "config");
+  choices.disc = circle_in(options, "disc");
+  choices.gate = circle_in(options, "gate");
+  choices.rectangle = rectangle_in(options);
+  choices.marker = marker_in(options);
+  choices.layers = text_in(options, "layers");
+  choices.rehearse = truth_in(options, "rehearse");
+  set_frames(choices, member(options, "frames"));
+  return choices;
+}
+
+/// The levels of an array where they lie. Throws UsageError for what is no stack of grey pictures.
+vision::FrameStack stack_of(const py::buffer_info& buffer) {
+  const std::string expected =
+      "frames must be an array of uint8 or uint16 grey levels of the shape (frames, height, width)";
+  if (buffer.ndim != 3)
+    throw UsageError(fmt::format("{}, not of {} dimensions{}", expected, buffer.ndim,
+                                 buffer.ndim == 4 ? ": make grey of colour first" : ""));
+  std::string format = buffer.format;
+  if (format.size() == 2 && (format[0] == '@' || format[0] == '=' || format[0] == '|' ||
+                             format[0] == (std::endian::native == std::endian::little ? '<' : '>')))
+    format.erase(0, 1);
+  if (format != "B" && format != "H")
+    throw UsageError(
+        fmt::format("{}, not of the type \"{}\": convert them with .astype", expected, buffer.format));
+  for (const py::ssize_t count : buffer.shape)
+    if (count < 1 || count > 1'000'000'000)
+      throw UsageError(
+          fmt::format("{}, not ({}, {}, {})", expected, buffer.shape[0], buffer.shape[1], buffer.shape[2]));
+  return {buffer.ptr,
+          format == "B" ? 1 : 2,
+          buffer.shape[0],
+          static_cast<int>(buffer.shape[2]),
+          static_cast<int>(buffer.shape[1]),
+          buffer.strides[0],
+          buffer.strides[1],
+          buffer.strides[2]};
+}
+
+struct Files {
+  std::string output, overlay;
+};
+
+Files files_in(const py::dict& options, const std::string& source, const apps::TrackChoices& choices) {
+  Files files{text_in(options, "output"), text_in(options, "overlay")};
+  std::vector<apps::Output> outputs;
+  if (!files.output.empty()) outputs.push_back({files.output});
+  if (!files.overlay.empty()) outputs.push_back({files.overlay, apps::Content::pictures});
+  if (outputs.empty()) return files;
+  std::vector<std::filesystem::path> inputs;
+  if (!source.empty()) inputs = apps::files_of_input(source);
+  for (const std::string& file : {choices.config, choices.calibration})
+    if (!file.empty()) inputs.emplace_back(file);
+  apps::require_writable(outputs, inputs);
+  if (!files.overlay.empty()) vision::require_overlay_name(files.overlay);
+  return files;
+}
+
+/// What tracking hands to Python.
+struct Tracked {
+  apps::TrackRows rows;
+  apps::Json meta;
+  std::string failure;  ///< of its quality gate
+};
+
+Tracked finished(const apps::PreparedJob& prepared, apps::TrackedRecording recording, const Files& files) {
+  if (!files.overlay.empty()) apps::write_overlay_file(files.overlay, recording);
+  if (!files.output.empty()) apps::write_track(files.output, prepared, recording);
+  apps::Json meta = apps::meta_of(prepared, recording).json();
+  std::string failure = apps::gate_failure(prepared.job, recording.result.summary);
+  return {std::move(recording.rows), std::move(meta), std::move(failure)};
+}
+
+Tracked track_file(apps::RecordingJob job, const Files& files, const Tell& tell) {
+  job.track.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
+  return reading(vision::is_number_pattern(job.video) ? "." : job.video, [&] {
+    const apps::PreparedJob prepared = apps::prepare(job);
+    std::optional<std::filesystem::path> beside;
+    if (!files.output.empty()) beside = files.output;
+    return finished(prepared, apps::track_recording(prepared, beside), files);
+  });
+}
+
+Tracked track_stack(apps::RecordingJob job, const vision::FrameStack& stack, int bits, const Files& files,
+                    const Tell& tell) {
+  job.track.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
+  const apps::PreparedJob prepared = apps::prepare_in_memory(job);
+  auto source = std::make_unique<vision::StackSource>(stack, *job.frame_rate_hz, bits);
+  return finished(prepared, apps::track_recording(prepared, std::move(source)), files);
+}
+
+int bits_of(const py::dict& options, const vision::FrameStack& stack) {
+  const auto given = whole_in(options, "bits");
+  const int most = 8 * stack.bytes_per_level;
+  if (given && (*given < 1 || *given > most))
+    throw UsageError(fmt::format("--bits must be 1 to {} for levels of {} bytes, not {}", most,
+                                 stack.bytes_per_level, *given));
+  return static_cast<int>(given.value_or(most));
+}
+
+}  // namespace
+
+py::dict track(const py::object& source, const py::dict& options, const py::object& progress) {
+  const apps::TrackChoices choices = choices_of(options);
+  apps::Context context;
+  context.threads = static_cast<int>(whole_in(options, "threads").value_or(0));
+  const bool file = py::isinstance<py::str>(source) || py::hasattr(source, "__fspath__");
+  const std::string name = file ? path_of(source) : "";
+  const Files files = files_in(options, name, choices);
+  apps::RecordingJob job = apps::job_of(file ? name : "frames in memory", choices);
+  job.track.threads = apps::threads_to_use(context);
+  Tracked result;
+  if (file) {
+    if (!member(options, "bits").is_none()) throw UsageError("--bits belongs to frames in memory");
+    result =
+        released<Tracked>([job, files](const Tell& tell) { return track_file(job, files, tell); }, progress);
+  } else {
+    if (PyObject_CheckBuffer(source.ptr()) == 0)
+      throw UsageError(fmt::format("the source must be a path or an array of frames, not {}",
+                                   Py_TYPE(source.ptr())->tp_name));
+    const auto buffer =
+        std::make_shared<py::buffer_info>(py::reinterpret_borrow<py::buffer>(source).request());
+    const vision::FrameStack stack = stack_of(*buffer);
+    const int bits = bits_of(options, stack);
+    if (!job.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+    result = released<Tracked>(
+        [job, stack, bits, files](const Tell& tell) { return track_stack(job, stack, bits, files, tell); },
+        progress, buffer);
+  }
+  if (!result.failure.empty()) warn_of_quality(result.failure);
+  py::dict dict = columns_of(result.rows);
+  dict["meta"] = to_python(result.meta);
+  return dict;
+}
+
+}  // namespace tribotrack::python

@@ -1,0 +1,175 @@
+"""simulate() and sweep() are the program's commands, number for number."""
+
+import csv
+import inspect
+import json
+import re
+import unittest
+
+import numpy as np
+from program import SOURCE, ProgramTest
+
+import tribotrack
+from tribotrack import _core
+
+
+class Simulate(ProgramTest):
+    CONDITIONS = [
+        {},
+        {"dtau_rad": "pi/3", "phi_rad": "pi/2", "mu1": 0.12, "mu2": 0.02, "cycles": 7.5},
+        {"mu1_over_mu2": 5, "dtau_rad": 1.25, "lag_rad": 0.2, "amplitude_mm": 0.31, "amplitude_y_mm": 0.29},
+        {"omega_rad_s": 45, "epsilon_rad": "-pi/2", "dtau_rad": "90deg", "tilt_x_rad": 0.002, "start": "steady"},
+        {"velocity_x_mm_s": 10, "velocity_y_mm_s": -4, "start_phase_rad": 1, "gravity_m_s2": 9.8, "cycles": 3},
+        {"mu1": 0, "cycles": 2, "samples_per_cycle": 7},
+    ]
+
+    def flags(self, conditions):
+        return [f"--{name.replace('_', '-')}={value}" for name, value in conditions.items()]
+
+    def test_results_are_those_of_the_program(self):
+        for conditions in self.CONDITIONS:
+            with self.subTest(conditions):
+                said = self.printed("simulate", *self.flags(conditions))
+                run = tribotrack.simulate(**conditions)
+                self.assertEqual({name: run[name] for name in said}, said)
+
+    def test_arrays_are_the_programs_table(self):
+        for conditions in self.CONDITIONS:
+            with self.subTest(conditions):
+                done = self.run_program("simulate", *self.flags(conditions), "-o", "-", "--quiet")
+                rows = list(csv.DictReader(done.stdout.splitlines()))
+                run = tribotrack.simulate(**conditions)
+                for name in rows[0]:
+                    column = [row[name] if name == "state" else float(row[name]) for row in rows]
+                    np.testing.assert_array_equal(run[name], column, name)
+
+    def test_a_scenario_file_is_overridden_by_keywords(self):
+        file = SOURCE / "data/figure7a.toml"
+        said = self.printed("simulate", file, "--phi-rad=1")
+        run = tribotrack.simulate(file, phi_rad=1)
+        self.assertEqual({name: run[name] for name in said}, said)
+        self.assertEqual(tribotrack.simulate(scenario=str(file), phi_rad=1)["alpha_rad"], run["alpha_rad"])
+
+    def test_defaults_are_those_of_its_documentation(self):
+        told = {"mu1": 0.1, "mu2": 0.0125, "amplitude_mm": 0.28, "omega_rad_s": 62.8, "gravity_m_s2": 9.81}
+        for name, value in told.items():
+            self.assertIn(f"{name} = {value}", tribotrack.simulate.__doc__)
+        whole = tribotrack.simulate(epsilon_rad="pi/2", dtau_rad=0, cycles=20, start="rest", samples_per_cycle=100, **told)
+        default = tribotrack.simulate()
+        np.testing.assert_allclose(default["x_mm"], whole["x_mm"], rtol=0, atol=1e-10)  # 0.28 mm and 0.28e-3 m differ in a bit
+        pulsed = tribotrack.simulate(dtau_rad=1)
+        np.testing.assert_array_equal(pulsed["x_mm"], tribotrack.simulate(dtau_rad=1, mu2=0.0125)["x_mm"])
+
+    def test_the_order_of_the_amplitudes_does_not_matter(self):
+        one = tribotrack.simulate(amplitude_mm=0.3, amplitude_y_mm=0.2, cycles=2)
+        other = tribotrack.simulate(amplitude_y_mm=0.2, amplitude_mm=0.3, cycles=2)
+        self.assertEqual(one["end_y_mm"], other["end_y_mm"])
+
+    def test_messages_are_the_programs_with_keywords_for_flags(self):
+        for conditions, said in [
+            ({"mu1": -1}, "mu1"),
+            ({"mu2": 0.1, "mu1_over_mu2": 8}, "mu2 and mu1_over_mu2 mean the same; give one of them"),
+            ({"phi_rad": 300}, "phi_rad"),
+            ({"start": "walking"}, "rest, circling, steady"),
+            ({"samples_per_cycle": 0}, "samples_per_cycle must be between 1 and 1000000"),
+            ({"phi_rad": "a third"}, "phi_rad must be an angle"),
+            ({"mu1": "much"}, "mu1 must be a finite number, not 'much'"),
+            ({"cycles": 1e9}, "lower cycles or samples_per_cycle"),
+        ]:
+            with self.subTest(conditions), self.assertRaises(tribotrack.InputError) as refused:
+                tribotrack.simulate(**conditions)
+            self.assertIn(said, str(refused.exception))
+            self.assertNotIn("--", str(refused.exception))
+        with self.assertRaises(tribotrack.MissingFileError) as missing:
+            tribotrack.simulate("no such.toml")
+        self.assertIsInstance(missing.exception, FileNotFoundError)
+        self.assertIsInstance(missing.exception, ValueError)
+        self.assertIn("no such.toml: there is no such file", str(missing.exception))
+
+
+class Sweep(ProgramTest):
+    def test_a_grid_is_the_programs_table(self):
+        over = {"phi_rad": np.linspace(0, 6, 5), "dtau_rad": np.array([0, 0.5, 1.0, 2.5])}
+        given = [f"--over={name}={','.join(repr(float(v)) for v in values)}" for name, values in over.items()]
+        done = self.run_program("sweep", SOURCE / "data/figure7a.toml", *given, "-o", "s.csv", "--json", "--quiet")
+        said = json.loads(done.stdout)
+        swept = tribotrack.sweep(SOURCE / "data/figure7a.toml", over=over)
+        for name in ("alpha_rad", "v_mm_s", "steady_alpha_rad", "steady_v_mm_s"):
+            self.assertEqual(swept[name].shape, (5, 4))
+            np.testing.assert_array_equal(swept[name].ravel(), np.array(said[name], float), name)
+        for name, values in over.items():
+            np.testing.assert_array_equal(swept[name], values)
+
+    def test_conditions_are_simulates(self):
+        conditions = {"mu1": 0.12, "dtau_rad": "pi/4", "cycles": 5, "start": "steady"}
+        swept = tribotrack.sweep(over={"phi_rad": [0, 1, 2]}, threads=1, **conditions)
+        for k, phi in enumerate([0, 1, 2]):
+            run = tribotrack.simulate(phi_rad=phi, **conditions)
+            self.assertAlmostEqual(swept["alpha_rad"][k], run["alpha_rad"], delta=1e-10)
+            self.assertAlmostEqual(swept["v_mm_s"][k], run["v_mm_s"], delta=1e-9)
+
+    def test_the_scenarios_own_axes_are_taken(self):
+        self.assertEqual(tribotrack.sweep(SOURCE / "data/figure7a.toml")["phi_rad"].shape, (73,))
+
+    def test_refusals_name_the_remedy(self):
+        for over, said in [
+            ({}, "one or two"),
+            ({"phi_rad": []}, "has no values"),
+            ({"ph_rad": [1]}, 'did you mean "phi_rad"?'),
+            ({"mu1": [0.1], "mu2": [0.1], "phi_rad": [1]}, "one or two"),
+            ({"mu2": [0.1], "mu1_over_mu2": [8]}, "mean the same"),
+            ({"mu1": [0.1, -1]}, "mu1"),
+            ({"phi_rad": [0, 360]}, "phi_rad"),
+            (None, "one or two"),
+        ]:
+            with self.subTest(over), self.assertRaises(tribotrack.InputError) as refused:
+                tribotrack.sweep(over=over)
+            self.assertIn(said, str(refused.exception))
+
+    def test_progress_is_told_to_the_end(self):
+        told = []
+        tribotrack.sweep(
+            over={"phi_rad": np.linspace(0, 6, 300), "dtau_rad": np.linspace(0.1, 3, 100)},
+            progress=lambda *now: told.append(now),
+        )
+        self.assertEqual(told[-1], ("sweep", 60000, 60000))
+
+
+class Keywords(ProgramTest):
+    """Every flag of a command is a keyword here, and no other."""
+
+    FOR_THE_SHELL = {"help", "quiet", "threads", "version", "json", "explain", "output"}
+    # What only pictures on disk show, and what stands in place of a flag.
+    NOT_HERE = {"track": {"debug", "debug_frames"}, "fit": {"require_all"}}
+    ONLY_HERE = {
+        "simulate": {"scenario", "spin_rad_s", "radius_mm", "spin_inertia"},
+        "sweep": {"scenario", "start", "conditions"},
+        "track": {"source", "bits"},
+        "measure": {"track"},
+        "fit": {"campaign", "conditions"},
+    }
+
+    def test_keywords_are_the_flags(self):
+        for command, own in self.ONLY_HERE.items():
+            with self.subTest(command):
+                told = self.run_program(command, "--help").stdout
+                flags = {name.replace("-", "_") for name in re.findall(r"--([a-z][a-z0-9-]*)", told)}
+                if command == "sweep":
+                    flags &= {"over"}  # its help names the quantities
+                keywords = set(inspect.signature(getattr(tribotrack, command)).parameters)
+                self.assertEqual(
+                    flags - self.FOR_THE_SHELL - self.NOT_HERE.get(command, set()),
+                    keywords - own - {"threads", "progress", "output"},
+                )
+
+    def test_simulate_takes_every_quantity_of_a_scenario(self):
+        self.assertLessEqual(
+            set(_core.scenario_parameter_names()), set(inspect.signature(tribotrack.simulate).parameters)
+        )
+
+    def test_the_version_is_the_programs(self):
+        self.assertEqual(self.run_program("--version").stdout, f"tribotrack {tribotrack.__version__}\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
