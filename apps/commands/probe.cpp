@@ -7,6 +7,8 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/traces/scope_file.h"
+#include "apps/measuring/trace_look.h"
 #include "apps/program/streams.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
@@ -159,12 +161,19 @@ void add_probe(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
   auto fps = std::make_shared<std::optional<double>>();
   CLI::App& command = *app.add_subcommand(
-      "probe", "Describe a recording: size, depth, frames, and where its frame rate comes from");
-  command.add_option("VIDEO", *video, "The recording")->required();
+      "probe",
+      "Describe a recording: size, depth, frames, and where its frame rate comes from; or an oscilloscope's "
+      "trace: layout, channels, sampling, and the lines of [scope] for it");
+  command.add_option("VIDEO", *video, "The recording, or the trace (.csv, .txt)")->required();
   add_number(command, "--fps", *fps, "Override the frame rate, to see what follows from it");
   command.add_flag("--json", *json, "Print one JSON object");
-  add_common(command, context, "  tribotrack probe phi000.cine");
+  add_common(command, context, "  tribotrack probe phi000.cine\n  tribotrack probe trace.csv");
   command.callback([video, json, fps] {
+    if (may_be_trace(*video)) {
+      const ScopeFile trace = read_scope_file(*video);
+      print_text(*json ? text_of(trace_json(trace)) : trace_text(trace));
+      return;
+    }
     const auto source = vision::open_source(*video, {*fps});
     vision::SourceInfo info = source->info();
     const double pixels = static_cast<double>(info.width) * info.height;
