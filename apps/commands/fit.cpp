@@ -10,6 +10,7 @@
 #include "apps/commands/command.h"
 #include "apps/commands/wrong_usage.h"
 #include "apps/files/run_folder.h"
+#include "apps/files/tracks/any_track.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/job.h"
@@ -33,6 +34,7 @@ struct FitCommandOptions {
 /// The track of a run: from the folder the user names, else made here.
 std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run,
                                   const FitCommandOptions& options, const FramesDone& frames_done) {
+  if (run.track) return read_any_track(*run.track, run.reading);
   if (!run.video) return std::nullopt;
   if (!options.tracks.empty()) return read_track_file(RunFolder::track_in(options.tracks, run.name));
   PreparedJob job = prepare(job_for(campaign, run));

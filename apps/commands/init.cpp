@@ -54,7 +54,7 @@ diameter_mm = 6.0               # sets the scale, unless mm_per_px is given
 # marker = "texture"            # without marker_px: by the platform's own texture (as by itself where that moves); "auto": a round mark, else texture; "none"
 # gate_px = [30, 30, 6]         # a lamp that is lit while the actuator is on: phi and dtau are measured from it
 
-# [scope]                       # for runs with `scope = "trace.csv"` (Rigol DS1000Z, DS1102E, MSO5000 layouts)
+# [scope]                       # for runs with `scope = "trace.csv"`; `tribotrack probe trace.csv` prints these lines
 # sensor_channel = 1            # reference pulses of the platform's phase sensor; 0 = none
 # actuator_channel = 2          # the bursts that drive the actuator; 0 = none
 # carrier_hz = 5890
@@ -93,6 +93,24 @@ dtau_rad = "pi/3"
 video = "phi000_dtau120.cine"
 phi_rad = 0
 dtau_rad = "2pi/3"
+
+# alpha and v from a spreadsheet: each line, or all lines of one point, becomes a run. Columns phi_deg, dtau_deg, alpha_deg,
+# v_mm_s (or phi_rad, v_m_s, ...), alpha_sd_deg, v_sd_mm_s where they are known; separated by , ; or tabs
+# [data]
+# table = "alpha_v.csv"         # or a list of them
+# alpha_sd_rad = "2deg"         # of the lines that have none; else repeats of a point tell
+# v_sd_mm_s = 0.1
+# track_unit = "mm"             # of tracks whose columns name none; likewise track_y, track_point, track_mark
+
+# The track of another program (Tracker, Kinovea, DLTdv, trackpy, or columns t_s, x_mm, y_mm), or one of `tribotrack track`:
+# [[run]]
+# track = "tracker.txt"
+# track_unit = "mm"             # px (with mm_per_px), um, mm, cm, m
+# track_y = "up"                # where its y points, if not down in pixels and up in lengths
+# track_point = "mass A"        # which of its points is the part, where there are several
+# track_mark = "mass B"         # and which is fixed to the platform, if one is
+# phi_rad = 0
+# dtau_rad = "pi/3"
 
 # A run measured elsewhere needs no video:
 # [[run]]
