@@ -446,6 +446,11 @@ fs::path campaign_file(const fs::path& given) {
         "{}: a campaign is not read from standard input: what it names lies relative to its file; give "
         "a file",
         given.string()));
+  if (given.extension() == ".csv" && fs::is_regular_file(given))
+    throw InvalidInput(fmt::format(
+        "{}: is a table, not a campaign; write a campaign with [platform] and, if it holds alpha and v, "
+        "[data] table = \"{}\", or, if it is a track, a [[run]] with track = \"{}\"",
+        given.string(), given.filename().string(), given.filename().string()));
   if (!fs::is_directory(given)) return given;
   if (fs::exists(given / "campaign.toml")) return given / "campaign.toml";
   throw InvalidInput(fmt::format(

@@ -105,6 +105,7 @@ class Reader {
       look_at_line();
     }
     if (table_.line() == 0) table_.fail("the file is empty; export the trace again");
+    if (!header_.names.empty() && header_.time) return header_;  // and no numbers below
     throw InvalidInput(fmt::format(
         "{}:1: is not a known oscilloscope layout: no line above numbers names a time and a channel; {}",
         table_.path().string(), kScopeLayouts));

@@ -40,9 +40,9 @@ void require_text(const fs::path& path, const std::string& text) {
           : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it"));
 }
 
+/// A folder, or nothing at all, is refused as a track of ours is.
 std::string text_of_track(const fs::path& path) {
-  if (!fs::is_regular_file(path))
-    throw InvalidInput(fmt::format("{}: there is no such track; check `track`", path.string()));
+  if (!fs::is_regular_file(path)) read_track_file(path);
   std::string text = read_text(path);
   require_text(path, text);
   return text;
