@@ -7,7 +7,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "fit/measurement.h"
 
@@ -43,5 +45,51 @@ Estimate combined(const Estimate& first, const Estimate& second);
 /// Quantities known together, told one of them once more: values + k (seen - value_i), covariance - k c_i',
 /// k = c_i / (c_ii + sd^2), c_i column i of the covariance (one step of a Kalman filter).
 void take_in(Eigen::VectorXd& values, Eigen::MatrixXd& covariance, Eigen::Index i, const Estimate& seen);
+
+/// A motion as alpha and v. An sd of 0: not known.
+struct AlphaV {
+  Estimate alpha;     ///< rad
+  Estimate velocity;  ///< m/s
+};
+
+/// One measurement of a point that others may repeat.
+struct PointMeasurement {
+  std::size_t point = 0;  ///< 0, 1, ...
+  AlphaV value;
+};
+
+/// The scatter of one measurement about its point, found from repeats.
+struct RepeatScatter {
+  double sd = 0;  ///< 0: not needed, or not known
+  /// sd is a share of the velocity (of alpha: rad), else m/s.
+  bool relative = false;
+  std::size_t dof = 0;  ///< measurements less points
+};
+
+/// Points with their repeats pooled.
+struct PooledPoints {
+  std::vector<AlphaV> points;   ///< an sd is 0 where none was given and no point was measured twice
+  RepeatScatter along, across;  ///< of the velocity vector: of v, and of alpha
+  double widened = 1;           ///< by Student's t, at most, in the sds that come from the scatter
+  double chi2 = 0;              ///< of the repeats about their means, where sds were given
+  std::size_t chi2_dof = 0;
+  double p_value = 1;
+  double scattered = 1;  ///< by which all sds are larger where chi2 refuses them; else 1
+};
+
+/// The mean velocity vector of each point, so that directions on both sides of 0 = 2 pi are near each other.
+/// Along the point's plain mean, and across it, every measurement counts with 1/sd^2 (v sd(alpha) across).
+/// n measurements of one sd give sd / sqrt(n).
+///
+/// Where a measurement has no sd, that of all such measurements is the scatter of the repeats about their
+/// points' means, s^2 = sum (x - mean)^2 / dof, pooled over all points, along and across each: as one speed
+/// or as one share of each point's speed (across: one angle), whichever makes the repeats more likely. A fit
+/// counts an sd as known, with 1.96 of it on either side: s is widened by t(0.975, dof) / 1.96, which makes
+/// that Student's interval.
+///
+/// Where sds are given and chi2 of the repeats refuses them all are widened by sqrt(chi2 / dof), those of
+/// points measured once as well: they were measured in the same way. Throws std::invalid_argument where a
+/// value is no number, an sd or a velocity is negative, or a point below the highest has no measurement.
+PooledPoints pool_points(std::span<const PointMeasurement> measurements);
 
 }  // namespace tribotrack::fit

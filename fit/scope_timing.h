@@ -6,6 +6,7 @@
 //       std::printf("phi %g, dtau %g rad\n", gate.timing->phi.value, gate.timing->dtau.value);
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,5 +53,27 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
 /// phi and dtau from the bursts' edges by that clock: means over the bursts, with their scatter. `tie_sd`: s,
 /// how well the clock's time and the oscilloscope's are tied.
 GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clock, double tie_sd = 0);
+
+/// What a channel holds, for whoever must say which is which.
+struct ChannelLook {
+  enum class Kind {
+    quiet,    ///< a level, or nothing that repeats
+    pulses,   ///< one rise a turn, as a sensor's
+    bursts,   ///< a carrier that comes and goes, as an actuator's
+    carrier,  ///< one that never stops
+  };
+  Kind kind = Kind::quiet;
+  double low = 0, high = 0;       ///< V, the levels: 0.2 % of the samples lie beyond each
+  double least = 0, most = 0;     ///< V
+  double repeat_hz = 0;           ///< of pulses or bursts
+  std::size_t count = 0;          ///< of them
+  double carrier_hz = 0;          ///< of bursts and of a carrier
+  double samples_per_period = 0;  ///< of the carrier
+};
+
+/// From the rises through half the height, with a hysteresis of a tenth, if most are one interval apart: with
+/// far longer pauses between they are a carrier's, without a sensor's; or a carrier's that never stops, where
+/// they come faster than any platform turns (500 Hz).
+ChannelLook look_at_channel(const std::vector<double>& volts, double increment);
 
 }  // namespace tribotrack::fit

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "apps/campaign/own_errors.h"
-#include "apps/files/scope_file.h"
+#include "apps/files/traces/scope_file.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {
@@ -64,9 +64,13 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   const auto channel = [&](int number, const char* key) {
     if (number == 0) return std::vector<double>();
     if (static_cast<std::size_t>(number) > file.channels.size())
-      throw InvalidInput(fmt::format("{}:1: holds {} channel{}, but [scope] {} = {}", run.scope->string(),
-                                     file.channels.size(), file.channels.size() == 1 ? "" : "s", key,
-                                     number));
+      throw InvalidInput(
+          fmt::format("{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(),
+                      file.channels.size(), file.channels.size() == 1 ? "" : "s", key, number,
+                      file.layout == "Tektronix TDS"
+                          ? ": this oscilloscope writes a file for each; put their time and values side by "
+                            "side into one table under Time(s),CH1(V),CH2(V)"
+                          : ""));
     return file.channels[static_cast<std::size_t>(number) - 1];
   };
   fit::ScopeTrace trace{file.start_s, file.increment_s, channel(section.sensor_channel, "sensor_channel"),

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -285,6 +286,13 @@ std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector
   std::vector<std::string> warnings = repeated_text(runs);
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   warnings.insert(warnings.end(), campaign.warnings.begin(), campaign.warnings.end());
+  const auto estimated = std::ranges::count_if(
+      runs, [](const AnalysedRun& run) { return run.track && run.track->facts.sd_from_scatter; });
+  if (estimated > 0)
+    warnings.push_back(fmt::format(
+        "{} of {} runs are tracks without standard deviations: they are estimated from the scatter from "
+        "point to point, and the intervals do not count errors slower than that",
+        estimated, runs.size()));
   for (const AnalysedRun& run : runs)
     if (run.measurement)
       warnings.insert(warnings.end(), run.measurement->warnings.begin(), run.measurement->warnings.end());
@@ -325,6 +333,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   add_checks(result, mm_per_px, json);
   json["phase_reference"] = phase_reference(campaign, runs);
   json["warnings"] = warnings_of(campaign, runs, result);
+  if (!campaign.notes.empty()) json["notes"] = campaign.notes;
   return json;
 }
 

@@ -130,6 +130,7 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   stage.json = fit_json(campaign, runs, stage.result);
   add_to(stage.json, stage.shared.scale);
   add_to(stage.json, stage.shared.conditions);
+  for (const std::string& note : campaign.notes) say(context.quiet, "note: " + note);
   note_fewer_cycles(runs, context);
   return stage;
 }
@@ -138,6 +139,7 @@ MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& r
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {campaign.input};
+  meta.inputs.insert(meta.inputs.end(), campaign.table_inputs.begin(), campaign.table_inputs.end());
   for (const AnalysedRun& run : runs)
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
   meta.configuration = campaign.effective_configuration();

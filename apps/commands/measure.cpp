@@ -3,11 +3,13 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
+#include "apps/usage/wrong_usage.h"
 
 namespace tribotrack::apps {
 
@@ -16,6 +18,8 @@ namespace {
 struct MeasureOptions {
   std::string track, output;
   MeasureChoices choices;
+  TrackReading reading;  ///< of another program's track
+  std::string track_y;
   bool json = false;
 };
 
@@ -30,7 +34,15 @@ void check_output(const MeasureOptions& options) {
 
 void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
-  const TrackFile track = read_track_file(options.track);
+  TrackReading reading = options.reading;
+  if (!options.track_y.empty())
+    reading.y = options.track_y == "up" ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+  for (const auto& [flag, value] :
+       {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
+    if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
+  const TrackFile track = read_any_track(options.track, reading);
+  if (!track.facts.imported.empty())
+    for (const std::string& warning : track.facts.warnings) say(context.quiet, "note: " + warning);
   const TrackMeasurement result = measure_track(options.track, track, options.choices);
   if (!options.output.empty()) {
     MetaFile meta;
@@ -53,7 +65,11 @@ void add_measure(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "measure",
       "alpha, v and, where visible, the platform's motion, or a free slide's deceleration, from a track");
-  command.add_option("TRACK", options->track, "A table written by `tribotrack track`")
+  command
+      .add_option(
+          "TRACK", options->track,
+          "A table written by `tribotrack track`, or a track of Tracker, Kinovea, DLTdv, trackpy or another "
+          "program (t_s,x_mm,y_mm)")
       ->type_name("T.csv")
       ->required();
   add_number(command, "--omega-rad-s", options->choices.omega_rad_s,
@@ -68,12 +84,29 @@ void add_measure(CLI::App& app, Context& context) {
       "no drive is given or seen)");
   add_number(command, "--gravity-m-s2", options->choices.gravity_m_s2,
              "Of a free slide: mu1 = deceleration / g (default 9.81)");
+  add_number(command, "--mm-per-px", options->reading.mm_per_px,
+             "Scale of another program's track that is in pixels");
+  add_number(command, "--fps", options->reading.frame_rate_hz,
+             "Rate at which the frames of another program's track were taken; beats its times");
+  command
+      .add_option("--track-unit", options->reading.unit,
+                  "Unit of x and y of another program's track whose columns name none")
+      ->check(one_of({"px", "um", "mm", "cm", "m"}));
+  command
+      .add_option("--track-y", options->track_y,
+                  "Where its y points: up or down (default: down in pixels, up in lengths)")
+      ->check(one_of({"up", "down"}));
+  command.add_option("--track-point", options->reading.point, "Which of its points is the part")
+      ->type_name("NAME");
+  command.add_option("--track-mark", options->reading.mark, "Which of its points is fixed to the platform")
+      ->type_name("NAME");
   command.add_option("-o,--output", options->output, "Write the results as JSON")->type_name("M.json");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
-  add_common(command, context,
-             "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8\n  "
-             "tribotrack "
-             "measure slide.csv --free-slide");
+  add_common(
+      command, context,
+      "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8\n  "
+      "tribotrack "
+      "measure slide.csv --free-slide\n  tribotrack measure tracker.txt --omega-rad-s 62.8 --track-unit mm");
   command.callback([options, &context] { measure_command(*options, context); });
 }
 

@@ -7,6 +7,8 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/traces/scope_file.h"
+#include "apps/measuring/trace_look.h"
 #include "apps/program/streams.h"
 #include "apps/survey/survey_page.h"
 #include "apps/survey/survey_text.h"
@@ -182,6 +184,13 @@ void print_survey(const vision::Survey& seen, const vision::SourceInfo& info) {
 }
 
 void probe(const ProbeOptions& options) {
+  if (may_be_trace(options.video)) {
+    if (!options.picture.empty() || !options.page.empty())
+      throw UsageError("--picture and --page belong to recordings: a trace has no frames");
+    const ScopeFile trace = read_scope_file(options.video);
+    print_text(options.json ? text_of(trace_json(trace)) : trace_text(trace));
+    return;
+  }
   std::vector<Output> outputs;
   if (!options.picture.empty()) outputs.push_back({options.picture, Content::pictures});
   if (!options.page.empty()) outputs.push_back({options.page});
@@ -213,8 +222,10 @@ void add_probe(CLI::App& app, Context& context) {
   auto options = std::make_shared<ProbeOptions>();
   CLI::App& command = *app.add_subcommand(
       "probe",
-      "Describe a recording: size, depth, frames, where its frame rate comes from, and what lies in it");
-  command.add_option("VIDEO", options->video, "The recording")->required();
+      "Describe a recording: size, depth, frames, where its frame rate comes from, and what lies in it; or "
+      "an "
+      "oscilloscope's trace: layout, channels, sampling, and the lines of [scope] for it");
+  command.add_option("VIDEO", options->video, "The recording, or the trace (.csv, .txt)")->required();
   add_number(command, "--fps", options->fps, "Override the frame rate, to see what follows from it");
   command
       .add_option(
@@ -227,7 +238,8 @@ void add_probe(CLI::App& app, Context& context) {
                   "Write a page to find part, mark and lamp with the mouse: frames to scrub, lines to copy")
       ->type_name("F.html");
   command.add_flag("--json", options->json, "Print one JSON object");
-  add_common(command, context, "  tribotrack probe phi000.cine --picture first.png");
+  add_common(command, context,
+             "  tribotrack probe phi000.cine --picture first.png\n  tribotrack probe trace.csv");
   command.callback([options] { probe(*options); });
 }
 

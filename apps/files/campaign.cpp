@@ -183,18 +183,44 @@ void read_sds(StrictTable& table, CampaignRun& run) {
   }
   if (run.amplitude_sd) *run.amplitude_sd *= 1e-3;
   run.mm_per_px_sd = read_sd(table, "mm_per_px");
-  if (!run.video)
+  if (!run.has_track())
     for (const auto& [key, sd] : {std::pair{"phase_at_zero_rad_sd", run.phase_at_zero_sd},
                                   std::pair{"mm_per_px_sd", run.mm_per_px_sd}})
-      if (sd) table.fail(key, "belongs to a run with a video");
+      if (sd) table.fail(key, "belongs to a run with a video or a track");
   if (run.start_phase_sd && run.phase_at_zero)
     table.fail("start_phase_rad_sd", "is not needed: phase_at_zero_rad gives the phase at the start");
+}
+
+/// A finished track. What belongs to tracking does not belong to it.
+void read_track(StrictTable& table, const Campaign& campaign, CampaignRun& run) {
+  if (const auto track = table.text("track")) run.track = campaign.file.parent_path() / *track;
+  if (run.track && run.video)
+    table.fail("track", "and `video` are two sources of one motion; a run has one of them");
+  if (!run.track)
+    for (const char* key : {"track_unit", "track_y", "track_point", "track_mark"})
+      if (table.has(key)) table.fail(key, "belongs to a run with a `track`");
+  if (run.track)
+    for (const char* key : {"disc_px", "marker_px"})
+      if (table.has(key)) table.fail(key, "is for tracking a `video`; this run's `track` is finished");
+  run.reading = read_track_reading(table, campaign.data.tracks);
+}
+
+/// What the campaign's other keys say of a run's track.
+void complete_reading(const CameraSection& camera, CampaignRun& run) {
+  TrackReading& reading = run.reading;
+  reading.mm_per_px = run.mm_per_px ? run.mm_per_px : camera.mm_per_px;
+  reading.mm_per_px_sd = run.mm_per_px ? run.mm_per_px_sd.value_or(0) : camera.mm_per_px_sd;
+  reading.frame_rate_hz = camera.frame_rate_hz;
+  reading.xi_axis_rad = camera.xi_axis_rad;
+  reading.first_frame = run.first_frame;
+  reading.last_frame = run.last_frame;
 }
 
 CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefaults& defaults) {
   CampaignRun run;
   run.place = table.place();
   if (const auto video = table.text("video")) run.video = campaign.file.parent_path() / *video;
+  read_track(table, campaign, run);
   run.name = table.text("name").value_or("");
   run.free_slide = table.choice("kind", {"pulses", "free_slide"}).value_or(0) == 1;
   const auto phi = table.angle("phi_rad");
@@ -230,15 +256,18 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
 
   const bool any_summary = run.alpha || run.alpha_sd || run.v || run.v_sd;
   const bool whole_summary = run.alpha && run.alpha_sd && run.v && run.v_sd;
-  if (run.video && any_summary)
+  complete_reading(campaign.camera, run);
+  if (run.has_track() && any_summary)
     throw InvalidInput(fmt::format(
-        "{}: a run has either a video or alpha_rad, v_mm_s measured elsewhere, not both", run.place));
-  if (!run.video && !whole_summary)
+        "{}: a run has either a video (or track) or alpha_rad, v_mm_s measured elsewhere, not both",
+        run.place));
+  if (!run.has_track() && !whole_summary)
     throw InvalidInput(fmt::format(
-        "{}: a run needs `video`, or all of alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s", run.place));
-  if (!run.video && run.free_slide)
+        "{}: a run needs `video` or `track`, or all of alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s",
+        run.place));
+  if (!run.has_track() && run.free_slide)
     throw InvalidInput(
-        fmt::format("{}: a free slide needs `video`: mu1 comes from its whole track", run.place));
+        fmt::format("{}: a free slide needs `video` or `track`: mu1 comes from its whole track", run.place));
   if (!run.free_slide && (!phi || !dtau))
     throw InvalidInput(
         fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
@@ -261,7 +290,9 @@ void name_runs(std::vector<CampaignRun>& runs) {
     if (run.name.find('/') != std::string::npos || run.name == "." || run.name == "..")
       throw InvalidInput(fmt::format("{}: the name \"{}\" cannot be a folder's name", run.place, run.name));
     if (!run.name.empty()) continue;
-    const std::string base = run.video ? run.video->stem().string() : fmt::format("run{:02}", k + 1);
+    const std::string base = run.video   ? run.video->stem().string()
+                             : run.track ? run.track->stem().string()
+                                         : fmt::format("run{:02}", k + 1);
     run.name = base;
     for (int n = 2; !taken.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", base, n);
   }
@@ -355,37 +386,37 @@ void note_gravity(Campaign& campaign) {
                     g));
 }
 
-/// Everything but what only holds between tables.
-void read_tables(StrictTable& top, Campaign& campaign) {
+/// Everything but what only holds between sections.
+FitDefaults read_sections(StrictTable& top, Campaign& campaign) {
   campaign.title = top.text("title").value_or("");
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
   if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
   if (auto table = top.table("camera"))
     campaign.camera = read_camera(*table, campaign.file.parent_path(), WithSd::yes);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
+  if (auto table = top.table("data")) campaign.data = read_data(*table, campaign.file.parent_path());
   FitDefaults defaults;
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
+  campaign.start = defaults.start;
   for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
   top.finish();
+  return defaults;
 }
-
-}  // namespace
-
-namespace {
 
 Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, Runs runs) {
   require_kind(top, TomlKind::campaign, file.string());
   Campaign campaign;
   campaign.file = file;
   campaign.input = input;
-  read_tables(top, campaign);
+  const FitDefaults defaults = read_sections(top, campaign);
+  add_table_runs(campaign, defaults.cycles);
   check_sds(campaign, top);
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)
-    throw InvalidInput(
-        fmt::format("{}: has no [[run]]; add one for each recording, or have them written by `tribotrack "
-                    "init DIR --from RECORDINGS`",
-                    file.string()));
+    throw InvalidInput(fmt::format(
+        "{}: has no [[run]]; add one for each recording, or have them written by `tribotrack "
+        "init DIR --from RECORDINGS`, or name a table of alpha and v, [data] table = \"alpha_v.csv\"",
+        file.string()));
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   return campaign;
@@ -404,11 +435,12 @@ Campaign campaign_of(const Json& object, const std::string& name) {
 
 std::vector<AskedKey> keys_asked_of_campaign() {
   constexpr const char* every_section =
-      "[platform]\n[part]\ndiameter_mm = 1\n[camera]\n[scope]\n[fit]\n[fit.fixed]\n[fit.guess]\n[fit.prior]\n"
+      "[platform]\n[part]\ndiameter_mm = "
+      "1\n[camera]\n[scope]\n[data]\n[fit]\n[fit.fixed]\n[fit.guess]\n[fit.prior]\n"
       "mu1 = { mean = 1, sd = 1 }\n[[run]]\nvideo = \"v\"\nphi_rad = 0\ndtau_rad = 0\n";
   StrictTable top = StrictTable::parse(every_section, "campaign");
   Campaign campaign;
-  read_tables(top, campaign);
+  read_sections(top, campaign);
   std::vector<AskedKey> asked = top.asked();
   std::erase_if(asked, [](const AskedKey& key) { return key.section.starts_with("fit.prior."); });
   asked.push_back({"fit.prior", "mu1", "{ mean, sd }"});
@@ -425,7 +457,12 @@ std::vector<fs::path> Campaign::input_files() const {
   for (const CampaignRun& run : runs) {
     add(run.video);
     add(run.scope);
+    if (run.track) {
+      files.push_back(*run.track);
+      files.push_back(run.track->string() + ".meta.json");
+    }
   }
+  files.insert(files.end(), data.tables.begin(), data.tables.end());
   return files;
 }
 
@@ -435,6 +472,11 @@ fs::path campaign_file(const fs::path& given) {
         "{}: a campaign is not read from standard input: what it names lies relative to its file; give "
         "a file",
         given.string()));
+  if (given.extension() == ".csv" && fs::is_regular_file(given))
+    throw InvalidInput(fmt::format(
+        "{}: is a table, not a campaign; write a campaign with [platform] and, if it holds alpha and v, "
+        "[data] table = \"{}\", or, if it is a track, a [[run]] with track = \"{}\"",
+        given.string(), given.filename().string(), given.filename().string()));
   if (!fs::is_directory(given)) return given;
   if (fs::exists(given / "campaign.toml")) return given / "campaign.toml";
   throw InvalidInput(fmt::format(
@@ -452,51 +494,63 @@ Json in_mm(const std::optional<double>& metres) {
 }  // namespace
 
 Json Campaign::effective_configuration(const CampaignRun& run) const {
-  return {{"name", run.name},
-          {"video", run.video ? Json(run.video->filename().string()) : Json()},
-          {"kind", run.free_slide ? "free_slide" : "pulses"},
-          {"phi_rad", run.phi},
-          {"phi_rad_sd", optional_json(run.phi_sd)},
-          {"dtau_rad", run.dtau},
-          {"dtau_rad_sd", optional_json(run.dtau_sd)},
-          {"start", model::to_string(run.start)},
-          {"cycles", run.cycles},
-          {"amplitude_mm", in_mm(run.amplitude ? run.amplitude : platform.amplitude)},
-          {"amplitude_mm_sd", in_mm(run.amplitude ? run.amplitude_sd : platform.amplitude_sd)},
-          {"amplitude_y_mm", in_mm(platform.amplitude_y)},
-          {"angular_frequency_rad_s",
-           optional_json(run.angular_frequency ? run.angular_frequency : platform.angular_frequency)},
-          {"angular_frequency_rad_s_sd",
-           optional_json(run.angular_frequency ? run.angular_frequency_sd : platform.angular_frequency_sd)},
-          {"phase_shift_rad", optional_json(platform.phase_shift)},
-          {"phase_at_zero_rad", optional_json(run.phase_at_zero)},
-          {"phase_at_zero_rad_sd", optional_json(run.phase_at_zero_sd)},
-          {"start_phase_rad", optional_json(run.start_phase)},
-          {"start_phase_rad_sd", optional_json(run.start_phase_sd)},
-          {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
-          {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
-          {"frame_rate_hz_sd", optional_json(camera.frame_rate_sd_hz)},
-          {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
-          {"mm_per_px_sd", run.mm_per_px ? run.mm_per_px_sd.value_or(0) : camera.mm_per_px_sd},
-          {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
-          {"diameter_mm", optional_json(part.diameter_mm)},
-          {"diameter_sd_mm", part.diameter_sd_mm},
-          {"height_mm", optional_json(part.height_mm)},
-          {"height_mm_sd", optional_json(part.height_sd_mm)},
-          {"working_distance_mm", optional_json(camera.working_distance_mm)},
-          {"working_distance_mm_sd", optional_json(camera.working_distance_sd_mm)},
-          {"xi_axis_rad", camera.xi_axis_rad},
-          {"xi_axis_rad_sd", optional_json(camera.xi_axis_sd_rad)},
-          {"rehearse", camera.rehearse},
-          {"row_time_s", camera.row_time_s},
-          {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
-          {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
-          {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
-                     : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
-                     : camera.marker == vision::MarkerChoice::Kind::none  ? "none"
-                                                                          : "texture where the ground moves"},
-          {"gate_px", circle_json(camera.gate_px)},
-          {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
+  Json json = {
+      {"name", run.name},
+      {"video", run.video ? Json(run.video->filename().string()) : Json()},
+      {"kind", run.free_slide ? "free_slide" : "pulses"},
+      {"phi_rad", run.phi},
+      {"phi_rad_sd", optional_json(run.phi_sd)},
+      {"dtau_rad", run.dtau},
+      {"dtau_rad_sd", optional_json(run.dtau_sd)},
+      {"start", model::to_string(run.start)},
+      {"cycles", run.cycles},
+      {"amplitude_mm", in_mm(run.amplitude ? run.amplitude : platform.amplitude)},
+      {"amplitude_mm_sd", in_mm(run.amplitude ? run.amplitude_sd : platform.amplitude_sd)},
+      {"amplitude_y_mm", in_mm(platform.amplitude_y)},
+      {"angular_frequency_rad_s",
+       optional_json(run.angular_frequency ? run.angular_frequency : platform.angular_frequency)},
+      {"angular_frequency_rad_s_sd",
+       optional_json(run.angular_frequency ? run.angular_frequency_sd : platform.angular_frequency_sd)},
+      {"phase_shift_rad", optional_json(platform.phase_shift)},
+      {"phase_at_zero_rad", optional_json(run.phase_at_zero)},
+      {"phase_at_zero_rad_sd", optional_json(run.phase_at_zero_sd)},
+      {"start_phase_rad", optional_json(run.start_phase)},
+      {"start_phase_rad_sd", optional_json(run.start_phase_sd)},
+      {"frames", run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json()},
+      {"frame_rate_hz", optional_json(camera.frame_rate_hz)},
+      {"frame_rate_hz_sd", optional_json(camera.frame_rate_sd_hz)},
+      {"mm_per_px", optional_json(run.mm_per_px ? run.mm_per_px : camera.mm_per_px)},
+      {"mm_per_px_sd", run.mm_per_px ? run.mm_per_px_sd.value_or(0) : camera.mm_per_px_sd},
+      {"calibration", camera.calibration ? Json(camera.calibration->filename().string()) : Json()},
+      {"diameter_mm", optional_json(part.diameter_mm)},
+      {"diameter_sd_mm", part.diameter_sd_mm},
+      {"height_mm", optional_json(part.height_mm)},
+      {"height_mm_sd", optional_json(part.height_sd_mm)},
+      {"working_distance_mm", optional_json(camera.working_distance_mm)},
+      {"working_distance_mm_sd", optional_json(camera.working_distance_sd_mm)},
+      {"xi_axis_rad", camera.xi_axis_rad},
+      {"xi_axis_rad_sd", optional_json(camera.xi_axis_sd_rad)},
+      {"rehearse", camera.rehearse},
+      {"row_time_s", camera.row_time_s},
+      {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
+      {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
+      {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
+                 : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"
+                 : camera.marker == vision::MarkerChoice::Kind::none  ? "none"
+                                                                      : "texture where the ground moves"},
+      {"gate_px", circle_json(camera.gate_px)},
+      {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
+  if (run.track) {
+    json["track"] = run.track->filename().string();
+    json["track_unit"] = run.reading.unit;
+    json["track_y"] = run.reading.y == TrackReading::YAxis::up     ? "up"
+                      : run.reading.y == TrackReading::YAxis::down ? "down"
+                                                                   : "by unit";
+    json["track_point"] = run.reading.point;
+    json["track_mark"] = run.reading.mark;
+  }
+  if (!run.pooled_from.empty()) json["pooled_from"] = run.pooled_from;
+  return json;
 }
 
 Json Campaign::effective_configuration() const {
@@ -524,6 +578,13 @@ Json Campaign::effective_configuration() const {
                    {"tie", scope.tie},
                    {"trigger_time_s", optional_json(scope.trigger_time_s)},
                    {"tie_sd_s", scope.tie_sd_s}};
+  if (!data.tables.empty()) {
+    json["data"] = {{"table", Json::array()},
+                    {"alpha_sd_rad", optional_json(data.alpha_sd)},
+                    {"v_sd_mm_s", in_mm(data.v_sd)}};
+    for (const std::filesystem::path& table : data.tables)
+      json["data"]["table"].push_back(table.filename().string());
+  }
   json["part"] = {{"diameter_mm", optional_json(part.diameter_mm)},
                   {"diameter_sd_mm", part.diameter_sd_mm},
                   {"height_mm", optional_json(part.height_mm)},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/files/camera_section.h"
+#include "apps/files/data_section.h"
 #include "apps/files/scenario_file.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
@@ -37,11 +38,14 @@ struct FitSection {
   std::map<fit::FitParameter, fit::Prior> prior;
 };
 
-/// One [[run]], defaults of the campaign filled in.
+/// One [[run]], or a point of a table, defaults of the campaign filled in.
 struct CampaignRun {
-  std::string name;                            ///< given, else the video's stem, else "runNN"; unique
-  std::string place;                           ///< "campaign.toml:31:1"
+  std::string name;   ///< given, else the video's or track's stem, else "runNN"; unique
+  std::string place;  ///< "campaign.toml:31:1"
   std::optional<std::filesystem::path> video;  ///< resolved against the campaign's folder
+  std::optional<std::filesystem::path> track;  ///< a finished track instead, ours or another program's
+  TrackReading reading;                        ///< of that track
+  bool has_track() const { return video || track; }
   bool free_slide = false;
   double phi = 0, dtau = 0;                            ///< rad
   std::optional<double> amplitude, angular_frequency;  ///< SI, of this run
@@ -57,6 +61,7 @@ struct CampaignRun {
   // Measured elsewhere.
   std::optional<double> alpha, alpha_sd;  ///< rad
   std::optional<double> v, v_sd;          ///< m/s
+  std::vector<std::string> pooled_from;   ///< places of a table's lines, where there are several
 };
 
 struct Campaign {
@@ -67,8 +72,12 @@ struct Campaign {
   PartSection part;
   CameraSection camera;
   ScopeSection scope;
+  DataSection data;
   FitSection fit;
+  model::Start start = model::Start::rest;  ///< of runs that do not say otherwise
   std::vector<CampaignRun> runs;
+  std::vector<Input> table_inputs;  ///< the tables that runs were read from
+  std::vector<std::string> notes;   ///< sentences on what was read, for the user to know
   /// Keys that are understood but not yet acted on, each a sentence for the user.
   std::vector<std::string> warnings;
   Json effective_configuration() const;

@@ -184,6 +184,8 @@ void read_facts(const JsonPlace& meta, TrackFacts& facts) {
   facts.width_px = recording.integer("width", 0);
   facts.height_px = recording.integer("height", 0);
   facts.in_camera_frame = meta.text("frame_of_reference") == "camera";
+  facts.imported = section("imported").text("reading");
+  facts.sd_from_scatter = summary.boolean("sd_from_scatter", false);
   facts.warnings = summary.texts("warnings");
   for (const JsonPlace& input : meta.items("inputs"))
     facts.recorded_in.push_back({input.at("path").text(), input.text("xxh3_128"), input.text("hashed")});

@@ -50,6 +50,8 @@ struct TrackFacts {
   std::string time_base;  ///< where the frame rate comes from
   int width_px = 0, height_px = 0;
   bool in_camera_frame = false;  ///< no marker: positions hold the platform's motion
+  std::string imported;          ///< how another program's track was read, one sentence; empty: it is ours
+  bool sd_from_scatter = false;  ///< it had no sds: slow errors are not in them
   std::vector<std::string> warnings;
   /// Errors that neighbouring frames share, in the rows' standard deviations.
   std::vector<vision::SlowPart> slow;

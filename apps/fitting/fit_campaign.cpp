@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/files/run_folder.h"
+#include "apps/files/tracks/any_track.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/recording/job.h"
@@ -18,6 +19,7 @@ namespace {
 /// The track of a run: from the folder the user names, else made here.
 std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run, const FitChoices& choices,
                                   const FramesDone& frames_done) {
+  if (run.track) return read_any_track(*run.track, run.reading);
   if (!run.video) return std::nullopt;
   if (!choices.tracks.empty()) return read_track_file(RunFolder::track_in(choices.tracks, run.name));
   PreparedJob job = prepare(job_for(campaign, run));

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apps/campaign/fit_json.h"
+#include "apps/files/tracks/any_track.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/job.h"
@@ -38,7 +39,8 @@ CampaignRunner::CampaignRunner(const RunnerOptions& options, Campaign campaign, 
 
 void CampaignRunner::print_plan() const {
   for (const CampaignRun& run : campaign_.runs) {
-    std::string step = "use alpha_rad, v_mm_s as given";
+    std::string step =
+        run.track ? "measure the track " + run.track->string() : "use alpha_rad, v_mm_s as given";
     if (run.video) {
       if (!may_be_recording(*run.video))
         step = fmt::format("cannot: there is no recording {}", run.video->string());
@@ -62,8 +64,8 @@ void CampaignRunner::take_folder() {
                                  {folder_.text()}, {folder_.parameter_table()}, {folder_.log()}};
   for (const CampaignRun& run : campaign_.runs) {
     outputs.push_back({folder_.measurement(run.name)});
+    if (run.has_track()) outputs.push_back({folder_.track(run.name)});
     if (!run.video) continue;
-    outputs.push_back({folder_.track(run.name)});
     for (const fs::path& pictures :
          {folder_.first_frame(run.name), folder_.overlay(run.name), folder_.overlay_video(run.name)})
       outputs.push_back({pictures, Content::pictures});
@@ -97,6 +99,7 @@ AnalysedRun CampaignRunner::carry_out(std::size_t index, const FramesDone& frame
   } const stopwatch{begun, logs_[index].seconds};
   std::optional<TrackFile> track;
   if (run.video) track = track_of(run, frames_done, logs_[index]);
+  if (run.track) track = import_track(*run.track, run.reading, folder_.track(run.name));
   AnalysedRun analysed = analyse(campaign_, run, std::move(track));
   write_measurement(analysed);
   return analysed;

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "apps/files/scope_file.h"
+#include "apps/files/traces/scope_file.h"
 #include "apps/program/errors.h"
 #include "apps/program/parallel.h"
 #include "apps/program/progress.h"

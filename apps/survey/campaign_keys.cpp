@@ -18,6 +18,7 @@ constexpr std::array kSections = {
     CampaignSection{"camera",
                     "the picture: its scale, its time, and what lies where in the first analysed frame"},
     CampaignSection{"scope", "oscilloscope traces that runs name by `scope`"},
+    CampaignSection{"data", "alpha and v from a spreadsheet, and tracks of other programs"},
     CampaignSection{"fit", "what is fitted, to what"},
     CampaignSection{"fit.fixed",
                     "values of mu1, mu2, phase_lag_rad or delay_s that are not among `parameters`"},
@@ -99,6 +100,21 @@ constexpr std::array kKeys = {
                 "the trigger in the recording's time; a .cine holds it itself"},
     CampaignKey{"scope", "tie_sd_s", "0.00001", "of that tie"},
 
+    CampaignKey{"data", "table", "\"alpha_v.csv\"",
+                "or a list; every point becomes a run: columns phi_deg, dtau_deg, alpha_deg, v_mm_s (or "
+                "phi_rad, ...), "
+                "alpha_sd_deg, v_sd_mm_s; separated by , ; or tabs"},
+    CampaignKey{"data", "alpha_sd_rad", "\"2deg\"",
+                "of the lines that have none; else repeats of a point tell", "table"},
+    CampaignKey{"data", "v_sd_mm_s", "0.1", "likewise", "table"},
+    CampaignKey{"data", "track_unit", "\"mm\"",
+                "of tracks whose columns name none: px (with mm_per_px), um, mm, cm, m"},
+    CampaignKey{"data", "track_y", "\"up\"",
+                "where y of tracks points, if not down in pixels and up in lengths"},
+    CampaignKey{"data", "track_point", "\"mass A\"",
+                "which point of tracks is the part, where there are several"},
+    CampaignKey{"data", "track_mark", "\"mass B\"", "and which is fixed to the platform, if one is"},
+
     CampaignKey{
         "fit", "parameters", "[\"mu1\", \"mu2\", \"phase_lag_rad\"]",
         "any of these and delay_s, amplitude_mm, angular_frequency_rad_s, mm_per_px, tilt_x_rad, tilt_y_rad"},
@@ -116,6 +132,13 @@ constexpr std::array kKeys = {
 
     CampaignKey{"run", "video", "\"phi000_dtau060.cine\"",
                 "relative to this file: .cine, video, TIFF stack, folder of pictures, dir/%05d.png"},
+    CampaignKey{"run", "track", "\"tracker.txt\"",
+                "instead of a video: a track of Tracker, Kinovea, DLTdv, trackpy, of columns t_s, x_mm, "
+                "y_mm, or ours"},
+    CampaignKey{"run", "track_unit", "\"mm\"", "where it differs from [data]", "track"},
+    CampaignKey{"run", "track_y", "\"up\"", "where it differs from [data]", "track"},
+    CampaignKey{"run", "track_point", "\"mass A\"", "where it differs from [data]", "track"},
+    CampaignKey{"run", "track_mark", "\"mass B\"", "where it differs from [data]", "track"},
     CampaignKey{"run", "name", "\"first\"", "of its results; else the recording's"},
     CampaignKey{
         "run", "kind", "\"pulses\"",

@@ -20,6 +20,38 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
+namespace {
+
+char separator_of(std::string_view text) {
+  constexpr int kLinesLookedAt = 5;
+  for (int line = 0; line < kLinesLookedAt && !text.empty(); ++line) {
+    const std::string_view one = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), one.size() + 1));
+    for (const char separator : {';', '\t', ','})
+      if (one.find(separator) != std::string_view::npos) return separator;
+  }
+  return ' ';
+}
+
+/// Where a cell that begins here ends: at a separator outside quotes.
+std::size_t end_of_cell(std::string_view line, std::size_t from, char separator) {
+  const std::size_t first = line.find_first_not_of(" \t", from);
+  if (first != std::string_view::npos && line[first] == '"' && separator != '"') {
+    std::size_t close = line.find('"', first + 1);
+    while (close != std::string_view::npos && close + 1 < line.size() && line[close + 1] == '"')
+      close = line.find('"', close + 2);
+    if (close != std::string_view::npos) {
+      const std::size_t next = line.find(separator, close + 1);
+      const std::string_view between =
+          line.substr(close + 1, next == std::string_view::npos ? next : next - close - 1);
+      if (trimmed(between).empty()) return next;
+    }
+  }
+  return line.find(separator, from);
+}
+
+}  // namespace
+
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string cell = "\"";
@@ -30,8 +62,7 @@ std::string csv_cell(const std::string& text) {
 CsvTable::CsvTable(std::filesystem::path path, std::string text)
     : path_(std::move(path)), text_(std::move(text)) {
   if (text_.starts_with("\xef\xbb\xbf")) text_.erase(0, 3);
-  const std::string_view first = std::string_view(text_).substr(0, text_.find('\n'));
-  separator_ = first.find(';') != std::string_view::npos ? ';' : ',';
+  separator_ = separator_of(text_);
 }
 
 bool CsvTable::next() {
@@ -53,22 +84,25 @@ std::size_t CsvTable::filled() const {
   return count;
 }
 
+std::string CsvTable::place() const {
+  return line_ == 0 ? path_.string() : fmt::format("{}:{}", path_.string(), line_);
+}
+
+std::string CsvTable::with_point(std::string_view cell) const {
+  std::string text(cell);
+  if (separator_ != ',') std::replace(text.begin(), text.end(), ',', '.');
+  return text;
+}
+
 double CsvTable::number(std::string_view cell) const {
-  std::string with_point;
-  std::string_view text = cell;
-  if (separator_ == ';' && cell.find(',') != std::string_view::npos) {
-    with_point = cell;
-    std::replace(with_point.begin(), with_point.end(), ',', '.');
-    text = with_point;
-  }
-  const auto value = parse_number(text);
+  const bool comma = separator_ != ',' && cell.find(',') != std::string_view::npos;
+  const auto value = comma ? parse_number(with_point(cell)) : parse_number(cell);
   if (!value) fail(cell, fmt::format("`{}` is not a number", cell));
   return *value;
 }
 
 void CsvTable::fail(const std::string& what) const {
-  if (line_ == 0) throw InvalidInput(fmt::format("{}: {}", path_.string(), what));
-  throw InvalidInput(fmt::format("{}:{}: {}", path_.string(), line_, what));
+  throw InvalidInput(fmt::format("{}: {}", place(), what));
 }
 
 void CsvTable::fail(std::string_view cell, const std::string& what) const {
@@ -81,10 +115,12 @@ void CsvTable::split(std::string_view line) {
   cells_.clear();
   std::size_t from = 0;
   while (true) {
-    const auto to = line.find(separator_, from);
+    if (separator_ == ' ') from = std::min(line.find_first_not_of(" \r", from), line.size());
+    const auto to = end_of_cell(line, from, separator_);
     cells_.push_back(trimmed(line.substr(from, to == line.npos ? to : to - from)));
     if (to == line.npos) return;
     from = to + 1;
+    if (separator_ == ' ' && trimmed(line.substr(from)).empty()) return;
   }
 }
 

@@ -12,8 +12,10 @@ namespace tribotrack::apps {
 /// Text as a cell of a CSV file (RFC 4180): in quotes only where it needs them.
 std::string csv_cell(const std::string& text);
 
-/// The lines of a CSV file as cells without their surrounding blanks and quotes. Separated by commas; by
-/// semicolons, with decimal commas, where the first line holds a semicolon. A byte-order mark is skipped.
+/// The lines of a table in a text file as cells without their surrounding blanks and quotes. The first line
+/// that holds one of `;`, tab and comma tells what separates, in this order; with `;` and tab decimal commas
+/// are read as well. Where none of the first lines does, blanks separate. Within a pair of quotes no
+/// separator counts. A byte-order mark is skipped.
 class CsvTable {
  public:
   CsvTable(std::filesystem::path path, std::string text);
@@ -26,6 +28,12 @@ class CsvTable {
   /// Cells up to the last that is not empty.
   std::size_t filled() const;
   bool separated_by_semicolons() const { return separator_ == ';'; }
+  int line() const { return line_; }
+  const std::filesystem::path& path() const { return path_; }
+  /// "file:line", the place of this line.
+  std::string place() const;
+  /// The cell with a decimal point, where this table may have decimal commas.
+  std::string with_point(std::string_view cell) const;
 
   /// Throws InvalidInput unless the cell, or any other piece of this line, is a finite number.
   double number(std::string_view cell) const;

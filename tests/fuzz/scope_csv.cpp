@@ -1,5 +1,5 @@
 // The table of an oscilloscope.
-#include "apps/files/scope_file.h"
+#include "apps/files/traces/scope_file.h"
 #include "fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

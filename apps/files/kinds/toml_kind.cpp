@@ -13,7 +13,7 @@ namespace {
 /// nullopt where its tables do not tell.
 std::optional<TomlKind> kind_of(const StrictTable& top) {
   if (top.has("shot") || top.has("video") || top.has("disc")) return TomlKind::scene;
-  if (top.is_list("run") || top.has("fit")) return TomlKind::campaign;
+  if (top.is_list("run") || top.has("fit") || top.has("data")) return TomlKind::campaign;
   if (top.is_table("run") || top.has("friction") || top.has("sweep")) return TomlKind::scenario;
   return std::nullopt;
 }

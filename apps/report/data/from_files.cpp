@@ -194,6 +194,8 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
     reading(folder.fit().string() + ".meta.json", [&] {
       const JsonPlace configuration = JsonPlace{meta, ""}.at("configuration").at("runs").at(k);
       run.video = configuration.text("video");
+      if (run.video.empty()) run.video = configuration.text("track");
+      if (run.failure.empty()) add_pooled_note(configuration.texts("pooled_from"), run);
       if (run.video.empty() && run.failure.empty()) read_given_measurement(configuration, run);
     });
     if (run.failure.empty() && !run.video.empty()) read_recording(folder, run, data);

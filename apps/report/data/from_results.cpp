@@ -237,14 +237,17 @@ ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportDat
   ReportRun run;
   run.name = given.name;
   run.kind = given.free_slide ? "free_slide" : "displacement";
-  run.video = given.video ? given.video->filename().string() : "";
+  run.video = given.video   ? given.video->filename().string()
+              : given.track ? given.track->filename().string()
+                            : "";
   run.failure = analysed.failure;
   if (!run.failure.empty()) return run;
   if (!given.free_slide) {
     run.phi_rad = finite(analysed.scenario.friction.phase);
     run.dtau_rad = finite(analysed.scenario.friction.pulse_width);
   }
-  if (!given.video && given.alpha) {
+  add_pooled_note(given.pooled_from, run);
+  if (given.alpha) {
     run.alpha_rad = *given.alpha;
     run.alpha_sd_rad = *given.alpha_sd;
     run.v_mm_s = *given.v * 1e3;

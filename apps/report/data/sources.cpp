@@ -1,6 +1,7 @@
 #include "apps/report/data/sources.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -133,6 +134,11 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
     run.plan.push_back({stage.stage, stage.on, stage.reason, stage.error_bound_px.value_or(no_value)});
   if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
     run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
+}
+
+void add_pooled_note(const std::vector<std::string>& lines, ReportRun& run) {
+  if (!lines.empty())
+    run.notes.push_back(fmt::format("mean of {} measurements: {}", lines.size(), fmt::join(lines, ", ")));
 }
 
 void add_recording(const TrackFile& track, ReportData& data) {

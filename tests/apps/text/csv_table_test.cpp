@@ -36,5 +36,30 @@ TEST(CsvTable, SemicolonsComeWithDecimalCommas) {
   EXPECT_EQ(table.filled(), 2u);
 }
 
+TEST(CsvTable, TheFirstLineWithASeparatorTells) {
+  CsvTable tabs("t.txt", "mass_A\nt\tx\ty\n0,5\t1\t2\n");
+  tabs.next();
+  EXPECT_EQ(tabs.cells(), (Cells{"mass_A"}));
+  tabs.next();
+  EXPECT_EQ(tabs.cells(), (Cells{"t", "x", "y"}));
+  tabs.next();
+  EXPECT_EQ(tabs.number(tabs.cells()[0]), 0.5);
+  CsvTable blanks("t.txt", "t x y\n 0.5  1 2 \n");
+  blanks.next();
+  blanks.next();
+  EXPECT_EQ(blanks.cells(), (Cells{"0.5", "1", "2"}));
+}
+
+TEST(CsvTable, NoSeparatorCountsWithinQuotes) {
+  CsvTable table("t.csv", "name,v\n\"a, \"\"b\"\"\",2\n\"open,3\n");
+  table.next();
+  table.next();
+  ASSERT_EQ(table.cells().size(), 2u);
+  EXPECT_EQ(table.number(table.cells()[1]), 2);
+  table.next();  // a quote that never closes is a character like others
+  ASSERT_EQ(table.cells().size(), 2u);
+  EXPECT_EQ(table.number(table.cells()[1]), 3);
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -127,5 +127,40 @@ TEST(ScopeTiming, ChannelsThatShowNothingAreRefused) {
   EXPECT_THROW(find_scope_events(coarse, {}), DataError);
 }
 
+TEST(ChannelLook, TellsPulsesFromBursts) {
+  for (const double dtau : {0.3, pi / 3, 5.0}) {
+    TraceTruth truth;
+    truth.dtau = dtau;
+    const ScopeTrace trace = trace_of(truth, 4);
+    const ChannelLook sensor = look_at_channel(trace.sensor, trace.increment);
+    EXPECT_EQ(sensor.kind, ChannelLook::Kind::pulses);
+    EXPECT_NEAR(2 * pi * sensor.repeat_hz, truth.w, 1e-3);
+    EXPECT_NEAR(sensor.high, 3.3, 0.1);
+    EXPECT_NEAR(sensor.low, 0, 0.1);
+    const ChannelLook actuator = look_at_channel(trace.actuator, trace.increment);
+    EXPECT_EQ(actuator.kind, ChannelLook::Kind::bursts);
+    EXPECT_NEAR(actuator.carrier_hz, 5890, 5);
+    EXPECT_NEAR(2 * pi * actuator.repeat_hz, truth.w, 0.05);
+    EXPECT_NEAR(actuator.samples_per_period, 1e5 / 5890, 0.02);
+  }
+}
+
+TEST(ChannelLook, WhatIsNeitherIsQuiet) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> noise, level(10000, 1.5), carrier;
+  for (int n = 0; n < 10000; ++n) {
+    noise.push_back(normal(random));
+    carrier.push_back(std::sin(2 * pi * n / 20.0));
+  }
+  EXPECT_NE(look_at_channel(noise, 1e-4).kind, ChannelLook::Kind::pulses);
+  EXPECT_NE(look_at_channel(noise, 1e-4).kind, ChannelLook::Kind::bursts);
+  EXPECT_EQ(look_at_channel(level, 1e-4).kind, ChannelLook::Kind::quiet);
+  EXPECT_EQ(look_at_channel(level, 1e-4).high, 1.5);
+  EXPECT_EQ(look_at_channel({}, 1e-4).kind, ChannelLook::Kind::quiet);
+  EXPECT_EQ(look_at_channel(carrier, 1e-5).kind, ChannelLook::Kind::carrier);
+  EXPECT_NEAR(look_at_channel(carrier, 1e-5).carrier_hz, 5000, 1e-5);
+}
+
 }  // namespace
 }  // namespace tribotrack::fit

@@ -1,0 +1,217 @@
+#include "apps/files/data_section.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "apps/files/campaign.h"
+#include "apps/files/tables/alpha_v_table.h"
+#include "apps/program/errors.h"
+#include "fit/pooling.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> table_names(StrictTable& table) {
+  if (table.is_list("table")) return table.texts("table").value();
+  if (const auto one = table.text("table")) return {*one};
+  return {};
+}
+
+/// Two numbers of a spreadsheet that mean the same, its rounding included.
+bool same(double a, double b) {
+  constexpr double kRounding = 1e-9;
+  return std::abs(a - b) <= kRounding * std::max({1.0, std::abs(a), std::abs(b)});
+}
+bool same(const std::optional<double>& a, const std::optional<double>& b) {
+  return a.has_value() == b.has_value() && (!a || same(*a, *b));
+}
+bool same_angle(double a, double b) {
+  return same(std::remainder(a - b, 2 * std::numbers::pi), 0);
+}
+
+bool same_point(const AlphaVLine& a, const AlphaVLine& b) {
+  return same_angle(a.phi, b.phi) && same(a.dtau, b.dtau) && same(a.amplitude, b.amplitude) &&
+         same(a.angular_frequency, b.angular_frequency) && same(a.start_phase, b.start_phase) &&
+         a.cycles == b.cycles;
+}
+
+/// Where no sd is known: of the first such line.
+[[noreturn]] void refuse_without_sd(const AlphaVLine& line, const fit::PooledPoints& pooled) {
+  const bool alpha = !line.alpha_sd, v = !line.v_sd;
+  throw InvalidInput(fmt::format(
+      "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
+      line.place,
+      alpha && v ? "alpha and v"
+      : alpha    ? "alpha"
+                 : "v",
+      alpha && v ? "are" : "is",
+      pooled.along.dof + pooled.across.dof == 0 ? "it has no sd and no point of the table is measured twice"
+                                                : "it has no sd and the repeats do not differ",
+      alpha && v ? "alpha_sd_deg and v_sd_mm_s"
+      : alpha    ? "alpha_sd_deg"
+                 : "v_sd_mm_s",
+      alpha && v ? "alpha_sd_rad = \"2deg\", v_sd_mm_s = 0.1"
+      : alpha    ? "alpha_sd_rad = \"2deg\""
+                 : "v_sd_mm_s = 0.1"));
+}
+
+/// The lines of all tables, sorted into points, and the points' pooled values.
+class TableRuns {
+ public:
+  TableRuns(Campaign& campaign, int cycles) : campaign_(campaign), cycles_(cycles) {
+    for (const fs::path& path : campaign.data.tables) {
+      AlphaVTable table = read_alpha_v_table(path);
+      campaign.table_inputs.push_back(table.input);
+      for (std::string& note : table.notes) campaign.notes.push_back(std::move(note));
+      for (AlphaVLine& line : table.lines) lines_.push_back(std::move(line));
+    }
+    for (AlphaVLine& line : lines_) {
+      if (!line.alpha_sd) line.alpha_sd = campaign.data.alpha_sd;
+      if (!line.v_sd) line.v_sd = campaign.data.v_sd;
+    }
+    sort_into_points();
+  }
+
+  void add() {
+    std::vector<fit::PointMeasurement> measurements;
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+      const AlphaVLine& line = lines_[k];
+      measurements.push_back(
+          {point_of_[k], {{line.alpha, line.alpha_sd.value_or(0)}, {line.v, line.v_sd.value_or(0)}}});
+    }
+    const fit::PooledPoints pooled = fit::pool_points(measurements);
+    for (std::size_t p = 0; p < points_.size(); ++p) add_run(points_[p], pooled.points[p], pooled);
+    note(pooled);
+  }
+
+ private:
+  void sort_into_points() {
+    for (const AlphaVLine& line : lines_) {
+      const auto point = std::ranges::find_if(points_, [&](const std::vector<std::size_t>& members) {
+        return same_point(lines_[members.front()], line);
+      });
+      const auto number = static_cast<std::size_t>(point - points_.begin());
+      if (point == points_.end()) points_.emplace_back();
+      points_[number].push_back(static_cast<std::size_t>(&line - lines_.data()));
+      point_of_.push_back(number);
+    }
+  }
+
+  void add_run(const std::vector<std::size_t>& members, const fit::AlphaV& value,
+               const fit::PooledPoints& pooled) {
+    for (const std::size_t k : members) {
+      const AlphaVLine& line = lines_[k];
+      if ((!line.alpha_sd && !(value.alpha.sd > 0)) || (!line.v_sd && !(value.velocity.sd > 0)))
+        refuse_without_sd(line, pooled);
+    }
+    const AlphaVLine& first = lines_[members.front()];
+    CampaignRun run;
+    run.place = first.place;
+    run.name = first.name;
+    if (run.name.empty()) {
+      const fs::path place = first.place;  // "folder/alpha_v.csv:7"
+      const std::string line = place.extension().string();
+      run.name = place.stem().string() + line.substr(std::min(line.find(':'), line.size()));
+    }
+    run.phi = first.phi;
+    run.dtau = std::min(first.dtau, 2 * std::numbers::pi);
+    run.phi_sd = first.phi_sd;
+    run.dtau_sd = first.dtau_sd;
+    run.amplitude = first.amplitude;
+    run.amplitude_sd = first.amplitude_sd;
+    run.angular_frequency = first.angular_frequency;
+    run.angular_frequency_sd = first.angular_frequency_sd;
+    run.start_phase = first.start_phase;
+    run.start_phase_sd = first.start_phase_sd;
+    run.start = campaign_.start;
+    run.cycles = first.cycles.value_or(cycles_);
+    run.alpha = value.alpha.value;
+    run.alpha_sd = value.alpha.sd;
+    run.v = value.velocity.value;
+    run.v_sd = value.velocity.sd;
+    if (members.size() > 1)
+      for (const std::size_t k : members) run.pooled_from.push_back(lines_[k].place);
+    campaign_.runs.push_back(std::move(run));
+  }
+
+  void note(const fit::PooledPoints& pooled) {
+    const std::size_t repeated = lines_.size() - points_.size();
+    if (repeated > 0)
+      campaign_.notes.push_back(
+          fmt::format("{} lines of tables are {} points: repeats of one point are pooled into their mean",
+                      lines_.size(), points_.size()));
+    std::vector<std::string> sds;
+    if (const fit::RepeatScatter& alpha = pooled.across; alpha.sd > 0)
+      sds.push_back(alpha.relative ? fmt::format("alpha {:.2g} rad ({:.2g} deg)", alpha.sd,
+                                                 alpha.sd * 180 / std::numbers::pi)
+                                   : fmt::format("alpha {:.2g} mm/s over v", alpha.sd * 1e3));
+    if (const fit::RepeatScatter& v = pooled.along; v.sd > 0)
+      sds.push_back(v.relative ? fmt::format("v {:.2g} %", v.sd * 100)
+                               : fmt::format("v {:.2g} mm/s", v.sd * 1e3));
+    if (!sds.empty()) {
+      const std::size_t dof = std::max(pooled.along.dof, pooled.across.dof);
+      campaign_.notes.push_back(
+          fmt::format("lines without an sd have that of the scatter between repeats: of one measurement {} "
+                      "({} degree{} of "
+                      "freedom), widened {:.2f} times, so that 95 % intervals are Student's",
+                      fmt::join(sds, ", "), dof, dof == 1 ? "" : "s", pooled.widened));
+    }
+    if (pooled.scattered > 1)
+      campaign_.warnings.push_back(fmt::format(
+          "repeats in the tables scatter {:.2g} times as much as their sds say (chi2 {:.3g} at {} degrees of "
+          "freedom): the sds of all their lines are widened by that",
+          pooled.scattered, pooled.chi2, pooled.chi2_dof));
+  }
+
+  Campaign& campaign_;
+  int cycles_;
+  std::vector<AlphaVLine> lines_;
+  std::vector<std::vector<std::size_t>> points_;  ///< the lines of each
+  std::vector<std::size_t> point_of_;             ///< of each line
+};
+
+}  // namespace
+
+TrackReading read_track_reading(StrictTable& table, TrackReading reading) {
+  const std::vector<std::string> units = {"px", "um", "mm", "cm", "m"};
+  if (const auto unit = table.choice("track_unit", units)) reading.unit = units[*unit];
+  if (const auto y = table.choice("track_y", {"up", "down"}))
+    reading.y = *y == 0 ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+  if (const auto point = table.text("track_point")) reading.point = *point;
+  if (const auto mark = table.text("track_mark")) reading.mark = *mark;
+  return reading;
+}
+
+DataSection read_data(StrictTable& table, const fs::path& folder) {
+  DataSection data;
+  for (const std::string& name : table_names(table)) {
+    const fs::path path = folder / name;
+    if (std::ranges::count(data.tables, path) > 0)
+      table.fail("table", fmt::format("names \"{}\" twice", name));
+    data.tables.push_back(path);
+  }
+  for (const char* key : {"alpha_sd_rad", "v_sd_mm_s"})
+    if (table.has(key) && data.tables.empty())
+      table.fail(key, "is for the lines of a `table`, which [data] does not name");
+  data.alpha_sd = table.angle("alpha_sd_rad");
+  if (data.alpha_sd && !(*data.alpha_sd > 0)) table.fail("alpha_sd_rad", "must be greater than 0");
+  if (const auto v = table.positive("v_sd_mm_s")) data.v_sd = *v * 1e-3;
+  data.tracks = read_track_reading(table);
+  table.finish();
+  return data;
+}
+
+void add_table_runs(Campaign& campaign, int cycles) {
+  if (!campaign.data.tables.empty()) TableRuns(campaign, cycles).add();
+}
+
+}  // namespace tribotrack::apps

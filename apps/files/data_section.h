@@ -1,0 +1,49 @@
+// [data]: tables of alpha and v whose lines become runs, and how tracks of other programs are to be read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/text/input_file.h"
+#include "apps/text/strict_toml.h"
+
+namespace tribotrack::apps {
+
+struct Campaign;
+struct CampaignRun;
+
+/// What the file of another program's track does not say of itself.
+struct TrackReading {
+  enum class YAxis { by_unit, up, down };
+  std::string unit;          ///< of columns that name none: "px", "um", "mm", "cm", "m"; empty: not known
+  YAxis y = YAxis::by_unit;  ///< by_unit: down in pixels, up in lengths
+  std::string point, mark;   ///< which of the file's points is the part, and which is fixed to the platform
+  std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<double> frame_rate_hz;  ///< beats the file's times
+  double xi_axis_rad = 0;
+  std::optional<std::int64_t> first_frame, last_frame;
+};
+
+struct DataSection {
+  std::vector<std::filesystem::path> tables;  ///< resolved against the campaign's folder
+  std::optional<double> alpha_sd, v_sd;       ///< rad, m/s: of every line that has none of its own
+  TrackReading tracks;                        ///< for runs that do not say otherwise
+};
+
+/// [data] table = "x.csv" or a list, alpha_sd_rad, v_sd_mm_s, and the keys of read_track_reading().
+DataSection read_data(StrictTable& table, const std::filesystem::path& folder);
+
+/// track_unit, track_y, track_point, track_mark of [data] or a [[run]]; what is not there is as in `reading`.
+TrackReading read_track_reading(StrictTable& table, TrackReading reading = {});
+
+/// Reads the tables and adds a run for every point, its repeats pooled (fit::pool_points): lines of the same
+/// phi, dtau, A, w, start phase and cycles. A run bears its first line's name, or "alpha_v:7" by the table
+/// and its line. Says in Campaign::notes what was pooled and where sds came from. Throws InvalidInput naming
+/// file, line and remedy; where a line has no sd and nothing tells it, what could.
+void add_table_runs(Campaign& campaign, int cycles);
+
+}  // namespace tribotrack::apps

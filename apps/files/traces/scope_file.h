@@ -1,0 +1,44 @@
+// Oscilloscope CSV files as labs have them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/text/input_file.h"
+
+namespace tribotrack::apps {
+
+/// Channels of one trace. Sample n was taken at start_s + n * increment_s: printed time columns are rounded,
+/// so they give the two numbers and nothing else.
+struct ScopeFile {
+  Input input;
+  std::string layout;  ///< "Rigol DS1000Z", "Keysight", ..., "Time, channels"
+  double start_s = 0, increment_s = 0;
+  std::vector<std::string> names;             ///< "CH1", ...
+  std::vector<std::vector<double>> channels;  ///< V
+};
+
+/// What read_scope_file() reads, for messages.
+extern const char* const kScopeLayouts;
+
+/// Is this a table at all that may be a trace: a text file that ends in .csv, .txt, .tsv or .dat?
+bool may_be_trace(const std::filesystem::path& path);
+
+/// Layouts, as the instruments write them:
+///   Rigol DS1000Z       `X,CH1,...,Start,Increment`, values under a line of units with both numbers
+///   Rigol MSO5000       `CH1(V),t0 = ..., tInc = ...`, values alone; or `Time(s),CH1(V),...`
+///   Rigol DS1102E       `Time,X(CH1),...`
+///   Tektronix TDS       three columns with the settings, then time and value; one channel a file
+///   Tektronix           lines of settings from `Model,...` on, then `TIME,CH1,...`
+///   Keysight            `x-axis,1,2` over `second,Volt,Volt`
+///   Siglent             lines of settings, or `Source,CH1`, then `Second,Volt`
+///   PicoScope           `Time,Channel A,...` over `(ms),(V),(mV)`
+///   any other           a time and channels, with units or not: `Time,CH1,CH2`, `t (ms);CH1 (mV)`
+/// with commas, or with semicolons or tabs and decimal commas; units of time and voltage are taken from
+/// either line, s and V where none is named. Where times stand only in a column, increment = (last - first) /
+/// (rows - 1), or the sampling interval that the settings give where the times agree; the times must be even
+/// but for their rounding. Throws InvalidInput naming file and line.
+ScopeFile read_scope_file(const std::filesystem::path& path);
+
+}  // namespace tribotrack::apps

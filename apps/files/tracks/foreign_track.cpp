@@ -1,0 +1,349 @@
+#include "apps/files/tracks/foreign_track.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "apps/files/tracks/point_samples.h"
+#include "apps/files/tracks/track_columns.h"
+#include "apps/program/errors.h"
+#include "apps/text/heading.h"
+#include "apps/text/number_text.h"
+#include "fit/measurement.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr double kUniform = 0.2887;  ///< sd of what is rounded to 1: 1/sqrt(12)
+
+/// The times of the frames and where they came from.
+struct Clock {
+  std::vector<std::int64_t> frame;
+  std::vector<double> time;  ///< s
+  std::optional<double> rate_hz;
+  std::string from, warning;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Frame numbers as the times count them, from 0.
+std::vector<std::int64_t> numbered_by(const std::vector<double>& time, double step) {
+  std::vector<std::int64_t> numbers;
+  for (const double t : time) numbers.push_back(std::llround((t - time.front()) / step));
+  return numbers;
+}
+
+/// Interval between neighbours that are one frame apart, refined by the whole length.
+double interval_of(const std::filesystem::path& path, const std::vector<double>& time) {
+  constexpr double kMostFrames = 1e9;
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
+  double step = median(steps);
+  if (!(time.back() - time.front() < kMostFrames * step))
+    throw InvalidInput(
+        fmt::format("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
+                    path.string(), step, time.back() - time.front()));
+  // Rounded times have few values of step: count frames with an ever better one.
+  constexpr double kFirst = 8, kFurther = 1.5;
+  const double whole = time.back() - time.front();
+  for (double reach = kFirst * step; reach < kFurther * whole; reach *= kFurther) {
+    const auto beyond = std::upper_bound(time.begin(), time.end(), time.front() + reach);
+    const double span = *(beyond - 1) - time.front();
+    if (const double frames = std::round(span / step); frames > 0) step = span / frames;
+  }
+  return step;
+}
+
+/// t = a + b n by least squares.
+std::pair<double, double> line_through(const std::vector<std::int64_t>& n, const std::vector<double>& t) {
+  double mean_n = 0, mean_t = 0, nn = 0, nt = 0;
+  const auto count = static_cast<double>(n.size());
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    mean_n += static_cast<double>(n[k]) / count;
+    mean_t += t[k] / count;
+  }
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    nn += std::pow(static_cast<double>(n[k]) - mean_n, 2);
+    nt += (static_cast<double>(n[k]) - mean_n) * (t[k] - mean_t);
+  }
+  const double b = nt / nn;
+  return {mean_t - b * mean_n, b};
+}
+
+/// A rate at which films are played, not taken: Clock::warning.
+std::string playback_warning(double rate) {
+  for (const double played : {24000.0 / 1001, 24.0, 25.0, 30000.0 / 1001, 30.0, 50.0, 60000.0 / 1001, 60.0})
+    if (std::abs(rate / played - 1) < 1e-4)
+      return fmt::format(
+          "its times follow each other at {:.4g} frames/s, at which films are played: if the camera was "
+          "faster, "
+          "give frame_rate_hz in [camera] (--fps)",
+          rate);
+  return "";
+}
+
+Clock clock_of(const std::filesystem::path& path, const PointSamples& samples, const TrackReading& reading,
+               bool frames_in_file) {
+  Clock clock;
+  clock.frame = samples.frame;
+  const bool times = samples.time.size() > 1;
+  if (reading.frame_rate_hz) {
+    if (times && !frames_in_file) clock.frame = numbered_by(samples.time, interval_of(path, samples.time));
+    for (const std::int64_t frame : clock.frame)
+      clock.time.push_back(static_cast<double>(frame) / *reading.frame_rate_hz);
+    clock.rate_hz = reading.frame_rate_hz;
+    clock.from = "frame numbers and the given rate";
+    return clock;
+  }
+  if (!times)
+    throw InvalidInput(fmt::format(
+        "{}: has no times; give the rate at which its frames were taken, frame_rate_hz in [camera] (--fps)",
+        path.string()));
+  clock.time = samples.time;
+  const double step = interval_of(path, samples.time);
+  const std::vector<std::int64_t> numbers = numbered_by(samples.time, step);
+  const auto [start, interval] = line_through(numbers, samples.time);
+  double off = 0;
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    off = std::max(off, std::abs(samples.time[k] - start - interval * static_cast<double>(numbers[k])));
+  const bool even = off <= 0.6 * samples.time_step;
+  const bool distinct = std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end();
+  if (even && distinct) {
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      clock.time[k] = start + interval * static_cast<double>(numbers[k]);
+    if (!frames_in_file) clock.frame = numbers;
+  }
+  clock.rate_hz = 1 / interval;
+  clock.from = even && distinct ? "times in the file, on an even grid" : "times in the file";
+  clock.warning = playback_warning(*clock.rate_hz);
+  return clock;
+}
+
+/// The unit of a point, and millimetres to one; of pixels the given scale.
+struct Scale {
+  std::string unit;
+  bool pixels = false;
+  double mm = 0;
+};
+
+Scale scale_of(const CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
+  const std::string& unit = columns.points.front().unit;
+  Scale scale{!unit.empty() ? unit : !reading.unit.empty() ? reading.unit : columns.usual_unit};
+  if (scale.unit.empty())
+    table.fail(
+        "does not say in which unit x and y are: write it into the header (x_mm, y_mm), or give track_unit = "
+        "\"mm\" in the run or in [data] (--track-unit)");
+  if (const auto si = si_per(scale.unit, Dimension::length)) {
+    scale.mm = *si * 1e3;
+    return scale;
+  }
+  if (!reading.mm_per_px)
+    throw InvalidInput(fmt::format("{}: is in pixels; give mm_per_px in the run or in [camera] (--mm-per-px)",
+                                   table.path().string()));
+  scale.pixels = true;
+  scale.mm = *reading.mm_per_px;
+  return scale;
+}
+
+bool y_points_up(const CsvTable& table, const TrackColumns& columns, const Scale& scale,
+                 const TrackReading& reading) {
+  using Y = TrackReading::YAxis;
+  if (reading.y != Y::by_unit) return reading.y == Y::up;
+  if (columns.layout == "DLTdv")
+    table.fail(
+        "is a table of DLTdv, whose y points up until version 5 and in Argus, down from version 8 on: say "
+        "which, "
+        "track_y = \"up\" or \"down\" in the run or in [data] (--track-y)");
+  if (columns.y) return *columns.y == Y::up;
+  return !scale.pixels;
+}
+
+/// sds of x and y of every sample, in its unit, and whether they were estimated.
+struct Noise {
+  std::vector<Eigen::Vector2d> sd;
+  Eigen::Vector2d estimate = Eigen::Vector2d::Zero();
+  bool estimated = false;
+};
+
+Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::vector<std::int64_t>& frames) {
+  Noise noise;
+  if (!samples.x_sd.empty()) {
+    for (std::size_t k = 0; k < samples.x.size(); ++k)
+      noise.sd.emplace_back(samples.x_sd[k], samples.y_sd[k]);
+    return noise;
+  }
+  std::vector<std::int64_t> seen;
+  std::vector<Eigen::Vector2d> positions;
+  for (std::size_t k = 0; k < samples.x.size(); ++k)
+    if (!std::isnan(samples.x[k])) {
+      seen.push_back(frames[k]);
+      positions.emplace_back(samples.x[k], samples.y[k]);
+    }
+  const auto estimate = fit::point_noise(seen, positions);
+  if (!estimate)
+    throw InvalidInput(
+        fmt::format("{}: has no standard deviations, and with {} points that follow each other too few to "
+                    "estimate them; add "
+                    "the columns x_sd_mm and y_sd_mm",
+                    table.path().string(), positions.size()));
+  noise.estimated = true;
+  // Rounding is the least error there is.
+  noise.estimate = estimate->cwiseMax(kUniform * samples.step);
+  noise.sd.assign(samples.x.size(), noise.estimate);
+  return noise;
+}
+
+/// The rows of a track in pixels, with a scale, as `track` writes them without parallax.
+class Rows {
+ public:
+  Rows(const PartAndMark& points, const Scale& scale, bool up, double xi_axis, const Noise& part,
+       const std::optional<Noise>& mark)
+      : points_(points), scale_(scale), up_(up), part_(part), mark_(mark) {
+    const Eigen::Matrix2d axes = Eigen::Vector2d(1, up ? 1 : -1).asDiagonal();
+    to_mm_ = scale.mm * Eigen::Rotation2Dd(-xi_axis).toRotationMatrix() * axes;
+    rows_.has_marker = mark.has_value();
+    rows_.has_planes = !scale.pixels;
+  }
+
+  TrackRows make(const Clock& clock, const TrackReading& reading) {
+    for (std::size_t k = 0; k < clock.frame.size(); ++k) {
+      if (reading.first_frame && clock.frame[k] < *reading.first_frame) continue;
+      if (reading.last_frame && clock.frame[k] > *reading.last_frame) continue;
+      TrackRow row;
+      row.frame = clock.frame[k];
+      row.time_s = clock.time[k];
+      put(k, row);
+      rows_.rows.push_back(row);
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  static bool seen(const PointSamples& samples, std::size_t k) { return !std::isnan(samples.x[k]); }
+  static Eigen::Vector2d at(const PointSamples& samples, std::size_t k) {
+    return {samples.x[k], samples.y[k]};
+  }
+
+  void put(std::size_t k, TrackRow& row) {
+    const bool marked = points_.mark && seen(*points_.mark, k);
+    if (marked) put_mark(k, row);
+    if (!seen(points_.part, k)) return;
+    row.status = vision::TrackStatus::ok;
+    const Eigen::Vector2d sd = part_.sd[k];
+    if (scale_.pixels) {
+      row.x_px = as_written(points_.part.x[k]);
+      row.y_px = as_written(up_ ? -points_.part.y[k] : points_.part.y[k]);
+      row.sigma_x_px = as_written(sd.x());
+      row.sigma_y_px = as_written(sd.y());
+      row.rho_xy = 0;
+    }
+    if (points_.mark && !marked) return;
+    Eigen::Vector2d place = at(points_.part, k);
+    if (marked) place -= at(*points_.mark, k);
+    if (!origin_) origin_ = place;
+    const Eigen::Vector2d mm = to_mm_ * (place - *origin_);
+    Eigen::Matrix2d covariance = to_mm_ * sd.cwiseAbs2().asDiagonal() * to_mm_.transpose();
+    if (marked) covariance += std::pow(scale_.mm * mark_sd(k), 2) * Eigen::Matrix2d::Identity();
+    row.x_mm = as_written(mm.x());
+    row.y_mm = as_written(mm.y());
+    row.sigma_x_mm = as_written(std::sqrt(covariance(0, 0)));
+    row.sigma_y_mm = as_written(std::sqrt(covariance(1, 1)));
+    row.rho_xy_mm = as_written(covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)));
+  }
+
+  /// One sd for both axes.
+  double mark_sd(std::size_t k) const { return mark_->sd[k].norm() / std::sqrt(2.0); }
+
+  void put_mark(std::size_t k, TrackRow& row) const {
+    const PointSamples& mark = *points_.mark;
+    if (scale_.pixels) {
+      row.marker_x_px = as_written(mark.x[k]);
+      row.marker_y_px = as_written(up_ ? -mark.y[k] : mark.y[k]);
+      row.marker_sigma_px = as_written(mark_sd(k));
+      return;
+    }
+    const Eigen::Vector2d mm = to_mm_ * at(mark, k);
+    row.marker_x_mm = as_written(mm.x());
+    row.marker_y_mm = as_written(mm.y());
+    row.marker_sigma_mm = as_written(scale_.mm * mark_sd(k));
+  }
+
+  const PartAndMark& points_;
+  const Scale& scale_;
+  bool up_;
+  const Noise& part_;
+  const std::optional<Noise>& mark_;
+  Eigen::Matrix2d to_mm_;
+  std::optional<Eigen::Vector2d> origin_;
+  TrackRows rows_;
+};
+
+std::string sd_text(const Noise& noise, const std::string& unit) {
+  if (!noise.estimated) return "sds as the file has them";
+  return fmt::format(
+      "sds of {:.2g} {} in x and {:.2g} {} in y from the scatter from point to point, which does not "
+      "show errors slower than the frames",
+      noise.estimate.x(), unit, noise.estimate.y(), unit);
+}
+
+}  // namespace
+
+ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string text,
+                                const TrackReading& reading) {
+  CsvTable table(path, std::move(text));
+  const TrackColumns columns = read_track_columns(table);
+  // What the header leaves open is said at its line.
+  const std::string& header_unit = columns.points.front().unit;
+  const Scale scale = scale_of(table, columns, reading);
+  const bool up = y_points_up(table, columns, scale, reading);
+  PartAndMark points = read_points(table, columns, reading);
+  if (points.mark && points.mark->unit != points.part.unit)
+    throw InvalidInput(fmt::format("{}: part and mark are in different units, {} and {}", path.string(),
+                                   points.part.unit, points.mark->unit));
+  if (points.part.unit != header_unit)
+    throw InvalidInput(fmt::format("{}: its points are in different units", path.string()));
+  if (points.part.frame.size() < 2)
+    throw InvalidInput(fmt::format("{}: holds fewer than two rows of numbers", path.string()));
+  const Clock clock = clock_of(path, points.part, reading, columns.frame.has_value());
+  const Noise part = noise_of(table, points.part, clock.frame);
+  std::optional<Noise> mark;
+  if (points.mark) mark = noise_of(table, *points.mark, clock.frame);
+
+  ForeignTrack track;
+  track.layout = columns.layout;
+  track.rows = Rows(points, scale, up, reading.xi_axis_rad, part, mark).make(clock, reading);
+  if (track.rows.rows.empty())
+    throw InvalidInput(fmt::format("{}: no row lies within `frames`", path.string()));
+  TrackFacts& facts = track.facts;
+  if (scale.pixels) {
+    facts.mm_per_px = scale.mm;
+    facts.mm_per_px_sd = reading.mm_per_px_sd;
+    facts.scale_source = "given";
+  }
+  facts.xi_axis_rad = reading.xi_axis_rad;
+  facts.frame_rate_hz = clock.rate_hz;
+  facts.time_base = clock.from;
+  facts.frames = static_cast<std::int64_t>(track.rows.rows.size());
+  facts.in_camera_frame = !points.mark;
+  facts.sd_from_scatter = part.estimated;
+  facts.imported = fmt::format(
+      "read as {} (x, y in {}, y {}{}{}); {}",
+      columns.layout == "t, x, y" ? "t, x, y" : "a track of " + columns.layout, scale.unit,
+      up ? "up" : "down", points.part.name.empty() ? "" : "; part " + points.part.name,
+      points.mark ? "; mark " + points.mark->name : "; no mark: the positions hold the platform's motion",
+      sd_text(part, scale.unit));
+  facts.warnings = {facts.imported};
+  if (!clock.warning.empty()) facts.warnings.push_back(clock.warning);
+  return track;
+}
+
+}  // namespace tribotrack::apps

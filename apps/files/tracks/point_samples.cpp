@@ -1,0 +1,272 @@
+#include "apps/files/tracks/point_samples.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "apps/program/errors.h"
+#include "apps/text/angle.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+/// Pixels, millimetres, seconds: nothing that was filmed lies beyond.
+constexpr double kBeyondAll = 1e9;
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+/// Tracker writes "mass A" as mass_A.
+bool same_name(const std::string& a, const std::string& b) {
+  std::string one = lower(a), other = lower(b);
+  for (std::string* text : {&one, &other}) std::replace(text->begin(), text->end(), ' ', '_');
+  return one == other;
+}
+
+bool is_mark(const std::string& name) {
+  return same_name(name, "marker") || same_name(name, "mark");
+}
+
+/// The last digit of a number as it is printed: 0.001 for "12.345", 1e-8 for "1.2345E-4".
+double last_digit(std::string_view cell) {
+  const auto exponent_at = cell.find_first_of("eE");
+  const std::string_view mantissa = cell.substr(0, exponent_at);
+  const auto point = mantissa.find_first_of(".,");
+  const double decimals =
+      point == std::string_view::npos ? 0 : static_cast<double>(mantissa.size() - point - 1);
+  double exponent = 0;
+  if (exponent_at != std::string_view::npos)
+    exponent = parse_number(cell.substr(exponent_at + 1)).value_or(0);
+  return std::min(std::pow(10, exponent - decimals), kBeyondAll);
+}
+
+/// Reads cells of the current line.
+class Line {
+ public:
+  Line(const CsvTable& table, const TrackColumns& columns) : table_(table), columns_(columns) {}
+
+  std::string_view cell(std::size_t column) const {
+    return column < table_.cells().size() ? table_.cells()[column] : std::string_view();
+  }
+  /// NaN for an empty cell or one that says so.
+  double number(std::size_t column) const {
+    const std::string_view text = cell(column);
+    if (text.empty() || lower(std::string(text)) == "nan") return kNone;
+    const double value = table_.number(text);
+    if (std::abs(value) > kBeyondAll) table_.fail(text, fmt::format("`{}` is out of range", text));
+    return value;
+  }
+  std::int64_t frame() const {
+    const std::string_view text = cell(*columns_.frame);
+    const double value = number(*columns_.frame);
+    if (!(std::abs(value) <= kBeyondAll) || value != std::floor(value))
+      table_.fail(text.empty() ? table_.cells().front() : text,
+                  fmt::format("`{}` is no frame's number; it must be a whole number", text));
+    return static_cast<std::int64_t>(value);
+  }
+  double time() const {
+    const std::string_view text = cell(*columns_.time);
+    const double value = number(*columns_.time);
+    if (std::isnan(value)) table_.fail("has no time");
+    if (text.find(':') != std::string_view::npos) table_.fail(text, "is a time code; export times in ms");
+    return value * columns_.second;
+  }
+
+  void append(const PointColumns& point, PointSamples& samples) const {
+    double x = number(point.x), y = number(point.y);
+    const bool failed = columns_.no_sd_is_lost && !(number(*point.x_sd) > 0);
+    if (std::isnan(x) || std::isnan(y) || failed) x = y = kNone;
+    samples.x.push_back(x);
+    samples.y.push_back(y);
+    if (!std::isnan(x))
+      samples.step = std::min(samples.step, std::max(last_digit(cell(point.x)), last_digit(cell(point.y))));
+    if (!point.x_sd) return;
+    for (const auto& [column, sds] : {std::pair(*point.x_sd, &samples.x_sd), {*point.y_sd, &samples.y_sd}}) {
+      const double sd = number(column);
+      if (!std::isnan(x) && !(sd > 0)) table_.fail(cell(column), "an sd must be greater than 0");
+      sds->push_back(sd);
+    }
+  }
+
+ private:
+  const CsvTable& table_;
+  const TrackColumns& columns_;
+};
+
+PointSamples samples_of(const PointColumns& point) {
+  PointSamples samples;
+  samples.name = point.name;
+  samples.unit = point.unit;
+  samples.step = samples.time_step = std::numeric_limits<double>::infinity();
+  return samples;
+}
+
+/// Frames and times must increase.
+void require_order(const CsvTable& table, const PointSamples& samples) {
+  const std::size_t n = samples.frame.size();
+  if (n < 2) return;
+  if (samples.frame[n - 1] <= samples.frame[n - 2])
+    table.fail("its frame does not come after the one above; put the rows in the order of time");
+  if (!samples.time.empty() && !(samples.time[n - 1] > samples.time[n - 2]))
+    table.fail("its time does not come after the one above; put the rows in the order of time");
+}
+
+void append_clock(const CsvTable& table, const Line& line, const TrackColumns& columns, std::int64_t row,
+                  PointSamples& samples) {
+  samples.frame.push_back(columns.frame ? line.frame() : row);
+  if (columns.time) {
+    samples.time.push_back(line.time());
+    samples.time_step = std::min(samples.time_step, last_digit(line.cell(*columns.time)) * columns.second);
+  }
+  require_order(table, samples);
+}
+
+[[noreturn]] void ask_which(const CsvTable& table, const std::vector<std::string>& names) {
+  throw InvalidInput(
+      fmt::format("{}: holds {} points: {}; say which is the part, track_point = \"{}\" in the run "
+                  "(--track-point), and, where "
+                  "one is fixed to the platform, track_mark = \"NAME\"",
+                  table.path().string(), names.size(), fmt::join(names, ", "), names.front()));
+}
+
+[[noreturn]] void refuse_name(const CsvTable& table, const char* key, const std::string& name,
+                              const std::vector<std::string>& names) {
+  throw InvalidInput(fmt::format("{}: there is no point \"{}\" ({}); it holds {}", table.path().string(),
+                                 name, key, fmt::join(names, ", ")));
+}
+
+/// Which of these names is the part, and which the mark, if any.
+std::pair<std::size_t, std::optional<std::size_t>> choose(const CsvTable& table,
+                                                          const std::vector<std::string>& names,
+                                                          const TrackReading& reading) {
+  const auto named = [&](const char* key, const std::string& name) {
+    const auto found = std::ranges::find_if(names, [&](const std::string& n) { return same_name(n, name); });
+    if (found == names.end()) refuse_name(table, key, name, names);
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  std::optional<std::size_t> mark;
+  if (!reading.mark.empty())
+    mark = named("track_mark", reading.mark);
+  else if (const auto found = std::ranges::find_if(names, is_mark); found != names.end() && names.size() > 1)
+    mark = static_cast<std::size_t>(found - names.begin());
+  if (!reading.point.empty()) {
+    const std::size_t part = named("track_point", reading.point);
+    if (mark && *mark == part)
+      throw InvalidInput(
+          fmt::format("{}: \"{}\" is named as part and as mark; the part moves on the platform, the "
+                      "mark with it",
+                      table.path().string(), names[part]));
+    return {part, mark};
+  }
+  std::vector<std::size_t> others;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (k != mark) others.push_back(k);
+  if (others.size() != 1) ask_which(table, names);
+  return {others.front(), mark};
+}
+
+/// One row a frame, each point in columns of its own.
+PartAndMark read_wide(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
+  std::vector<std::string> names;
+  for (const PointColumns& point : columns.points)
+    names.push_back(point.name.empty() ? "the part" : point.name);
+  const auto [part, mark] = choose(table, names, reading);
+  const PointColumns& part_columns = columns.points[part];
+  PartAndMark result{samples_of(part_columns), std::nullopt};
+  if (mark) result.mark = samples_of(columns.points[*mark]);
+  std::int64_t row = 0;
+  while (table.next()) {
+    const Line line(table, columns);
+    append_clock(table, line, columns, row++, result.part);
+    line.append(part_columns, result.part);
+    if (mark) line.append(columns.points[*mark], *result.mark);
+  }
+  return result;
+}
+
+/// One row for each particle and frame.
+PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
+  std::vector<std::string> names;
+  std::vector<std::map<std::int64_t, PointSamples>> rows;  // of each particle, one sample by frame
+  const PointColumns& point = columns.points.front();
+  while (table.next()) {
+    const Line line(table, columns);
+    std::string name(line.cell(*columns.particle));
+    if (name.ends_with(".0")) name.resize(name.size() - 2);  // an integer that pandas made a float
+    const auto known = std::ranges::find(names, name);
+    const auto k = static_cast<std::size_t>(known - names.begin());
+    if (known == names.end()) {
+      names.push_back(name);
+      rows.emplace_back();
+    }
+    PointSamples sample = samples_of(point);
+    append_clock(table, line, columns, 0, sample);
+    line.append(point, sample);
+    if (!rows[k].emplace(sample.frame.front(), sample).second)
+      table.fail(fmt::format("particle {} is in frame {} twice", name, sample.frame.front()));
+  }
+  if (names.empty()) return {samples_of(point), std::nullopt};
+  std::vector<std::string> listed = names;
+  constexpr std::size_t kMostListed = 12;
+  if (listed.size() > kMostListed) {
+    std::vector<std::size_t> order(names.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t k) { return rows[k].size(); });
+    listed.clear();
+    for (std::size_t k = 0; k < kMostListed; ++k) listed.push_back(names[order[k]]);
+  }
+  if (reading.point.empty() && names.size() > 1) ask_which(table, listed);
+  const auto [part, mark] = choose(table, names, reading);
+  PartAndMark result{samples_of(point), std::nullopt};
+  result.part.name = names[part];
+  if (mark) {
+    result.mark = samples_of(point);
+    result.mark->name = names[*mark];
+  }
+  const auto take = [](const PointSamples& from, PointSamples& to) {
+    to.x.push_back(from.x.front());
+    to.y.push_back(from.y.front());
+    if (!from.x_sd.empty()) {
+      to.x_sd.push_back(from.x_sd.front());
+      to.y_sd.push_back(from.y_sd.front());
+    }
+    to.step = std::min(to.step, from.step);
+  };
+  for (const auto& [frame, sample] : rows[part]) {
+    result.part.frame.push_back(frame);
+    if (!sample.time.empty()) result.part.time.push_back(sample.time.front());
+    result.part.time_step = std::min(result.part.time_step, sample.time_step);
+    take(sample, result.part);
+    if (!mark) continue;
+    const auto other = rows[*mark].find(frame);
+    if (other != rows[*mark].end()) {
+      take(other->second, *result.mark);
+    } else {
+      result.mark->x.push_back(kNone);
+      result.mark->y.push_back(kNone);
+      if (point.x_sd) {
+        result.mark->x_sd.push_back(kNone);
+        result.mark->y_sd.push_back(kNone);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+PartAndMark read_points(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
+  return columns.particle ? read_long(table, columns, reading) : read_wide(table, columns, reading);
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,16 @@
+// What an oscilloscope's file holds, and what to write into [scope].
+#pragma once
+
+#include <string>
+
+#include "apps/files/traces/scope_file.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+/// Layout, sampling and channels, each with what it looks like, and the lines of [scope] that say so: what
+/// `probe trace.csv` prints.
+std::string trace_text(const ScopeFile& trace);
+Json trace_json(const ScopeFile& trace);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,325 @@
+#include "apps/files/tracks/foreign_track.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "apps/files/tracks/any_track.h"
+#include "apps/program.h"
+#include "fit/measurement.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kRate = 250, kScale = 0.1;  // frames/s, mm/px
+constexpr int kFrames = 300;
+
+/// A part that slips on a circling platform: mm, y up, with some noise.
+struct Motion {
+  std::vector<Eigen::Vector2d> part, mark;
+  Motion() {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    for (int k = 0; k < kFrames; ++k) {
+      const double t = k / kRate, turn = 62.8 * t;
+      const Eigen::Vector2d platform(0.28 * std::cos(turn), 0.28 * std::cos(turn + 1.5707963));
+      const Eigen::Vector2d slip(3 * t, -2 * t + 0.02 * std::sin(2 * turn));
+      const auto noise = [&]() -> Eigen::Vector2d {
+        return 0.001 * Eigen::Vector2d(normal(random), normal(random));
+      };
+      part.push_back(platform + slip + noise());
+      mark.push_back(Eigen::Vector2d(5, 7) + platform + noise());
+    }
+  }
+};
+
+TrackReading in_unit(const std::string& unit, const std::string& point = "", const std::string& mark = "") {
+  TrackReading reading;
+  reading.unit = unit;
+  reading.point = point;
+  reading.mark = mark;
+  return reading;
+}
+
+class ForeignTracks : public ProgramTest {
+ protected:
+  TrackFile read(const std::string& text, TrackReading reading = {}) {
+    put(in_folder("x.csv"), text);
+    return read_any_track(in_folder("x.csv"), reading);
+  }
+  std::string complaint(const std::string& text, const TrackReading& reading = {}) {
+    const std::string message = complaint_of([&] { read(text, reading); });
+    const std::string folder = in_folder("").string();
+    return message.substr(message.starts_with(folder) ? folder.size() : 0);
+  }
+  /// One line a frame.
+  std::string lines(const std::function<std::string(int)>& line) const {
+    std::string text;
+    for (int k = 0; k < kFrames; ++k) text += line(k) + "\n";
+    return text;
+  }
+  std::string plain() const {
+    return "t_s,x_mm,y_mm\n" + lines([&](int k) {
+             return fmt::format("{},{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
+           });
+  }
+  static fit::Displacement moved(const TrackFile& file) {
+    return fit::measure_displacement(file.table, {62.8, 0}, 10);
+  }
+  const Motion motion;
+};
+
+void expect_same(const fit::Displacement& a, const fit::Displacement& b, double tolerance) {
+  EXPECT_NEAR(a.vector.x(), b.vector.x(), tolerance);
+  EXPECT_NEAR(a.vector.y(), b.vector.y(), tolerance);
+}
+
+TEST_F(ForeignTracks, APlainTableInEveryUnit) {
+  const TrackFile mm = read(plain());
+  EXPECT_EQ(mm.table.time.size(), static_cast<std::size_t>(kFrames));
+  EXPECT_FALSE(mm.table.platform_frame);
+  EXPECT_TRUE(mm.facts.in_camera_frame);
+  EXPECT_THAT(mm.facts.imported, HasSubstr("y up"));
+  const fit::Displacement moved_mm = moved(mm);
+  EXPECT_NEAR(moved_mm.vector.x(), 3e-3 * moved_mm.duration, 1e-5);
+  EXPECT_NEAR(moved_mm.vector.y(), -2e-3 * moved_mm.duration, 1e-5);
+  const TrackFile metres = read("time (ms);x [m];y [m]\n" + lines([&](int k) {
+                                  std::string line =
+                                      fmt::format("{};{};{}", 1e3 * k / kRate, 1e-3 * motion.part[k].x(),
+                                                  1e-3 * motion.part[k].y());
+                                  std::replace(line.begin(), line.end(), '.', ',');
+                                  return line;
+                                }));
+  expect_same(moved(metres), moved_mm, 1e-12);
+}
+
+TEST_F(ForeignTracks, TheLayoutsOfOtherProgramsGiveTheSameDisplacement) {
+  const fit::Displacement plain_moved = moved(read(plain()));
+  const TrackReading in_mm = in_unit("mm");
+  const TrackFile tracker =
+      read("mass_A\t\t\nt\tx\ty\n" + lines([&](int k) {
+             return fmt::format("{:.9E}\t{:.9E}\t{:.9E}", k / kRate, motion.part[k].x(), motion.part[k].y());
+           }),
+           in_mm);
+  EXPECT_THAT(tracker.facts.imported, HasSubstr("Tracker"));
+  expect_same(moved(tracker), plain_moved, 1e-11);
+
+  const TrackFile kinovea = read("Time (ms);Disc X;Disc Y\n" + lines([&](int k) {
+                                   std::string line = fmt::format("{};{:.6f};{:.6f}", 4 * k,
+                                                                  motion.part[k].x(), motion.part[k].y());
+                                   std::replace(line.begin(), line.end(), '.', ',');
+                                   return line;
+                                 }),
+                                 in_mm);
+  EXPECT_THAT(kinovea.facts.imported, HasSubstr("Kinovea"));
+  expect_same(moved(kinovea), plain_moved, 3e-9);
+
+  TrackReading in_px;
+  in_px.mm_per_px = kScale;
+  in_px.frame_rate_hz = kRate;
+  const auto px = [&](int k, bool up) {
+    const Eigen::Vector2d p = motion.part[k] / kScale;
+    return Eigen::Vector2d(100 + p.x(), up ? 80 + p.y() : 80 - p.y());
+  };
+  const TrackFile trackpy = read(",y,x,mass,ep,frame,particle\n" + lines([&](int k) {
+                                   const Eigen::Vector2d p = px(k, false);
+                                   return fmt::format("{},{},{},500.5,0.01,{},0", k, p.y(), p.x(), k);
+                                 }),
+                                 in_px);
+  EXPECT_THAT(trackpy.facts.imported, HasSubstr("trackpy"));
+  EXPECT_EQ(*trackpy.mm_per_px, kScale);
+  expect_same(moved(trackpy), plain_moved, 1e-11);
+
+  const TrackFile dice =
+      read("FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,ROTATION_Z,SIGMA,GAMMA,BETA\n" +
+               lines([&](int k) {
+                 const Eigen::Vector2d p = px(k, false);
+                 return fmt::format("{},3.44E+02,2.12E+02,{},{},0,{},0,0", 4870 + k, p.x(), p.y(),
+                                    k == 7 ? -1 : 0.004);
+               }),
+           in_px);
+  EXPECT_THAT(dice.facts.imported, HasSubstr("DICe"));
+  EXPECT_EQ(dice.lost, 1u);
+  EXPECT_FALSE(dice.facts.sd_from_scatter);
+  EXPECT_NEAR(std::sqrt(dice.table.covariance[5](1, 1)), 0.004 * kScale * 1e-3, 1e-12);
+  expect_same(moved(dice), plain_moved, 1e-11);
+
+  for (const bool up : {true, false}) {
+    in_px.y = up ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+    const TrackFile dltdv = read("pt1_cam1_X,pt1_cam1_Y\n" + lines([&](int k) {
+                                   const Eigen::Vector2d p = px(k, up);
+                                   return fmt::format("{},{}", p.x(), p.y());
+                                 }),
+                                 in_px);
+    EXPECT_THAT(dltdv.facts.imported, HasSubstr("DLTdv"));
+    expect_same(moved(dltdv), plain_moved, 1e-11);
+  }
+}
+
+TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
+  const auto both = [&](const std::string& header) {
+    return header + lines([&](int k) {
+             return fmt::format("{},{},{},{},{}", k / kRate, motion.part[k].x(), motion.part[k].y(),
+                                motion.mark[k].x(), motion.mark[k].y());
+           });
+  };
+  const TrackFile file = read(both("t_s,x_mm,y_mm,marker_x_mm,marker_y_mm\n"));
+  EXPECT_TRUE(file.table.platform_frame);
+  const auto platform = fit::measure_platform_motion(file.table);
+  ASSERT_TRUE(platform);
+  EXPECT_NEAR(platform->amplitude.value, 0.28e-3, 4 * platform->amplitude.sd);
+  EXPECT_NEAR(platform->angular_frequency.value, 62.8, 4 * platform->angular_frequency.sd);
+  EXPECT_TRUE(platform->clockwise);
+  // Whole cycles of platform motion cancel in the camera's frame.
+  expect_same(moved(file), moved(read(plain())), 4e-6);
+  // By name, and of several particles.
+  const TrackReading named = in_unit("mm", "mass A", "Mark_1");
+  const TrackFile multi = read("#multi:\n,mass A,,Mark 1,\n" + both("t,x,y,x,y\n"), named);
+  EXPECT_TRUE(multi.table.platform_frame);
+  expect_same(moved(multi), moved(file), 1e-11);
+  TrackReading px = in_unit("", "3", "8");
+  px.mm_per_px = kScale;
+  px.frame_rate_hz = kRate;
+  std::string particles = "frame,x,y,particle\n";
+  for (int k = 0; k < kFrames; ++k) {
+    const Eigen::Vector2d p = motion.part[k] / kScale, m = motion.mark[k] / kScale;
+    particles += fmt::format("{0},{1},{2},3\n{0},{3},{4},8\n", k, p.x(), -p.y(), m.x(), -m.y());
+  }
+  const TrackFile trackpy = read(particles, px);
+  EXPECT_TRUE(trackpy.table.platform_frame);
+  expect_same(moved(trackpy), moved(file), 1e-11);
+  const auto in_px = fit::measure_platform_motion(trackpy.table);
+  ASSERT_TRUE(in_px);
+  EXPECT_NEAR(in_px->amplitude.value, platform->amplitude.value, 1e-9);
+  EXPECT_NEAR(in_px->phase_at_zero.value, platform->phase_at_zero.value, 1e-6);
+}
+
+TEST_F(ForeignTracks, SdsComeFromTheFileOrFromTheScatter) {
+  const TrackFile estimated = read(plain());
+  EXPECT_TRUE(estimated.facts.sd_from_scatter);
+  EXPECT_NEAR(std::sqrt(estimated.table.covariance[5](0, 0)), 1e-6, 0.15e-6);
+  const TrackFile given =
+      read("t_s,x_mm,y_mm,x_sd_mm,sigma_y_mm\n" + lines([&](int k) {
+             return fmt::format("{},{},{},0.002,0.003", k / kRate, motion.part[k].x(), motion.part[k].y());
+           }));
+  EXPECT_FALSE(given.facts.sd_from_scatter);
+  EXPECT_NEAR(std::sqrt(given.table.covariance[5](0, 0)), 2e-6, 1e-12);
+  EXPECT_NEAR(std::sqrt(given.table.covariance[5](1, 1)), 3e-6, 1e-12);
+}
+
+TEST_F(ForeignTracks, WhatIsRoundedErrsByItsRounding) {
+  const TrackFile file = read("t_s,x_mm,y_mm\n" + lines([&](int k) {
+                                return fmt::format("{},{:.0f}.5,{:.0f}.5", k / kRate, 0.01 * k, -0.01 * k);
+                              }));
+  EXPECT_NEAR(std::sqrt(file.table.covariance[0](0, 0)), 0.1e-3 / std::sqrt(12.0), 1e-6);
+}
+
+TEST_F(ForeignTracks, FramesThatWereLostAreLeftOut) {
+  std::string text = "t_s,x_mm,y_mm\n" + lines([&](int k) {
+                       if (k == 10) return fmt::format("{},NaN,NaN", k / kRate);
+                       if (k == 11) return fmt::format("{},,", k / kRate);
+                       return fmt::format("{},{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
+                     });
+  const TrackFile file = read(text);
+  EXPECT_EQ(file.lost, 2u);
+  EXPECT_EQ(file.table.time.size(), static_cast<std::size_t>(kFrames - 2));
+}
+
+TEST_F(ForeignTracks, TimesRoundedToMillisecondsGoBackOnTheirGrid) {
+  // 240 frames a second, as Kinovea prints them: whole milliseconds.
+  const TrackFile file =
+      read("Time (ms),x (mm),y (mm)\n" + lines([&](int k) {
+             return fmt::format("{:.0f},{},{}", 1e3 * k / 240.0, motion.part[k].x(), motion.part[k].y());
+           }));
+  EXPECT_NEAR(*file.facts.frame_rate_hz, 240, 0.02);
+  for (int k = 0; k < kFrames; ++k) EXPECT_NEAR(file.table.time[k], k / 240.0, 2e-4);
+  EXPECT_EQ(file.table.frame.back(), kFrames - 1);
+}
+
+TEST_F(ForeignTracks, AGivenRateBeatsTheTimesOfAFilmPlayedSlowly) {
+  const std::string slow = "t,x,y\n" + lines([&](int k) {
+                             return fmt::format("{},{},{}", k / 30.0, motion.part[k].x(), motion.part[k].y());
+                           });
+  TrackReading reading = in_unit("mm");
+  EXPECT_THAT(read(slow, reading).facts.warnings.back(), HasSubstr("at which films are played"));
+  reading.frame_rate_hz = kRate;
+  const TrackFile file = read(slow, reading);
+  EXPECT_EQ(file.facts.warnings.size(), 1u);
+  expect_same(moved(file), moved(read(plain())), 1e-11);
+}
+
+TEST_F(ForeignTracks, FramesChooseAStretch) {
+  TrackReading reading;
+  reading.first_frame = 100;
+  reading.last_frame = 250;
+  const TrackFile file = read(plain(), reading);
+  EXPECT_EQ(file.table.frame.front(), 100);
+  EXPECT_EQ(file.table.frame.back(), 250);
+  EXPECT_EQ(file.table.position.front(), Eigen::Vector2d(0, 0));
+  EXPECT_NEAR(file.table.time.front(), 100 / kRate, 1e-12);
+}
+
+TEST_F(ForeignTracks, TheAxisOfTheSensorTurnsIt) {
+  TrackReading turned;
+  turned.xi_axis_rad = 0.3;
+  const fit::Displacement a = moved(read(plain())), b = moved(read(plain(), turned));
+  EXPECT_NEAR(std::atan2(b.vector.y(), b.vector.x()), std::atan2(a.vector.y(), a.vector.x()) - 0.3, 1e-9);
+}
+
+TEST_F(ForeignTracks, AnImportedTrackIsTheSameToTheLastBit) {
+  put(in_folder("x.csv"), plain());
+  const TrackFile direct = read_any_track(in_folder("x.csv"), {});
+  std::filesystem::create_directory(in_folder("out"));
+  const TrackFile imported = import_track(in_folder("x.csv"), {}, in_folder("out/a.csv"));
+  const TrackFile back = read_track_file(in_folder("out/a.csv"));
+  for (const TrackFile* file : {&imported, &back}) {
+    EXPECT_EQ(file->table.time, direct.table.time);
+    EXPECT_EQ(file->table.position, direct.table.position);
+    EXPECT_EQ(file->table.covariance, direct.table.covariance);
+    EXPECT_EQ(file->facts.warnings, direct.facts.warnings);
+    EXPECT_EQ(file->facts.in_camera_frame, direct.facts.in_camera_frame);
+    EXPECT_EQ(file->facts.sd_from_scatter, true);
+  }
+  // Ours goes through as it is.
+  const TrackFile again = import_track(in_folder("out/a.csv"), {}, in_folder("out/b.csv"));
+  EXPECT_EQ(content_of(in_folder("out/a.csv")), content_of(in_folder("out/b.csv")));
+  EXPECT_EQ(content_of(in_folder("out/a.csv.meta.json")), content_of(in_folder("out/b.csv.meta.json")));
+}
+
+TEST_F(ForeignTracks, WhatIsMissingIsAskedFor) {
+  EXPECT_THAT(complaint("t,x,y\n0,1,2\n"), HasSubstr("x.csv:1: does not say in which unit x and y are"));
+  EXPECT_THAT(complaint("t_s,x_px,y_px\n0,1,2\n"), HasSubstr("is in pixels; give mm_per_px"));
+  TrackReading px;
+  px.mm_per_px = 0.1;
+  EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n", px), HasSubstr("track_y = \"up\" or \"down\""));
+  px.y = TrackReading::YAxis::down;
+  EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n2,3\n", px), HasSubstr("has no times; give the rate"));
+  px.frame_rate_hz = 100;
+  EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\n", px),
+              HasSubstr("holds 2 points: pt1, pt2; say which is the part, track_point = \"pt1\""));
+  px.point = "pt7";
+  EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n", px),
+              HasSubstr("there is no point \"pt7\" (track_point)"));
+  EXPECT_THAT(complaint("a,b,c\n1,2,3\n"),
+              HasSubstr("x.csv:2: is not a track: no line above its numbers names an x"));
+  EXPECT_THAT(complaint("a,b,c\n"), HasSubstr("t_s, x_mm, y_mm"));
+  EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n1,q,2\n"), HasSubstr("x.csv:3:3: `q` is not a number"));
+  EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n0,1,2\n"), HasSubstr("x.csv:3: its time does not come after"));
+  EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n1,1,2\n"), HasSubstr("too few to estimate them"));
+  EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n"), HasSubstr("fewer than two rows"));
+  EXPECT_THAT(complaint("t_s,x_mm,y_mm,x_sd_mm,y_sd_mm\n0,1,2,0,1\n"), HasSubstr("must be greater than 0"));
+  EXPECT_THAT(complaint("frame,x_mm,y_mm\n0,1,2\n1.5,1,2\n"), HasSubstr("`1.5` is no frame's number"));
+  EXPECT_THAT(complaint("frame,x,y,particle\n0,1,2,1\n0,1,2,1\n", in_unit("mm")), HasSubstr("twice"));
+  put(in_folder("d.npy"), std::string("\x93NUMPY\0\1", 8));
+  EXPECT_THAT(complaint_of([&] { read_any_track(in_folder("d.npy"), {}); }), HasSubstr("numpy.savetxt"));
+  EXPECT_THAT(complaint_of([&] { read_any_track(in_folder("none.csv"), {}); }),
+              HasSubstr("there is no such track"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
