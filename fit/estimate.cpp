@@ -303,7 +303,7 @@ FitResult Estimation::report() {
     result.next_experiment = std::move(next.best);
     result.other_next_experiments = std::move(next.others);
   }
-  return std::move(result);
+  return std::move(result_);
 }
 
 /// A slide by itself, without the checks and profiles of a whole campaign.

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# clang-format on all sources, clang-tidy on those that changed: since the common ancestor with origin/main, or where that
-# is this very commit, in the last one. clang-tidy takes 10 s a source, so that of more than 40 changed ones it sees 40.
-# Fails on wrong format and on what .clang-tidy counts as an error.
+# clang-format on all sources, clang-tidy and cppcheck on those that changed: since the common ancestor with
+# origin/main, or where that is this very commit, in the last one. clang-tidy takes 10 s a source, so that of more than 40
+# changed ones it sees 40. Fails on wrong format, on what .clang-tidy counts as an error and on what cppcheck finds beyond
+# tests/cppcheck.txt.
 # Use: tests/lint.sh BUILD_FOLDER [all]
 set -euo pipefail
 build=$(cd "${1:?build folder}" && pwd)
@@ -29,6 +30,8 @@ if [ "${2:-}" != all ] && [ ${#files[@]} -gt 40 ]; then
   mapfile -t files < <(printf '%s\n' "${files[@]}" | shuf -n 40 --random-source=<(yes))
 fi
 [ ${#files[@]} -gt 0 ] || exit 0
+cppcheck --enable=warning,performance,portability --std=c++20 --quiet --error-exitcode=1 -I . -j "$(nproc)" \
+  --suppress=missingIncludeSystem --suppressions-list=tests/cppcheck.txt "${files[@]}"
 # Clang cannot read the headers that GCC has precompiled.
 mkdir -p "$build/lint"
 sed 's/ -Winvalid-pch//; s/ -include [^ ]*cmake_pch.hxx//; s/ -fpch-preprocess//' "$build/compile_commands.json" \

@@ -48,8 +48,12 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const Ru
   }
   const std::optional<double> frequency =
       run.angular_frequency ? run.angular_frequency : given.angular_frequency;
-  if (!frequency && seen == nullptr) throw demand("angular_frequency_rad_s");
-  drive.angular_frequency = frequency ? *frequency : seen->angular_frequency.value;
+  if (frequency)
+    drive.angular_frequency = *frequency;
+  else if (seen != nullptr)
+    drive.angular_frequency = seen->angular_frequency.value;
+  else
+    throw demand("angular_frequency_rad_s");
   if (given.phase_shift)
     drive.phase_shift = *given.phase_shift;
   else if (seen != nullptr)
@@ -187,7 +191,7 @@ std::string failure_of(const CampaignRun& run, const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
     return fmt::format("{}: run \"{}\": out of memory; try fewer --threads", run.place, run.name);
   // Messages of run-time errors name their file or run; others were written without knowing of runs.
-  const std::string message = error.what();
+  std::string message = error.what();
   if (const std::string name = run.name + ": "; message.starts_with(name))
     return fmt::format("{}: run \"{}\": {}", run.place, run.name, message.substr(name.size()));
   if (dynamic_cast<const std::runtime_error*>(&error) != nullptr) return message;

@@ -43,7 +43,7 @@ struct Jet {
     a.v += b;
     return a;
   }
-  friend Jet operator+(double a, Jet b) { return b + a; }
+  friend Jet operator+(double a, const Jet& b) { return b + a; }
   friend Jet operator-(Jet a, double b) {
     a.v -= b;
     return a;

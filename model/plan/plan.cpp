@@ -14,9 +14,10 @@ namespace {
 
 namespace cost = internal::plan_cost;
 
-std::string with_figures(const char* format, double a, double b = 0, double c = 0) {
+template <class... Figures>
+std::string with_figures(const char* format, Figures... figures) {
   char text[240];
-  std::snprintf(text, sizeof text, format, a, b, c);
+  std::snprintf(text, sizeof text, format, static_cast<double>(figures)...);
   return text;
 }
 

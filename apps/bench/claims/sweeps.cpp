@@ -109,6 +109,12 @@ double deepest_step_back(const std::vector<double>& v, int sign) {
   return deepest;
 }
 
+std::string text_of(const char* format, double a) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, a);
+  return text;
+}
+
 std::string text_of(const char* format, double a, double b) {
   char text[200];
   std::snprintf(text, sizeof text, format, a, b);

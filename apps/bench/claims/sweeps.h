@@ -56,7 +56,8 @@ std::string conditions(double mu1, double dtau);
 /// "mu1 = 0.1"
 std::string mu1_is(double mu1);
 /// With printf's format, for one or two numbers.
-std::string text_of(const char* format, double a, double b = 0);
+std::string text_of(const char* format, double a);
+std::string text_of(const char* format, double a, double b);
 
 // The claims, by what they are about.
 PaperClaim circular_end_state(bool quick);

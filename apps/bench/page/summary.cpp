@@ -33,6 +33,7 @@ auto grouped(const std::vector<Row>& rows, Key key) {
 template <class Row, class Value>
 double median_of(const std::vector<Row>& rows, Value value) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const Row& row : rows) values.push_back(std::invoke(value, row));
   return median(values);
 }

@@ -112,9 +112,9 @@ class DormandPrince {
   using State = typename PlainEquation<T>::State;
 
   DormandPrince(const model::Scenario& scenario, const DormandPrinceOptions& options)
-      : f_(scenario), options_(options) {
-    q_ = {0, 0, T(scenario.initial_velocity.x()), T(scenario.initial_velocity.y())};
-  }
+      : f_(scenario),
+        options_(options),
+        q_{0, 0, T(scenario.initial_velocity.x()), T(scenario.initial_velocity.y())} {}
 
   PeerResult run() {
     if (options_.segmented) {
@@ -228,7 +228,7 @@ class DormandPrince {
 
   PlainEquation<T> f_;
   DormandPrinceOptions options_;
-  State q_{};
+  State q_;
   T t_ = 0, m_ = 0, h_ = 0;
   long steps_ = 0;
 };

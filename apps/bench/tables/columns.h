@@ -167,6 +167,7 @@ class Columns {
     for (const Column<Row>& column : columns_)
       if (!column.align.empty()) shown.push_back(&column);
     std::vector<HtmlCell> headings;
+    headings.reserve(shown.size());
     for (const Column<Row>* column : shown) headings.push_back(column->html_heading());
     std::vector<std::vector<HtmlCell>> cells;
     for (const Row& row : rows) {

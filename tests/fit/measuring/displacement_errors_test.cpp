@@ -77,5 +77,19 @@ TEST(DisplacementErrors, CountWhatBothEndsShare) {
   EXPECT_LT(std::sqrt(silent), 0.7);
 }
 
+// An error that all frames share is none of interpolating between them.
+TEST(DisplacementErrors, OfInterpolatingAreNotTakenForOnesThatFramesShare) {
+  std::mt19937 random(3);
+  const model::Scenario scenario = test::scenario({}, 1, 1, 21);
+  const double w = scenario.drive.angular_frequency;
+  TrajectoryRun run = test::slow_track(scenario, 100, 0.05e-6, {}, random);
+  const Eigen::Matrix2d alone = measure_displacement(run.track, {w, 0}, 20).covariance;
+  ASSERT_GT(alone.trace(), 100 * 0.05e-6 * 0.05e-6) << "interpolating is most of the error";
+  run.track.slow = {{20e-6, 1e10}};
+  for (Eigen::Matrix2d& all : run.track.covariance) all += 20e-6 * 20e-6 * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d shared = measure_displacement(run.track, {w, 0}, 20).covariance;
+  EXPECT_NEAR((shared - alone).norm() / alone.norm(), 0, 1e-3);
+}
+
 }  // namespace
 }  // namespace tribotrack::fit

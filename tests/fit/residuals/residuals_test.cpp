@@ -80,6 +80,21 @@ Problem three_displacements() {
 }
 
 /// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
+TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.summary_runs = {test::summary_run(test::scenario({}, 0.4, 1.1), 0.02, 0.1e-3)};
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  const Eigen::Matrix2d known = residuals.covariance(0);
+  residuals.set_excess_variance({3e-4, 1e-4});
+  const Eigen::Vector2d u = problem.summary_runs[0].measured.vector.normalized(), across(-u.y(), u.x());
+  const Eigen::Matrix2d added = residuals.covariance(0) - known;
+  EXPECT_NEAR(u.dot(added * u), 9e-8, 1e-20);
+  EXPECT_NEAR(across.dot(added * across), 1e-8, 1e-20);
+  EXPECT_NEAR(across.dot(added * u), 0, 1e-20);
+}
+
 TEST(Residuals, WithoutAMotionAreCounted) {
   const Problem problem = three_displacements();
   const Unknowns unknowns(problem);

@@ -68,6 +68,27 @@ TEST(RimModel, SlopesAreThoseOfTheModel) {
   }
 }
 
+// In even light, where u and v do not matter, the slopes by centre and radius are the whole ones.
+TEST(RimModel, SlopesByCentreAndRadiusAreThoseOfTheModelInEvenLight) {
+  RimParameters p = some_rim();
+  p.segment(5, 5).setZero();
+  p.tail(3).setZero();
+  for (int k = 0; k < 40; ++k) {
+    const double angle = 0.7 * k, rho = 18.5 + 0.1 * k;
+    const double x = p(0) + rho * std::cos(angle), y = p(1) + rho * std::sin(angle);
+    RimParameters slope;
+    rim_model(p, x, y, slope);
+    for (int i = 0; i < 3; ++i) {
+      constexpr double h = 1e-4;
+      RimParameters up = p, down = p;
+      up(i) += h;
+      down(i) -= h;
+      const double expected = (slow_model(up, x, y) - slow_model(down, x, y)) / (2 * h);
+      EXPECT_NEAR(slope(i), expected, 1e-5 * (1 + std::abs(expected))) << i;
+    }
+  }
+}
+
 TEST(RimModel, SumsAreThoseOverThePixels) {
   const RimParameters p = some_rim();
   const Picture picture = rim_picture(p, 2, 0);

@@ -155,6 +155,8 @@ TEST(Registration, GainAndOffsetCostNothing) {
   EXPECT_NEAR(changed.pose.dx, plain.pose.dx, 2e-4);
   EXPECT_NEAR(changed.pose.dy, plain.pose.dy, 2e-4);
   EXPECT_NEAR(changed.gain, 0.6 * plain.gain, 1e-3);
+  EXPECT_NEAR(plain.offset, 0, 0.2);
+  EXPECT_NEAR(changed.offset, 0.6 * plain.offset + 30, 0.1);
   EXPECT_NEAR(changed.ncc, plain.ncc, 1e-4);
 }
 

@@ -88,6 +88,25 @@ TEST(RotationTrack, OfADiscThatDoesNotTurnDoesNotDrift) {
   EXPECT_LT(seen.back()->sigma, 0.01);
 }
 
+TEST(RotationTrack, ScattersFromFrameToFrameAsItsSdSays) {
+  Spinning s;
+  s.frames = 200;
+  // Fractions of a pixel that have nothing to do with those of the frame before.
+  s.centre = [](double k) { return Point{55.3 + 5 * std::sin(1.7 * k), 48.7 + 4 * std::cos(2.3 * k)}; };
+  s.theta = [](double) { return 0.4; };
+  RenderedSource source = s.source();
+  const auto seen = follow_rotation(source, s.placed(), 22, 0.8);
+  double square = 0, variance = 0;
+  for (std::size_t k = 2; k < seen.size(); ++k) {
+    ASSERT_TRUE(seen[k] && seen[k - 1]);
+    square += 0.5 * std::pow(seen[k]->theta - seen[k - 1]->theta, 2);
+    variance += std::pow(seen[k]->sigma, 2);
+  }
+  std::printf("scatter over sd %.3f\n", std::sqrt(square / variance));
+  EXPECT_LT(std::sqrt(square / variance), 1.2);
+  EXPECT_GT(std::sqrt(square / variance), 0.7);
+}
+
 TEST(RotationTrack, WithoutTextureSeesNothing) {
   Spinning s;
   s.scene.disc.scratches = 0;

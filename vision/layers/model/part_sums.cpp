@@ -77,9 +77,10 @@ struct PartTileSums::Placed {
 };
 
 PartTileSums::PartTileSums(const PartPictures& before, const GroundPicture& ground)
-    : before_(before), ground_(ground) {
+    : before_(before),
+      ground_(ground),
+      tiles_(cover_with_tiles(Picture(2 * before.half + 1, 2 * before.half + 1, 1.0F))) {
   const int size = 2 * before.half + 1;
-  tiles_ = cover_with_tiles(Picture(size, size, 1.0F));
   const std::size_t n = tiles_.size() * kTilePixels;
   for (auto* of : {&u_, &v_, &on_grid_}) of->resize(n);
   for (std::size_t t = 0; t < tiles_.size(); ++t)

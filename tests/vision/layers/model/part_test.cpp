@@ -129,6 +129,20 @@ TEST(PartRegression, WhatIsLeftIsTheNoise) {
   });
 }
 
+// At the rim both unknowns of a place are free: of 12 windows 10 tell the noise. Theirs is a chi^2_10 / 10 =
+// g, and the larger of g and that of the surroundings, 1, is 1 + a^(a - 1) exp(-a) / Gamma(a) on average, a
+// = 5.
+TEST(PartRegression, WhatFewWindowsLeaveIsTheNoiseForTwoUnknownsLess) {
+  constexpr double kNoise = 2, kHalf = 5;
+  const PartByHand part;
+  const GroundPicture ground = part.ground(1e-4);
+  const PartPictures found =
+      learnt(windows_of(part, 12, kNoise, true), ground, part.pictures(kNoise * kNoise),
+             part.pictures(1).share, kNoise * kNoise, 1);
+  const double v = mean_over(part, found.variance, part.radius - 3, part.radius + 3) / (kNoise * kNoise);
+  EXPECT_NEAR(v, 1 + std::pow(kHalf, kHalf - 1) * std::exp(-kHalf) / std::tgamma(kHalf), 0.06);
+}
+
 // A sheen of the ground's own pattern on the part, as a twentieth of the ground below showed through it: a
 // picture may take it up only where it is not held to be opaque.
 TEST(PartRegression, AlphaTakesUpASheenUnlessThePartIsOpaque) {
