@@ -90,7 +90,7 @@ TEST(StrictToml, AnObjectStandsInPlaceOfAFile) {
   EXPECT_DOUBLE_EQ(*t.angle("phi_rad"), std::numbers::pi / 2);
   EXPECT_EQ(*t.integer("cycles"), 20);
   EXPECT_EQ(*t.boolean("on"), true);
-  EXPECT_EQ(*t.numbers("disc", 3), (std::vector{1, 2.5, 3}));
+  EXPECT_EQ(*t.numbers("disc", 3), (std::vector<double>{1, 2.5, 3}));
   StrictTable fit = *t.table("fit");
   EXPECT_EQ(*fit.number("mu1"), 0.5);
   EXPECT_EQ(complaint([&] { fit.integer("mu1"); }),
