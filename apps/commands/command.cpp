@@ -36,7 +36,7 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
   command
       .add_option_function<std::string>(
           flag,
-          [&value, flag, parse, kind](const std::string& text) {
+          [&value, flag = flag.substr(0, flag.find(',')), parse, kind](const std::string& text) {
             value = parse(text);
             if (!value)
               throw CLI::ValidationError(

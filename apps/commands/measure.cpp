@@ -72,9 +72,9 @@ void add_measure(CLI::App& app, Context& context) {
           "program (t_s,x_mm,y_mm)")
       ->type_name("T.csv")
       ->required();
-  add_number(command, "--omega-rad-s", options->choices.omega_rad_s,
+  add_number(command, "--omega-rad-s,--angular-frequency-rad-s", options->choices.omega_rad_s,
              "Angular frequency of the platform, where no marker shows it");
-  add_angle(command, "--epsilon-rad", options->choices.epsilon_rad,
+  add_angle(command, "--epsilon-rad,--phase-shift-rad", options->choices.epsilon_rad,
             "Phase shift the platform should have: its sense is checked");
   add_number(command, "--cycles", options->choices.cycles,
              "Whole cycles to measure over, at most (default 20)");

@@ -74,10 +74,15 @@ std::string default_of(const std::string& name) {
              : "";
 }
 
+/// With the name that campaigns have for it, where that differs.
 std::string flag_of(std::string name) {
+  const std::string of_campaign = name == "omega_rad_s"   ? ",--angular-frequency-rad-s"
+                                  : name == "epsilon_rad" ? ",--phase-shift-rad"
+                                  : name == "lag_rad"     ? ",--phase-lag-rad"
+                                                          : "";
   for (char& c : name)
     if (c == '_') c = '-';
-  return "--" + name;
+  return "--" + name + of_campaign;
 }
 
 GivenScenario given_of(const SimulateOptions& options) {

@@ -183,12 +183,16 @@ std::vector<std::string> scenario_parameter_names() {
   return names;
 }
 
+namespace {
+
 std::string scenario_name_of(const std::string& campaign_name) {
   if (campaign_name == "angular_frequency_rad_s") return "omega_rad_s";
   if (campaign_name == "phase_shift_rad") return "epsilon_rad";
   if (campaign_name == "phase_lag_rad") return "lag_rad";
   return campaign_name;
 }
+
+}  // namespace
 
 void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value) {
   const auto found = setters().find(scenario_name_of(name));

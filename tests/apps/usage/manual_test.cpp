@@ -126,6 +126,21 @@ TEST_F(Manual, DoctorSaysWhatIsThereAndWhatIsNot) {
   EXPECT_THAT(run("doctor", "TMPDIR=/nowhere ").out, HasSubstr("TMPDIR"));
 }
 
+// One quantity has one meaning under both of its names.
+TEST_F(Manual, CampaignNamesOfTheDriveAreFlagsToo) {
+  const std::string ours =
+      run("simulate --json -q --omega-rad-s 70 --epsilon-rad 1.5 --lag-rad 0.1 --dtau-rad 1").out;
+  EXPECT_EQ(run("simulate --json -q --angular-frequency-rad-s 70 --phase-shift-rad 1.5 --phase-lag-rad 0.1 "
+                "--dtau-rad 1")
+                .out,
+            ours);
+  put(in_folder("s.toml"), "[friction]\ndtau_rad = 1\nphase_lag_rad = 0.1\n");
+  put(in_folder("t.toml"), "[friction]\ndtau_rad = 1\nlag_rad = 0.1\n");
+  EXPECT_EQ(run("simulate s.toml --json -q").out, run("simulate t.toml --json -q").out);
+  EXPECT_NE(run("sweep t.toml --over phase_lag_rad=0,1 --json -q").out, "");
+  expect_refused(run("simulate --angular-frequency-rad-s fast"), 2, {"--omega-rad-s", "fast"});
+}
+
 TEST_F(Manual, EveryCommandPrintsJson) {
   for (const char* command : {"run", "watch", "track", "measure", "fit", "report", "probe", "calibrate",
                               "simulate", "sweep", "synth", "paper", "bench", "init", "doctor"})

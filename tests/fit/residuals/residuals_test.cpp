@@ -79,7 +79,6 @@ Problem three_displacements() {
   return problem;
 }
 
-/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
 TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   Problem problem;
   problem.free = {FitParameter::mu1};
@@ -87,7 +86,10 @@ TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Matrix2d known = residuals.covariance(0);
-  residuals.set_excess_variance({3e-4, 1e-4});
+  ExcessVariance excess;
+  excess.along = 3e-4;
+  excess.across = 1e-4;
+  residuals.set_excess_variance(excess);
   const Eigen::Vector2d u = problem.summary_runs[0].measured.vector.normalized(), across(-u.y(), u.x());
   const Eigen::Matrix2d added = residuals.covariance(0) - known;
   EXPECT_NEAR(u.dot(added * u), 9e-8, 1e-20);
@@ -95,6 +97,7 @@ TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   EXPECT_NEAR(across.dot(added * u), 0, 1e-20);
 }
 
+/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
 TEST(Residuals, WithoutAMotionAreCounted) {
   const Problem problem = three_displacements();
   const Unknowns unknowns(problem);
