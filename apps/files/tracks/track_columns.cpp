@@ -64,10 +64,10 @@ class Points {
         point.x_sd = half.x_sd;
         point.y_sd = half.y_sd;
       }
-      // One point in two units: a length needs no scale.
+      // One point in two units: a length needs no scale, but the mark must be in it too.
       const auto same = std::ranges::find(points, half.name, &PointColumns::name);
       if (same != points.end() && same->unit != point.unit && !point.unit.empty() && !same->unit.empty()) {
-        if (same->unit == "px") *same = point;
+        if ((same->unit == "px") != mark_in_pixels_alone()) *same = point;
         continue;
       }
       points.push_back(point);
@@ -81,6 +81,14 @@ class Points {
     std::size_t x = kNowhere, y = kNowhere, x_sd = kNowhere, y_sd = kNowhere;
     std::size_t& at(char axis, bool sd) { return axis == 'x' ? (sd ? x_sd : x) : (sd ? y_sd : y); }
   };
+
+  bool mark_in_pixels_alone() const {
+    bool pixels = false, length = false;
+    for (const Half& half : halves_)
+      if (half.name == "marker" || half.name == "mark") (half.unit == "px" ? pixels : length) = true;
+    return pixels && !length;
+  }
+
   std::vector<Half> halves_;
 };
 

@@ -199,6 +199,27 @@ TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
   EXPECT_NEAR(in_px->phase_at_zero.value, platform->phase_at_zero.value, 1e-6);
 }
 
+TEST_F(ForeignTracks, PartAndMarkAreTakenInOneUnit) {
+  // The part in pixels and in millimetres, the mark in pixels alone.
+  TrackReading reading;
+  reading.mm_per_px = kScale;
+  const TrackFile file =
+      read("t_s,x_px,y_px,marker_x_px,marker_y_px,x_mm,y_mm\n" + lines([&](int k) {
+             const Eigen::Vector2d p = motion.part[k] / kScale, m = motion.mark[k] / kScale;
+             return fmt::format("{},{},{},{},{},0,0", k / kRate, p.x(), -p.y(), m.x(), -m.y());
+           }),
+           reading);
+  EXPECT_TRUE(file.table.platform_frame);
+  EXPECT_EQ(*file.mm_per_px, kScale);
+  expect_same(moved(file), moved(read(plain())), 4e-6);
+  // Without a mark a length is taken, which needs no scale.
+  const TrackFile both =
+      read("t_s,x_px,y_px,x_mm,y_mm\n" + lines([&](int k) {
+             return fmt::format("{},0,0,{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
+           }));
+  expect_same(moved(both), moved(read(plain())), 1e-12);
+}
+
 TEST_F(ForeignTracks, SdsComeFromTheFileOrFromTheScatter) {
   const TrackFile estimated = read(plain());
   EXPECT_TRUE(estimated.facts.sd_from_scatter);
