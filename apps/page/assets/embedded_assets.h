@@ -13,8 +13,8 @@ struct EmbeddedAssets {
   std::string_view page_template;  ///< this folder/page.html, with {{name}} where a page's parts go
   std::string_view page_css;
   std::string_view page_js;
-  std::string_view figures_js;  ///< draws figures on the page
-  std::string_view figures_py;  ///< draws them for print
+  std::string_view figures_js;       ///< draws figures on the page
+  std::string_view figures_py;       ///< draws them for print
   std::string_view frames_template;  ///< this folder/frames.html: frames to scrub and to point into
   std::string_view frames_js;
 };
