@@ -119,8 +119,8 @@ class Bench {
     found.rows = measured("bench fit", options, context_, bench::bench_fit);
     found.covered = measured("bench fit, coverage", campaigns, context_, bench::coverage);
     bench::FilmingOptions filming;
+    if (options_.quick) filming = bench::quick_filming_options();
     filming.threads = campaigns.threads;
-    if (options_.quick) filming.campaigns = 2;
     if (options_.campaigns) filming.campaigns = std::min(filming.campaigns, *options_.campaigns);
     found.filmed = measured("bench fit, filming", filming, context_, bench::filming);
     found.campaigns = campaigns.campaigns;

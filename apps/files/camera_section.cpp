@@ -16,6 +16,21 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
   return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
 }
 
+std::optional<vision::Rect> read_template(StrictTable& table) {
+  const auto values = table.integers("template_px", 4);
+  if (!values) return std::nullopt;
+  if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
+  for (const std::int64_t value : *values)
+    if (value < 0 || value > 65535)
+      table.fail("template_px", fmt::format("must lie in the picture, not at {}", value));
+  const vision::Rect rect{static_cast<int>((*values)[0]), static_cast<int>((*values)[1]),
+                          static_cast<int>((*values)[2]), static_cast<int>((*values)[3])};
+  if (rect.width < 8 || rect.height < 8)
+    table.fail("template_px", fmt::format("is [x, y, width, height], at least 8 x 8 pixels, not {} x {}",
+                                          rect.width, rect.height));
+  return rect;
+}
+
 CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   CameraSection camera;
   camera.frame_rate_hz = table.positive("frame_rate_hz");
@@ -43,6 +58,7 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
     camera.working_distance_sd_mm = read_sd(table, "working_distance_mm");
   }
   camera.disc_px = read_circle(table, "disc_px");
+  camera.template_px = read_template(table);
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
   using Marker = vision::MarkerChoice::Kind;

@@ -30,6 +30,7 @@ struct CameraSection {
   std::optional<double> working_distance_mm;
   std::optional<double> frame_rate_sd_hz, xi_axis_sd_rad, working_distance_sd_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  std::optional<vision::Rect> template_px;  ///< instead of a disc
   /// Without marker_px: how the platform's motion is seen.
   vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::automatic;
 };
@@ -41,5 +42,8 @@ CameraSection read_camera(StrictTable& table, const std::filesystem::path& folde
 
 /// [x, y, radius] under a key, the radius above 0.
 std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
+
+/// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
+std::optional<vision::Rect> read_template(StrictTable& table);
 
 }  // namespace tribotrack::apps

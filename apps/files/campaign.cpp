@@ -200,7 +200,7 @@ void read_track(StrictTable& table, const Campaign& campaign, CampaignRun& run) 
     for (const char* key : {"track_unit", "track_y", "track_point", "track_mark"})
       if (table.has(key)) table.fail(key, "belongs to a run with a `track`");
   if (run.track)
-    for (const char* key : {"disc_px", "marker_px"})
+    for (const char* key : {"disc_px", "template_px", "marker_px"})
       if (table.has(key)) table.fail(key, "is for tracking a `video`; this run's `track` is finished");
   run.reading = read_track_reading(table, campaign.data.tracks);
 }
@@ -244,6 +244,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   run.mm_per_px = table.positive("mm_per_px");
   read_sds(table, run);
   run.disc_px = read_circle(table, "disc_px");
+  run.template_px = read_template(table);
   run.marker_px = read_circle(table, "marker_px");
   if (const auto scope = table.text("scope")) run.scope = campaign.file.parent_path() / *scope;
   run.alpha = table.angle("alpha_rad");
@@ -271,8 +272,13 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   if (!run.free_slide && (!phi || !dtau))
     throw InvalidInput(
         fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
-  if (run.video && !run.mm_per_px && !campaign.camera.mm_per_px && !campaign.camera.calibration &&
-      !campaign.part.diameter_mm)
+  const bool scale_given = run.mm_per_px || campaign.camera.mm_per_px || campaign.camera.calibration;
+  if (run.video && !scale_given && (run.template_px || (campaign.camera.template_px && !run.disc_px)))
+    throw InvalidInput(fmt::format(
+        "{}: a part that is followed by template_px has no diameter to scale by: give `mm_per_px` or "
+        "`calibration` in [camera]",
+        run.place));
+  if (run.video && !scale_given && !campaign.part.diameter_mm)
     throw InvalidInput(
         fmt::format("{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or "
                     "`calibration` in [camera]",
@@ -532,7 +538,12 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
       {"xi_axis_rad_sd", optional_json(camera.xi_axis_sd_rad)},
       {"rehearse", camera.rehearse},
       {"row_time_s", camera.row_time_s},
-      {"disc_px", circle_json(run.disc_px ? run.disc_px : camera.disc_px)},
+      {"disc_px", circle_json(run.template_px ? std::nullopt
+                              : run.disc_px   ? run.disc_px
+                                              : camera.disc_px)},
+      {"template_px", rect_json(run.disc_px       ? std::nullopt
+                                : run.template_px ? run.template_px
+                                                  : camera.template_px)},
       {"marker_px", circle_json(run.marker_px ? run.marker_px : camera.marker_px)},
       {"marker", camera.marker == vision::MarkerChoice::Kind::texture ? "texture"
                  : camera.marker == vision::MarkerChoice::Kind::find  ? "auto"

@@ -134,4 +134,8 @@ Json circle_json(const std::optional<vision::Circle>& circle) {
   return circle ? Json::array({circle->x, circle->y, circle->radius}) : Json();
 }
 
+Json rect_json(const std::optional<vision::Rect>& rect) {
+  return rect ? Json::array({rect->x, rect->y, rect->width, rect->height}) : Json();
+}
+
 }  // namespace tribotrack::apps

@@ -43,5 +43,6 @@ Json json_of(const vision::CodedErrors& coded);
 
 /// [x, y, radius]; null where there is none.
 Json circle_json(const std::optional<vision::Circle>& circle);
+Json rect_json(const std::optional<vision::Rect>& rect);
 
 }  // namespace tribotrack::apps

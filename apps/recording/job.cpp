@@ -24,6 +24,7 @@ void apply(const PartSection& part, const CameraSection& camera, RecordingJob& j
   job.xi_axis_rad = camera.xi_axis_rad;
   job.rehearse = camera.rehearse;
   job.row_time_s = camera.row_time_s;
+  if (camera.template_px) job.track.target = {vision::Target::Kind::rectangle, {}, *camera.template_px};
   if (camera.disc_px) job.track.target = {vision::Target::Kind::disc, *camera.disc_px, {}};
   job.track.marker = marker_of(camera);
   job.track.gate = camera.gate_px;
@@ -33,7 +34,14 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   RecordingJob job;
   job.video = *run.video;
   CameraSection camera = campaign.camera;
-  if (run.disc_px) camera.disc_px = run.disc_px;
+  if (run.disc_px) {
+    camera.disc_px = run.disc_px;
+    camera.template_px.reset();
+  }
+  if (run.template_px) {
+    camera.template_px = run.template_px;
+    camera.disc_px.reset();
+  }
   if (run.marker_px) camera.marker_px = run.marker_px;
   if (run.mm_per_px) {
     camera.mm_per_px = run.mm_per_px;

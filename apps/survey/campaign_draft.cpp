@@ -87,11 +87,25 @@ std::optional<fs::path> trace_beside(const fs::path& recording) {
   return trace;
 }
 
-/// Others than the part and marks may be taken for the part.
-bool part_is_in_question(const vision::Survey& seen) {
-  return std::ranges::any_of(seen.discs, [](const vision::SurveyedDisc& d) {
-    return d.role == vision::DiscRole::like_part || d.role == vision::DiscRole::resting;
-  });
+bool any_of_role(const vision::Survey& seen, vision::DiscRole role) {
+  return std::ranges::count(seen.discs, role, &vision::SurveyedDisc::role) > 0;
+}
+
+/// Where others could be taken for the part. Where several move, only the user knows which it is.
+void place_part(const vision::Survey& seen, DraftTable& run) {
+  if (seen.part() == nullptr) return;
+  const std::string circle = circle_text(seen.part()->circle);
+  if (any_of_role(seen, vision::DiscRole::like_part))
+    run["disc_px"] = {circle, "several discs move; `tribotrack probe VIDEO --picture F.png` numbers them",
+                      true};
+  else if (any_of_role(seen, vision::DiscRole::resting))
+    run["disc_px"] = {circle, "guess: of several discs, that which moves farthest"};
+}
+
+/// A name that tells no phase, and nothing but the part moves.
+bool looks_like_slide(const vision::Survey& seen, const NameGuess& guess) {
+  return guess.phi_text.empty() && guess.dtau_text.empty() && seen.part() != nullptr &&
+         !seen.platform_moves() && seen.lamps.empty() && seen.part()->moved_px > seen.part()->circle.radius;
 }
 
 DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
@@ -100,12 +114,14 @@ DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& 
   run["video"] = {quoted_toml(relative_to(recording, options.folder)), ""};
   if (guess.free_slide) {
     run["kind"] = {"\"free_slide\"", "guess: by the name"};
+  } else if (looks_like_slide(look.seen, guess)) {
+    run["kind"] = {"\"free_slide\"",
+                   "guess: nothing but the part is seen to move; else give phi_rad and dtau_rad"};
   } else {
     run["phi_rad"] = angle_guess(guess.phi_text);
     run["dtau_rad"] = angle_guess(guess.dtau_text);
   }
-  if (const auto* part = look.seen.part(); part != nullptr && part_is_in_question(look.seen))
-    run["disc_px"] = {circle_text(part->circle), "guess: of several discs, that which moves farthest"};
+  place_part(look.seen, run);
   if (const auto trace = trace_beside(recording))
     run["scope"] = {quoted_toml(relative_to(*trace, options.folder)), "guess: by the name"};
   return run;
@@ -271,7 +287,8 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   guesses.resize(names.size());
   for (std::size_t k = 0; k < readable.size(); ++k) {
     draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
-    if (!guesses[k].free_slide && (guesses[k].phi_text.empty() || guesses[k].dtau_text.empty()))
+    if (draft.runs.back().contains("phi_rad") &&
+        (guesses[k].phi_text.empty() || guesses[k].dtau_text.empty()))
       draft.missing.push_back(
           fmt::format("phi_rad and dtau_rad of {}: its name does not tell them", names[k]));
   }

@@ -80,6 +80,9 @@ constexpr std::array kKeys = {
     CampaignKey{"camera", "xi_axis_rad_sd", "0.01", "", "xi_axis_rad"},
     CampaignKey{"camera", "disc_px", "[640, 400, 150]",
                 "x, y, radius in the first frame; leave out to have it found"},
+    CampaignKey{
+        "camera", "template_px", "[100, 40, 41, 41]",
+        "instead of a disc: x, y, width, height of a part of any shape in the first frame; needs mm_per_px"},
     CampaignKey{"camera", "marker_px", "[200, 180, 24]",
                 "a mark fixed to the platform; leave out where there is none"},
     CampaignKey{"camera", "marker", "\"texture\"",
@@ -162,6 +165,7 @@ constexpr std::array kKeys = {
     CampaignKey{"run", "mm_per_px", "0.02", "where it differs from [camera]"},
     CampaignKey{"run", "mm_per_px_sd", "0.00002", "", "mm_per_px"},
     CampaignKey{"run", "disc_px", "[640, 400, 150]", "where it differs from [camera]"},
+    CampaignKey{"run", "template_px", "[100, 40, 41, 41]", "where it differs from [camera]", "mm_per_px"},
     CampaignKey{"run", "marker_px", "[200, 180, 24]", "where it differs from [camera]"},
     CampaignKey{"run", "scope", "\"phi000_dtau060.csv\"",
                 "oscilloscope trace: phi and dtau are measured from it"},

@@ -85,6 +85,15 @@ const char* to_string(Choice choice) {
   return choice == Choice::paper ? "the paper's design" : "as watch suggests";
 }
 
+FilmingOptions quick_filming_options() {
+  FilmingOptions options;
+  options.campaigns = 1;
+  options.goal = 0.2;
+  options.most_runs = 6;
+  options.levels = {NoiseLevel::low};
+  return options;
+}
+
 std::vector<FilmingRow> filming(const FilmingOptions& options) {
   struct Group {
     Choice choice;

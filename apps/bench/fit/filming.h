@@ -37,6 +37,9 @@ struct FilmingRow {
   double runs_low = 0, runs_median = 0, runs_high = 0;  ///< quartiles
 };
 
+/// A check that it works: one campaign, a coarse goal.
+FilmingOptions quick_filming_options();
+
 std::vector<FilmingRow> filming(const FilmingOptions& options = {});
 
 }  // namespace tribotrack::bench
