@@ -87,7 +87,10 @@ TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Matrix2d known = residuals.covariance(0);
-  residuals.set_excess_variance({3e-4, 1e-4});
+  ExcessVariance scatter;
+  scatter.along = 3e-4;
+  scatter.across = 1e-4;
+  residuals.set_excess_variance(scatter);
   const Eigen::Vector2d u = problem.summary_runs[0].measured.vector.normalized(), across(-u.y(), u.x());
   const Eigen::Matrix2d added = residuals.covariance(0) - known;
   EXPECT_NEAR(u.dot(added * u), 9e-8, 1e-20);
