@@ -13,7 +13,11 @@
 
 #if defined(__x86_64__)
 #define TRIBOTRACK_AVX2 [[gnu::target("avx2,fma")]]
+#ifdef __SANITIZE_THREAD__  // clones are chosen before the thread sanitizer has started: it would crash
+#define TRIBOTRACK_CLONES
+#else
 #define TRIBOTRACK_CLONES [[gnu::target_clones("arch=x86-64-v3", "default")]]
+#endif
 #else
 #define TRIBOTRACK_AVX2
 #define TRIBOTRACK_CLONES

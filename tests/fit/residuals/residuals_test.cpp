@@ -79,6 +79,7 @@ Problem three_displacements() {
   return problem;
 }
 
+/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
 TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   Problem problem;
   problem.free = {FitParameter::mu1};
@@ -86,10 +87,10 @@ TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Matrix2d known = residuals.covariance(0);
-  ExcessVariance excess;
-  excess.along = 3e-4;
-  excess.across = 1e-4;
-  residuals.set_excess_variance(excess);
+  ExcessVariance scatter;
+  scatter.along = 3e-4;
+  scatter.across = 1e-4;
+  residuals.set_excess_variance(scatter);
   const Eigen::Vector2d u = problem.summary_runs[0].measured.vector.normalized(), across(-u.y(), u.x());
   const Eigen::Matrix2d added = residuals.covariance(0) - known;
   EXPECT_NEAR(u.dot(added * u), 9e-8, 1e-20);
@@ -97,7 +98,36 @@ TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   EXPECT_NEAR(across.dot(added * u), 0, 1e-20);
 }
 
-/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
+// A lag of 1 rad and a delay of 1/w move the pulses alike: so do equal steps of the optimiser.
+TEST(Residuals, StepsOfADelayAreThoseOfALag) {
+  Problem problem;
+  problem.free = {FitParameter::lag, FitParameter::delay};
+  problem.summary_runs = {test::summary_run(test::scenario({}, 0.4, 1.1), 0.02, 0.1e-3)};
+  const Unknowns unknowns(problem);
+  const double w = problem.summary_runs[0].scenario.drive.angular_frequency;
+  EXPECT_NEAR(unknowns.transform(0).slope(0), 1, 1e-12);
+  EXPECT_NEAR(w * unknowns.transform(1).slope(0), 1, 1e-12);
+}
+
+// Noise of a point and scatter between points add up as variances: of independent points chi^2 falls by their
+// ratio.
+TEST(Residuals, ScatterBetweenPointsIsAddedToTheirNoise) {
+  std::mt19937 random(5);
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.trajectory_runs = {track(test::scenario({}, 1, pi / 3), true, random)};  // sd 1 um
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  const Eigen::VectorXd values = unknowns.first_guess();
+  Eigen::VectorXd alone, scattered;
+  ASSERT_TRUE(residuals.evaluate(values, alone, nullptr));
+  ExcessVariance scatter;
+  scatter.trajectories = {{2e-6, 1}};
+  residuals.set_excess_variance(scatter);
+  ASSERT_TRUE(residuals.evaluate(values, scattered, nullptr));
+  EXPECT_NEAR(scattered.squaredNorm() / alone.squaredNorm(), 1.0 / 5, 1e-3);
+}
+
 TEST(Residuals, WithoutAMotionAreCounted) {
   const Problem problem = three_displacements();
   const Unknowns unknowns(problem);

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "fit/campaign.h"
@@ -56,6 +58,34 @@ TEST(Budget, AddsUpToTheVariance) {
     EXPECT_NEAR(std::sqrt(sum(i)), sd, 1e-5 * sd);
   }
   EXPECT_FALSE(result.improve_first.empty());
+}
+
+TEST(Budget, BeginsWithWhatWeighsMost) {
+  const FitResult result = estimate(campaign(true), quick());
+  double before = std::numeric_limits<double>::infinity();
+  for (const BudgetEntry& entry : result.budget) {
+    if (!entry.counted) continue;
+    double weight = 0;  // shares of the variances
+    for (Eigen::Index i = 0; i < 3; ++i)
+      weight += std::pow(entry.contribution(i) / result.parameters[static_cast<std::size_t>(i)].sd, 2);
+    EXPECT_LE(weight, before * (1 + 1e-9)) << entry.source;
+    before = weight;
+  }
+}
+
+TEST(Budget, ImaginesOnePercentOfWhatWasTakenAsExact) {
+  Problem problem = campaign(false);
+  problem.conditions.clear();
+  const FitResult result = estimate(problem, quick());
+  const auto entry =
+      std::ranges::find(result.budget, to_string(FitParameter::amplitude), &BudgetEntry::quantity);
+  ASSERT_NE(entry, result.budget.end());
+  EXPECT_FALSE(entry->counted);
+  const double amplitude = problem.summary_runs.front().scenario.drive.amplitude;
+  EXPECT_NEAR(entry->sd, 0.01 * amplitude, 1e-9 * amplitude);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    EXPECT_NEAR(entry->contribution(i), std::abs(entry->sensitivity(i)) * 0.01 * amplitude,
+                1e-9 * entry->contribution(i));
 }
 
 /// A sensitivity is what a fit with another value of the quantity finds.
