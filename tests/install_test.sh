@@ -29,7 +29,7 @@ if [ -n "$module" ]; then
 import tribotrack
 assert tribotrack.__file__.startswith("'"$work"'"), tribotrack.__file__
 print(tribotrack.__version__, tribotrack.simulate(cycles=1)["cycles"])' | tee said
-  grep -q "^$(./prefix/bin/tribotrack --version | cut -d" " -f2) 1.0$" said
+  grep -q "^$(./prefix/bin/tribotrack --version | head -n 1 | cut -d" " -f2) 1.0$" said
 elif [ -e "$build/apps/python/tribotrack" ]; then
   echo "the Python module is not installed"
   exit 1

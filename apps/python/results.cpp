@@ -1,5 +1,8 @@
 // measure() and fit(): from tracks to parameters.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include <memory>
 #include <utility>
@@ -7,6 +10,7 @@
 #include "apps/campaign/fit_stage.h"
 #include "apps/files/campaign.h"
 #include "apps/files/track_file.h"
+#include "apps/files/tracks/any_track.h"
 #include "apps/fitting/fit_campaign.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/context.h"
@@ -69,6 +73,30 @@ struct Fitted {
   std::vector<apps::Reservation> reservations;
 };
 
+/// How another program's track is to be read.
+apps::TrackReading reading_of(const py::dict& options) {
+  const auto above_zero = [&](const char* key) {
+    const auto value = number_in(options, key);
+    if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", key));
+    return value;
+  };
+  const auto one_of = [&](const char* key, const std::vector<std::string>& words) {
+    const std::string word = text_in(options, key);
+    if (!word.empty() && std::ranges::find(words, word) == words.end())
+      throw UsageError(fmt::format("{} must be one of {}, not \"{}\"", key, fmt::join(words, ", "), word));
+    return word;
+  };
+  apps::TrackReading reading;
+  reading.unit = one_of("track_unit", {"px", "um", "mm", "cm", "m"});
+  const std::string y = one_of("track_y", {"up", "down"});
+  if (!y.empty()) reading.y = y == "up" ? apps::TrackReading::YAxis::up : apps::TrackReading::YAxis::down;
+  reading.point = text_in(options, "track_point");
+  reading.mark = text_in(options, "track_mark");
+  reading.mm_per_px = above_zero("mm_per_px");
+  reading.frame_rate_hz = above_zero("fps");
+  return reading;
+}
+
 }  // namespace
 
 py::dict measure(const py::object& track, const py::dict& options) {
@@ -78,11 +106,13 @@ py::dict measure(const py::object& track, const py::dict& options) {
   choices.cycles = number_in(options, "cycles");
   choices.gravity_m_s2 = number_in(options, "gravity_m_s2");
   choices.free_slide = truth_in(options, "free_slide");
+  const apps::TrackReading how = reading_of(options);
   const std::string name = is_path(track) ? path_of(track) : kTrack;
   std::optional<apps::TrackFile> given;
   if (!is_path(track)) given = track_in(track);
-  const auto result = released<apps::TrackMeasurement>([name, choices, given](const Tell&) {
-    const apps::TrackFile table = given ? *given : reading(name, [&] { return apps::read_track_file(name); });
+  const auto result = released<apps::TrackMeasurement>([name, how, choices, given](const Tell&) {
+    const apps::TrackFile table =
+        given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
     return apps::measure_track(name, table, choices);
   });
   if (!result.failure.empty()) warn_of_quality(result.failure);

@@ -153,7 +153,7 @@ const std::map<std::string, Rooms> kMayUse = {
       "apps/files",       "apps/text",       "apps/program"}},
     {"apps/python",
      {"apps/fitting", "apps/campaign", "apps/recording", "apps/measuring", "apps/simulating",
-      "apps/files/sweeps", "apps/files", "apps/text", "apps/program"}},
+      "apps/files/tracks", "apps/files/sweeps", "apps/files", "apps/text", "apps/program"}},
     {"apps/main.cpp", {"apps/commands", "apps/program", "apps/text"}},
 };
 

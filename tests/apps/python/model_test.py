@@ -154,6 +154,7 @@ class Keywords(ProgramTest):
             with self.subTest(command):
                 told = self.run_program(command, "--help").stdout
                 flags = {name.replace("-", "_") for name in re.findall(r"--([a-z][a-z0-9-]*)", told)}
+                flags -= {"angular_frequency_rad_s", "phase_shift_rad", "phase_lag_rad"}  # second names
                 if command == "sweep":
                     flags &= {"over"}  # its help names the quantities
                 keywords = set(inspect.signature(getattr(tribotrack, command)).parameters)
@@ -168,7 +169,7 @@ class Keywords(ProgramTest):
         )
 
     def test_the_version_is_the_programs(self):
-        self.assertEqual(self.run_program("--version").stdout, f"tribotrack {tribotrack.__version__}\n")
+        self.assertEqual(self.run_program("--version").stdout.split()[:2], ["tribotrack", tribotrack.__version__])
 
 
 if __name__ == "__main__":

@@ -137,7 +137,7 @@ TEST_F(Manual, CampaignNamesOfTheDriveAreFlagsToo) {
   put(in_folder("s.toml"), "[friction]\ndtau_rad = 1\nphase_lag_rad = 0.1\n");
   put(in_folder("t.toml"), "[friction]\ndtau_rad = 1\nlag_rad = 0.1\n");
   EXPECT_EQ(run("simulate s.toml --json -q").out, run("simulate t.toml --json -q").out);
-  EXPECT_NE(run("sweep t.toml --over phase_lag_rad=0,1 --json -q").out, "");
+  EXPECT_THAT(run("sweep t.toml --over phase_lag_rad=0,1 -o - -q").out, HasSubstr("phase_lag_rad,alpha_rad"));
   expect_refused(run("simulate --angular-frequency-rad-s fast"), 2, {"--omega-rad-s", "fast"});
 }
 

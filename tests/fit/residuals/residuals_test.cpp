@@ -79,7 +79,6 @@ Problem three_displacements() {
   return problem;
 }
 
-/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
 TEST(Residuals, ScatterBetweenRunsIsAddedAlongAndAcrossTheDisplacement) {
   Problem problem;
   problem.free = {FitParameter::mu1};
@@ -128,6 +127,7 @@ TEST(Residuals, ScatterBetweenPointsIsAddedToTheirNoise) {
   EXPECT_NEAR(scattered.squaredNorm() / alone.squaredNorm(), 1.0 / 5, 1e-3);
 }
 
+/// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
 TEST(Residuals, WithoutAMotionAreCounted) {
   const Problem problem = three_displacements();
   const Unknowns unknowns(problem);
