@@ -10,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "apps/program.h"
