@@ -81,7 +81,7 @@ apps::TrackReading reading_of(const py::dict& options) {
     return value;
   };
   const auto one_of = [&](const char* key, const std::vector<std::string>& words) {
-    const std::string word = text_in(options, key);
+    std::string word = text_in(options, key);
     if (!word.empty() && std::ranges::find(words, word) == words.end())
       throw UsageError(fmt::format("{} must be one of {}, not \"{}\"", key, fmt::join(words, ", "), word));
     return word;
