@@ -55,7 +55,6 @@ class CampaignRunner {
   void write_log() const;
   void print_result() const;
 
-  const Campaign& campaign() const { return campaign_; }
   const std::vector<AnalysedRun>& runs() const { return runs_; }
   const FitStage& fit() const { return fit_; }
   std::size_t failed() const;
