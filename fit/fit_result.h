@@ -193,12 +193,16 @@ struct SlideResult {
   Interval ci95;    ///< Student's t; of this slide alone
   double chi2 = 0;  ///< with the data's own sigma
   int dof = 0;
-  double p_value = 1;      ///< of chi2
-  double scatter = 0;      ///< m per axis, added because chi2 is more than chance allows
+  double p_value = 1;  ///< of chi2
+  double scatter = 0;  ///< m per axis, added because chi2 is more than chance allows
+  /// Where neighbouring residuals are more alike than the track tells: what they show, in place of its
+  /// errors.
+  std::optional<SlowError> shown_slow = std::nullopt;
   std::size_t points = 0;  ///< used
   std::int64_t first_frame = 0, last_frame = 0;
   double speed = 0;      ///< m/s at the first point
-  double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law
+  double slope = 0;      ///< rad, as given (TrajectoryRun::slope)
+  double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law; may be infinite
   bool spin_seen = false;
   Estimate spin;        ///< rad/s at the first point
   Estimate spin_ratio;  ///< rim speed over slide speed there

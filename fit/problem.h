@@ -42,7 +42,8 @@ enum class FitParameter {
   amplitude_ratio,  ///< factor on the A_y/A of every run, their geometric mean kept; 1 = as given
   phase_shift,      ///< rad, added to the epsilon of every run
   phase_reference,  ///< rad, added to the phase of every pulse: where the platform's phase is counted from
-  gravity
+  gravity,
+  slope  ///< rad, added to the slope of every incline; 0 = as given
 };
 
 const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",
@@ -105,6 +106,11 @@ struct TrajectoryRun {
   /// prior mean. It moves drive and pulses alike.
   double start_phase_sd = 0;
   std::optional<DiscSpin> spin = std::nullopt;  ///< of a free slide; needs track.radius
+  /// Of a free slide on a plane tilted by the angle theta: u' = g sin(theta) e - mu g cos(theta) u/|u|, e
+  /// pointing downhill. rad; > 0: the part slides down, < 0: it was pushed up; 0: a level platform.
+  double slope = 0;
+  /// e in the track's frame. Zero: estimate() takes the direction of the motion.
+  Eigen::Vector2d downhill = Eigen::Vector2d::Zero();
   /// Of its gate, and of what else this run alone is known by; the phase at the start has start_phase_sd.
   OwnErrors own = {};
 };

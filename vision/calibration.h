@@ -88,7 +88,7 @@ struct CalibrationBoard {
   double square_mm = 0;
   double square_relative_sd = 0;      ///< how well the side of a square is known; enters the scale's sd
   double marker_mm = 0;               ///< side of a ChArUco marker
-  std::string dictionary = "4x4_50";  ///< of ArUco: 4x4_50 .. 7x7_1000, as OpenCV calls them
+  std::string dictionary = "4x4_50";  ///< 4x4_50 .. 7x7_1000 or an AprilTag family, vision/tags/dictionary.h
   /// Throws std::invalid_argument naming the member.
   void validate() const;
 };

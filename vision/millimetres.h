@@ -32,6 +32,9 @@ namespace tribotrack::vision {
 Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd_px,
                           double diameter_sd_mm = 0);
 
+/// From the side of a square tag on the platform, in the same way.
+Scale scale_from_tag(double side_mm, const SeenTag& tag, double side_sd_mm = 0);
+
 /// As the user gave it, with the sd the user gave.
 Scale given_scale(double mm_per_px, double sd = 0);
 

@@ -165,6 +165,13 @@ struct SlowPart {
 };
 
 /// What is known of a track as a whole.
+/// A square tag (ArUco, AprilTag) on the platform, in the first frame.
+struct SeenTag {
+  std::string dictionary;
+  int id = -1;
+  double side_px = 0, side_sd_px = 0;  ///< of the black square
+};
+
 struct TrackSummary : FrameCounts {
   Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
   double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
@@ -172,6 +179,7 @@ struct TrackSummary : FrameCounts {
   /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
   double disc_radius_common_sd = 0;
   Circle marker;                  ///< a round one; radius 0 without
+  std::optional<SeenTag> tag;     ///< that the marker is
   bool ground_is_marker = false;  ///< all of the platform's ground that is seen serves as its marker
   int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
   double gate_clipped_share = 0;  ///< share of them that clip, in the frame in which most do

@@ -36,6 +36,7 @@ void TrackOptions::validate() const {
   };
   if (gate) check(*gate, "gate");
   if (target.kind == Target::Kind::disc) check(target.disc, "target.disc");
+  if (marker.kind == MarkerChoice::Kind::tag) require_tag_family(marker.dictionary);
   if (marker.kind == MarkerChoice::Kind::circle) check(marker.circle, "marker.circle");
 }
 

@@ -56,11 +56,17 @@ struct Target {
 };
 
 /// The mark fixed to the platform: a round one found or given, or its own texture, all of the ground that is
-/// seen. `find` falls back on texture. Automatic: the texture where the ground moves, else none.
+/// seen, or a square tag. `find` falls back on texture. Automatic: the texture where the ground moves, else
+/// none.
 struct MarkerChoice {
-  enum class Kind { automatic, none, find, circle, texture } kind = Kind::automatic;
+  enum class Kind { automatic, none, find, circle, texture, tag } kind = Kind::automatic;
   Circle circle;
+  std::string dictionary = {};  ///< of the tag: "4x4_50", "apriltag_36h11", ... (vision/tags/dictionary.h)
+  std::optional<int> id = {};   ///< empty: the only tag of that family in the picture
 };
+
+/// Throws std::invalid_argument naming the families of tags unless this is one.
+void require_tag_family(const std::string& dictionary);
 
 /// Whether every frame is measured a second time over pictures learnt from the recording. Automatic and on:
 /// where the part is a disc whose rim is seen; kept where it does better than the first pass.

@@ -122,6 +122,10 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
       json["commanded"] = {{"phi_rad", analysed.run->phi}, {"dtau_rad", analysed.run->dtau}};
     }
   }
+  if (const CampaignRun& run = *analysed.run; run.slope) {
+    json["slope_rad"] = *run.slope;  // "scenario" is that of a level platform on which the part moves alike
+    json["slope_rad_sd"] = optional_json(run.slope_sd);
+  }
   if (!analysed.repeats.empty()) json["repeats"] = analysed.repeats;
   json["observables"] = Json::array();
   for (const fit::RunResult& run : result.runs) {
@@ -369,7 +373,8 @@ std::string slide_table(const Json& fit) {
                          std::isfinite(sd) ? rounded_to_sd(number(s["mu1"]), sd) : "not determined",
                          std::isfinite(sd) ? rounded_to_sd(sd, sd) : "-", rounded_end(low, low, high, sd),
                          rounded_end(high, low, high, sd),
-                         s["spin_seen"].get<bool>()
+                         s.contains("slope_rad") ? "incline"
+                         : s["spin_seen"].get<bool>()
                              ? rounded_to_sd(number(s["spin_ratio"]), number(s["spin_ratio_sd"]))
                              : "unseen",
                          number(s["chi2"]), s["dof"].get<int>());

@@ -27,7 +27,9 @@ using fit::FitParameter;
 void add_run(const Campaign& campaign, const AnalysedRun& run, fit::Problem& problem) {
   const std::string& name = run.run->name;
   if (run.run->free_slide) {
-    problem.trajectory_runs.push_back({name, run.scenario, run.track->table, true, false});
+    fit::TrajectoryRun slide{name, run.scenario, run.track->table, true, false};
+    slide.slope = run.run->slope.value_or(0);
+    problem.trajectory_runs.push_back(std::move(slide));
   } else if (campaign.fit.trajectory && run.track) {
     fit::TrajectoryRun trajectory{name, run.scenario, run.track->table, false, run.amplitude_from_track};
     trajectory.start_phase_sd = sd_of(run.own, model::Parameter::start_phase);
@@ -109,7 +111,8 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
     if (run.takes_part()) add_run(campaign, run, problem);
   add_conditions(shared, problem);
   for (const std::string& key : shared.taken_as_exact)
-    if (key == "diameter_mm" || key == "mm_per_px") problem.exact.emplace_back(fit::FitParameter::scale, key);
+    if (key == "diameter_mm" || key == "mm_per_px" || key == "tag_mm")
+      problem.exact.emplace_back(fit::FitParameter::scale, key);
   return problem;
 }
 

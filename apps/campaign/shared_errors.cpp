@@ -165,6 +165,17 @@ class Errors {
     exact_if(!p.tilt_y_sd && !fitted(FitParameter::tilt_y), "tilt_y_rad");
   }
 
+  /// One instrument measures the slopes of all inclines.
+  void slope() {
+    const auto inclined = [](const AnalysedRun& run) {
+      return takes_part(run) && run.run->slope.has_value();
+    };
+    const double sd =
+        mean_over(runs_, inclined, [](const AnalysedRun& run) { return run.run->slope_sd.value_or(0); });
+    add(FitParameter::slope, sd, "slope_rad_sd, campaign", true);
+    exact_if(sd == 0 && std::any_of(runs_.begin(), runs_.end(), inclined), "slope_rad");
+  }
+
   void scale() {
     const bool by_diameter = std::any_of(runs_.begin(), runs_.end(), scaled_by_diameter);
     const double all = mean_over(runs_, scaled, scale_sd);
@@ -175,8 +186,13 @@ class Errors {
           true);
       exact_if(diameter == 0, "diameter_mm");
     } else {
-      const bool calibrated = campaign_.camera.calibration.has_value();
-      add(FitParameter::scale, all, calibrated ? "calibration" : "mm_per_px_sd, campaign", true);
+      const CameraSection& camera = campaign_.camera;
+      add(FitParameter::scale, all,
+          camera.calibration ? "calibration"
+          : camera.tag_mm    ? "the tag's size, and its sides in the pictures"
+                             : "mm_per_px_sd, campaign",
+          true);
+      exact_if(camera.tag_mm && camera.tag_mm_sd == 0, "tag_mm");
       exact_if(all == 0 && std::any_of(runs_.begin(), runs_.end(), scaled), "mm_per_px");
     }
     const double parallax = parallax_error(campaign_);
@@ -271,6 +287,7 @@ void add_errors(const Campaign& campaign, std::vector<AnalysedRun>& runs,
   errors.frequency_and_phase_shift();
   errors.clock();
   errors.gravity_and_tilt();
+  errors.slope();
   errors.scale();
   errors.phase_reference();
   errors.gates();

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct FitCommandOptions {
-  std::string campaign, output, tracks;
+  std::string campaign, output, tracks, part;
   bool require_all = false, json = false, explain = false;
   FitChoices choices;
 };
@@ -47,7 +47,7 @@ void check_output(const Campaign& campaign, const FitCommandOptions& options) {
 void fit_command(const FitCommandOptions& options, Context& context) {
   if (options.require_all && options.choices.allow_missing > 0)
     throw UsageError("give --require-all or --allow-missing, not both");
-  const Campaign campaign = read_campaign(campaign_file(options.campaign));
+  const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), options.part);
   check_output(campaign, options);
   FitChoices choices = options.choices;
   choices.tracks = options.tracks;
@@ -74,6 +74,7 @@ void add_fit(CLI::App& app, Context& context) {
                   "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
                   "tracked now")
       ->type_name("DIR");
+  command.add_option("--part", options->part, "Which of the campaign's several [[part]]")->type_name("NAME");
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
   command
       .add_option("--allow-missing", options->choices.allow_missing, "Go on when up to N runs are not usable")

@@ -3,15 +3,14 @@
 #include <string>
 
 #include "apps/commands/command.h"
-#include "apps/pipeline/campaign_runner.h"
-#include "apps/text/output_file.h"
+#include "apps/pipeline/part_by_part.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
 struct RunOptions {
-  std::string campaign, output;
+  std::string campaign, output, part;
   bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
 };
 
@@ -22,18 +21,10 @@ void run_command(const RunOptions& options, Context& context) {
                                         .explain = options.explain,
                                         .json = options.json,
                                         .wait = options.wait};
-  CampaignRunner runner(runner_options, read_campaign(campaign_file(options.campaign)), context);
-  if (options.dry_run) return runner.print_plan();
-  runner.take_folder();
-  const LastWords stopped("stopped: finished recordings are kept, and the same command goes on from there");
-  runner.measure_runs();
-  runner.share_scale();
-  runner.refuse_if_none_is_left();
-  runner.share_conditions();
-  runner.fit_all();
-  runner.report();
-  runner.write_log();
-  runner.print_result();
+  const Campaign campaign = read_campaign(campaign_file(options.campaign));
+  if (!options.part.empty() || campaign.parts.empty())
+    return run_campaign(campaign_of_part(campaign, options.part), runner_options, options.dry_run, context);
+  run_part_by_part(campaign, runner_options, options.dry_run, context);
 }
 
 }  // namespace
@@ -48,6 +39,10 @@ void add_run(CLI::App& app, Context& context) {
   command.add_option("-o,--output", options->output, "Folder for tracks, fit.json and report.html")
       ->type_name("DIR")
       ->required();
+  command
+      .add_option("--part", options->part,
+                  "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
+      ->type_name("NAME");
   command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
   command.add_flag("--overlay-videos", options->overlay_videos,
                    "Also write a labelled video of every run (tracks/NAME.mp4)");

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/commands/command.h"
+#include "apps/files/marker_word.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/track_choices.h"
@@ -86,9 +87,14 @@ void set_frames(TrackChoices& choices, const std::string& text) {
 }
 
 vision::MarkerChoice marker_of(const std::string& text) {
-  if (const auto named = marker_named(text)) return *named;
+  try {
+    if (const auto named = marker_named(text)) return *named;
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
+  }
   return {vision::MarkerChoice::Kind::circle,
-          circle_of("--marker", text, "X,Y,R in pixels, such as 200,180,24, or be auto, texture or none")};
+          circle_of("--marker", text,
+                    fmt::format("X,Y,R in pixels, such as 200,180,24, or be {}", kMarkerWords).c_str())};
 }
 
 TrackChoices choices_of(const TrackCommandOptions& options) {
@@ -203,8 +209,8 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& note : recording.info().notes) say(context.quiet, "note: " + note);
   if (!recording.scale)
     say(context.quiet,
-        "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm or "
-        "--calibration)");
+        "note: no scale was given: the millimetre columns are empty (--mm-per-px, --disc-diameter-mm, "
+        "--tag-mm or --calibration)");
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
@@ -235,6 +241,8 @@ void add_track(CLI::App& app, Context& context) {
   add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
              "Scale by the disc's true diameter");
+  add_number(command, "--tag-mm", options->choices.tag_mm,
+             "Scale by the side of the tag's black square (--marker tag:...)");
   command
       .add_option("--calibration", options->choices.calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
@@ -255,8 +263,8 @@ void add_track(CLI::App& app, Context& context) {
           "--marker", options->marker,
           "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
           "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
-          "none")
-      ->type_name("X,Y,R|auto|texture|none");
+          "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3")
+      ->type_name("X,Y,R|auto|texture|none|tag:FAMILY");
   command
       .add_option(
           "--gate", options->gate,

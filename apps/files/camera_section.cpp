@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <stdexcept>
+
+#include "apps/files/marker_word.h"
 
 namespace tribotrack::apps {
 
@@ -16,20 +18,50 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
   return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
 }
 
+namespace {
+
+vision::Rect rect_of(const StrictTable& table, const char* key, const std::vector<std::int64_t>& values) {
+  for (const std::int64_t value : values)
+    if (value < 0 || value > 65535) table.fail(key, fmt::format("must lie in the picture, not at {}", value));
+  const vision::Rect rect{static_cast<int>(values[0]), static_cast<int>(values[1]),
+                          static_cast<int>(values[2]), static_cast<int>(values[3])};
+  if (rect.width < 8 || rect.height < 8)
+    table.fail(key, fmt::format("is [x, y, width, height], at least 8 x 8 pixels, not {} x {}", rect.width,
+                                rect.height));
+  return rect;
+}
+
+}  // namespace
+
 std::optional<vision::Rect> read_template(StrictTable& table) {
   const auto values = table.integers("template_px", 4);
   if (!values) return std::nullopt;
   if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
-  for (const std::int64_t value : *values)
-    if (value < 0 || value > 65535)
-      table.fail("template_px", fmt::format("must lie in the picture, not at {}", value));
-  const vision::Rect rect{static_cast<int>((*values)[0]), static_cast<int>((*values)[1]),
-                          static_cast<int>((*values)[2]), static_cast<int>((*values)[3])};
-  if (rect.width < 8 || rect.height < 8)
-    table.fail("template_px", fmt::format("is [x, y, width, height], at least 8 x 8 pixels, not {} x {}",
-                                          rect.width, rect.height));
-  return rect;
+  return rect_of(table, "template_px", *values);
 }
+
+PartPlace read_place(StrictTable& table, const char* key) {
+  if (table.count(key) == 4) return {{}, rect_of(table, key, *table.integers(key, 4))};
+  return {read_circle(table, key), {}};
+}
+
+namespace {
+
+/// A tag of known size sets the scale.
+void read_tag_size(StrictTable& table, CameraSection& camera) {
+  if (camera.marker_px && camera.marker.kind == vision::MarkerChoice::Kind::tag)
+    table.fail("marker_px", "and a tag are two marks of the platform; give one of them");
+  camera.tag_mm = table.positive("tag_mm");
+  camera.tag_mm_sd = read_sd(table, "tag_mm").value_or(0);
+  if (!camera.tag_mm) return;
+  if (camera.marker.kind != vision::MarkerChoice::Kind::tag)
+    table.fail("tag_mm", "is the size of a tag; say which: marker = \"tag:apriltag_36h11\"");
+  if (camera.mm_per_px || camera.calibration)
+    table.fail("tag_mm", fmt::format("gives the scale, and so does {}: leave one out",
+                                     camera.mm_per_px ? "mm_per_px" : "calibration"));
+}
+
+}  // namespace
 
 CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   CameraSection camera;
@@ -61,16 +93,25 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
   camera.template_px = read_template(table);
   camera.marker_px = read_circle(table, "marker_px");
   camera.gate_px = read_circle(table, "gate_px");
-  using Marker = vision::MarkerChoice::Kind;
-  constexpr std::array<Marker, 3> markers = {Marker::none, Marker::find, Marker::texture};
-  if (const auto choice = table.choice("marker", {"none", "auto", "texture"}))
-    camera.marker = markers[*choice];
+  if (const auto word = table.text("marker")) {
+    try {
+      const auto marker = marker_named(*word);
+      if (!marker) table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
+      camera.marker = *marker;
+    } catch (const std::invalid_argument& error) {
+      table.fail("marker", fmt::format("names no tag: {}", error.what()));
+    }
+  }
+  read_tag_size(table, camera);
   table.finish();
   return camera;
 }
 
 PartSection read_part(StrictTable& table, WithSd with_sd) {
   PartSection part;
+  part.name = table.text("name").value_or("");
+  part.disc_px = read_circle(table, "disc_px");
+  part.template_px = read_template(table);
   part.diameter_mm = table.positive("diameter_mm");
   const auto earlier_name = table.not_negative("diameter_sd_mm");
   const auto diameter_sd = read_sd(table, "diameter_mm");

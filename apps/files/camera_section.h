@@ -13,9 +13,12 @@
 namespace tribotrack::apps {
 
 struct PartSection {
+  std::string name;  ///< empty: the campaign's only one, without a name
   std::optional<double> diameter_mm, height_mm;
   double diameter_sd_mm = 0;  ///< 0: exact
   std::optional<double> height_sd_mm;
+  std::optional<vision::Circle> disc_px;    ///< where it lies at first, in every run that does not say
+  std::optional<vision::Rect> template_px;  ///< instead of a disc
 };
 
 struct CameraSection {
@@ -25,14 +28,16 @@ struct CameraSection {
   double mm_per_px_sd = 0;
   std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder
   double xi_axis_rad = 0;
-  bool rehearse = false;  ///< lossy recordings whose coder is known, see vision/rehearsal.h
+  bool rehearse = false;         ///< lossy recordings whose coder is known, see vision/rehearsal.h
+  std::optional<double> tag_mm;  ///< side of the tag's black square, where the marker is one: sets the scale
+  double tag_mm_sd = 0;
   double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below
   std::optional<double> working_distance_mm;
   std::optional<double> frame_rate_sd_hz, xi_axis_sd_rad, working_distance_sd_mm;
   std::optional<vision::Circle> disc_px, marker_px, gate_px;
   std::optional<vision::Rect> template_px;  ///< instead of a disc
   /// Without marker_px: how the platform's motion is seen.
-  vision::MarkerChoice::Kind marker = vision::MarkerChoice::Kind::automatic;
+  vision::MarkerChoice marker = {};
 };
 
 /// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit
@@ -45,5 +50,13 @@ std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
 
 /// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
 std::optional<vision::Rect> read_template(StrictTable& table);
+
+/// Where a part lies in the first analysed frame: a disc, or a rectangle about a part of any shape.
+struct PartPlace {
+  std::optional<vision::Circle> disc_px;
+  std::optional<vision::Rect> template_px;
+};
+/// [x, y, radius] or [x, y, width, height].
+PartPlace read_place(StrictTable& table, const char* key);
 
 }  // namespace tribotrack::apps

@@ -46,7 +46,12 @@ struct CampaignRun {
   std::optional<std::filesystem::path> track;  ///< a finished track instead, ours or another program's
   TrackReading reading;                        ///< of that track
   bool has_track() const { return video || track; }
+  /// Which of the campaign's parts, where there are several: one, or where each lies at first.
+  std::string part;
+  std::map<std::string, PartPlace> parts;
   bool free_slide = false;
+  /// Of a free slide on an incline, as in fit::TrajectoryRun. rad
+  std::optional<double> slope, slope_sd;
   double phi = 0, dtau = 0;                            ///< rad
   std::optional<double> amplitude, angular_frequency;  ///< SI, of this run
   std::optional<double> phase_at_zero, start_phase;    ///< rad
@@ -71,6 +76,7 @@ struct Campaign {
   std::string title;  ///< of the report; empty: the file's name
   PlatformSection platform;
   PartSection part;
+  std::vector<PartSection> parts;  ///< of [[part]], where there are two or more; then `part` is empty
   CameraSection camera;
   ScopeSection scope;
   DataSection data;
@@ -96,6 +102,12 @@ std::filesystem::path campaign_file(const std::filesystem::path& given);
 /// May a campaign stand without a [[run]]?
 enum class Runs { required, may_be_missing };
 Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::required);
+
+/// A campaign for each of its parts, in their order; itself where it has one. Throws InvalidInput for a part
+/// without runs.
+std::vector<Campaign> campaigns_by_part(const Campaign& campaign);
+/// That of the part named; of the only one for "". Throws InvalidInput naming the parts.
+Campaign campaign_of_part(const Campaign& campaign, const std::string& part);
 
 /// Every key that the reader asks a campaign for, with the kind of its value.
 std::vector<AskedKey> keys_asked_of_campaign();

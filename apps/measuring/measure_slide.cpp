@@ -71,6 +71,7 @@ Json slide_result_json(const fit::SlideResult& slide) {
                {"speed_mm_s", finite_json(slide.speed * 1e3)},
                {"stop_time_s", finite_json(slide.stop_time)},
                {"spin_seen", slide.spin_seen}};
+  if (slide.slope != 0) json["slope_rad"] = slide.slope;
   if (slide.spin_seen) {
     json["spin_rad_s"] = finite_json(slide.spin.value);
     json["spin_rad_s_sd"] = finite_json(slide.spin.sd);
@@ -78,7 +79,7 @@ Json slide_result_json(const fit::SlideResult& slide) {
     json["spin_ratio_sd"] = finite_json(slide.spin_ratio.sd);
     json["bearing_over_radius"] = finite_json(slide.bearing.value);
     json["bearing_over_radius_sd"] = finite_json(slide.bearing.sd);
-  } else {
+  } else if (slide.slope == 0) {
     json["mu1_change_by_half_spin"] = finite_json(slide.change_by_half_spin);
   }
   json["blows"] = Json::array();

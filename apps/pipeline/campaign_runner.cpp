@@ -212,6 +212,10 @@ void CampaignRunner::print_result() const {
     print_text(text_of(fit_.json));
   else
     print("{}{}report {}\n", parameter_table(fit_.json), slide_table(fit_.json), folder_.report().string());
+  say_what_happened();
+}
+
+void CampaignRunner::say_what_happened() const {
   if (skipped() > 0)
     say(context_.quiet, fmt::format("{} of {} tracks were current and were kept", skipped(), runs_.size()));
   if (failed() > 0) {

@@ -53,7 +53,9 @@ class CampaignRunner {
   void fit_all();
   void report() const;
   void write_log() const;
+  /// To standard output, and what is to be said of it to standard error.
   void print_result() const;
+  void say_what_happened() const;
 
   const std::vector<AnalysedRun>& runs() const { return runs_; }
   const FitStage& fit() const { return fit_; }

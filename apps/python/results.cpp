@@ -128,13 +128,15 @@ py::dict fit(const py::object& campaign, const py::dict& options, const py::obje
   if (is_path(campaign)) {
     const std::string file = path_of(campaign);
     read = reading(file, [&] {
-      return std::make_shared<const apps::Campaign>(apps::read_campaign(apps::campaign_file(file)));
+      return std::make_shared<const apps::Campaign>(
+          apps::campaign_of_part(apps::read_campaign(apps::campaign_file(file)), ""));
     });
   } else {
     if (!py::isinstance<py::dict>(campaign))
       throw UsageError(fmt::format("the campaign must be a path, a dict or a table, not {}",
                                    Py_TYPE(campaign.ptr())->tp_name));
-    read = std::make_shared<const apps::Campaign>(apps::campaign_of(to_json(campaign, kCampaign), kCampaign));
+    read = std::make_shared<const apps::Campaign>(
+        apps::campaign_of_part(apps::campaign_of(to_json(campaign, kCampaign), kCampaign), ""));
   }
   const auto result = released<Fitted>(
       [read, choices, context](const Tell& tell) mutable {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "apps/files/marker_word.h"
 #include "apps/files/track_rows.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"
@@ -49,10 +50,13 @@ std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {
   const py::object marker = member(options, "marker");
   if (marker.is_none()) return std::nullopt;
   if (py::isinstance<py::str>(marker)) {
-    if (const auto named = apps::marker_named(marker.cast<std::string>())) return named;
-    throw UsageError(fmt::format(
-        "--marker must be (x, y, radius) in pixels, \"auto\", \"texture\" or \"none\", not \"{}\"",
-        marker.cast<std::string>()));
+    try {
+      if (const auto named = apps::marker_named(marker.cast<std::string>())) return named;
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
+    }
+    throw UsageError(fmt::format("--marker must be (x, y, radius) in pixels, {}, not \"{}\"",
+                                 apps::kMarkerWords, marker.cast<std::string>()));
   }
   return vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *circle_in(options, "marker")};
 }
@@ -78,6 +82,7 @@ apps::TrackChoices choices_of(const py::dict& options) {
   choices.calibration = text_in(options, "calibration");
   choices.height_mm = number_in(options, "height_mm");
   choices.working_distance_mm = number_in(options, "working_distance_mm");
+  choices.tag_mm = number_in(options, "tag_mm");
   choices.xi_axis_rad = number_in(options, "xi_axis_rad");
   choices.config = text_in(options, "config");
   choices.disc = circle_in(options, "disc");

@@ -6,7 +6,7 @@ namespace {
 
 vision::MarkerChoice marker_of(const CameraSection& camera) {
   if (camera.marker_px) return {vision::MarkerChoice::Kind::circle, *camera.marker_px};
-  return {camera.marker, {}};
+  return camera.marker;
 }
 
 }  // namespace
@@ -23,9 +23,15 @@ void apply(const PartSection& part, const CameraSection& camera, RecordingJob& j
   job.working_distance_mm = camera.working_distance_mm;
   job.xi_axis_rad = camera.xi_axis_rad;
   job.rehearse = camera.rehearse;
+  job.tag_mm = camera.tag_mm;
+  job.tag_mm_sd = camera.tag_mm_sd;
   job.row_time_s = camera.row_time_s;
-  if (camera.template_px) job.track.target = {vision::Target::Kind::rectangle, {}, *camera.template_px};
-  if (camera.disc_px) job.track.target = {vision::Target::Kind::disc, *camera.disc_px, {}};
+  const auto follow = [&job](const auto& place) {
+    if (place.template_px) job.track.target = {vision::Target::Kind::rectangle, {}, *place.template_px};
+    if (place.disc_px) job.track.target = {vision::Target::Kind::disc, *place.disc_px, {}};
+  };
+  follow(part);
+  follow(camera);
   job.track.marker = marker_of(camera);
   job.track.gate = camera.gate_px;
 }
@@ -49,9 +55,10 @@ RecordingJob job_for(const Campaign& campaign, const CampaignRun& run) {
   }
   apply(campaign.part, camera, job);
   if (job.mm_per_px) job.calibration.reset();
-  if (job.mm_per_px || job.calibration) job.diameter_mm.reset();
+  if (job.mm_per_px || job.calibration) job.tag_mm.reset();
+  if (job.mm_per_px || job.calibration || job.tag_mm) job.diameter_mm.reset();
   if (run.free_slide) {  // its platform rests and no actuator works
-    job.track.marker = {vision::MarkerChoice::Kind::none, {}};
+    if (!job.tag_mm) job.track.marker = {vision::MarkerChoice::Kind::none, {}};
     job.track.gate.reset();
   }
   job.track.first_frame = run.first_frame;

@@ -78,6 +78,14 @@ void apply_scale(const TrackChoices& choices, RecordingJob& job) {
     job.calibration = choices.calibration;
     job.mm_per_px.reset();
   }
+  if (is_positive("--tag-mm", choices.tag_mm)) {
+    if (choices.mm_per_px || choices.disc_diameter_mm || !choices.calibration.empty())
+      throw UsageError("--tag-mm gives the scale: leave out --mm-per-px, --disc-diameter-mm, --calibration");
+    job.tag_mm = choices.tag_mm;
+    job.tag_mm_sd = 0;
+    job.mm_per_px.reset();
+    job.calibration.reset();
+  }
   if (is_positive("--height-mm", choices.height_mm)) job.height_mm = choices.height_mm;
   if (is_positive("--working-distance-mm", choices.working_distance_mm))
     job.working_distance_mm = choices.working_distance_mm;
@@ -102,6 +110,8 @@ void apply_target(const TrackChoices& choices, RecordingJob& job) {
       require_radius("--marker", choices.marker->circle);
     job.track.marker = *choices.marker;
   }
+  if (job.tag_mm && job.track.marker.kind != vision::MarkerChoice::Kind::tag)
+    throw UsageError("--tag-mm is the size of a tag; say which: --marker tag:apriltag_36h11");
   if (choices.gate) job.track.gate = choices.gate;
 }
 
@@ -117,14 +127,6 @@ void apply_layers(const TrackChoices& choices, RecordingJob& job) {
 }
 
 }  // namespace
-
-std::optional<vision::MarkerChoice> marker_named(const std::string& word) {
-  using Kind = vision::MarkerChoice::Kind;
-  if (word == "auto") return vision::MarkerChoice{Kind::find, {}};
-  if (word == "texture") return vision::MarkerChoice{Kind::texture, {}};
-  if (word == "none") return vision::MarkerChoice{Kind::none, {}};
-  return std::nullopt;
-}
 
 RecordingJob job_of(const std::filesystem::path& video, const TrackChoices& choices) {
   RecordingJob job;

@@ -13,7 +13,7 @@ namespace tribotrack::apps {
 
 /// Empty: not given. Units as in the flags' names.
 struct TrackChoices {
-  std::optional<double> fps, mm_per_px, disc_diameter_mm, height_mm, working_distance_mm, xi_axis_rad;
+  std::optional<double> fps, mm_per_px, disc_diameter_mm, height_mm, working_distance_mm, xi_axis_rad, tag_mm;
   std::string fps_reason;
   std::string calibration, config;  ///< files
   std::optional<vision::Circle> disc, gate;
@@ -27,8 +27,5 @@ struct TrackChoices {
 /// The job: what --config holds, overridden by the rest. Throws UsageError for choices that are out of range
 /// or contradict each other, and what reading the file throws.
 RecordingJob job_of(const std::filesystem::path& video, const TrackChoices& choices);
-
-/// "auto", "texture" or "none" as a marker; nothing for other words.
-std::optional<vision::MarkerChoice> marker_named(const std::string& word);
 
 }  // namespace tribotrack::apps

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/files/calibration_file.h"
+#include "apps/files/marker_word.h"
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
 #include "vision/frame_sink.h"
@@ -31,6 +32,7 @@ Json marker_json(const vision::MarkerChoice& marker) {
   if (marker.kind == Kind::circle) return circle_json(marker.circle);
   if (marker.kind == Kind::texture) return "texture";
   if (marker.kind == Kind::find) return "find";
+  if (marker.kind == Kind::tag) return tag_word(marker);
   return marker.kind == Kind::none ? "none" : "texture where the ground moves";
 }
 
@@ -51,6 +53,9 @@ std::optional<vision::PlaneGeometry> geometry_of(const RecordingJob& job, const 
   if (job.height_mm && job.working_distance_mm) parallax = {*job.height_mm, *job.working_distance_mm};
   if (job.mm_per_px)
     return vision::PlaneGeometry(vision::given_scale(*job.mm_per_px, job.mm_per_px_sd),
+                                 vision::ScalePlane::platform, parallax);
+  if (job.tag_mm && summary.tag)
+    return vision::PlaneGeometry(vision::scale_from_tag(*job.tag_mm, *summary.tag, job.tag_mm_sd),
                                  vision::ScalePlane::platform, parallax);
   if (!job.diameter_mm) return std::nullopt;
   return vision::PlaneGeometry(vision::scale_from_diameter(*job.diameter_mm, summary.disc.radius,
@@ -81,6 +86,10 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
                {"layers", job.track.layers == vision::Layers::automatic ? "auto"
                           : job.track.layers == vision::Layers::on      ? "on"
                                                                         : "off"}};
+  if (job.tag_mm) {
+    json["tag_mm"] = *job.tag_mm;
+    json["tag_mm_sd"] = job.tag_mm_sd;
+  }
   if (!job.frame_rate_reason.empty()) json["frame_rate_reason"] = job.frame_rate_reason;
   return json;
 }

@@ -31,6 +31,8 @@ struct RecordingJob {
   std::optional<double> height_mm;            ///< of the part's top above the platform
   std::optional<double> working_distance_mm;  ///< from the lens to the platform; a calibration has its own
   double xi_axis_rad = 0;
+  std::optional<double> tag_mm;  ///< side of the tag that is the marker: sets the scale
+  double tag_mm_sd = 0;
   double row_time_s = 0;  ///< of a rolling shutter
   bool rehearse = false;  ///< code the tracked motion once more, as the recording was (vision/rehearsal.h)
   vision::TrackOptions track;

@@ -52,6 +52,10 @@ constexpr std::array kKeys = {
     CampaignKey{"platform", "tilt_y_rad", "0.0", "likewise towards +y (up)"},
     CampaignKey{"platform", "tilt_y_rad_sd", "0.0002", "", "tilt_y_rad"},
 
+    CampaignKey{"part", "name", "\"disc\"",
+                "where there are several: a [[part]] of its own for each; each gets its own fit"},
+    CampaignKey{"part", "disc_px", "[640, 400, 150]", "where it lies at first, unless the run says"},
+    CampaignKey{"part", "template_px", "[100, 40, 41, 41]", "instead of a disc"},
     CampaignKey{"part", "diameter_mm", "6.0", "sets the scale, unless mm_per_px or a calibration does"},
     CampaignKey{"part", "diameter_mm_sd", "0.005", "by a caliper", "diameter_mm"},
     CampaignKey{"part", "diameter_sd_mm", "0.005", "earlier name of diameter_mm_sd", "diameter_mm"},
@@ -65,6 +69,9 @@ constexpr std::array kKeys = {
                 "how you know it, where the file states the rate of playback", "frame_rate_hz"},
     CampaignKey{"camera", "frame_rate_hz_sd", "0.01", "", "frame_rate_hz"},
     CampaignKey{"camera", "mm_per_px", "0.02", "leave out to scale by the part's diameter"},
+    CampaignKey{"camera", "tag_mm", "8.0",
+                "side of the tag's black square, where `marker` is one: sets the scale"},
+    CampaignKey{"camera", "tag_mm_sd", "0.02", "as printed", "tag_mm"},
     CampaignKey{"camera", "mm_per_px_sd", "0.00002", "", "mm_per_px"},
     CampaignKey{"camera", "calibration", "\"calibration.json\"",
                 "by `tribotrack calibrate`, instead of mm_per_px"},
@@ -87,7 +94,7 @@ constexpr std::array kKeys = {
                 "a mark fixed to the platform; leave out where there is none"},
     CampaignKey{"camera", "marker", "\"texture\"",
                 "without marker_px: by the platform's own texture (as by itself where that moves); \"auto\": "
-                "a round mark, else texture; \"none\""},
+                "a round mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag mark"},
     CampaignKey{"camera", "gate_px", "[30, 30, 6]",
                 "a lamp that is lit while the actuator is on: phi and dtau are measured from it"},
 
@@ -144,8 +151,14 @@ constexpr std::array kKeys = {
     CampaignKey{"run", "track_mark", "\"mass B\"", "where it differs from [data]", "track"},
     CampaignKey{"run", "name", "\"first\"", "of its results; else the recording's"},
     CampaignKey{
-        "run", "kind", "\"pulses\"",
-        "\"free_slide\": set sliding by hand on the platform at rest; gives mu1 by itself (film several)"},
+        "run", "kind", "\"free_slide\"",
+        "set sliding by hand on the platform at rest; gives mu1 by itself (film several). Else \"pulses\""},
+    CampaignKey{"run", "slope_rad", "\"20deg\"",
+                "of a free slide on an incline: > 0 slides down, < 0 is pushed up; mu1 = tan(slope) - a/(g "
+                "cos(slope))",
+                "kind"},
+    CampaignKey{"run", "slope_rad_sd", "0.002", "the same for all inclines of the campaign",
+                "kind, slope_rad"},
     CampaignKey{"run", "phi_rad", "\"45deg\"", "commanded phase of the pulse"},
     CampaignKey{"run", "phi_rad_sd", "0.005", "of this run alone", "phi_rad"},
     CampaignKey{"run", "dtau_rad", "\"pi/3\"", "commanded width of the pulse"},
@@ -166,6 +179,10 @@ constexpr std::array kKeys = {
     CampaignKey{"run", "mm_per_px_sd", "0.00002", "", "mm_per_px"},
     CampaignKey{"run", "disc_px", "[640, 400, 150]", "where it differs from [camera]"},
     CampaignKey{"run", "template_px", "[100, 40, 41, 41]", "where it differs from [camera]", "mm_per_px"},
+    CampaignKey{"run", "part", "\"disc\"", "which of several [[part]] this run shows"},
+    CampaignKey{
+        "run", "parts", "{ disc = [640, 400, 150] }",
+        "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},
     CampaignKey{"run", "marker_px", "[200, 180, 24]", "where it differs from [camera]"},
     CampaignKey{"run", "scope", "\"phi000_dtau060.csv\"",
                 "oscilloscope trace: phi and dtau are measured from it"},

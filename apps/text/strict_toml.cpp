@@ -334,6 +334,11 @@ bool StrictTable::is_list(std::string_view key) const {
   return node != nullptr && node->is_array();
 }
 
+std::size_t StrictTable::count(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  return node != nullptr && node->is_array() ? node->as_array()->size() : 0;
+}
+
 std::vector<std::string> StrictTable::keys() const {
   std::vector<std::string> names;
   for (auto&& [name, value] : *node_->table) names.emplace_back(name.str());

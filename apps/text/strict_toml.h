@@ -54,6 +54,7 @@ class StrictTable {
   bool has(std::string_view key) const;
   bool is_table(std::string_view key) const;
   bool is_list(std::string_view key) const;
+  std::size_t count(std::string_view key) const;  ///< of a list's entries; 0 where it is none
   std::vector<std::string> keys() const;
   /// An error at a key (or at the table itself when the key is not there).
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;

@@ -93,7 +93,7 @@ bool GrowingCampaign::has_changed() const {
 
 Campaign GrowingCampaign::read(const std::vector<fs::path>& unfinished) {
   read_at_ = fs::last_write_time(file_);
-  Campaign campaign = read_campaign(file_, Runs::may_be_missing);
+  Campaign campaign = campaign_of_part(read_campaign(file_, Runs::may_be_missing), "");
   awaited_.clear();
   std::erase_if(campaign.runs, [&](const CampaignRun& run) {
     if (!run.video) return false;

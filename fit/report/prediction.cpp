@@ -42,6 +42,7 @@ std::vector<Link> links(const model::Scenario& s, FitParameter parameter, double
     case FitParameter::tilt_y:
       return {{model::Parameter::tilt_y, 1}};
     case FitParameter::scale:
+    case FitParameter::slope:
       return {};
   }
   return {};

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 #include "fit/report/fill_result.h"
 #include "fit/tools/statistics.h"
@@ -91,12 +92,16 @@ void fill_nuisances(const Residuals& residuals, const Eigen::VectorXd& values, s
   nuisance["end_time_s"] = run.track.time[points.row.back()];
 }
 
-/// Of a slide, s from its start.
+/// Of a slide, s from its start; infinite where it gains speed.
 double stop_time(model::Scenario slide) {
-  const double speed = slide.initial_velocity.norm() + std::abs(slide.spin.rate) * slide.spin.radius;
-  slide.duration = 2 * speed / (slide.friction.nominal * slide.drive.gravity);
-  if (slide.spin.rate == 0 || !std::isfinite(slide.duration))
-    return slide.initial_velocity.norm() / (slide.friction.nominal * slide.drive.gravity);
+  const double velocity = slide.initial_velocity.norm();
+  const Eigen::Vector2d pull =
+      slide.drive.gravity * Eigen::Vector2d(std::sin(slide.drive.tilt_x), std::sin(slide.drive.tilt_y));
+  const double along = velocity > 0 ? pull.dot(slide.initial_velocity) / velocity : pull.norm();
+  const double deceleration = slide.friction.nominal * slide.drive.gravity - along;
+  if (!(deceleration > 0)) return std::numeric_limits<double>::infinity();
+  slide.duration = 2 * (velocity + std::abs(slide.spin.rate) * slide.spin.radius) / deceleration;
+  if (slide.spin.rate == 0 || !std::isfinite(slide.duration)) return velocity / deceleration;
   const model::Trajectory run = model::integrate(slide, {.tolerance = 1e-9, .derivatives = {}});
   return run.end_time() - run.summary().stick_time;
 }

@@ -7,7 +7,6 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kHalfWindow = 3;
 constexpr std::size_t kFewest = 8;
 
 /// Slope of a straight line through the points [first, last).
@@ -26,7 +25,48 @@ Eigen::Vector2d slope(const TrackTable& track, std::size_t first, std::size_t la
   return product / square;
 }
 
+/// Slope of a straight line through speeds over times.
+double line_slope(const std::vector<double>& times, const std::vector<double>& speeds) {
+  double mean_time = 0, mean_speed = 0, square = 0, product = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    mean_time += times[i] / static_cast<double>(times.size());
+    mean_speed += speeds[i] / static_cast<double>(times.size());
+  }
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    square += (times[i] - mean_time) * (times[i] - mean_time);
+    product += (times[i] - mean_time) * (speeds[i] - mean_speed);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+/// Deceleration of a part of mu = 0, and that of mu = 1 beyond it.
+struct Braking {
+  double by_slope, by_friction;
+};
+Braking braking(const TrajectoryRun& run) {
+  const double gravity = run.scenario.drive.gravity;
+  return {-gravity * std::sin(run.slope), gravity * std::cos(run.slope)};
+}
+
 }  // namespace
+
+std::vector<double> smoothed_speeds(const TrackTable& track) {
+  std::vector<double> speeds;
+  for (std::size_t i = kSpeedWindow; i + kSpeedWindow < track.time.size(); ++i)
+    speeds.push_back(slope(track, i - kSpeedWindow, i + kSpeedWindow + 1).norm());
+  return speeds;
+}
+
+Motion find_motion(const std::vector<double>& speeds) {
+  Motion motion;
+  if (speeds.empty()) return motion;
+  motion.fastest = static_cast<std::size_t>(std::max_element(speeds.begin(), speeds.end()) - speeds.begin());
+  const double slow = kStillSlow * speeds[motion.fastest];
+  motion.first = motion.last = motion.fastest;
+  while (motion.first > 0 && speeds[motion.first - 1] >= slow) --motion.first;
+  while (motion.last + 1 < speeds.size() && speeds[motion.last + 1] >= slow) ++motion.last;
+  return motion;
+}
 
 FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
   const TrackTable& track = run.track;
@@ -38,53 +78,43 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
     refuse("only " + std::to_string(n) + " tracked points; at least " + std::to_string(kFewest) +
            " are needed: check frames and the track's lost rows.");
 
-  std::size_t fastest = kHalfWindow;
-  double top = -1;
-  for (std::size_t i = kHalfWindow; i + kHalfWindow < n; ++i) {
-    const double speed = slope(track, i - kHalfWindow, i + kHalfWindow + 1).norm();
-    if (speed > top) {
-      top = speed;
-      fastest = i;
-    }
-  }
+  const std::vector<double> speed = smoothed_speeds(track);
+  const Motion motion = find_motion(speed);
+  const std::size_t place = motion.fastest, fastest = place + kSpeedWindow;
+  const double top = speed[place];
+  if (!(top > 0)) refuse("the part does not move.");
   FreeSlideGuess guess;
-  guess.first = fastest == kHalfWindow ? 0 : fastest;
   guess.last = n;
+  const bool gains_speed = run.slope != 0 && motion.gains_speed();
+  guess.first = place == 0 || gains_speed ? 0 : fastest;
   // The frame of the strike itself lies between rest and sliding: its step is short.
   const auto step_speed = [&](std::size_t i) {
     return (track.position[i + 1] - track.position[i]).norm() / (track.time[i + 1] - track.time[i]);
   };
-  while (guess.first < fastest && step_speed(guess.first) < 0.9 * top) ++guess.first;
+  while (!gains_speed && guess.first < fastest && step_speed(guess.first) < 0.9 * top) ++guess.first;
   if (guess.last - guess.first < kFewest)
-    refuse("the part is fastest at the end of the track, so no free sliding was seen: analyse later frames.");
-  if (!(top > 0)) refuse("the part does not move.");
+    refuse(
+        "the part is fastest at the end of the track, so no free sliding was seen: analyse later frames, or "
+        "give slope_rad if it slides down an incline.");
 
   // Until the speed has fallen to a tenth: a straight line for the speed gives mu.
   std::vector<double> times, speeds;
-  for (std::size_t i = guess.first + kHalfWindow; i + kHalfWindow < n; ++i) {
-    const double speed = slope(track, i - kHalfWindow, i + kHalfWindow + 1).norm();
-    if (speed < 0.1 * top && times.size() >= 2) break;
+  for (std::size_t i = guess.first + kSpeedWindow; i + kSpeedWindow < n; ++i) {
+    const double here = speed[i - kSpeedWindow];
+    if (!gains_speed && here < 0.1 * top && times.size() >= 2) break;
     times.push_back(track.time[i]);
-    speeds.push_back(speed);
+    speeds.push_back(here);
   }
-  double mean_time = 0, mean_speed = 0, square = 0, product = 0;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    mean_time += times[i] / static_cast<double>(times.size());
-    mean_speed += speeds[i] / static_cast<double>(times.size());
-  }
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    square += (times[i] - mean_time) * (times[i] - mean_time);
-    product += (times[i] - mean_time) * (speeds[i] - mean_speed);
-  }
-  const double deceleration = square > 0 ? -product / square : 0;
-  const double gravity = run.scenario.drive.gravity;
-  guess.mu = deceleration > 0 ? deceleration / gravity : 0.01 * top * top / gravity;
+  const Braking by = braking(run);
+  guess.mu = (-line_slope(times, speeds) - by.by_slope) / by.by_friction;
+  if (!(guess.mu > 0)) guess.mu = 0.01 * top * top / by.by_friction;
   guess.mu = std::max(guess.mu, 1e-4);
-  const std::size_t window_end = std::min(n, guess.first + 2 * kHalfWindow + 1);
+  const std::size_t window_end = std::min(n, guess.first + 2 * kSpeedWindow + 1);
   const Eigen::Vector2d early = slope(track, guess.first, window_end);
   const double middle = 0.5 * (track.time[window_end - 1] - track.time[guess.first]);
-  const double speed = early.norm() + guess.mu * gravity * middle;
-  guess.velocity = early.norm() > 0 ? Eigen::Vector2d(early.normalized() * speed) : early;
+  const double first_speed = early.norm() + (by.by_slope + guess.mu * by.by_friction) * middle;
+  guess.velocity =
+      early.norm() > 0 ? Eigen::Vector2d(early.normalized() * std::max(first_speed, 0.0)) : early;
   return guess;
 }
 

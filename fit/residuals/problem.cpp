@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 namespace tribotrack::fit {
@@ -42,6 +43,9 @@ void check_run(const SummaryRun& run) {
         "above 0.");
 }
 
+/// Beyond it tan(slope) > 1.
+constexpr double kSteepest = std::numbers::pi / 4;
+
 void check_run(const TrajectoryRun& run) {
   run.scenario.validate();
   if (!(run.start_phase_sd >= 0) || !std::isfinite(run.start_phase_sd))
@@ -55,6 +59,10 @@ void check_run(const TrajectoryRun& run) {
                    Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))
     throw DataError("Run '" + run.name +
                     "': a spin belongs to a free slide, with its covariance and the part's radius.");
+  if (run.slope != 0 && !run.free_slide)
+    throw DataError("Run '" + run.name + "': a slope belongs to a free slide.");
+  if (!(std::abs(run.slope) <= kSteepest))
+    throw DataError("Run '" + run.name + "': its slope must lie within pi/4.");
   const auto& track = run.track;
   if (track.angle.size() != track.angle_sigma.size() ||
       (!track.angle.empty() && track.angle.size() != track.time.size()))
@@ -105,6 +113,8 @@ const char* to_string(FitParameter parameter) {
       return "phase_reference_rad";
     case FitParameter::gravity:
       return "gravity_m_s2";
+    case FitParameter::slope:
+      return "slope_rad";
   }
   return "?";
 }

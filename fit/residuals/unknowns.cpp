@@ -25,6 +25,8 @@ Transform transform_of(FitParameter parameter, double w, double threshold) {
     case FitParameter::phase_shift:
     case FitParameter::phase_reference:
       return {Kind::linear, 1};
+    case FitParameter::slope:
+      return {Kind::linear, 0.01};
     case FitParameter::delay:
       return {Kind::linear, 1 / w};
     case FitParameter::tilt_x:
@@ -54,6 +56,15 @@ class Chain {
   AppliedScenario& applied_;
   Eigen::Index unknowns_;
 };
+
+/// A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
+/// pulled with g sin(theta) = g cos(theta) tan(theta) downhill.
+void lay_on_incline(double theta, const Eigen::Vector2d& downhill, AppliedScenario& applied) {
+  model::Drive& drive = applied.scenario.drive;
+  drive.gravity *= std::cos(theta);
+  drive.tilt_x = std::asin(std::tan(theta) * downhill.x());
+  drive.tilt_y = std::asin(std::tan(theta) * downhill.y());
+}
 
 }  // namespace
 
@@ -151,6 +162,7 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
         break;
       case FitParameter::phase_shift:
       case FitParameter::phase_reference:
+      case FitParameter::slope:
         units(i) = 1;
         break;
       case FitParameter::mu2:
@@ -329,6 +341,29 @@ AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::s
   return result;
 }
 
+void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
+                           AppliedScenario& applied) const {
+  const double theta = std::abs(slide.slope) + value_of(FitParameter::slope, values);
+  const double gravity = applied.scenario.drive.gravity;
+  lay_on_incline(theta, slide.downhill, applied);
+  if (!derivatives) return;
+  // The plane's own slope stands for the platform's tilt.
+  const auto rows_of = [&](model::Parameter parameter, double factor) {
+    const auto place = std::find(applied.wanted.begin(), applied.wanted.end(), parameter);
+    if (place != applied.wanted.end()) applied.chain.row(place - applied.wanted.begin()) *= factor;
+  };
+  rows_of(model::Parameter::gravity, std::cos(theta));
+  rows_of(model::Parameter::tilt_x, 0);
+  rows_of(model::Parameter::tilt_y, 0);
+  Chain chain(applied, size());
+  const auto unknown = find(FitParameter::slope);
+  const double steeper = 1 / (std::cos(theta) * std::cos(theta));  // d tan(theta) / d theta
+  const model::Drive& drive = applied.scenario.drive;
+  chain.add(model::Parameter::gravity, unknown, -gravity * std::sin(theta));
+  chain.add(model::Parameter::tilt_x, unknown, steeper * slide.downhill.x() / std::cos(drive.tilt_x));
+  chain.add(model::Parameter::tilt_y, unknown, steeper * slide.downhill.y() / std::cos(drive.tilt_y));
+}
+
 AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::size_t run,
                                            bool derivatives) const {
   const TrajectoryRun& slide = problem_->trajectory_runs[run];
@@ -337,6 +372,7 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   base.friction.pulse_width = 0;
   base.start = model::Start::rest;
   AppliedScenario result = apply(values, base, false, derivatives);
+  if (slide.slope != 0) apply_slope(values, slide, derivatives, result);
   const Eigen::Index v = velocity_[run];
   result.scenario.initial_velocity = values.segment<2>(v);
   const Eigen::Index spin = spin_[run], deviation = deviation_[run];

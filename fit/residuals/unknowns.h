@@ -88,6 +88,10 @@ class Unknowns {
   const Problem& problem() const { return *problem_; }
 
  private:
+  /// The scenario of a slide, chain and all, from a level platform to the slide's incline.
+  void apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
+                   AppliedScenario& applied) const;
+
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;

@@ -19,6 +19,9 @@ std::string pm(const Estimate& estimate, double unit = 1) {
 }
 
 std::string spin_text(const SlideResult& slide) {
+  if (slide.slope != 0)
+    return fmt::format("{} an incline of {} rad.", slide.slope > 0 ? "Down" : "Up",
+                       number(std::abs(slide.slope), 4));
   if (!slide.spin_seen)
     return fmt::format(
         "Spin was not seen: fitted without; a rim speed of half the slide's would make mu1 {} % larger.",
@@ -41,6 +44,18 @@ std::string blows_text(const SlideResult& slide) {
       slide.run, list, slide.first_frame, slide.last_frame);
 }
 
+/// Empty where the residuals hang together as the track tells.
+std::string slow_text(const SlideResult& slide) {
+  if (!slide.shown_slow) return "";
+  return fmt::format(
+      "Slide '{}': neighbouring points err alike, by {} mm for {} s, more than the track tells (a lossy "
+      "coder, "
+      "the lens, a camera that was not still, a deceleration that is not constant): its errors were taken "
+      "from "
+      "the residuals.",
+      slide.run, number(1e3 * slide.shown_slow->sd, 2), number(slide.shown_slow->time, 2));
+}
+
 /// Empty where the slide knows its mu1.
 std::string loose_text(const SlideResult& slide) {
   if (slide.mu1.sd < kLoose * slide.mu1.value) return "";
@@ -55,7 +70,7 @@ std::string unseen_spins(const FitResult& result) {
   std::size_t count = 0;
   double change = 0;
   for (const SlideResult& slide : result.slides)
-    if (!slide.spin_seen) {
+    if (!slide.spin_seen && slide.slope == 0) {
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", slide.run);
       change = std::max(change, slide.change_by_half_spin);
       ++count;
@@ -94,9 +109,9 @@ void describe_slides(const BetweenSlides* between, FitResult& result) {
     slide.sentence =
         fmt::format("mu1 = {}, chi2 {} at {} degrees of freedom (p = {}). {}", pm(slide.mu1),
                     number(slide.chi2, 3), slide.dof, number(slide.p_value, 2), spin_text(slide));
-    if (!slide.spin_seen && slide.p_value < kSurprise)
+    if (!slide.spin_seen && slide.slope == 0 && slide.p_value < kSurprise)
       slide.sentence.append(" Its deceleration is not constant; that of a spinning part is not.");
-    for (const std::string& finding : {blows_text(slide), loose_text(slide)}) {
+    for (const std::string& finding : {blows_text(slide), slow_text(slide), loose_text(slide)}) {
       if (finding.empty()) continue;
       result.warnings.push_back(finding);
       slide.sentence.append(1, ' ').append(finding);

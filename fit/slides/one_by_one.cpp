@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 
+#include "fit/slides/shown_errors.h"
 #include "fit/slides/slide_spin.h"
 #include "fit/tools/parallel.h"
 #include "fit/tools/thresholds.h"
@@ -85,6 +86,13 @@ void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
   slide.spin_ratio = {run.nuisance.at("spin_ratio"), per_rate * slide.spin.sd};
 }
 
+SlideResiduals residuals_of(const FitResult& fit) {
+  const auto& slide = fit.runs.front().slide;
+  SlideResiduals residuals{slide.time, slide.measured};
+  for (std::size_t k = 0; k < residuals.value.size(); ++k) residuals.value[k] -= slide.modelled[k];
+  return residuals;
+}
+
 }  // namespace
 
 void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
@@ -103,6 +111,11 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
       runs[i]->track.slow.clear();
       alone.trajectory_runs.front().track.slow.clear();
       fit = fit_with_spin(alone, fit_alone);
+    } else if (const auto shown = shown_errors(runs[i]->track, residuals_of(fit))) {
+      take_errors(*shown, runs[i]->track);
+      take_errors(*shown, alone.trajectory_runs.front().track);
+      slides[i].shown_slow = shown->slow;
+      fit = fit_with_spin(alone, fit_alone);
     }
     runs[i]->spin = alone.trajectory_runs.front().spin;
     if (runs[i]->spin)
@@ -114,7 +127,7 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
         onset != fit.runs.front().nuisance.end())
       slides[i].first_frame = static_cast<std::int64_t>(onset->second);
     if (!frame.empty()) slides[i].last_frame = frame.back();
-    if (!slides[i].spin_seen)
+    if (!slides[i].spin_seen && runs[i]->slope == 0)
       slides[i].change_by_half_spin = change_by_half_spin(alone, slides[i], fit_alone);
   });
 }

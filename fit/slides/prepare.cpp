@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "fit/slides/blows.h"
+#include "fit/slides/incline.h"
 #include "fit/slides/slide_spin.h"
 
 namespace tribotrack::fit::internal {
@@ -48,6 +49,7 @@ std::vector<SlideResult> prepare_slides(Problem& problem) {
     if (!run.free_slide) continue;
     SlideResult slide;
     slide.run = run.name;
+    slide.slope = run.slope;
     const std::vector<FoundBlow> found = find_blows(run.track);
     const Stretch stretch = longest_clean_stretch(run.track, found);
     for (const FoundBlow& blow : found) {
@@ -56,7 +58,12 @@ std::vector<SlideResult> prepare_slides(Problem& problem) {
       if (!starts_it) slide.blows.push_back(blow_of(run.track, blow));
     }
     cut(run.track, stretch);
-    if (!run.spin) run.spin = first_slide_spin(run);
+    if (run.slope != 0) {
+      cut(run.track, sliding_stretch(run.track));
+      if (run.downhill.isZero()) run.downhill = downhill_of(run);
+    } else if (!run.spin) {
+      run.spin = first_slide_spin(run);
+    }
     slide.spin_seen = run.spin.has_value();
     slides.push_back(slide);
   }

@@ -22,7 +22,7 @@ std::string change_text(FitParameter parameter, double change, double value) {
     return to_string(parameter) + direction + number(100 * size / std::abs(value), 2) + " %";
   const std::string text = to_string(parameter) + direction + number(size * display_factor(parameter), 2);
   const bool angle = parameter == FitParameter::lag || parameter == FitParameter::tilt_x ||
-                     parameter == FitParameter::tilt_y;
+                     parameter == FitParameter::tilt_y || parameter == FitParameter::slope;
   return angle ? text + " (" + number(size * 180 / std::numbers::pi, 2) + " deg)" : text;
 }
 

@@ -42,6 +42,8 @@ std::string source_name(FitParameter quantity) {
       return "tilt along x";
     case FitParameter::tilt_y:
       return "tilt along y";
+    case FitParameter::slope:
+      return "incline's slope";
     default:
       return std::string("prior of ") + to_string(quantity);
   }
@@ -55,6 +57,7 @@ double assumed_error(FitParameter quantity, double value) {
       return 0.01;
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
+    case FitParameter::slope:
       return 1e-3;
     default:
       return 0.01 * std::abs(value);
@@ -91,7 +94,7 @@ class Sources {
     for (const FitParameter quantity :
          {FitParameter::amplitude, FitParameter::amplitude_ratio, FitParameter::angular_frequency,
           FitParameter::phase_shift, FitParameter::phase_reference, FitParameter::scale,
-          FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y}) {
+          FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y, FitParameter::slope}) {
       if (unknowns_.find(quantity) || problem_.fixed.count(quantity)) continue;
       exact.push_back(quantity);
       all.conditions.push_back({quantity, 1, ""});

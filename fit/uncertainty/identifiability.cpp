@@ -236,6 +236,7 @@ double range(const Unknowns& unknowns, FitParameter parameter, const Eigen::Vect
     case FitParameter::mu2:
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
+    case FitParameter::slope:
       return mu1;
     case FitParameter::lag:
       return 1;

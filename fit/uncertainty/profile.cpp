@@ -26,6 +26,7 @@ Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) 
               value + std::numbers::pi / unknowns.reference_frequency()};
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
+    case FitParameter::slope:
       return {value - 0.5, value + 0.5};
     default:
       return {0.1 * value, 10 * value};

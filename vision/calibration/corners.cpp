@@ -9,40 +9,13 @@
 #include <utility>
 
 #include "vision/calibration/corner_fit.h"
+#include "vision/tags/dictionary.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr std::size_t kFewestCorners = 8;
 constexpr double kShareOfSquare = 0.35;  ///< of its side that a corner's window reaches
-
-/// 8 bits, the darkest and the brightest percent at the ends: detection wants them, accuracy does not suffer.
-cv::Mat to_8_bit(const Picture& picture) {
-  const cv::Mat levels(picture.height(), picture.width(), CV_32F,
-                       const_cast<float*>(picture.levels().data()));
-  std::vector<float> sorted(picture.levels().begin(), picture.levels().end());
-  const auto rank = [&](double share) {
-    const auto at =
-        sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), at, sorted.end());
-    return static_cast<double>(*at);
-  };
-  const double low = rank(0.01);
-  const double high = std::max(low + 1, rank(0.99));
-  cv::Mat out;
-  levels.convertTo(out, CV_8U, 240 / (high - low), 8 - 240 * low / (high - low));
-  return out;
-}
-
-int dictionary_of(const std::string& name) {
-  static const std::array<const char*, 16> names = {
-      "4x4_50", "4x4_100", "4x4_250", "4x4_1000", "5x5_50", "5x5_100", "5x5_250", "5x5_1000",
-      "6x6_50", "6x6_100", "6x6_250", "6x6_1000", "7x7_50", "7x7_100", "7x7_250", "7x7_1000"};
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw std::invalid_argument("dictionary must be one of 4x4_50, 4x4_100, ... 7x7_1000, not " + name);
-  return static_cast<int>(found - names.begin());
-}
 
 /// OpenCV's refinement (gradients all point to the corner: Foerstner and Guelch 1987) brings the corner to a
 /// tenth of a pixel or better, the fit of its edges in the picture at its full depth to the noise's limit.
@@ -78,7 +51,7 @@ BoardView find_checkerboard(const CalibrationBoard& board, const Picture& levels
 }
 
 BoardView find_charuco(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_of(board.dictionary));
+  const auto dictionary = tag_dictionary(board.dictionary);
   const auto pattern =
       cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
                                       static_cast<float>(board.marker_mm), dictionary);
@@ -106,7 +79,7 @@ void CalibrationBoard::validate() const {
   if (kind == Kind::charuco) {
     if (!(marker_mm > 0 && marker_mm < square_mm))
       throw std::invalid_argument("marker_mm must be greater than 0 and less than square_mm");
-    dictionary_of(dictionary);
+    tag_dictionary(dictionary);
   }
 }
 

@@ -23,6 +23,13 @@ Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd
           "part's diameter"};
 }
 
+Scale scale_from_tag(double side_mm, const SeenTag& tag, double side_sd_mm) {
+  if (!(side_mm > 0) || !(tag.side_px > 0))
+    throw std::invalid_argument("the tag's side must be greater than 0");
+  const double mm_per_px = side_mm / tag.side_px;
+  return {mm_per_px, mm_per_px * std::hypot(tag.side_sd_px / tag.side_px, side_sd_mm / side_mm), "tag"};
+}
+
 Scale given_scale(double mm_per_px, double sd) {
   if (!(mm_per_px > 0)) throw std::invalid_argument("mm_per_px must be greater than 0");
   if (!(sd >= 0)) throw std::invalid_argument("mm_per_px_sd must not be negative");

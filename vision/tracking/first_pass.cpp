@@ -192,6 +192,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   summary.disc_blur = setup_.disc_blur;
   summary.disc_radius_sd = setup_.disc_radius_sd;
   summary.marker = marker_.circle;
+  summary.tag = marker_.tag;
   summary.noise_levels = std::sqrt(noise_variance_);
   summary.limit_px = setup_.limit_px;
   summary.gate_pixels = lamp_ ? lamp_->pixels() : 0;

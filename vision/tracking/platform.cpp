@@ -1,9 +1,13 @@
 #include "vision/tracking/platform.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "vision/platform_motion/motion.h"
+#include "vision/tags/tags.h"
 #include "vision/tracking/notes.h"
 #include "vision/tracking/setup.h"
 
@@ -25,6 +29,31 @@ std::optional<Circle> found_marker(const Picture& first, const TrackOptions& opt
   leave_out_lamp(found, options);
   if (found.empty()) return std::nullopt;
   return found.front().circle;
+}
+
+/// The tag asked for, and the circle within its black square.
+std::pair<SeenTag, Circle> tag_in(const Picture& first, const MarkerChoice& asked,
+                                  const FrameSource& source) {
+  const std::vector<Tag> all = find_tags(first, asked.dictionary);
+  std::string seen;
+  for (const Tag& tag : all) seen += fmt::format("{}{}", seen.empty() ? "" : ", ", tag.id);
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    return InputError(fmt::format("{}: {} in the first analysed frame{}; {}", source.info().path.string(),
+                                  what, seen.empty() ? "" : fmt::format(" (numbers seen: {})", seen),
+                                  remedy));
+  };
+  const auto found = asked.id ? std::ranges::find(all, *asked.id, &Tag::id) : all.begin();
+  if (found == all.end())
+    throw refuse(
+        asked.id ? fmt::format("no tag {}:{} is seen", asked.dictionary, *asked.id)
+                 : fmt::format("no tag of the family {} is seen", asked.dictionary),
+        "it must be whole, with a white margin, and its cells 4 px or larger; another family has another "
+        "name");
+  if (!asked.id && all.size() > 1)
+    throw refuse(fmt::format("{} tags of the family {} are seen", all.size(), asked.dictionary),
+                 fmt::format("say which is the mark: {}:{}", asked.dictionary, found->id));
+  return {{asked.dictionary, found->id, found->side_px, found->side_sd_px},
+          {found->centre.x, found->centre.y, 0.5 * found->side_px}};
 }
 
 /// Where the part was seen, and between and beyond that where it was last seen, or is first.
@@ -88,6 +117,9 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
       setup.circle = rim ? rim->circle : options.marker.circle;
       break;
     }
+    case MarkerChoice::Kind::tag:
+      std::tie(setup.tag, setup.circle) = tag_in(first, options.marker, source);
+      break;
     case MarkerChoice::Kind::find:
       const auto found = found_marker(first, options, part);
       if (!found) return setup;

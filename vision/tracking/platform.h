@@ -13,6 +13,7 @@ namespace tribotrack::vision {
 struct MarkerSetup {
   std::optional<PatternFollower> follower;  ///< empty: no mark, or the ground is to be used
   Circle circle;
+  std::optional<SeenTag> tag;  ///< where that is the mark
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
 };

@@ -139,6 +139,7 @@ def track(
     mm_per_px: Optional[float] = None,
     disc_diameter_mm: Optional[float] = None,
     calibration: Optional[Path] = None,
+    tag_mm: Optional[float] = None,
     height_mm: Optional[float] = None,
     working_distance_mm: Optional[float] = None,
     disc: Optional[Circle] = None,
@@ -163,10 +164,11 @@ def track(
             (frames, height, width), uint8 or uint16, which is read where it lies (any strides, read-only too) and must
             not change meanwhile.
         fps: frames per second; an array always needs it. fps_reason: how you know.
-        mm_per_px, disc_diameter_mm, calibration: the scale, by one of them; without it positions are in pixels only.
+        mm_per_px, disc_diameter_mm, calibration, tag_mm (side of the tag that is the marker): the scale, by one of
+            them; without it positions are in pixels only.
         height_mm, working_distance_mm: of the part's top and the lens above the platform, for the parallax.
         disc: (x, y, radius) of the part in the first frame, px; template: (x, y, width, height) in its place.
-        marker: (x, y, radius) of a mark on the platform, "auto", "texture" or "none".
+        marker: (x, y, radius) of a mark on the platform, "auto", "texture", "none" or a tag, "tag:apriltag_36h11:3".
         gate: (x, y, radius) of a lamp that is lit while the actuator is on.
         frames: (first, last) by the recording's own numbers, both included; either may be None.
         xi_axis_rad: direction of the platform's displacement at phase 0 in the picture.

@@ -185,6 +185,7 @@ struct ReportSlideResult {
   std::int64_t first_frame = 0, last_frame = 0;
   bool spin_seen = false;
   double spin_rad_s = no_value, spin_rad_s_sd = no_value, spin_ratio = no_value, spin_ratio_sd = no_value;
+  double slope_rad = 0;                   ///< of its incline; 0: level
   double change_by_half_spin = no_value;  ///< of mu1, relative; where no spin was seen
   std::vector<std::int64_t> blow_frames = {};
   std::string sentence = {};

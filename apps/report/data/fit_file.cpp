@@ -131,6 +131,7 @@ void read_slides(const JsonPlace& fit, ReportData& data) {
                             .spin_rad_s_sd = number_at(s, "spin_rad_s_sd"),
                             .spin_ratio = number_at(s, "spin_ratio"),
                             .spin_ratio_sd = number_at(s, "spin_ratio_sd"),
+                            .slope_rad = s.number("slope_rad", 0),
                             .change_by_half_spin = number_at(s, "mu1_change_by_half_spin"),
                             .blow_frames = {},
                             .sentence = s.text("sentence")};

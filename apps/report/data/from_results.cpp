@@ -111,6 +111,7 @@ void add_slide_results(const fit::FitResult& fit, ReportData& data) {
       take(s.spin, slide.spin_rad_s, slide.spin_rad_s_sd);
       take(s.spin_ratio, slide.spin_ratio, slide.spin_ratio_sd);
     } else {
+      slide.slope_rad = s.slope;
       slide.change_by_half_spin = finite(s.change_by_half_spin);
     }
     for (const fit::Blow& blow : s.blows) slide.blow_frames.push_back(blow.frame);

@@ -21,7 +21,8 @@ std::string slide_row(const ReportSlideResult& s) {
   std::string html = "<tr><th>" + escape_html(s.name) + "</th>";
   html += number_cell(quoted_value(s.mu1, s.mu1_sd));
   html += number_cell(interval_text(s.ci95.low, s.ci95.high, s.mu1_sd));
-  html += number_cell(s.spin_seen
+  html += number_cell(s.slope_rad != 0 ? fmt::format("incline of {} rad", number(std::abs(s.slope_rad), 3))
+                      : s.spin_seen
                           ? quoted_value(s.spin_ratio, s.spin_ratio_sd)
                           : fmt::format("not seen (half: +{} %)", number(100 * s.change_by_half_spin, 2)));
   html += number_cell(fmt::format("{} / {}", number(s.chi2, 3), s.dof));

@@ -191,5 +191,79 @@ TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
               HasSubstr("are the same knowledge"));
 }
 
+TEST_F(CampaignTest, AnInclineIsAFreeSlides) {
+  const std::string camera = "[camera]\nmm_per_px = 0.1\n";
+  const Campaign c = read(camera +
+                          "[[run]]\nvideo = \"a.mp4\"\nkind = \"free_slide\"\nslope_rad = \"-20deg\"\n"
+                          "slope_rad_sd = 0.002\n");
+  EXPECT_NEAR(*c.runs[0].slope, -20 * std::numbers::pi / 180, 1e-12);
+  EXPECT_EQ(*c.runs[0].slope_sd, 0.002);
+  EXPECT_THAT(complaint(camera + "[[run]]\nvideo = \"a.mp4\"\nphi_rad = 0\ndtau_rad = 1\nslope_rad = 0.3\n"),
+              HasSubstr("free_slide"));
+  EXPECT_THAT(complaint(camera + "[[run]]\nvideo = \"a.mp4\"\nkind = \"free_slide\"\nslope_rad = 30\n"),
+              HasSubstr("30deg"));
+}
+
+const std::string kTwoParts =
+    "[camera]\nmm_per_px = 0.1\n[[part]]\nname = \"silver\"\n[[part]]\nname = \"steel\"\ndisc_px = [9, 8, "
+    "7]\n";
+
+TEST_F(CampaignTest, SeveralPartsHaveCampaignsOfTheirOwn) {
+  const Campaign c =
+      read(kTwoParts +
+           "[[run]]\nvideo = \"a.cine\"\nphi_rad = 0\ndtau_rad = 1\nparts = { silver = [1, 2, 3], steel = "
+           "[4, 5, 60, 70] }\n[[run]]\nvideo = \"b.cine\"\nphi_rad = 0\ndtau_rad = 2\npart = "
+           "\"steel\"\n");
+  const std::vector<Campaign> parts = campaigns_by_part(c);
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0].part.name, "silver");
+  ASSERT_EQ(parts[0].runs.size(), 1U);
+  EXPECT_EQ(parts[0].runs[0].disc_px->x, 1);
+  ASSERT_EQ(parts[1].runs.size(), 2U);
+  EXPECT_EQ(parts[1].runs[0].template_px->width, 60);
+  EXPECT_EQ(parts[1].runs[1].disc_px->radius, 7);
+  EXPECT_EQ(campaign_of_part(c, "steel").runs.size(), 2U);
+  EXPECT_THAT(complaint_of([&] { campaign_of_part(c, ""); }), HasSubstr("silver, steel"));
+  EXPECT_THAT(complaint_of([&] { campaign_of_part(c, "copper"); }), HasSubstr("silver, steel"));
+}
+
+TEST_F(CampaignTest, OnePartInAListIsThePart) {
+  const Campaign c = read("[[part]]\nname = \"disc\"\ndiameter_mm = 6\n" + kRun);
+  EXPECT_TRUE(c.parts.empty());
+  EXPECT_EQ(*c.part.diameter_mm, 6);
+}
+
+TEST_F(CampaignTest, MistakesAboutPartsAreNamed) {
+  const std::string run = "[[run]]\nvideo = \"a.cine\"\nphi_rad = 0\ndtau_rad = 1\n";
+  EXPECT_THAT(complaint(kTwoParts + run), HasSubstr("does not say where each part lies"));
+  EXPECT_THAT(complaint(kTwoParts + run + "parts = { copper = [1, 2, 3] }\n"), HasSubstr("silver, steel"));
+  EXPECT_THAT(complaint(kTwoParts + run + "part = \"steel\"\n"),
+              HasSubstr("no [[run]] shows the part \"silver\""));
+  EXPECT_THAT(complaint("[[part]]\ndiameter_mm = 6\n[[part]]\nname = \"b\"\n" + run),
+              HasSubstr("has a `name`"));
+  EXPECT_THAT(complaint("[[part]]\nname = \"b\"\n[[part]]\nname = \"b\"\n" + run), HasSubstr("taken"));
+  EXPECT_THAT(complaint("[[part]]\nname = \"a/b\"\n[[part]]\nname = \"b\"\n" + run), HasSubstr("folder"));
+  EXPECT_THAT(complaint(kTwoParts + run + "parts = { silver = [1, 2, 3] }\ndisc_px = [1, 2, 3]\n"),
+              HasSubstr("so does `disc_px`"));
+  EXPECT_THAT(complaint("[part]\ndiameter_mm = 6\n" + run + "part = \"x\"\n"),
+              HasSubstr("no [[part]] of that name"));
+}
+
+TEST_F(CampaignTest, ATagIsAMarkAndSetsTheScale) {
+  const std::string run = "[[run]]\nvideo = \"a.cine\"\nphi_rad = 0\ndtau_rad = 1\n";
+  const Campaign c =
+      read("[camera]\nmarker = \"tag:apriltag_36h11:3\"\ntag_mm = 8\ntag_mm_sd = 0.02\n" + run);
+  EXPECT_EQ(c.camera.marker.dictionary, "apriltag_36h11");
+  EXPECT_EQ(*c.camera.marker.id, 3);
+  EXPECT_EQ(*c.camera.tag_mm, 8);
+  const auto said = [&](const std::string& camera) { return complaint("[camera]\n" + camera + run); };
+  EXPECT_THAT(said("marker = \"tag:36h11\"\n"), HasSubstr("apriltag_36h11"));
+  EXPECT_THAT(said("marker = \"tag:4x4_50:x\"\n"), HasSubstr("whole number"));
+  EXPECT_THAT(said("marker = \"textur\"\n"), HasSubstr("texture"));
+  EXPECT_THAT(said("tag_mm = 8\n"), HasSubstr("say which"));
+  EXPECT_THAT(said("marker = \"tag:4x4_50\"\ntag_mm = 8\nmm_per_px = 0.1\n"), HasSubstr("leave one out"));
+  EXPECT_THAT(said("marker = \"tag:4x4_50\"\nmarker_px = [1, 2, 3]\n"), HasSubstr("two marks"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -1,0 +1,24 @@
+// [fit] and [scope] of a campaign.
+#pragma once
+
+#include "apps/files/campaign.h"
+#include "apps/text/strict_toml.h"
+
+namespace tribotrack::apps {
+
+/// What [fit] says of runs that do not say otherwise.
+struct FitDefaults {
+  model::Start start = model::Start::rest;
+  int cycles = 20;
+};
+
+int read_cycles(StrictTable& table, int fallback);
+model::Start read_start(StrictTable& table, model::Start fallback);
+FitSection read_fit(StrictTable& table, FitDefaults& defaults);
+ScopeSection read_scope(StrictTable& table);
+
+/// Of `start` in [fit] where a table of first guesses was meant.
+inline constexpr const char* kGuessHint =
+    "is a word, how the runs start; first guesses of parameters stand in the table [fit.guess]";
+
+}  // namespace tribotrack::apps

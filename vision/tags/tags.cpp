@@ -1,0 +1,158 @@
+#include "vision/tags/tags.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <opencv2/aruco.hpp>
+#include <optional>
+
+#include "vision/kernels/bspline.h"
+#include "vision/tags/dictionary.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kOfCell = 0.45;    ///< a crossing reaches so far to both sides, in cells of the tag
+constexpr double kFarthest = 6;     ///< px, and no farther
+constexpr double kNearest = 1.5;    ///< px; smaller cells show no black and no white
+constexpr double kStep = 0.25;      ///< px along a crossing
+constexpr double kEnds = 0.12;      ///< of a side left out at both of its ends: the corner's own blur
+constexpr int kRounds = 4;          ///< the crossings are laid about the line found before
+constexpr std::size_t kFewest = 4;  ///< crossings of a side
+
+/// p = foot + s along, for s of 0 to 1 from corner to corner; `out` points away from the tag.
+struct Side {
+  Eigen::Vector2d foot, along, out;
+};
+
+/// sum of n.p = c of the line through the crossings, and the sd of its place.
+struct Line {
+  Eigen::Vector2d foot, direction;
+  double sd = 0;
+};
+
+/// Where the edge lies on the crossing, from its middle outwards; nothing where black is not inside.
+std::optional<double> edge_on(const QuinticSpline& spline, const Picture& picture,
+                              const Eigen::Vector2d& middle, const Eigen::Vector2d& out, double reach) {
+  const int steps = static_cast<int>(std::lround(2 * reach / kStep));
+  const auto at = [&](int k) {
+    const Eigen::Vector2d p = middle + (k * 2 * reach / steps - reach) * out;
+    return spline.value(p.x(), p.y());
+  };
+  const Eigen::Vector2d inner = middle - reach * out, outer = middle + reach * out;
+  for (const Eigen::Vector2d& p : {inner, outer})
+    if (p.x() < 2 || p.y() < 2 || p.x() > picture.width() - 3 || p.y() > picture.height() - 3)
+      return std::nullopt;
+  const double black = at(0), white = at(steps);
+  if (!(white > black)) return std::nullopt;
+  double sum = 0.5 * (white - black);
+  for (int k = 1; k < steps; ++k) sum += at(k) - black;
+  return reach - 2 * reach / steps * sum / (white - black);
+}
+
+/// A line through the edge of one side.
+std::optional<Line> line_of(const QuinticSpline& spline, const Picture& picture, const Side& side,
+                            double reach) {
+  const double length = side.along.norm();
+  std::vector<std::pair<double, double>> crossings;  // along, outwards
+  for (double s = kEnds; s <= 1 - kEnds; s += 1 / length)
+    if (const auto edge = edge_on(spline, picture, side.foot + s * side.along, side.out, reach))
+      crossings.emplace_back(s, *edge);
+  if (crossings.size() < kFewest) return std::nullopt;
+  const auto n = static_cast<double>(crossings.size());
+  double s0 = 0, d0 = 0, ss = 0, sd = 0;
+  for (const auto& [s, d] : crossings) s0 += s / n, d0 += d / n;
+  for (const auto& [s, d] : crossings) ss += (s - s0) * (s - s0), sd += (s - s0) * (d - d0);
+  const double slope = sd / ss;
+  double residual = 0;
+  for (const auto& [s, d] : crossings) residual += std::pow(d - d0 - slope * (s - s0), 2);
+  return Line{side.foot + s0 * side.along + d0 * side.out, side.along + slope * side.out,
+              std::sqrt(residual / (n - 2) / n)};
+}
+
+Eigen::Vector2d crossing_of(const Line& a, const Line& b) {
+  Eigen::Matrix2d directions;
+  directions << a.direction, -b.direction;
+  const Eigen::Vector2d t = directions.inverse() * (b.foot - a.foot);
+  return a.foot + t(0) * a.direction;
+}
+
+using Corners = std::array<Eigen::Vector2d, 4>;
+
+double area_of(const Corners& c) {
+  const Eigen::Vector2d p = c[2] - c[0], q = c[3] - c[1];
+  return 0.5 * std::abs(p.x() * q.y() - p.y() * q.x());
+}
+
+/// rms of the corners' distance from the nearest square, by their four degrees of freedom.
+double not_square(const Corners& c) {
+  using Complex = std::complex<double>;
+  Complex centre = 0, size = 0;
+  std::array<Complex, 4> z;
+  const double turn = (c[1] - c[0]).x() * (c[2] - c[1]).y() - (c[1] - c[0]).y() * (c[2] - c[1]).x();
+  const Complex step = turn > 0 ? Complex(0, 1) : Complex(0, -1);
+  std::array<Complex, 4> unit = {1, step, step * step, step * step * step};
+  for (std::size_t k = 0; k < 4; ++k) z[k] = {c[k].x(), c[k].y()}, centre += z[k] / 4.0;
+  for (std::size_t k = 0; k < 4; ++k) size += (z[k] - centre) * std::conj(unit[k]) / 4.0;
+  double rest = 0;
+  for (std::size_t k = 0; k < 4; ++k) rest += std::norm(z[k] - centre - size * unit[k]);
+  return std::sqrt(rest / 4);
+}
+
+std::optional<Tag> measured(const QuinticSpline& spline, const Picture& picture,
+                            const std::vector<cv::Point2f>& found, int cells) {
+  Corners corners;
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = {found[k].x, found[k].y};
+  double line_sd = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::Vector2d centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+    const double reach = std::min(kOfCell * std::sqrt(area_of(corners)) / cells, kFarthest);
+    if (!(reach >= kNearest)) return std::nullopt;
+    std::array<Line, 4> lines;
+    line_sd = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d a = corners[k], along = corners[(k + 1) % 4] - a;
+      Eigen::Vector2d out(along.y(), -along.x());
+      out.normalize();
+      if (out.dot(a - centre) < 0) out = -out;
+      const auto line = line_of(spline, picture, {a, along, out}, reach);
+      if (!line) return std::nullopt;
+      lines[k] = *line;
+      line_sd += line->sd * line->sd / 4;
+    }
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = crossing_of(lines[(k + 3) % 4], lines[k]);
+  }
+  Tag tag;
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    tag.corners[k] = {corners[k].x(), corners[k].y()};
+    centre += corners[k] / 4;
+  }
+  tag.centre = {centre.x(), centre.y()};
+  tag.side_px = std::sqrt(area_of(corners));
+  // Of a square fitted to four corners of sd s: s / sqrt(2). A side between two lines of sd l: l sqrt(2).
+  tag.side_sd_px = std::max(not_square(corners) / std::sqrt(2.0), std::sqrt(line_sd));
+  return tag;
+}
+
+}  // namespace
+
+std::vector<Tag> find_tags(const Picture& picture, const std::string& dictionary) {
+  const auto family = tag_dictionary(dictionary);
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(to_8_bit(picture), family, corners, ids);
+  std::vector<Tag> tags;
+  if (ids.empty()) return tags;
+  const QuinticSpline spline(picture);
+  for (std::size_t k = 0; k < ids.size(); ++k)
+    if (auto tag = measured(spline, picture, corners[k], family->markerSize + 2)) {
+      tag->id = ids[k];
+      tags.push_back(*tag);
+    }
+  std::ranges::sort(tags, [](const Tag& a, const Tag& b) { return a.side_px > b.side_px; });
+  return tags;
+}
+
+}  // namespace tribotrack::vision
