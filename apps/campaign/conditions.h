@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/track_file.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/text/input_file.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/campaign/conditions.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/text/json.h"
 #include "fit/estimate.h"
 

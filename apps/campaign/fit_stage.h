@@ -10,7 +10,7 @@
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_conditions.h"
 #include "apps/campaign/shared_scale.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/meta_file.h"
 #include "apps/program/context.h"
 #include "apps/text/json.h"

@@ -1,7 +1,7 @@
 // What one run alone is known by, and how well: its gate, the phase at its start, values given for it.
 #pragma once
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/measuring/measure_run.h"
 #include "fit/problem.h"
 #include "model/scenario.h"

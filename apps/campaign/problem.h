@@ -5,7 +5,7 @@
 
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_conditions.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "fit/problem.h"
 
 namespace tribotrack::apps {

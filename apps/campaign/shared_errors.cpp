@@ -29,6 +29,11 @@ bool scaled_by_diameter(const AnalysedRun& run) {
   return scaled(run) && run.track->facts.scale_source == kScaledByDiameter;
 }
 
+/// By a length that each recording shows.
+bool scaled_in_picture(const AnalysedRun& run) {
+  return scaled_by_diameter(run) || (scaled(run) && run.track->facts.scale_source == kScaledByTag);
+}
+
 double scale_sd(const AnalysedRun& run) {
   return run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
 }
@@ -60,17 +65,11 @@ bool one_scale(const std::vector<AnalysedRun>& runs) {
   return true;
 }
 
-/// Of the part's true diameter, relative.
-double diameter_error(const Campaign& campaign) {
-  const PartSection& part = campaign.part;
-  return part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0;
-}
-
 /// What the scales of all runs share, relative.
 double common_scale_error(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
   if (one_scale(runs)) return mean_over(runs, scaled, scale_sd);
   return mean_over(runs, scaled, [&](const AnalysedRun& run) {
-    return scaled_by_diameter(run) ? std::min(diameter_error(campaign), scale_sd(run)) : scale_sd(run);
+    return scaled_in_picture(run) ? std::min(length_error(campaign), scale_sd(run)) : scale_sd(run);
   });
 }
 
@@ -180,7 +179,7 @@ class Errors {
     const bool by_diameter = std::any_of(runs_.begin(), runs_.end(), scaled_by_diameter);
     const double all = mean_over(runs_, scaled, scale_sd);
     if (by_diameter) {
-      const double diameter = std::min(diameter_error(campaign_), all);
+      const double diameter = std::min(length_error(campaign_), all);
       add(FitParameter::scale, diameter, "diameter_mm_sd, campaign", true);
       add(FitParameter::scale, std::sqrt(all * all - diameter * diameter), "part's radius in the pictures",
           true);
@@ -259,14 +258,20 @@ class Errors {
 
 }  // namespace
 
+double length_error(const Campaign& campaign) {
+  if (campaign.camera.tag_mm) return campaign.camera.tag_mm_sd / *campaign.camera.tag_mm;
+  const PartSection& part = campaign.part;
+  return part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0;
+}
+
 double own_sd(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const AnalysedRun& run,
               Parameter quantity, const fit::Estimate& seen) {
   if (!is_length(quantity)) return seen.sd;
   const double common = std::hypot(coder_attenuation(run), exposure_doubt(run)) * seen.value;
   double variance = std::max(0.0, seen.sd * seen.sd - common * common);
-  if (scaled_by_diameter(run) && !one_scale(runs)) {
-    const double all = scale_sd(run), diameter = std::min(diameter_error(campaign), all);
-    variance += (all * all - diameter * diameter) * seen.value * seen.value;
+  if (scaled_in_picture(run) && !one_scale(runs)) {
+    const double all = scale_sd(run), shared = std::min(length_error(campaign), all);
+    variance += (all * all - shared * shared) * seen.value * seen.value;
   }
   return std::sqrt(variance);
 }

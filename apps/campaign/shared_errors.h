@@ -14,6 +14,11 @@ namespace tribotrack::apps {
 
 /// TrackFacts::scale_source of a scale by the part's diameter.
 inline constexpr const char* kScaledByDiameter = "part's diameter";
+inline constexpr const char* kScaledByTag = "tag";
+
+/// Of the true length that the recordings' scales were measured by, the part's diameter or the side of a tag,
+/// relative; 0: exact, or the scale was given.
+double length_error(const Campaign& campaign);
 
 /// How A, A_y, w or epsilon came into the runs' scenarios.
 struct SharedQuantity {

@@ -1,6 +1,7 @@
 #include "apps/campaign/shared_scale.h"
 
 #include "apps/campaign/repeated.h"
+#include "apps/campaign/shared_errors.h"
 #include "apps/text/number_text.h"
 
 #include <fmt/format.h>
@@ -12,13 +13,20 @@ namespace tribotrack::apps {
 
 namespace {
 
-bool scaled_by_diameter(const AnalysedRun& run) {
+bool scaled_by(const AnalysedRun& run, const char* source) {
   return run.takes_part() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
-         run.track->facts.scale_source == "part's diameter";
+         run.track->facts.scale_source == source;
+}
+bool scaled_by_diameter(const AnalysedRun& run) {
+  return scaled_by(run, kScaledByDiameter);
+}
+bool scaled_in_picture(const AnalysedRun& run) {
+  return scaled_by_diameter(run) || scaled_by(run, kScaledByTag);
 }
 
 /// What the rim's model leaves of a highlight: relative to the radius, the same in every recording.
 double common_of_rim(const AnalysedRun& run) {
+  if (!scaled_by_diameter(run)) return 0;
   const TrackFacts& facts = run.track->facts;
   return facts.disc_radius_px > 0 ? facts.disc_radius_common_sd_px / facts.disc_radius_px : 0;
 }
@@ -80,21 +88,22 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
   std::vector<vision::Scale> scales;
   double of_rim = 0;
   for (const AnalysedRun& run : runs)
-    if (scaled_by_diameter(run)) {
+    if (scaled_in_picture(run)) {
       scales.push_back({*run.track->mm_per_px, *run.track->mm_per_px_sd, ""});
       of_rim = of_rim == 0 ? common_of_rim(run) : std::min(of_rim, common_of_rim(run));
     }
   if (scales.size() < 2) return std::nullopt;
   SharedScale shared;
-  const PartSection& part = campaign.part;
-  const double common = std::hypot(part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0, of_rim);
+  const double common = std::hypot(length_error(campaign), of_rim);
   shared.pooled = vision::pooled_scale(scales, common);
   shared.used = shared.pooled.one_scale;
   if (!shared.used) {
     shared.finding = fmt::format(
-        "the part's diameter is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): "
-        "did the camera move? each keeps its own scale",
-        shared.pooled.count, 100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
+        "{} is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): did the camera "
+        "move? "
+        "each keeps its own scale",
+        campaign.camera.tag_mm ? "the tag's side" : "the part's diameter", shared.pooled.count,
+        100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;
   }
   shared.finding =
@@ -106,7 +115,7 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
                                     100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
                       : "");
   for (AnalysedRun& run : runs) {
-    if (!scaled_by_diameter(run)) continue;
+    if (!scaled_in_picture(run)) continue;
     rescale(*run.track, shared.pooled.scale);
     try {
       measure_again(campaign, run);

@@ -8,7 +8,7 @@
 
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/fit_stage.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/program/context.h"
 #include "fit/estimate.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/campaign/fit_stage.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/context.h"
 #include "apps/recording/track_recording.h"

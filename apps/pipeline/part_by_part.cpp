@@ -24,6 +24,16 @@ void carry_out(CampaignRunner& runner) {
   runner.write_log();
 }
 
+/// At the end those go again that are still empty.
+struct MadeFolders {
+  std::vector<std::filesystem::path> folders;
+  ~MadeFolders() {
+    std::error_code in_use;
+    for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
+      std::filesystem::remove(*folder, in_use);
+  }
+};
+
 std::string csv_rows(const std::string& part, const Json& fit) {
   std::string rows;
   for (const auto& [name, p] : fit.at("parameters").items())
@@ -45,7 +55,11 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
                       Context& context) {
   const std::filesystem::path root = options.output;
   const std::filesystem::path table = root / "parts.csv";
-  if (!plan_only) require_writable({{table}}, campaign.input_files());
+  MadeFolders made;
+  if (!plan_only) {
+    made.folders = create_folder(root);
+    require_writable({{table}}, campaign.input_files());
+  }
   Json fits = Json::object();
   std::string rows = "part,parameter,estimate,sd,ci95_low,ci95_high\n";
   for (const Campaign& part : campaigns_by_part(campaign)) {

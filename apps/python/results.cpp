@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "apps/campaign/fit_stage.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/track_file.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/fitting/fit_campaign.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/files/camera_section.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/recording/track_recording.h"
 
 namespace tribotrack::apps {

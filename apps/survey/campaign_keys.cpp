@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 
 namespace tribotrack::apps {
 
@@ -94,7 +94,7 @@ constexpr std::array kKeys = {
                 "a mark fixed to the platform; leave out where there is none"},
     CampaignKey{"camera", "marker", "\"texture\"",
                 "without marker_px: by the platform's own texture (as by itself where that moves); \"auto\": "
-                "a round mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag mark"},
+                "a round mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag tag"},
     CampaignKey{"camera", "gate_px", "[30, 30, 6]",
                 "a lamp that is lit while the actuator is on: phi and dtau are measured from it"},
 

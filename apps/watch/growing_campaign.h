@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/program/context.h"
 #include "apps/survey/campaign_draft.h"
 

@@ -1,5 +1,5 @@
 // A campaign.
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/marker_word.h"
 #include "apps/files/meta_file.h"
 

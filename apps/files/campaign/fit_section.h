@@ -1,7 +1,7 @@
 // [fit] and [scope] of a campaign.
 #pragma once
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {

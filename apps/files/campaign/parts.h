@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/fit_section.h"
 #include "apps/text/strict_toml.h"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 #include "apps/files/track_file.h"
 
 namespace tribotrack::apps {

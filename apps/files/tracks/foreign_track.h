@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 #include "apps/files/track_file.h"
 
 namespace tribotrack::apps {

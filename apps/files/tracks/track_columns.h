@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 #include "apps/text/csv_table.h"
 
 namespace tribotrack::apps {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "apps/chromium.h"
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/program/errors.h"
 #include "apps/survey/campaign_draft.h"
 

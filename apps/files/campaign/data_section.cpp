@@ -1,4 +1,4 @@
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/tables/alpha_v_table.h"
 #include "apps/program/errors.h"
 #include "fit/pooling.h"

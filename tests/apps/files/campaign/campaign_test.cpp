@@ -1,4 +1,4 @@
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 
 #include <gmock/gmock.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/files/camera_section.h"
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 #include "apps/files/scenario_file.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"

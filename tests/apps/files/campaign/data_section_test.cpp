@@ -1,4 +1,4 @@
-#include "apps/files/data_section.h"
+#include "apps/files/campaign/data_section.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/files/campaign.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {
