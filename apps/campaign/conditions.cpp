@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <stdexcept>
@@ -142,6 +143,22 @@ void require_accepted(const CampaignRun& run, const TrackFile& track) {
       run.place, run.name, track.facts.lost_counted, track.facts.frames, look));
 }
 
+/// Of a part that rests throughout a fit would make the least friction there can be.
+void require_slide(const CampaignRun& run, const fit::TrackTable& track) {
+  constexpr double kLeast = 10;  // of its sd: a shorter way tells no friction
+  double way = 0, variance = 0;
+  for (std::size_t k = 0; k < track.position.size(); ++k) {
+    way = std::max(way, (track.position[k] - track.position.front()).norm());
+    variance += 0.5 * track.covariance[k].trace() / static_cast<double>(track.position.size());
+  }
+  if (way > kLeast * std::sqrt(variance)) return;
+  throw InvalidInput(fmt::format(
+      "{}: run \"{}\": the part moves by {:.2g} mm in the frames used, hardly more than its positions are "
+      "uncertain by ({:.2g} mm): it does not slide there; give `frames` in which it does, and disc_px as the "
+      "first of them shows it",
+      run.place, run.name, 1e3 * way, 1e3 * std::sqrt(variance)));
+}
+
 /// Everything that is known of one run: given, or seen in its track.
 GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed) {
   const CampaignRun& run = *analysed.run;
@@ -176,6 +193,7 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
   analysed.track = std::move(track);
   if (analysed.track && campaign.part.diameter_mm)
     analysed.track->table.radius = 0.5e-3 * *campaign.part.diameter_mm;
+  if (run.free_slide && analysed.track) require_slide(run, analysed.track->table);
   measure_again(campaign, analysed);
   require_same_frequency(analysed);
   return analysed;

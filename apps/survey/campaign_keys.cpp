@@ -125,9 +125,9 @@ constexpr std::array kKeys = {
                 "which point of tracks is the part, where there are several"},
     CampaignKey{"data", "track_mark", "\"mass B\"", "and which is fixed to the platform, if one is"},
 
-    CampaignKey{
-        "fit", "parameters", "[\"mu1\", \"mu2\", \"phase_lag_rad\"]",
-        "any of these and delay_s, amplitude_mm, angular_frequency_rad_s, mm_per_px, tilt_x_rad, tilt_y_rad"},
+    CampaignKey{"fit", "parameters", "[\"mu1\", \"mu2\", \"phase_lag_rad\"]",
+                "these (free slides alone: mu1), delay_s, amplitude_mm, angular_frequency_rad_s, mm_per_px, "
+                "tilt_x_rad, tilt_y_rad"},
     CampaignKey{"fit", "data", "\"summary\"",
                 "each run's displacement (alpha, v); \"trajectory\": every tracked point"},
     CampaignKey{"fit", "start", "\"rest\"",

@@ -1,6 +1,7 @@
 #include "fit/minimum/minimise.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -21,6 +22,16 @@ const char* solver() {
 
 namespace tribotrack::fit::internal {
 namespace {
+
+/// Ceres writes to standard error where an evaluation fails, silent or not; Residuals counts that and callers
+/// tell it in their own words.
+void quieten() {
+  static const bool once = [] {
+    FLAGS_minloglevel = google::GLOG_FATAL;
+    return true;
+  }();
+  static_cast<void>(once);
+}
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -186,6 +197,7 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
+  quieten();
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-15;  // the watch stops earlier
   solver.gradient_tolerance = 1e-14;

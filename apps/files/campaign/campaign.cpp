@@ -114,6 +114,9 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   campaign.input = input;
   const FitDefaults defaults = read_sections(top, campaign);
   add_table_runs(campaign, defaults.cycles);
+  if (!campaign.fit.parameters_given && !campaign.runs.empty() &&
+      std::ranges::all_of(campaign.runs, &CampaignRun::free_slide))
+    campaign.fit.parameters = {FitParameter::mu1};
   check_sds(campaign, top);
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)

@@ -30,6 +30,7 @@ struct ScopeSection {
 };
 
 struct FitSection {
+  bool parameters_given = false;  ///< else: mu1 alone where all runs are free slides
   std::vector<fit::FitParameter> parameters = {fit::FitParameter::mu1, fit::FitParameter::mu2,
                                                fit::FitParameter::lag};
   bool trajectory = false;  ///< data = "trajectory"

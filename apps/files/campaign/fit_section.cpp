@@ -127,6 +127,7 @@ model::Start read_start(StrictTable& table, model::Start fallback) {
 FitSection read_fit(StrictTable& table, FitDefaults& defaults) {
   FitSection section;
   if (const auto names = table.texts("parameters")) {
+    section.parameters_given = true;
     section.parameters.clear();
     for (const auto& name : *names) {
       const FitParameter parameter = require_fit_parameter(table, "parameters", name);

@@ -191,6 +191,13 @@ TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
               HasSubstr("are the same knowledge"));
 }
 
+TEST_F(CampaignTest, FreeSlidesAloneFitMu1) {
+  const std::string slide = "[camera]\nmm_per_px = 0.1\n[[run]]\nvideo = \"a.mp4\"\nkind = \"free_slide\"\n";
+  EXPECT_EQ(read(slide).fit.parameters, std::vector{fit::FitParameter::mu1});
+  EXPECT_EQ(read(slide + kRun).fit.parameters.size(), 3U);
+  EXPECT_EQ(read("[fit]\nparameters = [\"mu1\", \"tilt_x_rad\"]\n" + slide).fit.parameters.size(), 2U);
+}
+
 TEST_F(CampaignTest, AnInclineIsAFreeSlides) {
   const std::string camera = "[camera]\nmm_per_px = 0.1\n";
   const Campaign c = read(camera +
