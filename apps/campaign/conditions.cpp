@@ -73,8 +73,8 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
           fmt::format("{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(),
                       file.channels.size(), file.channels.size() == 1 ? "" : "s", key, number,
                       file.layout == "Tektronix TDS"
-                          ? ": this oscilloscope writes a file for each; put their time and values side by "
-                            "side into one table under Time(s),CH1(V),CH2(V)"
+                          ? ": this oscilloscope writes a file for each; name both, scope = [\"CH1.csv\", "
+                            "\"CH2.csv\"]"
                           : ""));
     return file.channels[static_cast<std::size_t>(number) - 1];
   };
@@ -185,8 +185,13 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
     analysed.inputs = track->inputs;
     if (run.scope && !run.free_slide) {
       require_trace(run);
-      const ScopeFile file = read_scope_file(*run.scope);
+      ScopeFile file = read_scope_file(*run.scope);
       analysed.inputs.push_back(file.input);
+      if (run.second_scope) {
+        const ScopeFile second = read_scope_file(*run.second_scope);
+        analysed.inputs.push_back(second.input);
+        add_channels(second, file);
+      }
       analysed.scope = scope_of(campaign, run, *track, file);
     }
   }
@@ -200,9 +205,10 @@ AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optio
 }
 
 void require_trace(const CampaignRun& run) {
-  if (run.scope && !std::filesystem::is_regular_file(*run.scope))
-    throw InvalidInput(fmt::format("{}: run \"{}\": there is no oscilloscope file {}; check `scope`",
-                                   run.place, run.name, run.scope->string()));
+  for (const auto& file : {run.scope, run.second_scope})
+    if (file && !std::filesystem::is_regular_file(*file))
+      throw InvalidInput(fmt::format("{}: run \"{}\": there is no oscilloscope file {}; check `scope`",
+                                     run.place, run.name, file->string()));
 }
 
 std::string failure_of(const CampaignRun& run, const std::exception& error) {

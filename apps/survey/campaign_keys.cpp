@@ -185,7 +185,8 @@ constexpr std::array kKeys = {
         "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},
     CampaignKey{"run", "marker_px", "[200, 180, 24]", "where it differs from [camera]"},
     CampaignKey{"run", "scope", "\"phi000_dtau060.csv\"",
-                "oscilloscope trace: phi and dtau are measured from it"},
+                "oscilloscope trace: phi and dtau are measured from it; [\"CH1.csv\", \"CH2.csv\"] where a "
+                "file holds one channel"},
     CampaignKey{
         "run", "alpha_rad", "5.93",
         "measured elsewhere, with the three below, instead of a video: direction of the displacement"},

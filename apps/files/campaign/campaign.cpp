@@ -168,6 +168,7 @@ std::vector<fs::path> Campaign::input_files() const {
   for (const CampaignRun& run : runs) {
     add(run.video);
     add(run.scope);
+    add(run.second_scope);
     if (run.track) {
       files.push_back(*run.track);
       files.push_back(run.track->string() + ".meta.json");

@@ -63,8 +63,8 @@ struct CampaignRun {
   std::optional<std::int64_t> first_frame, last_frame;
   std::optional<double> mm_per_px, mm_per_px_sd;
   std::optional<vision::Circle> disc_px, marker_px;
-  std::optional<vision::Rect> template_px;  ///< instead of a disc
-  std::optional<std::filesystem::path> scope;
+  std::optional<vision::Rect> template_px;                   ///< instead of a disc
+  std::optional<std::filesystem::path> scope, second_scope;  ///< two where a file holds one channel
   // Measured elsewhere.
   std::optional<double> alpha, alpha_sd;  ///< rad
   std::optional<double> v, v_sd;          ///< m/s

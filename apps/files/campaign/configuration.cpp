@@ -66,6 +66,8 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
                                                        : "texture where the ground moves"},
       {"gate_px", circle_json(camera.gate_px)},
       {"scope", run.scope ? Json(run.scope->filename().string()) : Json()}};
+  if (run.second_scope)
+    json["scope"] = Json::array({run.scope->filename().string(), run.second_scope->filename().string()});
   if (run.track) {
     json["track"] = run.track->filename().string();
     json["track_unit"] = run.reading.unit;

@@ -37,6 +37,20 @@ void read_sds(StrictTable& table, CampaignRun& run) {
     table.fail("start_phase_rad_sd", "is not needed: phase_at_zero_rad gives the phase at the start");
 }
 
+/// A trace, or two of an oscilloscope that writes a file for each channel.
+void read_scope_files(StrictTable& table, const Campaign& campaign, CampaignRun& run) {
+  const auto folder = campaign.file.parent_path();
+  if (!table.is_list("scope")) {
+    if (const auto scope = table.text("scope")) run.scope = folder / *scope;
+    return;
+  }
+  const auto files = table.texts("scope");
+  if (files->empty() || files->size() > 2)
+    table.fail("scope", fmt::format("must name one file, or two of one channel each, not {}", files->size()));
+  run.scope = folder / files->front();
+  if (files->size() == 2) run.second_scope = folder / files->back();
+}
+
 /// A free slide's plane.
 void read_slope(StrictTable& table, CampaignRun& run) {
   run.slope = table.angle("slope_rad");
@@ -122,7 +136,7 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, const FitDefa
   run.disc_px = read_circle(table, "disc_px");
   run.template_px = read_template(table);
   run.marker_px = read_circle(table, "marker_px");
-  if (const auto scope = table.text("scope")) run.scope = campaign.file.parent_path() / *scope;
+  read_scope_files(table, campaign, run);
   run.alpha = table.angle("alpha_rad");
   run.alpha_sd = table.positive("alpha_sd_rad");
   run.v = table.not_negative("v_mm_s");

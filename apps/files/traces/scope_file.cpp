@@ -121,4 +121,21 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
   return file;
 }
 
+void add_channels(const ScopeFile& second, ScopeFile& first) {
+  const auto samples = [](const ScopeFile& file) {
+    return file.channels.empty() ? std::size_t{0} : file.channels.front().size();
+  };
+  const double apart = std::abs(second.start_s - first.start_s);
+  if (samples(second) != samples(first) || apart > 0.5 * first.increment_s ||
+      std::abs(second.increment_s / first.increment_s - 1) * static_cast<double>(samples(first)) > 0.5)
+    throw InvalidInput(
+        fmt::format("{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} "
+                    "from {:.6g} s every "
+                    "{:.6g} s; name the files of one acquisition",
+                    second.input.path.string(), first.input.path.string(), samples(second), second.start_s,
+                    second.increment_s, samples(first), first.start_s, first.increment_s));
+  first.names.insert(first.names.end(), second.names.begin(), second.names.end());
+  first.channels.insert(first.channels.end(), second.channels.begin(), second.channels.end());
+}
+
 }  // namespace tribotrack::apps

@@ -41,4 +41,8 @@ bool may_be_trace(const std::filesystem::path& path);
 /// but for their rounding. Throws InvalidInput naming file and line.
 ScopeFile read_scope_file(const std::filesystem::path& path);
 
+/// The channels of a second file of the same trace behind those of the first. Throws InvalidInput unless both
+/// have the same samples.
+void add_channels(const ScopeFile& second, ScopeFile& first);
+
 }  // namespace tribotrack::apps

@@ -272,5 +272,13 @@ TEST_F(CampaignTest, ATagIsAMarkAndSetsTheScale) {
   EXPECT_THAT(said("marker = \"tag:4x4_50\"\nmarker_px = [1, 2, 3]\n"), HasSubstr("two marks"));
 }
 
+TEST_F(CampaignTest, ATraceMayStandInTwoFiles) {
+  const std::string run = "[camera]\nmm_per_px = 1\n[[run]]\nvideo = \"a.cine\"\nphi_rad = 0\ndtau_rad = 1\n";
+  const Campaign c = read(run + "scope = [\"ch1.csv\", \"ch2.csv\"]\n");
+  EXPECT_EQ(c.runs[0].scope->filename(), "ch1.csv");
+  EXPECT_EQ(c.runs[0].second_scope->filename(), "ch2.csv");
+  EXPECT_THAT(complaint(run + "scope = [\"1\", \"2\", \"3\"]\n"), HasSubstr("one file, or two"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

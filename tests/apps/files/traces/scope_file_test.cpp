@@ -1,5 +1,6 @@
 #include "apps/files/traces/scope_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -228,6 +229,22 @@ TEST_F(ScopeFiles, RefusesWithFileAndLine) {
   EXPECT_THAT(complaint(""), HasSubstr("empty"));
   EXPECT_THAT(complaint(good + "0,1\n1,2\n"), HasSubstr("at least 100"));
   EXPECT_THROW(read_scope_file(in_folder("none.csv")), InvalidInput);
+}
+
+TEST_F(ScopeFiles, OfOneChannelEachAreJoined) {
+  const auto trace = [](double start, double step, int samples, double level) {
+    std::string text = "Time(s),CH1(V)\n";
+    for (int n = 0; n < samples; ++n) text += fmt::format("{:.9f},{}\n", start + step * n, level + n);
+    return text;
+  };
+  ScopeFile first = read(trace(0.5, 1e-3, 200, 0));
+  add_channels(read(trace(0.5, 1e-3, 200, 1000)), first);
+  ASSERT_EQ(first.channels.size(), 2U);
+  EXPECT_EQ(first.names.size(), 2U);
+  EXPECT_EQ(first.channels[0][7], 7);
+  EXPECT_EQ(first.channels[1][7], 1007);
+  for (const auto& other : {trace(0.6, 1e-3, 200, 0), trace(0.5, 1.1e-3, 200, 0), trace(0.5, 1e-3, 199, 0)})
+    EXPECT_THAT(complaint_of([&] { add_channels(read(other), first); }), HasSubstr("not of the same trace"));
 }
 
 }  // namespace
