@@ -139,7 +139,7 @@ void Tracking::find_first_frame() {
 void Tracking::follow() {
   follow_from_start();
   if (const auto better = better_start(); better) follow_from(*better);
-  ask_if_it_rests(frames(), start_, result_.track, options_);
+  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
 }
 
 /// Kept where the part is seen in more frames.

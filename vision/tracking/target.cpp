@@ -150,7 +150,7 @@ DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t 
   return best;
 }
 
-void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track,
+void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track, const Circle& disc,
                      const TrackOptions& options) {
   if (options.target.kind != Target::Kind::find_disc || options.marker.kind == MarkerChoice::Kind::find)
     return;
@@ -165,7 +165,9 @@ void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track
   const std::string what = fmt::format(
       "{}: the disc found in frame {} rests {}, and frame {} shows {} discs that may be the part",
       source.info().path.string(), source.number(start),
-      for_ever ? "for ever" : fmt::format("until frame {}", source.number(start + question->rested - 1)),
+      for_ever ? "for ever"
+               : fmt::format("until frame {0} (is it the part? --disc {1:.1f},{2:.1f},{3:.1f} --frames {0}:)",
+                             source.number(start + question->rested - 1), disc.x, disc.y, disc.radius),
       frame, question->discs.size());
   throw AmbiguousTarget(what, frame, false, std::move(question->discs));
 }

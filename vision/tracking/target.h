@@ -34,8 +34,8 @@ DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t 
                   const TrackOptions& options);
 
 /// Throws AmbiguousTarget where the part was found by itself and rests while others move (at_rest.h). `track`
-/// begins with frame `start` of the source.
-void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track,
+/// begins with frame `start` of the source, where the part is seen as `disc`.
+void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track, const Circle& disc,
                      const TrackOptions& options);
 
 /// Another start for a track that loses the part early and for most of its frames: a hand lay over it, and

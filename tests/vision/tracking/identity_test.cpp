@@ -161,6 +161,21 @@ TEST(Question, ADiscThatRestsWhileAnotherComesInIsOne) {
   }
 }
 
+TEST(Question, ADiscThatIsStruckByAnotherMayBeThePart) {
+  MemorySource source = recorded(200, 120, 60, [](int k) {
+    std::vector<Circle> discs{{60.4 + 1.5 * std::max(0, k - 30), 60.2, 10}};
+    if (k >= 12) discs.push_back({190 - 2.0 * (k - 12), 30.3, 10});
+    return discs;
+  });
+  try {
+    track(source, {});
+    FAIL() << "no question";
+  } catch (const AmbiguousTarget& question) {
+    EXPECT_THAT(question.what(),
+                HasSubstr("rests until frame 30 (is it the part? --disc 60.4,60.2,10.0 --frames 30:)"));
+  }
+}
+
 /// A disc sliding past the place that was given for it.
 TEST(GivenDisc, ThatIsNotThereIsSaidAtOnceWithTheNearest) {
   MemorySource source = recorded(240, 120, 100, [](int k) {
