@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <future>
 #include <memory>
 #include <numbers>
 
@@ -20,6 +22,7 @@ namespace tribotrack::apps {
 namespace {
 
 constexpr double kLookForChanges = 1;  ///< s: how soon an edited campaign is read again
+constexpr std::size_t kFewRuns = 5;    ///< leave several minima, which are looked for anew
 constexpr const char* kFirst = "phi = 0 (0deg), dtau = pi/3 (60deg): any run tells which comes next";
 
 struct WatchOptions {
@@ -54,15 +57,17 @@ class Watcher {
       if (wanted || campaign_.has_changed()) {
         round(finished.size());
         last = std::chrono::steady_clock::now();
-        if (reached_) return;
       }
+      if (reached_) return;
       const double idle = std::chrono::duration<double>(std::chrono::steady_clock::now() - last).count();
       if (options_.until_idle_s && idle >= *options_.until_idle_s && arrivals_.unfinished().empty()) return;
     }
   }
 
   void finish() {
+    settle();
     if (!fitted_) throw InvalidInput(fmt::format("{}: no recording could be used", options_.folder));
+    context_.exit_code = exit_code_;
     if (options_.json) print_text(text_of(fit_.json));
   }
 
@@ -71,7 +76,6 @@ class Watcher {
   /// next recording or an edited campaign is waited for.
   void round(std::size_t arrived) {
     try {
-      context_.exit_code = kDone;
       Campaign campaign = campaign_.read(arrivals_.unfinished());
       if (!campaign_.awaited().empty())
         say(context_.quiet,
@@ -81,20 +85,39 @@ class Watcher {
         return;
       }
       require_fitted(goals_, campaign.fit.parameters);
-      CampaignRunner runner({.campaign = campaign_.file().string(),
-                             .output = options_.output,
-                             .command = "watch",
-                             .json = options_.json,
-                             .locked = true,
-                             .new_recordings = arrived},
-                            std::move(campaign), context_);
-      runner.take_folder();
-      runner.measure_runs();
-      runner.share_scale();
-      runner.refuse_if_none_is_left();
-      runner.share_conditions();
+      const auto runner =
+          std::make_shared<CampaignRunner>(RunnerOptions{.campaign = campaign_.file().string(),
+                                                         .output = options_.output,
+                                                         .command = "watch",
+                                                         .json = options_.json,
+                                                         .locked = true,
+                                                         .new_recordings = arrived},
+                                           std::move(campaign), context_);
+      runner->take_folder();
+      runner->measure_runs();
+      runner->share_scale();
+      runner->refuse_if_none_is_left();
+      runner->share_conditions();
+      const bool known = preview_.usable() && preview_.runs.size() >= kFewRuns;
+      preview_ = runner->preview(known ? &preview_ : nullptr);
+      const bool said = say_next_of(preview_);
+      settle();
+      finishing_ = std::async(std::launch::async, [this, runner, said] { fit_and_report(*runner, said); });
+    } catch (const OutputError&) {
+      throw;
+    } catch (const InvalidInput& error) {
+      fail(error);
+    } catch (const fit::DataError& error) {
+      fail(error);
+    }
+  }
+
+  /// The whole fit and the report, while the next recording is waited for, or tracked already.
+  void fit_and_report(CampaignRunner& runner, bool next_said) {
+    try {
+      exit_code_ = kDone;
       runner.fit_all();
-      tell(runner);
+      tell(runner, next_said);
       runner.report();
       runner.write_log();
       fit_ = runner.fit();
@@ -108,22 +131,42 @@ class Watcher {
     }
   }
 
-  void tell(const CampaignRunner& runner) {
+  /// Waits for that; what it threw is thrown here.
+  void settle() {
+    if (finishing_.valid()) finishing_.get();
+  }
+
+  void fail(const std::exception& error) {
+    settle();
+    exit_code_ = kDone;
+    complain(error.what());
+  }
+
+  void tell(const CampaignRunner& runner, bool next_said) {
     const FitStage& fit = runner.fit();
     say_result(fmt::format("{} runs: {}", runner.runs().size(), fit.result.brief_report()));
     for (const Json& warning : fit.json["warnings"])
       say(context_.quiet, "warning: " + warning.get<std::string>());
     if (const auto failed = runner.failed()) {
       complain(fmt::format("{} of {} runs failed and were left out", failed, runner.runs().size()));
-      context_.exit_code = kQualityGate;
+      exit_code_ = kQualityGate;
     }
-    if (!fit.result.usable()) context_.exit_code = kFitUnusable;
+    if (!fit.result.usable()) exit_code_ = kFitUnusable;
     if (!goals_.empty()) say_result(progress_of(goals_, fit.result));
-    reached_ = all_reached(goals_, fit.result);
-    if (reached_)
+    const bool reached = all_reached(goals_, fit.result);
+    if (reached)
       say_result("reached: nothing more needs to be filmed");
-    else if (const fit::NextExperiment* next = next_for(goals_, fit.result))
-      say_next(fmt::format("phi = {}, dtau = {}{}", degrees(next->phi), degrees(next->dtau), gain(*next)));
+    else if (!next_said)
+      say_next_of(fit.result);
+    reached_ = reached;
+  }
+
+  /// False where the fit has reached the goals, or suggests none.
+  bool say_next_of(const fit::FitResult& fit) {
+    const fit::NextExperiment* next = all_reached(goals_, fit) ? nullptr : next_for(goals_, fit);
+    if (next == nullptr) return false;
+    say_next(fmt::format("phi = {}, dtau = {}{}", degrees(next->phi), degrees(next->dtau), gain(*next)));
+    return true;
   }
 
   /// ": sd(mu1) 5e-05 -> 1.1e-05", of the sentence that the fit itself says.
@@ -144,8 +187,13 @@ class Watcher {
   Arrivals arrivals_;
   GrowingCampaign campaign_;
   RunFolderLock lock_;
+  fit::FitResult preview_;  ///< the last one
+  // Written by fit_and_report() alone; read after settle(), but for reached_.
   FitStage fit_;
-  bool fitted_ = false, reached_ = false;
+  bool fitted_ = false;
+  ExitCode exit_code_ = kDone;
+  std::atomic<bool> reached_ = false;
+  std::future<void> finishing_;  ///< the last member: it ends before what it uses
 };
 
 }  // namespace

@@ -50,6 +50,9 @@ class CampaignRunner {
   void share_conditions();
   /// Failed runs are named; finished tracks stay for the next call.
   void refuse_if_none_is_left();
+  /// A fit for the run to film next: no profiles, nothing kept. It begins at `last`, an earlier one to fewer
+  /// of the runs, and looks elsewhere only where that does not describe all of them.
+  fit::FitResult preview(const fit::FitResult* last) const;
   void fit_all();
   void report() const;
   void write_log() const;
