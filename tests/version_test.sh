@@ -17,7 +17,7 @@ check() {
 check "tribotrack --version" "$("$tribotrack" --version | awk 'NR == 1 { print $2 }')"
 check CITATION.cff "$(sed -n 's/^version: *//p' CITATION.cff)"
 check "the newest heading of CHANGELOG.md" "$(sed -n 's/^## \([0-9.]*\).*/\1/p' CHANGELOG.md | head -n 1)"
-if [ $# -gt 3 ]; then
+if [ -n "${3:-}" ]; then
   check "tribotrack.__version__" "$(PYTHONPATH=$4 "$3" -B -c 'import tribotrack; print(tribotrack.__version__)')"
 fi
 

@@ -1,4 +1,5 @@
-# Run by cpack on the installed files before they become a package: copyright, changelogs and compressed manual pages.
+# Run by cpack on the installed files before they become a package: copyright, changelogs, compressed manual pages,
+# and the permissions of folders.
 set(root "${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/share")
 set(documents "${root}/doc/${CPACK_PACKAGE_NAME}")
 file(MAKE_DIRECTORY "${documents}")
@@ -24,6 +25,9 @@ configure_file("${CPACK_TRIBOTRACK_SOURCE}/CHANGELOG.md" "${documents}/changelog
 file(GLOB_RECURSE pages "${root}/man/*.[1-9]")
 execute_process(COMMAND gzip -9nf ${pages} "${documents}/changelog" "${documents}/changelog.Debian" COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB compressed "${documents}/*")
-foreach(file IN LISTS compressed)
-  file(CHMOD "${file}" FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
-endforeach()
+list(FILTER compressed EXCLUDE REGEX "/examples?$")
+list(TRANSFORM pages APPEND .gz)
+file(CHMOD ${compressed} ${pages} FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+# Whatever the umask of whoever packs.
+file(CHMOD_RECURSE "${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr" DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
