@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The installed program runs outside the source tree, and a project of ten lines builds against the installed libraries.
+# The installed program runs outside the source tree; a project of ten lines and the installed examples build against the
+# installed libraries and print what is known.
 set -euo pipefail
 build=${1:?build folder}
 source=${2:?source folder}
@@ -18,6 +19,12 @@ cmake --build consumer/build >/dev/null
 ./consumer/build/consumer | tee said
 # The end point that the model is known to reach.
 grep -q '^5.470210819 -10.983961947 mm$' said
+
+examples=prefix/share/doc/tribotrack/examples
+cmake -S $examples -B examples -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build examples >/dev/null
+"$source/tests/examples_test.sh" "$work/examples" "$work/prefix/bin/tribotrack"
+
 for page in man1/tribotrack.1 man1/tribotrack-run.1 man5/tribotrack-campaign.5; do test -s "prefix/share/man/$page"; done
 test -s prefix/share/bash-completion/completions/tribotrack
 

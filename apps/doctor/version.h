@@ -5,7 +5,7 @@
 
 namespace tribotrack::apps {
 
-/// "tribotrack 0.1.0 (c812518)" and a line with the versions of the libraries it was compiled with. The
+/// "tribotrack VERSION (c812518)" and a line with the versions of the libraries it was compiled with. The
 /// commit is that of the sources, "+" where they were changed since; left out of builds that are not from a
 /// repository.
 std::string version_text();

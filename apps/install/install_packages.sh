@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what is missing of apps/install/packages.txt. Use: apps/install/install_packages.sh build | apps/install/install_packages.sh test
+# Installs what is missing of apps/install/packages.txt. Use: apps/install/install_packages.sh build|package|test
 set -euo pipefail
-kind=${1:?build or test}
+kind=${1:?build, package or test}
 list=$(dirname "$0")/packages.txt
 
 wanted() {
-  awk -v kind="$kind" '!/^#/ && NF == 2 && ($2 == "build" || $2 == kind) { print $1 }' "$list"
+  awk -v kind="$kind" '!/^#/ && NF == 2 && ($2 == "build" || "," $2 "," ~ "," kind ",") { print $1 }' "$list"
 }
 
 missing=()

@@ -163,6 +163,7 @@ const std::map<std::string, Rooms> kMayUse = {
      {"apps/files/campaign", "apps/fitting", "apps/campaign", "apps/recording", "apps/measuring",
       "apps/simulating", "apps/files/tracks", "apps/files/sweeps", "apps/files", "apps/text",
       "apps/program"}},
+    {"apps/examples", {}},
     {"apps/main.cpp", {"apps/commands", "apps/program", "apps/text"}},
 };
 

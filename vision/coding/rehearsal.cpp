@@ -17,8 +17,6 @@ namespace {
 
 constexpr std::size_t kMostFrames = 300, kFewestFrames = 32;
 constexpr double kSameCoder = 1.1;  ///< real errors over rehearsed ones, see rehearsal.h
-constexpr int kMargin = 32;         ///< px about what moves
-constexpr int kBlock = 16;          ///< px: the coder's grid stays where it was
 
 [[noreturn]] void refuse(const SourceInfo& recording, const std::string& why) {
   throw InputError(

@@ -140,21 +140,21 @@ cv::Mat drawn(const StageCurve& curve) {
   cv::Mat image(kHeight, kWidth, CV_8UC3, kPaper);
   text(image, curve.title, kMargin, kLine);
   const auto [x0, x1] = std::ranges::minmax(curve.points, {}, &Point::x);
-  auto [bottom, top] = std::ranges::minmax(curve.points, {}, &Point::y);
-  if (!(top.y > bottom.y)) top.y = bottom.y + 1;
+  const auto rows = std::ranges::minmax(curve.points, {}, &Point::y);
+  const double bottom = rows.min.y, top = rows.max.y > bottom ? rows.max.y : bottom + 1;
   const double left = x0.x, right = x1.x > x0.x ? x1.x : x0.x + 1;
   const cv::Rect box(kLeft, 2 * kLine, kWidth - kLeft - kMargin, kHeight - kBottom - 2 * kLine);
   const auto place = [&](double x, double y) {
     return cv::Point(static_cast<int>(std::lround(box.x + (x - left) / (right - left) * box.width)),
-                     static_cast<int>(std::lround(box.y + (top.y - y) / (top.y - bottom.y) * box.height)));
+                     static_cast<int>(std::lround(box.y + (top - y) / (top - bottom) * box.height)));
   };
-  const double step_x = round_step(right - left, 8), step_y = round_step(top.y - bottom.y, 6);
+  const double step_x = round_step(right - left, 8), step_y = round_step(top - bottom, 6);
   for (double x = std::ceil(left / step_x) * step_x; x <= right; x += step_x) {
-    cv::line(image, place(x, bottom.y), place(x, top.y), kFaint, 1);
+    cv::line(image, place(x, bottom), place(x, top), kFaint, 1);
     const std::string label = fmt::format("{:g}", x);
-    text(image, label, place(x, bottom.y).x - width_of(label) / 2, box.y + box.height + 18);
+    text(image, label, place(x, bottom).x - width_of(label) / 2, box.y + box.height + 18);
   }
-  for (double y = std::ceil(bottom.y / step_y) * step_y; y <= top.y; y += step_y) {
+  for (double y = std::ceil(bottom / step_y) * step_y; y <= top; y += step_y) {
     cv::line(image, place(left, y), place(right, y), kFaint, 1);
     const std::string label = fmt::format("{:.3g}", std::abs(y) < 1e-9 * step_y ? 0 : y);
     text(image, label, kLeft - 8 - width_of(label), place(left, y).y + 5);

@@ -14,13 +14,14 @@ std::size_t spread_outliers(std::span<const TilePlace> places, double reach,
                             std::vector<unsigned char>& outliers) {
   if (places.empty()) return 0;
   const int margin = std::max(1, static_cast<int>(reach));
-  const auto [left, right] = std::ranges::minmax(places, {}, &TilePlace::x);
-  const auto [top, bottom] = std::ranges::minmax(places, {}, &TilePlace::y);
-  const int width = right.x - left.x + kTile + 2 * margin, height = bottom.y - top.y + kTile + 2 * margin;
+  const auto columns = std::ranges::minmax(places, {}, &TilePlace::x);
+  const auto rows = std::ranges::minmax(places, {}, &TilePlace::y);
+  const int left = columns.min.x, top = rows.min.y;
+  const int width = columns.max.x - left + kTile + 2 * margin, height = rows.max.y - top + kTile + 2 * margin;
   std::vector<unsigned char> map(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   // Row j of a tile: its first pixel in the map.
   const auto row_of = [&](const TilePlace& place, int j) {
-    return static_cast<std::ptrdiff_t>(place.y - top.y + margin + j) * width + (place.x - left.x + margin);
+    return static_cast<std::ptrdiff_t>(place.y - top + margin + j) * width + (place.x - left + margin);
   };
   std::vector<std::ptrdiff_t> seen;
   for (std::size_t t = 0; t < places.size(); ++t)
