@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct FitCommandOptions {
-  std::string campaign, output, tracks, part;
+  std::string campaign, output, tracks, measurements, part;
   bool require_all = false, json = false, explain = false;
   FitChoices choices;
 };
@@ -51,6 +51,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   check_output(campaign, options);
   FitChoices choices = options.choices;
   choices.tracks = options.tracks;
+  choices.measurements = options.measurements;
   choices.result = options.output;
   const auto [runs, stage] = fit_campaign(campaign, choices, context);
   write_fit(options.output, stage, meta_of_fit(campaign, runs));
@@ -75,6 +76,10 @@ void add_fit(CLI::App& app, Context& context) {
                   "tracked now")
       ->type_name("DIR");
   command.add_option("--part", options->part, "Which of the campaign's several [[part]]")->type_name("NAME");
+  command
+      .add_option("--measurements", options->measurements,
+                  "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)")
+      ->type_name("DIR");
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
   command
       .add_option("--allow-missing", options->choices.allow_missing, "Go on when up to N runs are not usable")

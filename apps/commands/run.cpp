@@ -1,20 +1,33 @@
 // tribotrack run: from a campaign's recordings to its report, every stage, resuming what is there.
+#include <algorithm>
 #include <memory>
 #include <string>
 
 #include "apps/commands/command.h"
 #include "apps/pipeline/part_by_part.h"
+#include "apps/program/streams.h"
+#include "apps/text/output_file.h"
+#include "apps/usage/wrong_usage.h"
+#include "apps/workflow/workflow.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
 struct RunOptions {
-  std::string campaign, output, part;
+  std::string campaign, output, part, emit;
   bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
 };
 
+/// Jobs for a workflow engine instead of doing the work here.
+void emit_workflow(const RunOptions& options, const Context& context) {
+  const WorkflowOptions workflow = {options.campaign, options.output, std::max(1, context.threads)};
+  write_workflow(workflow, campaign_of_part(read_campaign(campaign_file(options.campaign)), ""));
+  print_text(workflow_commands(workflow));
+}
+
 void run_command(const RunOptions& options, Context& context) {
+  if (!options.emit.empty()) return emit_workflow(options, context);
   const RunnerOptions runner_options = {.campaign = options.campaign,
                                         .output = options.output,
                                         .overlay_videos = options.overlay_videos,
@@ -47,6 +60,12 @@ void add_run(CLI::App& app, Context& context) {
   command.add_flag("--overlay-videos", options->overlay_videos,
                    "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
+  command
+      .add_option("--emit", options->emit,
+                  "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads "
+                  "them over a cluster: a Snakefile, and a profile for Slurm")
+      ->check(one_of({"snakemake"}))
+      ->type_name("snakemake");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
   add_common(command, context,

@@ -9,7 +9,10 @@
 #include <utility>
 
 #include "apps/commands/command.h"
+#include "apps/files/campaign/campaign.h"
 #include "apps/files/marker_word.h"
+#include "apps/files/tracks/any_track.h"
+#include "apps/fitting/one_run.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/track_choices.h"
@@ -23,8 +26,9 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, gate, frames, overlay, debug, debug_frames;
-  TrackChoices choices;  ///< but for those that are read from the texts above
+  std::string input, output, disc, target, marker, gate, frames, overlay, first_frame, debug, debug_frames;
+  std::string campaign, run;  ///< instead of an input and its choices
+  TrackChoices choices;       ///< but for those that are read from the texts above
   bool json = false;
   bool explain = false;
 };
@@ -159,18 +163,23 @@ void print_explanation(const vision::TrackResult& result) {
         fmt::format("  {:<28} {:>9.4f} {:>4.0f} %", stage.name, stage.seconds, 100 * stage.seconds / total));
 }
 
-void check_outputs(const TrackCommandOptions& options) {
+void check_outputs(const TrackCommandOptions& options, const std::vector<std::filesystem::path>& inputs) {
   std::vector<Output> outputs;
   if (!is_standard_output(options.output))
     outputs.push_back({options.output});
   else if (options.json)
     throw UsageError("give -o - or --json: both would go to standard output");
-  if (!options.overlay.empty()) outputs.push_back({options.overlay, Content::pictures});
+  for (const std::string& pictures : {options.overlay, options.first_frame})
+    if (!pictures.empty()) outputs.push_back({pictures, Content::pictures});
+  require_writable(outputs, inputs);
+  if (!options.overlay.empty()) vision::require_overlay_name(options.overlay);
+}
+
+std::vector<std::filesystem::path> inputs_of(const TrackCommandOptions& options) {
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
   for (const std::string& file : {options.choices.config, options.choices.calibration})
     if (!file.empty()) inputs.emplace_back(file);
-  require_writable(outputs, inputs);
-  if (!options.overlay.empty()) vision::require_overlay_name(options.overlay);
+  return inputs;
 }
 
 /// CPU time so far: of loading the libraries and reading the command line, where asked at a command's begin.
@@ -178,27 +187,18 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-void track_command(const TrackCommandOptions& options, Context& context) {
-  const double started = cpu_seconds();
-  RecordingJob job = job_of(options);
-  check_outputs(options);
-  job.track.threads = threads_to_use(context);
-
-  std::optional<vision::DebugFolder> debug;
-  if (!options.debug.empty()) {
-    check_debug_folder(options.debug, options.input);
-    debug.emplace(options.debug);
-    job.track.debug = &*debug;
-  }
-
+/// Tracks, writes what was asked for, and says how it went.
+void track_and_write(const TrackCommandOptions& options, const PreparedJob& prepared, double started,
+                     Context& context) {
   std::optional<Progress> progress(std::in_place, "track", context.quiet, "frames");
-  job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
-  const PreparedJob prepared = prepare(job);
-  TrackedRecording recording = track_recording(prepared, options.output);
+  PreparedJob watched = prepared;
+  watched.job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
+  TrackedRecording recording = track_recording(watched, options.output);
   progress.reset();
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"starting", started});
   const auto tracked = std::chrono::steady_clock::now();
+  if (!options.first_frame.empty()) write_first_frame(options.first_frame, recording);
   if (!options.overlay.empty()) write_overlay_file(options.overlay, recording);
   write_track(options.output, prepared, recording);
   const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
@@ -214,10 +214,55 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  const std::string failure = gate_failure(job, summary);
+  const std::string failure = gate_failure(prepared.job, summary);
   if (failure.empty()) return;
   complain(failure);
   context.exit_code = kQualityGate;
+}
+
+/// As `run` does it: the bytes of the track are the same.
+void track_run(const TrackCommandOptions& options, double started, Context& context) {
+  if (options.run.empty()) throw CLI::RequiredError("--run NAME");
+  if (is_standard_output(options.output))
+    throw UsageError("the track of a campaign's run is a file: give -o T.csv");
+  const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), "");
+  const CampaignRun& run = run_named(campaign, options.run);
+  check_outputs(options, campaign.input_files());
+  leaving_word(run, options.output, [&] {
+    if (!run.video) {
+      import_track(*run.track, run.reading, options.output);
+      return;
+    }
+    PreparedJob prepared = prepare_run(campaign, run);
+    prepared.job.track.threads = threads_to_use(context);
+    track_and_write(options, prepared, started, context);
+  });
+}
+
+void track_command(const TrackCommandOptions& options, Context& context) {
+  const double started = cpu_seconds();
+  if (!options.campaign.empty()) return track_run(options, started, context);
+  if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
+  RecordingJob job = job_of(options);
+  check_outputs(options, inputs_of(options));
+  job.track.threads = threads_to_use(context);
+
+  std::optional<vision::DebugFolder> debug;
+  if (!options.debug.empty()) {
+    check_debug_folder(options.debug, options.input);
+    debug.emplace(options.debug);
+    job.track.debug = &*debug;
+  }
+  track_and_write(options, prepare(std::move(job)), started, context);
+}
+
+/// What only a recording named by itself can be told: a campaign says it for its runs.
+void exclude_choices(CLI::App& command, CLI::Option& campaign) {
+  for (const char* name :
+       {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--disc-diameter-mm", "--calibration", "--height-mm",
+        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--frames", "--xi-axis-rad",
+        "--layers", "--debug", "--debug-frames", "--config", "--rehearse"})
+    campaign.excludes(command.get_option(name));
 }
 
 }  // namespace
@@ -225,11 +270,9 @@ void track_command(const TrackCommandOptions& options, Context& context) {
 void add_track(CLI::App& app, Context& context) {
   auto options = std::make_shared<TrackCommandOptions>();
   CLI::App& command = *app.add_subcommand("track", "Track the part in a recording to a sub-pixel trajectory");
-  command
-      .add_option(
-          "INPUT", options->input,
-          "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png")
-      ->required();
+  command.add_option(
+      "INPUT", options->input,
+      "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png");
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
   add_number(command, "--fps", options->choices.fps,
              "Rate of recording, frames/s, where the file does not give it reliably");
@@ -286,6 +329,10 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");
   command
+      .add_option("--first-frame", options->first_frame,
+                  "The first frame in which the part is seen, as a reduced picture (.jpg)")
+      ->type_name("FILE");
+  command
       .add_option("--debug", options->debug,
                   "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
                   "share of the ground, and ground of the second pass) and index.txt into this folder")
@@ -305,13 +352,23 @@ void add_track(CLI::App& app, Context& context) {
       "--rehearse", options->choices.rehearse,
       "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
       "once more the same way and take standard deviations, attenuation and delay from it");
+  CLI::Option* campaign =
+      command
+          .add_option("--campaign", options->campaign,
+                      "With --run: track the recording of one run of this campaign as `run` does, instead of "
+                      "an INPUT; a recording that cannot be used says why in T.log, "
+                      "which `fit --tracks` repeats")
+          ->type_name("CAMPAIGN.toml");
+  command.add_option("--run", options->run, "Name of the run")->type_name("NAME")->needs(campaign);
+  exclude_choices(command, *campaign);
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
   command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");
   add_common(
       command, context,
       "  tribotrack track phi000.cine --disc-diameter-mm 6 --marker auto -o phi000.csv --overlay phi000.mp4\n"
       "  tribotrack track slide.mp4 --fps 240 --disc 151,87,9 --disc-diameter-mm 31 --frames 188: -o "
-      "slide.csv");
+      "slide.csv\n"
+      "  tribotrack track --campaign campaign.toml --run phi000 -o out/tracks/phi000.csv");
   command.callback([options, &context] { track_command(*options, context); });
 }
 

@@ -10,7 +10,8 @@ namespace tribotrack::apps {
 
 /// DIR/
 ///   fit.json, report.html, runs.csv, parameters.csv, report.txt, run.json
-///   tracks/NAME.csv, NAME.png (overlay), NAME.first.jpg (first analysed frame, reduced)
+///   tracks/NAME.csv, NAME.png (overlay), NAME.first.jpg (first analysed frame, reduced);
+///     NAME.log where a job of its own (`track --campaign`) could not make the track: why
 ///   measurements/NAME.json
 ///   aside/ the same of runs that have left the campaign
 ///   .lock while a `run` is writing
@@ -21,6 +22,11 @@ struct RunFolder {
   std::filesystem::path track(const std::string& name) const { return track_in(tracks(), name); }
   static std::filesystem::path track_in(const std::filesystem::path& tracks, const std::string& name) {
     return tracks / (name + ".csv");
+  }
+  /// Says why there is no T.csv where a job of its own could not use the recording; empty or missing
+  /// otherwise.
+  static std::filesystem::path failure_beside(std::filesystem::path track) {
+    return track.replace_extension(".log");
   }
   std::filesystem::path overlay(const std::string& name) const { return tracks() / (name + ".png"); }
   std::filesystem::path overlay_video(const std::string& name) const { return tracks() / (name + ".mp4"); }

@@ -11,17 +11,40 @@
 #include "apps/program/progress.h"
 #include "apps/recording/job.h"
 #include "apps/recording/track_recording.h"
+#include "apps/text/output_file.h"
+#include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
+/// What a job of its own has made of a run. Throws what it left word of where there is no track.
+TrackFile track_from_job(const std::filesystem::path& csv) {
+  const std::filesystem::path word = RunFolder::failure_beside(csv);
+  std::string sentence;
+  if (!std::filesystem::exists(csv) && std::filesystem::is_regular_file(word)) sentence = read_text(word);
+  while (sentence.ends_with('\n')) sentence.pop_back();
+  if (!sentence.empty()) throw InvalidInput(sentence);
+  return read_track_file(csv);
+}
+
+/// As `run` writes them into its folder.
+void write_measurements(const std::filesystem::path& folder, const std::vector<AnalysedRun>& runs) {
+  create_folder(folder);
+  for (const AnalysedRun& run : runs)
+    if (run.failure.empty() && run.measurement && run.track)
+      write_file(folder / (run.run->name + ".json"), text_of(measurement_json(*run.measurement, *run.track)));
+}
+
 /// The track of a run: from the folder the user names, else made here.
 std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run, const FitChoices& choices,
                                   const FramesDone& frames_done) {
+  if (!run.has_track()) return std::nullopt;
+  if (!choices.tracks.empty()) {
+    const std::filesystem::path csv = RunFolder::track_in(choices.tracks, run.name);
+    if (run.video || std::filesystem::exists(csv)) return track_from_job(csv);
+  }
   if (run.track) return read_any_track(*run.track, run.reading);
-  if (!run.video) return std::nullopt;
-  if (!choices.tracks.empty()) return read_track_file(RunFolder::track_in(choices.tracks, run.name));
   PreparedJob job = prepare(job_for(campaign, run));
   job.job.track.progress = frames_done;
   std::optional<std::filesystem::path> beside;
@@ -69,6 +92,7 @@ FittedCampaign fit_campaign(const Campaign& campaign, const FitChoices& choices,
   });
   SharedFindings shared;
   shared.scale = share_scale(campaign, fitted.runs);
+  if (!choices.measurements.empty()) write_measurements(choices.measurements, fitted.runs);
   allow_for_missing(fitted.runs, choices.allow_missing, context);
   shared.conditions = share_conditions(campaign, fitted.runs);
   fitted.stage = fit_runs(campaign, fitted.runs, std::move(shared), context, options);

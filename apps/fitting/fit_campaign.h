@@ -16,6 +16,8 @@ namespace tribotrack::apps {
 
 struct FitChoices {
   std::filesystem::path tracks;  ///< folder of the runs' tracks, NAME.csv; empty: videos are tracked now
+  std::filesystem::path
+      measurements;              ///< folder for each run's measurement, NAME.json; empty: none is written
   int allow_missing = 0;         ///< runs that may fail
   std::string loss = "squares";  ///< one of losses()
   /// Where a picture goes that asks which disc is the part: beside this result. Nothing: no picture.

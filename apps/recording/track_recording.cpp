@@ -188,6 +188,10 @@ std::filesystem::path question_picture(const std::filesystem::path& beside,
   return name.replace_extension(".discs.png");
 }
 
+Json settings_of(const RecordingJob& job) {
+  return configuration_of(job, std::nullopt);
+}
+
 PreparedJob prepare(RecordingJob job) {
   PreparedJob prepared;
   std::vector<std::filesystem::path> files = {job.video};

@@ -51,6 +51,9 @@ struct PreparedJob {
   double hashing_s = 0;  ///< wall time that the inputs' hashes took
 };
 
+/// How the recording is tracked, apart from what its inputs hold: the key's configuration, no file looked at.
+Json settings_of(const RecordingJob& job);
+
 /// Hashes the recording. Throws InvalidInput.
 PreparedJob prepare(RecordingJob job);
 /// The same for frames that are in memory already: there is nothing to hash but a calibration, and no key.

@@ -1,5 +1,5 @@
-// The files of pages and the conditions of the paper's figures, carried inside the program so that an
-// installed binary needs nothing beside it.
+// The files of pages and workflows and the conditions of the paper's figures, carried inside the program so
+// that an installed binary needs nothing beside it.
 #pragma once
 
 #include <span>
@@ -17,6 +17,9 @@ struct EmbeddedAssets {
   std::string_view figures_py;       ///< draws them for print
   std::string_view frames_template;  ///< this folder/frames.html: frames to scrub and to point into
   std::string_view frames_js;
+  std::string_view snakefile;      ///< apps/workflow/Snakefile
+  std::string_view slurm_profile;  ///< apps/workflow/slurm.yaml
+  std::string_view slurm_status;   ///< apps/workflow/slurm_status.sh
 };
 
 const EmbeddedAssets& embedded_assets();
