@@ -2,7 +2,8 @@
 # Draws the map of rooms in CONTRIBUTING.md from the includes of the sources.
 # Use: tests/map.sh          print the map
 #      tests/map.sh write    put it into CONTRIBUTING.md
-#      tests/map.sh check    fail where CONTRIBUTING.md shows another map, or names a file that does not exist
+#      tests/map.sh check    fail where CONTRIBUTING.md shows another map, or it or fit/uncertainty.md names a file that does
+#                            not exist
 set -euo pipefail
 cd "$(dirname "$0")/.."
 page=CONTRIBUTING.md
@@ -96,11 +97,13 @@ case ${1:-print} in
       echo "The map in $page is not the one of the sources: run tests/map.sh write."
       status=1
     }
-    for path in $(grep -o '`[a-z_./]*/[a-z_./]*`' "$page" | tr -d '`'); do
-      case $path in build/* | out/*) continue ;; esac
-      [ -e "$path" ] || { echo "$page names $path, which does not exist."; status=1; }
+    for text in "$page" fit/uncertainty.md; do
+      for path in $(grep -o '`[a-z_./]*/[a-z_./]*`' "$text" | tr -d '`'); do
+        case $path in build/* | out/*) continue ;; esac
+        [ -e "$path" ] || { echo "$text names $path, which does not exist."; status=1; }
+      done
     done
     exit $status
     ;;
-  *) sed -n '2,5p' "$0" >&2; exit 2 ;;
+  *) sed -n '2,6p' "$0" >&2; exit 2 ;;
 esac
