@@ -1,5 +1,5 @@
 // tribotrack bench: error against run time, ours and others', the stiff and extreme cases, what omissions
-// save, and the claims of the source paper.
+// save, the claims of the source paper, and what work costs as it grows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 struct BenchOptions {
   std::string what;
   std::string output;
-  bool quick = false;
+  bool quick = false, full = false;
   std::optional<int> campaigns;
   std::vector<int> frames;
   std::vector<double> diameters;
@@ -130,6 +130,19 @@ class Bench {
     results_.fit = std::move(found);
   }
 
+  void scale() {
+    bench::ScaleOptions options;
+    if (options_.quick) options = bench::quick_scale_options();
+    if (options_.full) options = bench::full_scale_options();
+    options.program = fs::read_symlink("/proc/self/exe");
+    options.folder = options_.keep;
+    results_.scale = measured("bench scale", options, context_, bench::bench_scale);
+    counts_["scale"] = {{"rows", results_.scale->size()}};
+    for (const bench::ScaleExponent& found : bench::exponents(*results_.scale))
+      counts_["scale"]["exponents"][found.series][found.cost] = {{"exponent", found.exponent},
+                                                                 {"sd", found.sd}};
+  }
+
   /// Files and tables once everything is measured: an interrupted bench leaves nothing half done.
   void finish() {
     here_.load_after = bench::load_average();
@@ -181,6 +194,7 @@ void run_bench(const BenchOptions& options, const Context& context) {
   if (vision) measurements.vision();
   if (vision || options.what == "commands") measurements.commands();
   if (all || options.what == "fit") measurements.fit();
+  if (options.what == "scale") measurements.scale();
   measurements.finish();
 }
 
@@ -209,8 +223,9 @@ void add_bench(CLI::App& app, Context& context) {
           "`commands`; commands: `track` from the start of its process to its end, beside whole commands of "
           "others, with the share of each stage (an hour); fit: exact derivatives against differences, and "
           "how often the intervals of simulated campaigns of eleven designs hold (some minutes, on all "
-          "cores); all")
-      ->check(one_of({"model", "vision", "commands", "fit", "all"}))
+          "cores); scale: whole commands as recordings, frames, runs, points and scenarios grow, with the "
+          "exponent of each cost (a quarter of an hour; not part of `all`); all")
+      ->check(one_of({"model", "vision", "commands", "fit", "scale", "all"}))
       ->required();
   command
       .add_option(
@@ -218,7 +233,8 @@ void add_bench(CLI::App& app, Context& context) {
           "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
           "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
           "bench_vision_audit.csv, bench_vision_decoding.csv, bench_commands.csv, bench_fit.csv, "
-          "bench_fit_coverage.csv, bench.html (all of it on one page, with figures of error against run "
+          "bench_fit_coverage.csv, bench_scale.csv, bench_scale_exponents.csv, bench.html (all of it on one "
+          "page, with figures of error against run "
           "time) and bench.json (CPU, compiler flags, how the references were made, solvers this build "
           "lacks)")
       ->type_name("DIR")
@@ -245,19 +261,23 @@ void add_bench(CLI::App& app, Context& context) {
           ->type_name("D,D,...");
   command
       .add_option("--keep", options->keep,
-                  "commands: keep the recordings in this folder, and use those that are there (default: "
-                  "temporary ones, removed)")
+                  "commands, scale: keep the recordings in this folder, and use those that are there "
+                  "(default: temporary ones, removed)")
       ->type_name("DIR");
   command
       .add_option("--figures", options->figures,
                   "Folder for the page's figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib "
                   "(Debian's python3-matplotlib), with their numbers as CSV and the script that drew them")
       ->type_name("DIR");
+  CLI::Option* full = command.add_flag(
+      "--full", options->full,
+      "scale: to 1000 recordings, 1e6 frames and points, 3000 runs, 1e8 scenarios (half a day, 20 GB)");
   command
       .add_flag("--quick", options->quick,
                 "Few and short cases, seconds in all: a check that it works, not a measurement")
       ->excludes(frames)
-      ->excludes(diameters);
+      ->excludes(diameters)
+      ->excludes(full);
   command.add_flag("--json", options->json, "Print bench.json instead of the names of the files");
   add_common(
       command, context,

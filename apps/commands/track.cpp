@@ -220,6 +220,15 @@ void track_and_write(const TrackCommandOptions& options, const PreparedJob& prep
   context.exit_code = kQualityGate;
 }
 
+/// Not those of the campaign's other runs: a campaign has a job for each, and each would look at all.
+std::vector<std::filesystem::path> inputs_of(const Campaign& campaign, const CampaignRun& run) {
+  std::vector<std::filesystem::path> inputs = {campaign.file};
+  for (const auto& file : {run.video, run.track, run.scope, campaign.camera.calibration})
+    if (file)
+      for (const std::filesystem::path& one : files_of_input(*file)) inputs.push_back(one);
+  return inputs;
+}
+
 /// As `run` does it: the bytes of the track are the same.
 void track_run(const TrackCommandOptions& options, double started, Context& context) {
   if (options.run.empty()) throw CLI::RequiredError("--run NAME");
@@ -227,7 +236,7 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
     throw UsageError("the track of a campaign's run is a file: give -o T.csv");
   const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), "");
   const CampaignRun& run = run_named(campaign, options.run);
-  check_outputs(options, campaign.input_files());
+  check_outputs(options, inputs_of(campaign, run));
   leaving_word(run, options.output, [&] {
     if (!run.video) {
       import_track(*run.track, run.reading, options.output);

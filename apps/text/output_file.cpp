@@ -50,9 +50,14 @@ class TemporaryNames {
     names_.insert(name);
     return name;
   }
-  void remove(const fs::path& name) {
+  void remove(const fs::path& name, Content content) {
     const std::lock_guard lock(mutex_);
-    erase_derived(name);
+    std::error_code ignored;
+    // Nothing is derived from a result's name: a folder of thousands need not be listed for it.
+    if (content == Content::result)
+      fs::remove(name, ignored);
+    else
+      erase_derived(name);
     names_.erase(name);
   }
   void forget(const fs::path& name) {
@@ -187,10 +192,12 @@ void require_writable(const std::vector<Output>& outputs, const std::vector<fs::
 }
 
 TemporaryFile::TemporaryFile(const fs::path& path, Content content)
-    : path_(require_replaceable(path, content)), temporary_(TemporaryNames::of_this_process().add(path_)) {}
+    : path_(require_replaceable(path, content)),
+      temporary_(TemporaryNames::of_this_process().add(path_)),
+      content_(content) {}
 
 TemporaryFile::~TemporaryFile() {
-  if (!temporary_.empty()) TemporaryNames::of_this_process().remove(temporary_);
+  if (!temporary_.empty()) TemporaryNames::of_this_process().remove(temporary_, content_);
 }
 
 void TemporaryFile::commit() {

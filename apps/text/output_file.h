@@ -60,6 +60,7 @@ class TemporaryFile {
  private:
   std::filesystem::path path_;
   std::filesystem::path temporary_;
+  Content content_;
 };
 
 /// Creates a folder and its parents. Returns those it made, outermost first. Throws InvalidInput.

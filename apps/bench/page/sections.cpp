@@ -176,6 +176,16 @@ std::vector<PageSection> sections_of(const BenchResults& results, const std::vec
              "φ, then again). Both film the same simulated parts.") +
              table_named(tables, "bench_fit_filming").html});
   }
+  if (results.scale)
+    sections.push_back(
+        {"scale", "As work grows",
+         paragraph(
+             "Whole commands on ever larger inputs, one thread, and the exponent n of cost ~ "
+             "size<sup>n</sup> "
+             "over the three largest sizes with its standard deviation. Nothing grows faster than its work "
+             "where n is at most 1.") +
+             table_named(tables, "bench_scale_exponents").html +
+             folded("Every size", table_named(tables, "bench_scale").html)});
   return sections;
 }
 

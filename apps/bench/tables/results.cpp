@@ -23,6 +23,10 @@ std::vector<BenchTable> tables_of(const BenchResults& results, const std::vector
     tables.push_back(table_of(fit->covered));
     tables.push_back(table_of(fit->filmed));
   }
+  if (results.scale) {
+    tables.push_back(table_of(*results.scale));
+    tables.push_back(table_of(exponents(*results.scale)));
+  }
   return tables;
 }
 

@@ -38,6 +38,7 @@ struct BenchResults {
   std::optional<VisionResults> vision;
   std::optional<std::vector<WholeCommandRow>> commands;
   std::optional<FitResults> fit;
+  std::optional<std::vector<ScaleRow>> scale;
 };
 
 /// The tables of what was run, in the order in which they are printed. `missing`: as in tables.h.

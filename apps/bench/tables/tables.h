@@ -12,6 +12,7 @@
 #include "apps/bench/model/batch.h"
 #include "apps/bench/model/bench.h"
 #include "apps/bench/model/plan.h"
+#include "apps/bench/scale/scale.h"
 #include "apps/bench/vision/bench.h"
 #include "apps/bench/vision/decoding.h"
 #include "apps/bench/vision/limit.h"
@@ -41,5 +42,7 @@ BenchTable table_of(const std::vector<WholeCommandRow>& rows);
 BenchTable table_of(const std::vector<FitBenchRow>& rows);
 BenchTable table_of(const std::vector<CoverageRow>& rows);
 BenchTable table_of(const std::vector<FilmingRow>& rows);
+BenchTable table_of(const std::vector<ScaleRow>& rows);
+BenchTable table_of(const std::vector<ScaleExponent>& rows);
 
 }  // namespace tribotrack::bench

@@ -52,6 +52,7 @@ ChildRun run_child(const std::vector<std::string>& command, const std::filesyste
   ChildRun run;
   run.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   run.cpu = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
+  run.memory = 1024.0 * static_cast<double>(used.ru_maxrss);
   if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
   return run;
 }

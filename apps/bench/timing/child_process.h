@@ -11,6 +11,7 @@ struct ChildRun {
   int exit_code = -1;  ///< -1 where a signal ended it
   double cpu = 0;      ///< s, user and system, of all its threads: loading, work and tearing down
   double wall = 0;     ///< s
+  double memory = 0;   ///< bytes, the most that was resident
 };
 
 /// Runs `command` (program and arguments, no shell) to its end; its stdout is dropped, its stderr goes into a

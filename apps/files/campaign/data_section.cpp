@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "apps/files/campaign/campaign.h"
@@ -43,6 +45,36 @@ bool same_point(const AlphaVLine& a, const AlphaVLine& b) {
          same(a.angular_frequency, b.angular_frequency) && same(a.start_phase, b.start_phase) &&
          a.cycles == b.cycles;
 }
+
+/// The points seen so far, by where they lie in phi and dtau: whether a line repeats one of many is known
+/// without looking at them all.
+class PointsByPlace {
+ public:
+  void add(const AlphaVLine& line, std::size_t point) { cells_[cell_of(line)].push_back(point); }
+  /// The first of those that lie near, in the order of their numbers, for which `wanted` holds.
+  template <class Wanted>
+  std::optional<std::size_t> find(const AlphaVLine& line, const Wanted& wanted) const {
+    std::optional<std::size_t> first;
+    const auto [phi, dtau] = cell_of(line);
+    for (long long i = -1; i <= 1; ++i)
+      for (long long j = -1; j <= 1; ++j)
+        if (const auto cell = cells_.find({(phi + i + kTurn) % kTurn, dtau + j}); cell != cells_.end())
+          for (const std::size_t point : cell->second)
+            if ((!first || point < *first) && wanted(point)) first = point;
+    return first;
+  }
+
+ private:
+  using Cell = std::pair<long long, long long>;
+  // Of 1e-5 rad: numbers that mean the same lie in one cell or in neighbouring ones.
+  static constexpr long long kTurn = 628'318;  ///< cells of a turn
+  static Cell cell_of(const AlphaVLine& line) {
+    const double turns = line.phi / (2 * std::numbers::pi);
+    return {static_cast<long long>((turns - std::floor(turns)) * kTurn) % kTurn,
+            static_cast<long long>(std::floor(line.dtau * (kTurn / (2 * std::numbers::pi))))};
+  }
+  std::map<Cell, std::vector<std::size_t>> cells_;
+};
 
 /// Where no sd is known: of the first such line.
 [[noreturn]] void refuse_without_sd(const AlphaVLine& line, const fit::PooledPoints& pooled) {
@@ -95,12 +127,15 @@ class TableRuns {
 
  private:
   void sort_into_points() {
+    PointsByPlace known;
     for (const AlphaVLine& line : lines_) {
-      const auto point = std::ranges::find_if(points_, [&](const std::vector<std::size_t>& members) {
-        return same_point(lines_[members.front()], line);
-      });
-      const auto number = static_cast<std::size_t>(point - points_.begin());
-      if (point == points_.end()) points_.emplace_back();
+      const auto repeated = known.find(
+          line, [&](std::size_t point) { return same_point(lines_[points_[point].front()], line); });
+      const std::size_t number = repeated.value_or(points_.size());
+      if (!repeated) {
+        points_.emplace_back();
+        known.add(line, number);
+      }
       points_[number].push_back(static_cast<std::size_t>(&line - lines_.data()));
       point_of_.push_back(number);
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/files/scenario_file.h"
+#include "apps/files/sweeps/sweep_part.h"
 
 namespace tribotrack::apps {
 
@@ -39,18 +40,20 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts);
 /// The same checks of axes that are there.
 void require_sweepable(const std::vector<SweepAxis>& axes);
 
-/// A scenario and its axes as a row of scenarios, the last axis running fastest.
+/// A scenario and its axes as a row of scenarios, the last axis running fastest; or a part of that row.
 class Sweep {
  public:
-  Sweep(ScenarioFile base, std::vector<SweepAxis> axes);
+  /// Throws UsageError for a part without a scenario.
+  Sweep(ScenarioFile base, std::vector<SweepAxis> axes, SweepPart part = {});
   const std::vector<SweepAxis>& axes() const { return axes_; }
-  std::size_t count() const;
+  std::size_t count() const { return count_; }
   double value(std::size_t index, std::size_t axis) const;  ///< of scenario `index`
   model::Scenario scenario(std::size_t index) const;
 
  private:
   ScenarioFile base_;
   std::vector<SweepAxis> axes_;
+  std::size_t first_ = 0, count_ = 0;  ///< of the whole row
 };
 
 }  // namespace tribotrack::apps

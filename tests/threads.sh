@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# --threads N is obeyed by all that the program is made of: OpenCV, FFmpeg, Ceres and its own work. Looks at /proc/PID/task
+# every millisecond while commands run: besides N threads at work there is one that waits for signals.
+# Use: tests/threads.sh BINARY
+set -euo pipefail
+binary=$(realpath "${1:?binary}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+cat >scene.toml <<'SCENE'
+[platform]
+amplitude_mm = 0.28
+angular_frequency_rad_s = 62.8
+[friction]
+mu1 = 0.1
+mu1_over_mu2 = 8
+lag_rad = 0.2
+[run]
+cycles = 10
+[video]
+width = 160
+height = 160
+frame_rate_hz = 500
+[camera]
+mm_per_px = 0.2
+[disc]
+diameter_mm = 6.0
+[marker]
+position_px = [18, 18]
+radius_px = 8
+[[shot]]
+name = "a"
+phi_rad = 0
+dtau_rad = "60deg"
+[[shot]]
+name = "b"
+phi_rad = "90deg"
+dtau_rad = "90deg"
+[[shot]]
+name = "c"
+phi_rad = "180deg"
+dtau_rad = "120deg"
+SCENE
+{
+  printf '[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[part]\ndiameter_mm = 6.0\n'
+  printf '[camera]\nmarker_px = [18, 18, 8]\nframe_rate_hz = 500\n[fit]\ncycles = 10\ndata = "trajectory"\n'
+  printf '[[run]]\nvideo = "videos/a.mp4"\nphi_rad = 0\ndtau_rad = "60deg"\n'
+  printf '[[run]]\nvideo = "videos/b.mp4"\nphi_rad = "90deg"\ndtau_rad = "90deg"\n'
+  printf '[[run]]\nvideo = "videos/c.mp4"\nphi_rad = "180deg"\ndtau_rad = "120deg"\n'
+} >campaign.toml
+"$binary" synth scene.toml --extension mp4 -o videos -q
+
+cat >most_threads.py <<'PYTHON'
+"""The most threads a command has at once: most_threads.py COMMAND..."""
+import os, subprocess, sys, time
+process = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+most = 0
+while process.poll() is None:
+    try:
+        most = max(most, len(os.listdir(f"/proc/{process.pid}/task")))
+    except OSError:
+        pass
+    time.sleep(0.001)
+if process.returncode not in (0, 4, 5):
+    sys.exit(process.stderr.read().decode())
+print(most)
+PYTHON
+
+wrong=0
+check() {  # what, threads, command...
+  local what=$1 threads=$2 most
+  shift 2
+  most=$(python3 most_threads.py "$binary" "$@" --threads "$threads" -q)
+  echo "$what, --threads $threads: at most $most threads"
+  if [ "$most" -gt $((threads + 1)) ]; then
+    echo "  WRONG: more than $threads and the one that waits for signals"
+    wrong=1
+  fi
+  reached[threads]=$((most > ${reached[threads]:-0} ? most : ${reached[threads]:-0}))
+}
+reached=()
+for threads in 1 3; do
+  check "track, H.264" $threads track videos/a.mp4 --fps 500 --disc-diameter-mm 6 --marker 18,18,8 -o a.csv --overlay a.mp4
+  check "run" $threads run campaign.toml -o out
+  check "fit" $threads fit campaign.toml --tracks out/tracks -o fit.json --bootstrap 20
+  check "sweep" $threads sweep --over phi_rad=0:6:100 --over dtau_rad=0.1:3:100 -o sweep.csv
+  rm -rf out
+done
+# Somebody did work side by side, so that the count above sees threads.
+[ "${reached[3]}" = 4 ] || { echo "WRONG: with --threads 3 there were never 3 at work"; wrong=1; }
+exit $wrong
