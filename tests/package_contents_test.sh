@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The Debian package of a build folder: what it holds, what it depends on, lintian without a word, and the same bytes from a
-# second run of cpack. That two builds agree as well shows package_test.sh. Use: tests/package_contents_test.sh BUILD_FOLDER
+# second run of cpack. Use: tests/package_contents_test.sh BUILD_FOLDER
 set -euo pipefail
 build=$(cd "${1:?build folder}" && pwd)
 for program in cpack dpkg-shlibdeps file lintian; do

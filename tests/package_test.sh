@@ -46,7 +46,7 @@ inside tribotrack --version
 inside tribotrack doctor | tee "$work/doctor"
 grep -q 'video files' "$work/doctor"
 
-# A campaign from rendered recordings to the parameters that rendered them: four of the example's runs.
+# A campaign from rendered recordings to the parameters that rendered them: six of the example's runs.
 inside sh -euc '
   mkdir /campaign && cd /campaign
   examples=/usr/share/doc/tribotrack/example

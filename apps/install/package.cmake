@@ -1,6 +1,6 @@
 # The Debian package: `cpack --config build/release/CPackConfig.cmake -B FOLDER` in any build folder, whatever its prefix. What
-# the install rules leave lies under /usr; the scripts beside this file add what Debian's policy asks for. Two packages of one
-# source are the same bytes: package_time.cmake sets the time they are stamped with.
+# the install rules leave lies under /usr; the scripts beside this file add what Debian's policy asks for. Packed
+# twice, a build gives the same bytes: package_time.cmake sets the time they are stamped with.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "The tribotrack authors")
 set(CPACK_PACKAGE_DIRECTORY "${PROJECT_BINARY_DIR}/package")
