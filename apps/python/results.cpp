@@ -121,6 +121,7 @@ py::dict measure(const py::object& track, const py::dict& options) {
 
 py::dict fit(const py::object& campaign, const py::dict& options, const py::object& progress) {
   const apps::FitChoices choices = choices_of(options);
+  const std::string part = text_in(options, "part");
   apps::Context context;
   context.quiet = true;
   context.threads = static_cast<int>(whole_in(options, "threads").value_or(0));
@@ -129,14 +130,14 @@ py::dict fit(const py::object& campaign, const py::dict& options, const py::obje
     const std::string file = path_of(campaign);
     read = reading(file, [&] {
       return std::make_shared<const apps::Campaign>(
-          apps::campaign_of_part(apps::read_campaign(apps::campaign_file(file)), ""));
+          apps::campaign_of_part(apps::read_campaign(apps::campaign_file(file)), part));
     });
   } else {
     if (!py::isinstance<py::dict>(campaign))
       throw UsageError(fmt::format("the campaign must be a path, a dict or a table, not {}",
                                    Py_TYPE(campaign.ptr())->tp_name));
     read = std::make_shared<const apps::Campaign>(
-        apps::campaign_of_part(apps::campaign_of(to_json(campaign, kCampaign), kCampaign), ""));
+        apps::campaign_of_part(apps::campaign_of(to_json(campaign, kCampaign), kCampaign), part));
   }
   const auto result = released<Fitted>(
       [read, choices, context](const Tell& tell) mutable {

@@ -229,6 +229,7 @@ def measure(
 def fit(
     campaign: Union[Path, Mapping[str, Any]],
     *,
+    part: Optional[str] = None,
     tracks: Optional[Path] = None,
     allow_missing: int = 0,
     loss: str = "squares",
@@ -245,6 +246,7 @@ def fit(
         campaign: the path of a campaign file; a dict of its structure, paths in it relative to the working folder; or a
             table of displacements, a pandas DataFrame or a dict of arrays with the columns phi_rad, dtau_rad,
             alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s and any other key of [[run]].
+        part: which of the campaign's several [[part]].
         tracks: folder with the runs' tracks, NAME.csv; without it videos are tracked now.
         allow_missing: go on where up to so many runs are not usable.
         loss: "squares", "huber" or "cauchy". bootstrap: refits to simulated data, seed: of their noise.
@@ -270,6 +272,7 @@ def fit(
     elif conditions:
         raise InputError(f"{', '.join(conditions)}: conditions stand in the campaign, beside a table only")
     options = {
+        "part": part,
         "tracks": tracks,
         "allow_missing": allow_missing,
         "loss": loss,

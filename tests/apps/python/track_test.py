@@ -103,7 +103,7 @@ class Track(ProgramTest):
             ({"fps": 250, "mm_per_px": 0.1, "disc_diameter_mm": 6}, "give mm_per_px or disc_diameter_mm, not both"),
             ({"fps": 250, "disc": (1, 2)}, "disc must be (x, y, radius) in pixels"),
             ({"fps": 250, "disc": (1, 2, 0)}, "disc 1,2,0: the radius must be greater than 0"),
-            ({"fps": 250, "marker": "round"}, 'marker must be (x, y, radius) in pixels, "auto"'),
+            ({"fps": 250, "marker": "round"}, "marker must be (x, y, radius) in pixels, auto"),
             ({"fps": 250, "frames": (5, 2)}, "the first frame comes after the last"),
             ({"fps": 250, "frames": "0:3"}, "frames must be (first, last)"),
             ({"fps": 250, "bits": 9}, "bits must be 1 to 8"),
