@@ -101,7 +101,7 @@ JoinedSweep joined_objects(const std::vector<fs::path>& parts) {
   for (const fs::path& path : parts) {
     const Json part = read_json(path);
     for (const auto& [name, column] : part.items()) {
-      if (!column.is_array() || (!whole.is_null() && !whole.contains(name)))
+      if (!column.is_array() || (path != parts.front() && !whole.contains(name)))
         throw InvalidInput(fmt::format("{}: `{}` is no column of the sweep in {}", path.string(), name,
                                        parts.front().string()));
       for (const Json& value : column) whole[name].push_back(value);
