@@ -125,7 +125,7 @@ SlurmctldPidFile=$work/slurm_machine/slurmctld.pid
 SlurmdPidFile=$work/slurm_machine/slurmd.pid
 SlurmctldLogFile=$work/slurm_machine/slurmctld.log
 SlurmdLogFile=$work/slurm_machine/slurmd.log
-NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+NodeName=$host NodeAddr=127.0.0.1 CPUs=2 RealMemory=$(awk '/MemTotal/ {print int($2 / 1100)}' /proc/meminfo) State=UNKNOWN
 PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE State=UP
 CONF
   export SLURM_CONF=$work/slurm_machine/slurm.conf
