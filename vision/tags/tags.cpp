@@ -26,7 +26,7 @@ struct Side {
   Eigen::Vector2d foot, along, out;
 };
 
-/// sum of n.p = c of the line through the crossings, and the sd of its place.
+/// A straight line through the crossings, and the sd of its place in its middle, px.
 struct Line {
   Eigen::Vector2d foot, direction;
   double sd = 0;
