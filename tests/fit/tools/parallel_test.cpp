@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <vector>
 
@@ -14,6 +15,26 @@ TEST(ParallelFor, DoesEachOnce) {
     std::vector<std::atomic<int>> done(100);
     parallel_for(done.size(), threads, [&](std::size_t i) { ++done[i]; });
     for (const auto& count : done) EXPECT_EQ(count, 1);
+  }
+}
+
+// Loops within loops, and one after them, use no more threads than were asked for.
+TEST(ParallelFor, SharesItsThreadsWithLoopsInside) {
+  for (const std::size_t outer : {2u, 3u, 7u}) {
+    std::atomic<int> at_work = 0, most = 0, done = 0;
+    parallel_for(outer, 4, [&](std::size_t) {
+      parallel_for(20, 4, [&](std::size_t) {
+        const int now = ++at_work;
+        for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        --at_work;
+        ++done;
+      });
+    });
+    EXPECT_LE(most, 4) << outer;
+    EXPECT_EQ(done, static_cast<int>(20 * outer));
+    EXPECT_EQ(threads_allowed(), std::numeric_limits<int>::max());
   }
 }
 
