@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {
@@ -30,7 +32,7 @@ FileBytes of(const std::string& text) {
 
 std::string big(std::uint32_t value, int bytes) {
   std::string text;
-  for (int i = bytes; i-- > 0;) text += static_cast<char>(value >> (8 * i));
+  for (int i = bytes; i-- > 0;) text += static_cast<char>(std::uint64_t{value} >> std::min(63, 8 * i));
   return text;
 }
 
