@@ -11,6 +11,8 @@ namespace tribotrack::fit::internal {
 double chi2_survival(double x, double dof) {
   if (!(dof > 0) || x <= 0) return 1;
   if (!std::isfinite(x)) return std::isnan(x) ? x : 0;
+  // Chernoff: all but exp(-0.318 dof) of the distribution lies above, where Boost 1.74 overflows.
+  if (dof > 150 && x < dof / 4) return 1;
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), x));
 }
 

@@ -48,6 +48,21 @@ TEST(Statistics, ChiSquareMatchesClosedForms) {
   EXPECT_EQ(chi2_survival(HUGE_VAL, 3), 0);
 }
 
+// Thousands of runs of exact data: nothing of the distribution lies below such a chi^2.
+TEST(Statistics, AnyChi2HasASurvivalThatFalls) {
+  for (const double dof : {1.0, 3.0, 140.0, 149.0, 150.0, 151.0, 170.0, 3600.0, 5997.0, 1e5, 2e6}) {
+    double before = 1;
+    for (double x = 1e-300; x < 1e9; x *= 1.7) {
+      const double now = chi2_survival(x, dof);
+      EXPECT_LE(now, before + 1e-15) << x << " " << dof;
+      EXPECT_GE(now, 0) << x << " " << dof;
+      before = now;
+    }
+    EXPECT_GT(chi2_survival(1e-12, dof), 0.999) << dof;
+    EXPECT_LT(before, 1e-15) << dof;
+  }
+}
+
 TEST(Statistics, ChiSquareQuantileInvertsTheSurvival) {
   for (const double dof : {1.0, 2.5, 25.0, 1e4})
     for (const double p : {0.005, 0.3, 0.995})
