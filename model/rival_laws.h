@@ -29,8 +29,10 @@ const char* to_string(RivalLaw::Kind kind);
 /// Displacement at the end of the run, m: Dormand-Prince 5(4) that stops and starts anew wherever mu has a
 /// kink, with sticking decided by the friction at rest. `tolerance` is relative to A and A w (the initial
 /// speed where the platform rests). A general integrator without derivatives, some ten times slower than
-/// integrate(). Throws InvalidParameter for a strength that makes friction negative or a rise longer than the
-/// pulse or the pause, for a start other than rest, and where too many steps are needed.
+/// integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
+/// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
+/// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
+/// stands.
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);
 
 /// Positions at increasing times from the start, none beyond the end, m: columns.

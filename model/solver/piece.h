@@ -116,7 +116,6 @@ Motion<T> PieceChain<T>::at(const Piece<T>& piece, double s, const ScaledDrive<T
                             const T& kappa) const {
   using std::cos;
   using std::sin;
-  const T* c = pool_.data() + piece.offset;
   const int n = piece.order;
   switch (piece.kind) {
     case PieceKind::stick:
@@ -124,12 +123,14 @@ Motion<T> PieceChain<T>::at(const Piece<T>& piece, double s, const ScaledDrive<T
     case PieceKind::arc:
       return inside_arc(piece, std::clamp(s - piece.s, 0.0, piece.span), drive, kappa);
     case PieceKind::series: {
+      const T* c = pool_.data() + piece.offset;
       const T t = std::clamp(s - piece.s, 0.0, piece.span) - piece.shift;
       return {{evaluate(c, n, t), evaluate(c + n + 1, n, t)},
               {piece.position.x + evaluate_integral(c, n, t),
                piece.position.y + evaluate_integral(c + n + 1, n, t)}};
     }
     case PieceKind::polar: {
+      const T* c = pool_.data() + piece.offset;
       PolarSeries<T> series;
       series.order = n;
       T* columns[] = {series.log_speed, series.angle, series.s, series.x, series.y};
