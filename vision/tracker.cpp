@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -55,6 +54,13 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
     ++count;
   }
   return count > 0 ? std::sqrt(square / count) : std::numeric_limits<double>::infinity();
+}
+
+/// In every frame in which the part was found.
+bool all_by_rim(const FirstPassResult& first, const Track& track) {
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    if (track.points[k].status == TrackStatus::ok && !first.by_rim[k]) return false;
+  return true;
 }
 
 /// One call of track().
@@ -192,7 +198,7 @@ void Tracking::measure_layers() {
   if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
-  const bool by_rim = std::ranges::all_of(first.by_rim, std::identity());
+  const bool by_rim = all_by_rim(first, result_.track);
   if (layers.done && by_rim)
     decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
   if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
@@ -202,7 +208,7 @@ void Tracking::measure_layers() {
     summary.warnings.push_back("the second pass that was asked for (--layers on) is not used: " +
                                layers.plan.front().reason);
   if (!layers.done) {
-    if (!by_rim) audited_ = first.audited;  // they are the template's
+    audited_ = first.audited;
     add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
     return;
   }

@@ -216,6 +216,9 @@ Track FirstPass::finish(TrackSummary& summary) {
   }
   result_.excess = median(excess_);
   result_.audited = audited_.frames();
+  std::erase_if(result_.audited, [&](const AuditFrame& frame) {
+    return result_.by_rim[static_cast<std::size_t>(frame.index - range_.first)];
+  });
   return std::move(track_);
 }
 
