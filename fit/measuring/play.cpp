@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fit/measurement.h"
+#include "fit/tools/angles.h"
 
 namespace tribotrack::fit {
 
 SeenThroughPlay seen_through_play(double amplitude, double half_width) {
-  constexpr double pi = std::numbers::pi;
+  using internal::pi;
   if (!(half_width > 0)) return {};
   const double r = amplitude > 0 ? half_width / amplitude : 1;
   if (r >= 1) return {1, pi / 2};

@@ -235,8 +235,7 @@ std::vector<std::int64_t> spread_frames(std::int64_t span, int most) {
     frames.push_back(static_cast<std::int64_t>((turns - std::floor(turns)) * static_cast<double>(span)));
   }
   std::ranges::sort(frames);
-  const auto repeated = std::ranges::unique(frames);
-  frames.erase(repeated.begin(), repeated.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   return frames;
 }
 

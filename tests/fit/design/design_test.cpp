@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "fit/campaign.h"
@@ -12,8 +11,6 @@
 
 namespace tribotrack::fit {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
   using internal::Transform;

@@ -75,13 +75,14 @@ TEST(Scenario, EveryEntranceRefuses) {
                                                          {Parameter::tilt_y, std::nan("")},
                                                          {Parameter::velocity_x, inf},
                                                          {Parameter::start_phase, std::nan("")}};
-  for (const auto& [parameter, value] : bad) {
+  for (const auto& [wrong, value] : bad) {
     Scenario s;
-    s.set(parameter, value);
-    const auto refuses = [&](auto&& entrance) {
+    s.set(wrong, value);
+    // Named anew: clang before 16 takes no structured binding into a lambda.
+    const auto refuses = [parameter = wrong](auto&& entrance) {
       try {
         entrance();
-        ADD_FAILURE() << to_string(parameter) << " = " << value << " was accepted";
+        ADD_FAILURE() << to_string(parameter) << " was accepted";
       } catch (const InvalidParameter& error) {
         EXPECT_THAT(error.what(), testing::HasSubstr(to_string(parameter)));
       }
