@@ -173,20 +173,11 @@ void CampaignRunner::refuse_if_none_is_left() {
 }
 
 fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
-  constexpr double kDescribed = 1e-3;  // p of chi^2
-  fit::Problem problem = problem_of(campaign_, runs_, shared_.conditions);
+  const fit::Problem problem = problem_of(campaign_, runs_, shared_.conditions);
   fit::FitOptions options;
   options.profiles = false;
   options.threads = threads_to_use(context_);
-  if (last != nullptr) {
-    options.multi_starts = 1;
-    fit::Problem begun = problem;
-    for (const fit::ParameterEstimate& p : last->parameters) begun.start[p.parameter] = p.estimate;
-    fit::FitResult result = fit::estimate(begun, options);
-    if (result.usable() && result.p_value > kDescribed) return result;
-    options.multi_starts = fit::FitOptions{}.multi_starts;
-  }
-  return fit::estimate(problem, options);
+  return last != nullptr ? fit::estimate_from(*last, problem, options) : fit::estimate(problem, options);
 }
 
 void CampaignRunner::fit_all() {

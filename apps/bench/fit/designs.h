@@ -85,7 +85,7 @@ class SimulatedLab {
  public:
   SimulatedLab(NoiseLevel level, std::uint64_t seed, int index);
   /// The displacement of another run after 20 cycles from rest, with an error of its own. The run's scenario
-  /// holds nothing of the truth.
+  /// holds nothing of the truth. Throws PeerHangs.
   fit::SummaryRun film(double phi, double dtau);
   double mu1() const { return truth_.friction.nominal; }
 

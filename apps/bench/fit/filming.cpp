@@ -1,8 +1,11 @@
 #include "apps/bench/fit/filming.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <mutex>
 #include <numbers>
+#include <optional>
 
 #include "fit/estimate.h"
 #include "fit/goal.h"
@@ -25,12 +28,14 @@ std::pair<double, double> of_paper(int run) {
   return k < 8 ? std::pair(k * pi / 4, pi / 3) : std::pair(0.0, (k - 7) * pi / 6);
 }
 
-/// Profiles, which take longest, only where the covariance says that the goal is reached.
-FitResult fit_so_far(const Problem& problem, const std::vector<Goal>& goals, bool next) {
+/// As `watch` fits: from the last fit on. Profiles and the whole search, which take longest, only where the
+/// covariance says that the goal is reached.
+FitResult fit_so_far(const std::optional<FitResult>& last, const Problem& problem,
+                     const std::vector<Goal>& goals, bool next) {
   FitOptions options;
   options.next_experiment = next;
   options.profiles = false;
-  FitResult result = estimate(problem, options);
+  FitResult result = last ? estimate_from(*last, problem, options) : estimate(problem, options);
   if (!all_reached(goals, result)) return result;
   options.profiles = true;
   return estimate(problem, options);
@@ -41,10 +46,11 @@ Filmed film_until_known(Choice choice, SimulatedLab lab, const FilmingOptions& o
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   Filmed filmed;
+  std::optional<FitResult> last;
   auto [phi, dtau] = of_paper(0);
   while (filmed.runs < options.most_runs) {
     problem.summary_runs.push_back(lab.film(phi, dtau));
-    const FitResult result = fit_so_far(problem, goals, choice == Choice::next_for_goal);
+    const FitResult& result = last.emplace(fit_so_far(last, problem, goals, choice == Choice::next_for_goal));
     ++filmed.runs;
     if (all_reached(goals, result)) {
       const Interval& interval = result.parameters.front().ci95;
@@ -58,6 +64,18 @@ Filmed film_until_known(Choice choice, SimulatedLab lab, const FilmingOptions& o
         std::tie(phi, dtau) = std::pair(next->phi, next->dtau);
   }
   return filmed;
+}
+
+/// The same truth for every choice; drawn anew where the peer's integrator does not get through a run.
+std::array<Filmed, std::size(kChoices)> film_by_every_choice(NoiseLevel level, int index,
+                                                             const FilmingOptions& options) {
+  for (;; index += options.campaigns) try {
+      std::array<Filmed, std::size(kChoices)> filmed;
+      for (std::size_t c = 0; c < std::size(kChoices); ++c)
+        filmed[c] = film_until_known(kChoices[c], SimulatedLab(level, options.seed, index), options);
+      return filmed;
+    } catch (const PeerHangs&) {
+    }
 }
 
 FilmingRow row_of(Choice choice, NoiseLevel level, const std::vector<Filmed>& campaigns) {
@@ -95,31 +113,29 @@ FilmingOptions quick_filming_options() {
 }
 
 std::vector<FilmingRow> filming(const FilmingOptions& options) {
-  struct Group {
-    Choice choice;
+  struct Part {
     NoiseLevel level;
-    std::vector<Filmed> campaigns;
+    int index;
+    std::array<Filmed, std::size(kChoices)> filmed = {};
   };
-  std::vector<Group> groups;
+  std::vector<Part> parts;
   for (const NoiseLevel level : options.levels)
-    for (const Choice choice : kChoices)
-      groups.push_back(
-          {choice, level, std::vector<Filmed>(static_cast<std::size_t>(std::max(0, options.campaigns)))});
-  std::vector<std::pair<Group*, std::size_t>> work;
-  for (Group& group : groups)
-    for (std::size_t k = 0; k < group.campaigns.size(); ++k) work.emplace_back(&group, k);
+    for (int k = 0; k < options.campaigns; ++k) parts.push_back({level, k});
   int done = 0;
   std::mutex mutex;
-  fit::internal::parallel_for(work.size(), options.threads, [&](std::size_t i) {
-    const auto [group, k] = work[i];
-    // The same truth for both choices.
-    group->campaigns[k] = film_until_known(
-        group->choice, SimulatedLab(group->level, options.seed, static_cast<int>(k)), options);
+  fit::internal::parallel_for(parts.size(), options.threads, [&](std::size_t i) {
+    parts[i].filmed = film_by_every_choice(parts[i].level, parts[i].index, options);
     const std::lock_guard lock(mutex);
-    if (options.progress) options.progress(++done, static_cast<int>(work.size()));
+    if (options.progress) options.progress(++done, static_cast<int>(parts.size()));
   });
   std::vector<FilmingRow> rows;
-  for (const Group& group : groups) rows.push_back(row_of(group.choice, group.level, group.campaigns));
+  for (const NoiseLevel level : options.levels)
+    for (std::size_t c = 0; c < std::size(kChoices); ++c) {
+      std::vector<Filmed> campaigns;
+      for (const Part& part : parts)
+        if (part.level == level) campaigns.push_back(part.filmed[c]);
+      rows.push_back(row_of(kChoices[c], level, campaigns));
+    }
   return rows;
 }
 

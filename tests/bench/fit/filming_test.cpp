@@ -40,7 +40,7 @@ void runs_chosen_one_by_one_are_fewer(NoiseLevel level) {
   options.threads = 2;
   options.levels = {level};
   options.progress = [](int done, int total) {
-    if (done % 10 == 0) std::fprintf(stderr, "%d of %d campaigns\n", done, total);
+    if (done % 10 == 0) std::fprintf(stderr, "%d of %d parts\n", done, total);
   };
   const auto rows = filming(options);
   for (const FilmingRow& row : rows) {
@@ -54,7 +54,7 @@ void runs_chosen_one_by_one_are_fewer(NoiseLevel level) {
   EXPECT_LT(rows[0].runs_median, rows[1].runs_median);
 }
 
-// An hour or more of two processors, and several hours: tests/run.sh -L campaign -R bench
+// Some minutes of two processors, and longer: tests/run.sh -L campaign -R bench
 TEST(FilmingCampaign, DISABLED_RunsChosenOneByOneAreFewer) {
   runs_chosen_one_by_one_are_fewer(NoiseLevel::low);
 }
