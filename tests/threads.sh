@@ -4,30 +4,13 @@
 # Use: tests/threads.sh BINARY
 set -euo pipefail
 binary=$(realpath "${1:?binary}")
+here=$(realpath "$(dirname "$0")")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-cat >scene.toml <<'SCENE'
-[platform]
-amplitude_mm = 0.28
-angular_frequency_rad_s = 62.8
-[friction]
-mu1 = 0.1
-mu1_over_mu2 = 8
-lag_rad = 0.2
-[run]
-cycles = 10
-[video]
-width = 160
-height = 160
-frame_rate_hz = 500
-[camera]
-mm_per_px = 0.2
-[disc]
-diameter_mm = 6.0
-[marker]
-position_px = [18, 18]
-radius_px = 8
+{
+  cat "$here/small_scene.toml"
+  cat <<'SHOTS'
 [[shot]]
 name = "a"
 phi_rad = 0
@@ -40,10 +23,11 @@ dtau_rad = "90deg"
 name = "c"
 phi_rad = "180deg"
 dtau_rad = "120deg"
-SCENE
+SHOTS
+} >scene.toml
 {
-  printf '[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[part]\ndiameter_mm = 6.0\n'
-  printf '[camera]\nmarker_px = [18, 18, 8]\nframe_rate_hz = 500\n[fit]\ncycles = 10\ndata = "trajectory"\n'
+  cat "$here/small_campaign.toml"
+  printf 'data = "trajectory"\n'
   printf '[[run]]\nvideo = "videos/a.mp4"\nphi_rad = 0\ndtau_rad = "60deg"\n'
   printf '[[run]]\nvideo = "videos/b.mp4"\nphi_rad = "90deg"\ndtau_rad = "90deg"\n'
   printf '[[run]]\nvideo = "videos/c.mp4"\nphi_rad = "180deg"\ndtau_rad = "120deg"\n'
@@ -80,7 +64,7 @@ check() {  # what, threads, command...
 }
 reached=()
 for threads in 1 3; do
-  check "track, H.264" $threads track videos/a.mp4 --fps 500 --disc-diameter-mm 6 --marker 18,18,8 -o a.csv --overlay a.mp4
+  check "track, H.264" $threads track videos/a.mp4 --fps 250 --disc-diameter-mm 6 --marker 18,18,8 -o a.csv --overlay a.mp4
   check "run" $threads run campaign.toml -o out
   check "fit" $threads fit campaign.toml --tracks out/tracks -o fit.json --bootstrap 20
   check "sweep" $threads sweep --over phi_rad=0:6:100 --over dtau_rad=0.1:3:100 -o sweep.csv

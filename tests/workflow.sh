@@ -32,35 +32,7 @@ fail() {  # what was wrong, files to show
 
 name_of() { printf 'phi%03d dtau%03d' $(($1 % 4 * 90)) $((40 + $1 / 4 * 25)); }  # with a blank, as people name things
 {
-  cat <<'SCENE'
-seed = 7
-[platform]
-amplitude_mm = 0.28
-angular_frequency_rad_s = 62.8
-[friction]
-mu1 = 0.1
-mu1_over_mu2 = 8
-lag_rad = 0.2
-[run]
-cycles = 8
-[video]
-width = 128
-height = 128
-frame_rate_hz = 250
-exposure_s = 0.4e-3
-[camera]
-mm_per_px = 0.2
-read_noise = 1.2
-[disc]
-diameter_mm = 6.0
-scratches = 0
-highlight = 0
-[surface]
-texture_rms = 3
-[marker]
-position_px = [18, 18]
-radius_px = 8
-SCENE
+  cat "$here/small_scene.toml"
   for k in $(seq 0 $count); do
     printf '[[shot]]\nname = "%s"\nphi_rad = "%ddeg"\ndtau_rad = "%ddeg"\nseed = %d\n' "$(name_of "$k")" $((k % 4 * 90)) \
       $((40 + k / 4 * 25)) "$k"
@@ -73,8 +45,7 @@ mv "recordings/$(name_of $count).cine" elsewhere/last.cine
 bad=$(name_of $((count - 1))) killed=$(name_of 1)
 truncate -s 700 "recordings/$bad.cine"
 {
-  printf '[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[part]\ndiameter_mm = 6.0\n'
-  printf '[camera]\nmarker_px = [18, 18, 8]\n[fit]\ncycles = 8\n'
+  cat "$here/small_campaign.toml"
   for k in $(seq 0 $((count - 1))); do
     printf '[[run]]\nvideo = "recordings/%s.cine"\nphi_rad = "%ddeg"\ndtau_rad = "%ddeg"\n' "$(name_of "$k")" $((k % 4 * 90)) \
       $((40 + k / 4 * 25))

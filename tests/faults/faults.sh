@@ -40,35 +40,7 @@ complain() {  # what was wrong, files to show
 
 render() {
   {
-    cat <<'SCENE'
-seed = 7
-[platform]
-amplitude_mm = 0.28
-angular_frequency_rad_s = 62.8
-[friction]
-mu1 = 0.1
-mu1_over_mu2 = 8
-lag_rad = 0.2
-[run]
-cycles = 8
-[video]
-width = 128
-height = 128
-frame_rate_hz = 250
-exposure_s = 0.4e-3
-[camera]
-mm_per_px = 0.2
-read_noise = 1.2
-[disc]
-diameter_mm = 6.0
-scratches = 0
-highlight = 0
-[surface]
-texture_rms = 3
-[marker]
-position_px = [18, 18]
-radius_px = 8
-SCENE
+    cat "$here/../small_scene.toml"
     for run in a:0:60 b:90:60 c:180:60 d:270:60 e:0:120 f:90:150 other:45:60; do
       IFS=: read -r name phi width <<<"$run"
       printf '[[shot]]\nname = "%s"\nphi_rad = "%d*pi/180"\ndtau_rad = "%d*pi/180"\nseed = %d\n' "$name" "$phi" "$width" \
@@ -76,8 +48,7 @@ SCENE
     done
   } >scene.toml
   {
-    printf '[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[part]\ndiameter_mm = 6.0\n'
-    printf '[camera]\nmarker_px = [18, 18, 8]\n[fit]\ncycles = 8\n'
+    cat "$here/../small_campaign.toml"
     sed -n '/^\[\[shot/,$p' scene.toml | grep -v '^seed' | head -n -4 | sed 's/^\[\[shot/[[run/; s/^name = "\(.*\)"/video = "recordings\/\1.cine"/'
   } >campaign.toml
   "$binary" synth scene.toml -o pristine -q || { echo "the recordings could not be rendered"; exit 1; }
