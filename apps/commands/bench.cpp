@@ -8,10 +8,14 @@
 
 #include "apps/bench/page/page.h"
 #include "apps/bench/peers/library_peers.h"
+#include "apps/bench/tables/campaigns.h"
 #include "apps/commands/command.h"
 #include "apps/figures/printed.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/parts/work_part.h"
+#include "apps/json/json_place.h"
 #include "apps/page/assets/embedded_assets.h"
+#include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
@@ -31,7 +35,8 @@ struct BenchOptions {
   std::vector<int> frames;
   std::vector<double> diameters;
   std::string keep;
-  std::string figures;
+  std::string figures, part;
+  std::vector<std::string> join;
   bool json = false;
 };
 
@@ -46,7 +51,11 @@ auto measured(const std::string& name, Options options, const Context& context, 
 class Bench {
  public:
   Bench(const BenchOptions& options, const Context& context)
-      : options_(options), context_(context), folder_(options.output), here_(bench::circumstances_here()) {
+      : options_(options),
+        context_(context),
+        part_(options.part.empty() ? WorkPart{} : work_part(options.part)),
+        folder_(options.output),
+        here_(bench::circumstances_here()) {
     create_folder(folder_);
     require_writable({{folder_ / "bench.json"}, {folder_ / "bench.html"}});
     if (options_.figures.empty()) return;
@@ -110,24 +119,46 @@ class Bench {
   void fit() {
     bench::FitBenchOptions options;
     options.quick = options_.quick;
+    bench::FitResults found;
+    found.rows = measured("bench fit", options, context_, bench::bench_fit);
+    bench::FilmingOptions filming;
+    if (options_.quick) filming = bench::quick_filming_options();
+    filming.threads = threads_to_use(context_);
+    if (options_.campaigns) filming.campaigns = std::min(filming.campaigns, *options_.campaigns);
+    found.filmed = measured("bench fit, filming", filming, context_, bench::filming);
+    counts_["fit"]["rows"] = found.rows.size();
+    results_.fit = std::move(found);
+  }
+
+  void coverage() {
     bench::CoverageOptions campaigns;
     if (options_.quick) campaigns.campaigns = 2;
     if (options_.campaigns) campaigns.campaigns = *options_.campaigns;
     campaigns.of_trajectories = std::min(campaigns.campaigns, options_.quick ? 1 : campaigns.of_trajectories);
+    campaigns.part = part_.number;
+    campaigns.parts = part_.of;
     campaigns.threads = threads_to_use(context_);
-    bench::FitResults found;
-    found.rows = measured("bench fit", options, context_, bench::bench_fit);
-    found.covered = measured("bench fit, coverage", campaigns, context_, bench::coverage);
-    bench::FilmingOptions filming;
-    if (options_.quick) filming = bench::quick_filming_options();
-    filming.threads = campaigns.threads;
-    if (options_.campaigns) filming.campaigns = std::min(filming.campaigns, *options_.campaigns);
-    found.filmed = measured("bench fit, filming", filming, context_, bench::filming);
-    found.campaigns = campaigns.campaigns;
-    found.seed = campaigns.seed;
-    counts_["fit"] = {{"rows", found.rows.size()},
-                      {"coverage", {{"campaigns", found.campaigns}, {"seed", found.seed}}}};
-    results_.fit = std::move(found);
+    cover({measured("bench coverage", campaigns, context_, bench::judged_campaigns),
+           {},
+           campaigns.campaigns,
+           campaigns.seed});
+  }
+
+  /// The whole from its parts.
+  void joined_coverage() {
+    std::vector<fs::path> parts;
+    for (const std::string& folder : options_.join) parts.push_back(fs::path(folder) / kCampaigns);
+    require_writable({{folder_ / kCampaigns}}, parts);
+    const JoinedTable joined = joined_tables(parts, "bench coverage");
+    try {
+      const JsonPlace configuration = JsonPlace{joined.meta, ""}.at("configuration");
+      cover({bench::read_campaigns(parts.front(), joined.text),
+             {},
+             configuration.at("campaigns").integer(),
+             static_cast<std::uint64_t>(configuration.at("seed").whole())});
+    } catch (const WrongContent& wrong) {
+      throw InvalidInput(fmt::format("{}.meta.json: {}", parts.front().string(), wrong.what()));
+    }
   }
 
   void scale() {
@@ -153,6 +184,7 @@ class Bench {
       write_meta(csv);
       say(context_.quiet, table.text);
     }
+    if (results_.coverage) write_campaigns(*results_.coverage);
     write(folder_ / "bench.html", page_of(results_, tables, here_));
     Json json = json_of(here_);
     json["results"] = counts_;
@@ -162,6 +194,22 @@ class Bench {
   }
 
  private:
+  static constexpr const char* kCampaigns = "bench_fit_campaigns.csv";
+
+  void cover(bench::CoverageResults found) {
+    found.rows = bench::coverage_of(found.judged);
+    counts_["fit"]["coverage"] = {{"campaigns", found.campaigns}, {"seed", found.seed}};
+    results_.coverage = std::move(found);
+  }
+  void write_campaigns(const bench::CoverageResults& found) const {
+    const fs::path csv = folder_ / kCampaigns;
+    write(csv, csv_of(found.judged));
+    MetaFile meta;
+    meta.command = "bench";
+    meta.configuration = {{"what", "coverage"}, {"campaigns", found.campaigns}, {"seed", found.seed}};
+    if (part_.of > 1) meta.configuration["part"] = json_of(part_, found.judged.size());
+    meta.write_beside(csv);
+  }
   void write(const fs::path& file, const std::string& text) const {
     write_file(file, text);
     if (!options_.json) apps::print("{}\n", file.string());
@@ -180,6 +228,7 @@ class Bench {
 
   const BenchOptions& options_;
   const Context& context_;
+  WorkPart part_;
   fs::path folder_;
   bench::Circumstances here_;
   bench::BenchResults results_;
@@ -187,13 +236,20 @@ class Bench {
 };
 
 void run_bench(const BenchOptions& options, const Context& context) {
+  if (options.what != "coverage" && (!options.part.empty() || !options.join.empty()))
+    throw UsageError(fmt::format("--part and --join are for `bench coverage`, not `bench {}`", options.what));
   Bench measurements(options, context);
   const bool all = options.what == "all";
   if (all || options.what == "model") measurements.model();
   const bool vision = all || options.what == "vision";
   if (vision) measurements.vision();
   if (vision || options.what == "commands") measurements.commands();
-  if (all || options.what == "fit") measurements.fit();
+  const bool fit = all || options.what == "fit";
+  if (fit) measurements.fit();
+  if (!options.join.empty())
+    measurements.joined_coverage();
+  else if (fit || options.what == "coverage")
+    measurements.coverage();
   if (options.what == "scale") measurements.scale();
   measurements.finish();
 }
@@ -223,9 +279,10 @@ void add_bench(CLI::App& app, Context& context) {
           "`commands`; commands: `track` from the start of its process to its end, beside whole commands of "
           "others, with the share of each stage (an hour); fit: exact derivatives against differences, and "
           "how often the intervals of simulated campaigns of eleven designs hold (some minutes, on all "
-          "cores); scale: whole commands as recordings, frames, runs, points and scenarios grow, with the "
+          "cores); coverage: only how often intervals hold; scale: whole commands as recordings, frames, "
+          "runs, points and scenarios grow, with the "
           "exponent of each cost (a quarter of an hour; not part of `all`); all")
-      ->check(one_of({"model", "vision", "commands", "fit", "scale", "all"}))
+      ->check(one_of({"model", "vision", "commands", "fit", "coverage", "scale", "all"}))
       ->required();
   command
       .add_option(
@@ -233,18 +290,31 @@ void add_bench(CLI::App& app, Context& context) {
           "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, "
           "bench_model_batch.csv, bench_model_claims.csv, bench_vision.csv, bench_vision_limit.csv, "
           "bench_vision_audit.csv, bench_vision_decoding.csv, bench_commands.csv, bench_fit.csv, "
-          "bench_fit_coverage.csv, bench_scale.csv, bench_scale_exponents.csv, bench.html (all of it on one "
+          "bench_fit_filming.csv, bench_fit_coverage.csv, bench_fit_campaigns.csv (what each simulated "
+          "campaign's intervals hold), bench_scale.csv, bench_scale_exponents.csv, bench.html (all of it on "
+          "one "
           "page, with figures of error against run "
           "time) and bench.json (CPU, compiler flags, how the references were made, solvers this build "
           "lacks)")
       ->type_name("DIR")
       ->required();
   command
-      .add_option(
-          "--campaigns", options->campaigns,
-          "fit: simulated campaigns of each design and noise level (default 200, of tracks at most 50): "
-          "2000 tell a coverage to 1 %")
+      .add_option("--campaigns", options->campaigns,
+                  "fit, coverage: simulated campaigns of each design and noise level (default 200, of tracks "
+                  "at most 50): "
+                  "2000 tell a coverage to 1 %")
       ->check(whole_number(1, 1'000'000));
+  CLI::Option* part =
+      command.add_option("--part", options->part,
+                         "coverage: part K of N of the campaigns only, for a job of its own; see --join");
+  part->type_name("K/N");
+  command
+      .add_option(
+          "--join", options->join,
+          "coverage: instead of simulating, join the parts, the folders that --part wrote: tables are "
+          "byte for byte those of the whole")
+      ->type_name("DIR...")
+      ->excludes(part);
   CLI::Option* frames =
       command
           .add_option(
@@ -271,7 +341,7 @@ void add_bench(CLI::App& app, Context& context) {
       ->type_name("DIR");
   CLI::Option* full = command.add_flag(
       "--full", options->full,
-      "scale: to 1000 recordings, 1e6 frames and points, 3000 runs, 1e8 scenarios (half a day, 20 GB)");
+      "scale: to 1000 recordings, 1e6 frames and points, 3000 runs, 1e7 scenarios (half an hour, 20 GB)");
   command
       .add_flag("--quick", options->quick,
                 "Few and short cases, seconds in all: a check that it works, not a measurement")

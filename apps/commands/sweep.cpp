@@ -7,7 +7,9 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
+#include "apps/files/parts/work_part.h"
 #include "apps/files/scenario_file.h"
+#include "apps/files/sweeps/joined_sweep.h"
 #include "apps/files/sweeps/sweep_axis.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -47,7 +49,7 @@ void join_parts(const SweepOptions& options, const Context& context) {
   for (const auto& part : parts) inputs.emplace_back(part.string() + ".meta.json");
   const bool to_file = !is_standard_output(options.output);
   if (to_file) require_writable({{options.output}}, inputs);
-  const JoinedSweep whole = joined_sweep(parts);
+  const JoinedTable whole = joined_sweep(parts);
   if (!to_file) return print_text(whole.text);
   write_file(options.output, whole.text);
   if (!whole.meta.is_null()) write_file(options.output + ".meta.json", text_of(whole.meta));
@@ -58,7 +60,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   if (!options.join.empty()) return join_parts(options, context);
   const ScenarioFile base = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
   const auto& texts = options.over.empty() ? base.over : options.over;
-  const SweepPart part = options.part.empty() ? SweepPart{} : sweep_part(options.part);
+  const WorkPart part = options.part.empty() ? WorkPart{} : work_part(options.part);
   const Sweep sweep(base, sweep_axes(texts), part);
   if (is_standard_output(options.output)) {
     if (options.json) throw UsageError("give -o - or --json: both would go to standard output");

@@ -6,6 +6,7 @@
 #include "apps/bench/fit/bench.h"
 #include "apps/bench/fit/coverage.h"
 #include "apps/bench/model/bench.h"
+#include "apps/bench/scale/scale.h"
 #include "apps/bench/vision/bench.h"
 #include "apps/figures/figure.h"
 
@@ -27,5 +28,9 @@ apps::Figure fit_minimum_figure(const std::vector<FitBenchRow>& rows);
 /// Which share of the 95 % intervals holds the truth, with its binomial 95 % range, against the nominal
 /// share.
 apps::Figure coverage_figure(const std::vector<CoverageRow>& rows);
+
+/// CPU time, memory and file calls of whole commands against the size of their work, relative to the smallest
+/// of each series: a panel for each cost.
+apps::Figure scale_figure(const std::vector<ScaleRow>& rows);
 
 }  // namespace tribotrack::bench

@@ -1,6 +1,6 @@
 #include "apps/bench/fit/coverage.h"
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -12,13 +12,6 @@ namespace tribotrack::bench {
 using namespace fit;
 
 namespace {
-
-struct Group {
-  Design design;
-  NoiseLevel level;
-  std::vector<FitParameter> parameters = {};
-  std::vector<JudgedCampaign> campaigns = {};
-};
 
 /// P(X <= k) for X binomial.
 double binomial_cdf(int k, int n, double p) {
@@ -38,31 +31,6 @@ double where_it_falls_to(double level, const Function& f) {
     (f(middle) > level ? low : high) = middle;
   }
   return (low + high) / 2;
-}
-
-std::vector<CoverageRow> rows_of(const Group& group) {
-  std::vector<CoverageRow> rows;
-  for (std::size_t i = 0; i < group.parameters.size(); ++i) {
-    CoverageRow row;
-    row.design = group.design;
-    row.level = group.level;
-    row.parameter = fit::to_string(group.parameters[i]);
-    for (const JudgedCampaign& campaign : group.campaigns) {
-      ++row.campaigns;
-      if (campaign.parameters.empty()) continue;
-      const JudgedInterval& interval = campaign.parameters[i];
-      row.covered_of_all += interval.holds;
-      if (!campaign.usable) continue;
-      ++row.usable;
-      row.weak += campaign.weak;
-      row.open += interval.open;
-      row.covered += interval.holds;
-      row.score += interval.score;
-    }
-    if (row.usable > 0) row.score /= row.usable;
-    rows.push_back(row);
-  }
-  return rows;
 }
 
 }  // namespace
@@ -93,30 +61,58 @@ JudgedCampaign judge(const CoverageCampaign& campaign) {
   return judged;
 }
 
-std::vector<CoverageRow> coverage(const CoverageOptions& options) {
-  std::vector<Group> groups;
+std::vector<JudgedParameter> judged_campaigns(const CoverageOptions& options) {
+  struct Work {
+    Design design;
+    NoiseLevel level;
+    int campaign;
+    std::vector<JudgedParameter> judged = {};
+  };
+  std::vector<Work> work;
+  std::size_t number = 0;
   for (const Design design : options.designs)
-    for (const NoiseLevel level : options.levels) {
-      groups.push_back({design, level});
-      const int count = design == Design::trajectories ? options.of_trajectories : options.campaigns;
-      groups.back().campaigns.resize(static_cast<std::size_t>(std::max(0, count)));
-      groups.back().parameters = draw_campaign(design, level, options.seed, 0).problem.free;
-    }
-  std::vector<std::pair<Group*, int>> work;
-  for (Group& group : groups)
-    for (std::size_t k = 0; k < group.campaigns.size(); ++k) work.emplace_back(&group, static_cast<int>(k));
+    for (const NoiseLevel level : options.levels)
+      for (int k = 0; k < (design == Design::trajectories ? options.of_trajectories : options.campaigns); ++k)
+        if (number++ % options.parts == options.part - 1) work.push_back({design, level, k});
   int done = 0;
   std::mutex mutex;
   fit::internal::parallel_for(work.size(), options.threads, [&](std::size_t i) {
-    const auto [group, k] = work[i];
-    group->campaigns[static_cast<std::size_t>(k)] =
-        judge(draw_campaign(group->design, group->level, options.seed, k));
+    auto& [design, level, k, rows] = work[i];
+    const CoverageCampaign campaign = draw_campaign(design, level, options.seed, k);
+    const JudgedCampaign judged = judge(campaign);
+    for (std::size_t p = 0; p < campaign.problem.free.size(); ++p) {
+      rows.push_back({design, level, k, fit::to_string(campaign.problem.free[p])});
+      rows.back().fitted = !judged.parameters.empty();
+      rows.back().usable = judged.usable;
+      rows.back().weak = judged.weak;
+      if (rows.back().fitted) rows.back().interval = judged.parameters[p];
+    }
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, static_cast<int>(work.size()));
   });
+  std::vector<JudgedParameter> judged;
+  for (const Work& one : work) judged.insert(judged.end(), one.judged.begin(), one.judged.end());
+  return judged;
+}
+
+std::vector<CoverageRow> coverage_of(const std::vector<JudgedParameter>& judged) {
   std::vector<CoverageRow> rows;
-  for (const Group& group : groups)
-    for (const CoverageRow& row : rows_of(group)) rows.push_back(row);
+  for (const JudgedParameter& one : judged) {
+    auto row = std::ranges::find_if(rows, [&](const CoverageRow& r) {
+      return r.design == one.design && r.level == one.level && r.parameter == one.parameter;
+    });
+    if (row == rows.end()) row = rows.insert(rows.end(), {one.design, one.level, one.parameter});
+    ++row->campaigns;
+    row->covered_of_all += one.fitted && one.interval.holds;
+    if (!one.usable) continue;
+    ++row->usable;
+    row->weak += one.weak;
+    row->open += one.interval.open;
+    row->covered += one.interval.holds;
+    row->score += one.interval.score;
+  }
+  for (CoverageRow& row : rows)
+    if (row.usable > 0) row.score /= row.usable;
   return rows;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "apps/bench/fit/designs.h"
@@ -19,6 +20,8 @@ struct CoverageOptions {
       20210701;  ///< of truths and noise: campaign k depends on design, level, seed and k alone
   std::vector<Design> designs{kDesigns.begin(), kDesigns.end()};
   std::vector<NoiseLevel> levels{kNoiseLevels.begin(), kNoiseLevels.end()};
+  /// Every parts-th of all these campaigns, the part-th first: what one of several jobs does.
+  std::size_t part = 1, parts = 1;
   int threads = 1;  ///< over campaigns
   std::function<void(int done, int total)> progress;
 };
@@ -33,11 +36,26 @@ struct JudgedCampaign {
 /// Fits with profiles and blind starts, as `fit` does.
 JudgedCampaign judge(const CoverageCampaign& campaign);
 
+/// One parameter of one campaign.
+struct JudgedParameter {
+  Design design = Design::both_sweeps;
+  NoiseLevel level = NoiseLevel::low;
+  int campaign = 0;
+  std::string parameter;  ///< as in campaigns
+  bool fitted = false;    ///< false: the fit threw
+  bool usable = false, weak = false;
+  JudgedInterval interval = {};
+  /// That of the campaigns of one call: by design and level as in kDesigns and kNoiseLevels, then campaign.
+  friend bool operator<(const JudgedParameter& a, const JudgedParameter& b) {
+    return std::tie(a.design, a.level, a.campaign) < std::tie(b.design, b.level, b.campaign);
+  }
+};
+
 /// Counts of one design, level and parameter.
 struct CoverageRow {
   Design design = Design::both_sweeps;
   NoiseLevel level = NoiseLevel::low;
-  std::string parameter;  ///< as in campaigns
+  std::string parameter;
   int campaigns = 0;
   int usable = 0;          ///< verdict identifiable or weak: those counted below
   int weak = 0;            ///< of them, with the verdict weak
@@ -50,7 +68,10 @@ struct CoverageRow {
   fit::Interval share_ci95() const;  ///< Clopper and Pearson's
 };
 
-std::vector<CoverageRow> coverage(const CoverageOptions& options = {});
+/// In order.
+std::vector<JudgedParameter> judged_campaigns(const CoverageOptions& options = {});
+/// From campaigns in order, of one part or of all.
+std::vector<CoverageRow> coverage_of(const std::vector<JudgedParameter>& judged);
 
 /// The exact 95 % interval of a probability after `hits` of `trials` (Clopper and Pearson 1934).
 fit::Interval binomial_ci95(int hits, int trials);

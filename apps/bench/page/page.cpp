@@ -24,7 +24,8 @@ std::string left_out(const BenchResults& results) {
   if (!results.model) missing.emplace_back("the model, its extremes and the paper’s claims");
   if (!results.vision) missing.emplace_back("tracking on rendered scenes and the audit");
   if (!results.commands) missing.emplace_back("whole commands");
-  if (!results.fit) missing.emplace_back("the fit and its coverage");
+  if (!results.fit) missing.emplace_back("the fit");
+  if (!results.coverage) missing.emplace_back("what intervals cover");
   if (missing.empty()) return "";
   return fmt::format(
       "<p class=\"left-out\">Not run for this page: {} (<code>tribotrack bench all</code> runs "
@@ -62,9 +63,12 @@ std::string page_of(const BenchResults& results, const std::vector<BenchTable>& 
   page.name = "bench";
   page.title = "Error against run time";
   page.subtitle = fmt::format("{}, {}, {}", circumstances.program, circumstances.cpu, circumstances.compiler);
-  page.first = "<p>";
-  for (const char* sentence : kReadingGuide) page.first += apps::escape_html(sentence) + " ";
-  page.first += "</p>\n" + summary_table(summary_of(results)) + left_out(results);
+  if (const auto lines = summary_of(results); !lines.empty()) {  // there is somebody to compare with
+    page.first = "<p>";
+    for (const char* sentence : kReadingGuide) page.first += apps::escape_html(sentence) + " ";
+    page.first += "</p>\n" + summary_table(lines);
+  }
+  page.first += left_out(results);
   page.sections = sections_of(results, tables);
   page.sections.push_back(section_of(circumstances));
   page.figures = figures_of(tables);

@@ -127,15 +127,15 @@ PageSection fit_section(const FitResults& fit, const BenchTable& table) {
           figures_in(table) + wins_of_peers(fit.rows) + table.html};
 }
 
-PageSection coverage_section(const FitResults& fit, const BenchTable& table) {
+PageSection coverage_section(const CoverageResults& coverage, const BenchTable& table) {
   return {
       "coverage", "Coverage",
       paragraph(fmt::format(
           "Do 95 % intervals hold the truth in 95 % of campaigns? Up to {} simulated ones of each design and "
           "noise level, from seed {}. “score” is the interval’s score over that of the "
           "best possible one: 1 is as good as can be.",
-          fit.campaigns, fit.seed)) +
-          figures_in(table) + folded(fmt::format("All {} rows", fit.covered.size()), table.html)};
+          coverage.campaigns, coverage.seed)) +
+          figures_in(table) + folded(fmt::format("All {} rows", coverage.rows.size()), table.html)};
 }
 
 std::string load_text(const LoadAverage& load) {
@@ -166,7 +166,6 @@ std::vector<PageSection> sections_of(const BenchResults& results, const std::vec
   if (results.vision) sections.push_back(audit_section(table_named(tables, "bench_vision_audit")));
   if (const auto& fit = results.fit) {
     sections.push_back(fit_section(*fit, table_named(tables, "bench_fit")));
-    sections.push_back(coverage_section(*fit, table_named(tables, "bench_fit_coverage")));
     sections.push_back(
         {"filming", "Which run to film next",
          paragraph(
@@ -176,6 +175,8 @@ std::vector<PageSection> sections_of(const BenchResults& results, const std::vec
              "φ, then again). Both film the same simulated parts.") +
              table_named(tables, "bench_fit_filming").html});
   }
+  if (results.coverage)
+    sections.push_back(coverage_section(*results.coverage, table_named(tables, "bench_fit_coverage")));
   if (results.scale)
     sections.push_back(
         {"scale", "As work grows",
@@ -184,6 +185,7 @@ std::vector<PageSection> sections_of(const BenchResults& results, const std::vec
              "size<sup>n</sup> "
              "over the three largest sizes with its standard deviation. Nothing grows faster than its work "
              "where n is at most 1.") +
+             figures_in(table_named(tables, "bench_scale")) +
              table_named(tables, "bench_scale_exponents").html +
              folded("Every size", table_named(tables, "bench_scale").html)});
   return sections;

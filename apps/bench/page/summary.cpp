@@ -171,17 +171,20 @@ void add_fit(const FitResults& fit, std::vector<SummaryLine>& lines) {
     if (!own && peer) line.who = "PEER WINS";
     lines.push_back(line);
   }
+}
+
+void add_coverage(const std::vector<CoverageRow>& rows, std::vector<SummaryLine>& lines) {
   long covered = 0, usable = 0, off = 0;
-  for (const CoverageRow& row : fit.covered) {
+  for (const CoverageRow& row : rows) {
     covered += row.covered;
     usable += row.usable;
     off += row.usable > 0 && (row.share_ci95().high < 0.95 || row.share_ci95().low > 0.95);
   }
   if (usable > 0)
-    lines.push_back(
-        {"95 % intervals that hold the truth",
-         fmt::format("{:.1f} % of {}", 100 * double(covered) / double(usable), usable), "95 % is right",
-         fmt::format("of {} kinds {} lie beyond chance (1 in 20 would)", fit.covered.size(), off)});
+    lines.push_back({"95 % intervals that hold the truth",
+                     fmt::format("{:.1f} % of {}", 100 * double(covered) / double(usable), usable),
+                     "95 % is right",
+                     fmt::format("of {} kinds {} lie beyond chance (1 in 20 would)", rows.size(), off)});
 }
 
 }  // namespace
@@ -195,6 +198,7 @@ std::vector<SummaryLine> summary_of(const BenchResults& results) {
   }
   if (results.commands) add_commands(*results.commands, lines);
   if (results.fit) add_fit(*results.fit, lines);
+  if (results.coverage) add_coverage(results.coverage->rows, lines);
   return lines;
 }
 

@@ -22,7 +22,7 @@ struct ScaleOptions {
 };
 /// Seconds in all: a check that it works.
 ScaleOptions quick_scale_options();
-/// 1000 recordings, 1e6 frames and points, 3000 runs, 1e8 scenarios: half a day, 20 GB of disk.
+/// 1000 recordings, 1e6 frames and points, 3000 runs, 1e7 scenarios: half an hour, 20 GB of disk.
 ScaleOptions full_scale_options();
 
 /// One command on one size.
@@ -32,7 +32,8 @@ struct ScaleRow {
   double cpu = 0;     ///< s, of all threads; one thread is used
   double wall = 0;    ///< s
   double memory = 0;  ///< bytes resident at most
-  /// System calls that name files or list folders, counted by strace; nothing where it is not installed.
+  /// System calls that look up files by name or list folders, counted by strace; nothing where it is not
+  /// installed, and for commands of over a minute.
   std::optional<double> file_calls;
 };
 

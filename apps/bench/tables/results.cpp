@@ -20,9 +20,9 @@ std::vector<BenchTable> tables_of(const BenchResults& results, const std::vector
   if (results.commands) tables.push_back(table_of(*results.commands));
   if (const auto& fit = results.fit) {
     tables.push_back(table_of(fit->rows));
-    tables.push_back(table_of(fit->covered));
     tables.push_back(table_of(fit->filmed));
   }
+  if (results.coverage) tables.push_back(table_of(results.coverage->rows));
   if (results.scale) {
     tables.push_back(table_of(*results.scale));
     tables.push_back(table_of(exponents(*results.scale)));

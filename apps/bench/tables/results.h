@@ -26,9 +26,13 @@ struct VisionResults {
 
 struct FitResults {
   std::vector<FitBenchRow> rows;
-  std::vector<CoverageRow> covered;
   std::vector<FilmingRow> filmed;
-  int campaigns = 0;  ///< of each design and level
+};
+
+struct CoverageResults {
+  std::vector<JudgedParameter> judged;
+  std::vector<CoverageRow> rows;
+  int campaigns = 0;  ///< of each design and level, at most
   std::uint64_t seed = 0;
 };
 
@@ -38,6 +42,7 @@ struct BenchResults {
   std::optional<VisionResults> vision;
   std::optional<std::vector<WholeCommandRow>> commands;
   std::optional<FitResults> fit;
+  std::optional<CoverageResults> coverage;
   std::optional<std::vector<ScaleRow>> scale;
 };
 

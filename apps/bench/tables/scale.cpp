@@ -1,3 +1,4 @@
+#include "apps/bench/figures/figures.h"
 #include "apps/bench/tables/columns.h"
 #include "apps/bench/tables/tables.h"
 
@@ -14,8 +15,11 @@ BenchTable table_of(const std::vector<ScaleRow>& rows) {
       {"", [](const Row& r) { return r.memory / (1 << 20); }, "memory, MiB", ">12", "{:.1f}"},
       {"file_calls", &Row::file_calls, "file calls", ">10", "{:.0f}"},
   };
-  return {"bench_scale", columns.csv(rows), fmt::format("\n{}", columns.lines(rows)),
-          columns.html("bench_scale", rows)};
+  return {"bench_scale",
+          columns.csv(rows),
+          fmt::format("\n{}", columns.lines(rows)),
+          columns.html("bench_scale", rows),
+          {scale_figure(rows)}};
 }
 
 BenchTable table_of(const std::vector<ScaleExponent>& rows) {

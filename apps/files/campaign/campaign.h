@@ -95,13 +95,13 @@ struct Campaign {
   std::vector<std::filesystem::path> input_files() const;
 };
 
-/// Reads and checks a campaign. Throws InvalidInput with file, line and column.
 /// The file that was meant by what was given: itself, or the campaign.toml of a folder. Throws InvalidInput
 /// for a folder without one and for standard input, which has no place that paths could be relative to.
 std::filesystem::path campaign_file(const std::filesystem::path& given);
 
 /// May a campaign stand without a [[run]]?
 enum class Runs { required, may_be_missing };
+/// Reads and checks a campaign. Throws InvalidInput with file, line and column.
 Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::required);
 
 /// A campaign for each of its parts, in their order; itself where it has one. Throws InvalidInput for a part

@@ -107,7 +107,7 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
   return axes;
 }
 
-Sweep::Sweep(ScenarioFile base, std::vector<SweepAxis> axes, SweepPart part)
+Sweep::Sweep(ScenarioFile base, std::vector<SweepAxis> axes, WorkPart part)
     : base_(std::move(base)), axes_(std::move(axes)) {
   base_.over.clear();  // copied with each scenario
   std::size_t total = 1;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/parts/work_part.h"
 #include "apps/files/scenario_file.h"
-#include "apps/files/sweeps/sweep_part.h"
 
 namespace tribotrack::apps {
 
@@ -44,7 +44,7 @@ void require_sweepable(const std::vector<SweepAxis>& axes);
 class Sweep {
  public:
   /// Throws UsageError for a part without a scenario.
-  Sweep(ScenarioFile base, std::vector<SweepAxis> axes, SweepPart part = {});
+  Sweep(ScenarioFile base, std::vector<SweepAxis> axes, WorkPart part = {});
   const std::vector<SweepAxis>& axes() const { return axes_; }
   std::size_t count() const { return count_; }
   double value(std::size_t index, std::size_t axis) const;  ///< of scenario `index`

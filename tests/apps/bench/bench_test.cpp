@@ -118,6 +118,46 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
     EXPECT_NE(text_in(folder_ / "stderr").find("made without " + library), std::string::npos);
 }
 
+TEST_F(BenchCommand, ScaleWritesWhatEachSizeCosts) {
+  const fs::path out = folder_ / "out";
+  ASSERT_EQ(call("scale --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
+  EXPECT_EQ(first_line(out / "bench_scale.csv"), "series,size,cpu_s,wall_s,memory_bytes,file_calls");
+  EXPECT_EQ(first_line(out / "bench_scale_exponents.csv"), "series,cost,from,to,exponent,exponent_sd");
+  EXPECT_NE(text_in(out / "bench.html").find("id=\"figure-scale"), std::string::npos);
+  const auto exponents = nlohmann::json::parse(text_in(out / "bench.json"))["results"]["scale"]["exponents"];
+  for (const char* series : {"recordings", "frames", "runs", "points", "scenarios"})
+    for (const char* cost : {"cpu", "memory"})
+      EXPECT_TRUE(exponents[series][cost]["exponent"].is_number()) << series << ", " << cost;
+}
+
+TEST_F(BenchCommand, PartsOfCoverageAreJoinedByteForByte) {
+  const std::string campaigns = "coverage --campaigns 2 ";
+  ASSERT_EQ(call(campaigns + "-o " + (folder_ / "whole").string()), 0) << text_in(folder_ / "stderr");
+  for (const char* part : {"1", "2", "3"})
+    ASSERT_EQ(call(campaigns + "--part " + part + "/3 -o " + (folder_ / part).string()), 0)
+        << text_in(folder_ / "stderr");
+  const auto folders = [&](std::initializer_list<const char*> names) {
+    std::string all = "coverage -o " + (folder_ / "joined").string() + " --join";
+    for (const char* name : names) all += " " + (folder_ / name).string();
+    return all;
+  };
+  ASSERT_EQ(call(folders({"3", "1", "2"})), 0) << text_in(folder_ / "stderr");
+  for (const char* name : {"bench_fit_campaigns.csv", "bench_fit_campaigns.csv.meta.json",
+                           "bench_fit_coverage.csv", "bench_fit_coverage.csv.meta.json"})
+    EXPECT_EQ(text_in(folder_ / "joined" / name), text_in(folder_ / "whole" / name)) << name;
+  EXPECT_EQ(first_line(folder_ / "whole" / "bench_fit_campaigns.csv"),
+            "design,noise,campaign,parameter,fit,open,holds,score");
+
+  EXPECT_EQ(call(folders({"3", "1"})), 3);
+  EXPECT_NE(text_in(folder_ / "stderr").find("part 2 of 3 is not given"), std::string::npos);
+  EXPECT_EQ(call(folders({"3", "1", "1", "2"})), 3);
+  EXPECT_NE(text_in(folder_ / "stderr").find("give each part once"), std::string::npos);
+  EXPECT_EQ(call(folders({"whole"})), 3);
+  EXPECT_NE(text_in(folder_ / "stderr").find("bench coverage --part K/N"), std::string::npos);
+  EXPECT_EQ(call("fit --quick --part 1/2 -o " + (folder_ / "x").string()), 2);
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
+}
+
 TEST_F(BenchCommand, WholeCommandsKeepTheirRecordingsAndTellEveryStage) {
   const fs::path kept = folder_ / "kept";
   bench::WholeCommandOptions options = bench::quick_whole_command_options();

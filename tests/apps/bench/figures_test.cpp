@@ -150,5 +150,19 @@ TEST(BenchFigures, CoverageHasItsBinomialRanges) {
   EXPECT_EQ(series_in(figure.panels[0], Mark::line, "nominal 95 %").x, (std::vector<double>{95, 95}));
 }
 
+TEST(BenchFigures, CostsAreDrawnBesideThoseOfTheSmallest) {
+  const std::vector<ScaleRow> rows = {{"runs", 10, 2, 2, 1e8, {}},
+                                      {"runs", 1000, 50, 50, 3e8, {}},
+                                      {"frames", 5, 4, 4, 1e8, 30.0},
+                                      {"frames", 500, 400, 400, 1e8, 30.0}};
+  const Figure figure = scale_figure(rows);
+  ASSERT_EQ(figure.panels.size(), 3U);
+  EXPECT_EQ(series_in(figure.panels[0], Mark::points, "runs").x, (std::vector<double>{1, 100}));
+  EXPECT_EQ(series_in(figure.panels[0], Mark::points, "runs").y, (std::vector<double>{1, 25}));
+  EXPECT_EQ(series_in(figure.panels[1], Mark::points, "runs").y, (std::vector<double>{1, 3}));
+  EXPECT_EQ(series_in(figure.panels[2], Mark::points, "frames").y, (std::vector<double>{1, 1}));
+  EXPECT_TRUE(series_in(figure.panels[2], Mark::points, "runs").x.empty()) << "nobody counted";
+}
+
 }  // namespace
 }  // namespace tribotrack::bench

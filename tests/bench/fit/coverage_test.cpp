@@ -178,7 +178,7 @@ TEST(CoverageCampaign, DISABLED_OfEveryDesignIsBetween93And97Percent) {
   options.campaigns = options.of_trajectories = 2000;
   options.threads = static_cast<int>(std::thread::hardware_concurrency());
   std::printf("seed %llu\n", static_cast<unsigned long long>(options.seed));
-  for (const CoverageRow& row : coverage(options)) {
+  for (const CoverageRow& row : coverage_of(judged_campaigns(options))) {
     print(row);
     const Interval range = row.share_ci95();
     const std::string where =

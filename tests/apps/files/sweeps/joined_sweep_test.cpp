@@ -1,5 +1,5 @@
 // The whole sweep from its parts, byte for byte.
-#include "apps/files/sweeps/sweep_part.h"
+#include "apps/files/sweeps/joined_sweep.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 namespace tribotrack::apps {
 namespace {
 
-class SweepPartTest : public ProgramTest {
+class JoinedSweep : public ProgramTest {
  protected:
   static constexpr const char* kSweep =
       "--over phi_rad=0:6:13 --over dtau_rad=pi/6,pi/3,pi/2";  // 39 scenarios
@@ -31,22 +31,7 @@ class SweepPartTest : public ProgramTest {
   }
 };
 
-TEST(SweepPart, EveryScenarioIsInOnePart) {
-  for (const std::size_t count : {1u, 7u, 39u, 100'000'000u})
-    for (const std::size_t of : {1u, 2u, 3u, 38u, 100u}) {
-      std::size_t place = 0;
-      for (std::size_t k = 1; k <= of; ++k) {
-        const SweepPart part{k, of};
-        EXPECT_EQ(part.begin(count), place);
-        place = part.end(count);
-        EXPECT_LE(place - part.begin(count), count / of + 1);
-        EXPECT_GE(place - part.begin(count), count / of);
-      }
-      EXPECT_EQ(place, count);
-    }
-}
-
-TEST_F(SweepPartTest, JoinedTablesAreTheWhole) {
+TEST_F(JoinedSweep, JoinedTablesAreTheWhole) {
   for (const int of : {1, 2, 5, 39}) {
     ASSERT_EQ(run("sweep --join " + make_parts(of) + "-q -o joined.csv").exit_code, 0);
     EXPECT_EQ(content_of(in_folder("joined.csv")), content_of(in_folder("whole.csv"))) << of;
@@ -56,7 +41,7 @@ TEST_F(SweepPartTest, JoinedTablesAreTheWhole) {
   EXPECT_EQ(run("sweep --join " + make_parts(2) + "-q -o -").out, content_of(in_folder("whole.csv")));
 }
 
-TEST_F(SweepPartTest, JoinedObjectsAreTheWhole) {
+TEST_F(JoinedSweep, JoinedObjectsAreTheWhole) {
   const std::string whole = run(std::string("sweep s.toml ") + kSweep + " -q --json -o w.csv").out;
   std::string names;
   for (int k = 1; k <= 4; ++k) {
@@ -67,7 +52,7 @@ TEST_F(SweepPartTest, JoinedObjectsAreTheWhole) {
   EXPECT_EQ(run("sweep --join " + names + "-q -o -").out, whole);
 }
 
-TEST_F(SweepPartTest, RefusesWhatIsNotTheWholeOfOneSweep) {
+TEST_F(JoinedSweep, RefusesWhatIsNotTheWholeOfOneSweep) {
   make_parts(3);
   expect_refused(run("sweep --join 1of3.csv 3of3.csv -q -o j.csv"), 3, {"part 2 of 3"});
   expect_refused(run("sweep --join 1of3.csv 1of3.csv 2of3.csv 3of3.csv -q -o j.csv"), 3,

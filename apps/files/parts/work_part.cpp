@@ -1,4 +1,4 @@
-#include "apps/files/sweeps/sweep_part.h"
+#include "apps/files/parts/work_part.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <map>
 
 #include "apps/files/meta_file.h"
-#include "apps/files/sweeps/sweep_axis.h"
 #include "apps/json/json_place.h"
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
@@ -27,30 +26,37 @@ struct PartTable {
   fs::path path;
   std::string text;
   Json meta;
-  SweepPart part;
+  WorkPart part;
 };
 
-[[noreturn]] void refuse_no_part(const fs::path& path) {
+[[noreturn]] void refuse_no_part(const fs::path& path, std::string_view work) {
   throw InvalidInput(
-      fmt::format("{}: is not the meta file of a part of a sweep; give tables that `tribotrack "
-                  "sweep --part K/N` wrote, their meta files beside them",
-                  meta_of(path).string()));
+      fmt::format("{}: is not the meta file of a part of a {}; give tables that `tribotrack "
+                  "{} --part K/N` wrote, their meta files beside them",
+                  meta_of(path).string(), work, work));
 }
 
-PartTable read_part(const fs::path& path, std::string text) {
-  PartTable table{path, std::move(text), read_json(meta_of(path)), {}};
+/// `work` is the command, or begins with it.
+bool made_by(const Json& meta, std::string_view work) {
+  const auto command = meta.find("command");
+  return command != meta.end() && command->is_string() &&
+         work.starts_with(command->get_ref<const std::string&>());
+}
+
+PartTable read_part(const fs::path& path, std::string_view work) {
+  PartTable table{path, read_text(path), read_json(meta_of(path)), {}};
   const auto configuration = table.meta.find("configuration");
   if (configuration == table.meta.end() || !configuration->is_object() || !configuration->contains("part") ||
-      !table.meta.contains("inputs"))
-    refuse_no_part(path);
+      !table.meta.contains("inputs") || !made_by(table.meta, work))
+    refuse_no_part(path, work);
   require_known_schema(table.meta, meta_of(path));
   std::size_t rows = 0;
   try {
     const JsonPlace part = JsonPlace{table.meta, ""}.at("configuration").at("part");
-    table.part = sweep_part(fmt::format("{}/{}", part.at("number").integer(), part.at("of").integer()));
+    table.part = work_part(fmt::format("{}/{}", part.at("number").integer(), part.at("of").integer()));
     rows = static_cast<std::size_t>(std::max(0, part.at("rows").integer()));
   } catch (const std::exception&) {
-    refuse_no_part(path);
+    refuse_no_part(path, work);
   }
   const auto lines = static_cast<std::size_t>(std::ranges::count(table.text, '\n'));
   if (lines != rows + 1)
@@ -60,19 +66,23 @@ PartTable read_part(const fs::path& path, std::string text) {
   return table;
 }
 
-/// What all parts of a sweep have in common: everything but where the scenario's file lay.
+/// What all parts have in common: everything but where the input lay.
 Json common(Json meta) {
   for (Json& input : meta["inputs"]) input.erase("path");
   return meta;
 }
 
-JoinedSweep joined_tables(std::vector<PartTable> tables) {
+}  // namespace
+
+JoinedTable joined_tables(const std::vector<fs::path>& parts, std::string_view work) {
+  std::vector<PartTable> tables;
+  for (const fs::path& path : parts) tables.push_back(read_part(path, work));
   const PartTable& first = tables.front();
   std::map<std::size_t, const PartTable*> by_number;
   for (const PartTable& table : tables) {
     if (table.part.of != first.part.of || common(table.meta) != common(first.meta))
-      throw InvalidInput(fmt::format("{}: is a part of another sweep than {}: its {} differ",
-                                     table.path.string(), first.path.string(),
+      throw InvalidInput(fmt::format("{}: is a part of another {} than {}: its {} differ",
+                                     table.path.string(), work, first.path.string(),
                                      table.part.of != first.part.of ? "number of parts" : "meta files"));
     if (const auto [other, is_new] = by_number.emplace(table.part.number, &table); !is_new)
       throw InvalidInput(fmt::format("{}: is part {} of {}, as {} is; give each part once",
@@ -81,9 +91,10 @@ JoinedSweep joined_tables(std::vector<PartTable> tables) {
   }
   for (std::size_t number = 1; number <= first.part.of; ++number)
     if (!by_number.contains(number))
-      throw InvalidInput(fmt::format("{}: of its sweep part {} of {} is not given: make it with --part {}/{}",
-                                     first.path.string(), number, first.part.of, number, first.part.of));
-  JoinedSweep whole;
+      throw InvalidInput(fmt::format("{}: of its {} part {} of {} is not given: make it with --part {}/{}",
+                                     first.path.string(), work, number, first.part.of, number,
+                                     first.part.of));
+  JoinedTable whole;
   whole.text = first.text.substr(0, first.text.find('\n') + 1);
   const std::size_t header = whole.text.size();
   for (const auto& [number, table] : by_number) {
@@ -96,54 +107,20 @@ JoinedSweep joined_tables(std::vector<PartTable> tables) {
   return whole;
 }
 
-JoinedSweep joined_objects(const std::vector<fs::path>& parts) {
-  Json whole;
-  for (const fs::path& path : parts) {
-    const Json part = read_json(path);
-    for (const auto& [name, column] : part.items()) {
-      if (!column.is_array() || (path != parts.front() && !whole.contains(name)))
-        throw InvalidInput(fmt::format("{}: `{}` is no column of the sweep in {}", path.string(), name,
-                                       parts.front().string()));
-      for (const Json& value : column) whole[name].push_back(value);
-      if (path == parts.front() && !whole.contains(name)) whole[name] = Json::array();
-    }
-  }
-  return {text_of(whole), {}};
-}
-
-}  // namespace
-
-SweepPart sweep_part(const std::string& text) {
-  SweepPart part;
+WorkPart work_part(const std::string& text) {
+  WorkPart part;
   const char* const end = text.data() + text.size();
   const auto number = std::from_chars(text.data(), end, part.number);
   const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
   const auto of = slash ? std::from_chars(number.ptr + 1, end, part.of) : number;
   if (!slash || of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of ||
-      static_cast<double>(part.of) > kMostScenarios)
+      static_cast<double>(part.of) > kMostParts)
     throw UsageError(fmt::format("--part must read K/N, part K of N, such as 1/8, not \"{}\"", text));
   return part;
 }
 
-Json json_of(const SweepPart& part, std::size_t rows) {
+Json json_of(const WorkPart& part, std::size_t rows) {
   return {{"number", part.number}, {"of", part.of}, {"rows", rows}};
-}
-
-JoinedSweep joined_sweep(const std::vector<fs::path>& parts) {
-  std::vector<PartTable> tables;
-  std::size_t objects = 0;
-  for (const fs::path& path : parts) {
-    std::string text = read_text(path);
-    if (text.starts_with('{'))
-      ++objects;
-    else
-      tables.push_back(read_part(path, std::move(text)));
-  }
-  if (objects == 0) return joined_tables(std::move(tables));
-  if (!tables.empty())
-    throw InvalidInput(fmt::format("{}: is a table, but others of the parts are JSON; give parts of one kind",
-                                   tables.front().path.string()));
-  return joined_objects(parts);
 }
 
 }  // namespace tribotrack::apps
