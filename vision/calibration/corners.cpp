@@ -50,14 +50,36 @@ BoardView find_checkerboard(const CalibrationBoard& board, const Picture& levels
   return view;
 }
 
+#if CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR < 408
+cv::Ptr<cv::aruco::CharucoBoard> charuco(const CalibrationBoard& board) {
+  return cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
+                                         static_cast<float>(board.marker_mm),
+                                         tag_dictionary(board.dictionary));
+}
+
+const std::vector<cv::Point3f>& corners_of(const cv::aruco::CharucoBoard& board) {
+  return board.chessboardCorners;
+}
+#else
+/// The pattern that OpenCV drew before it had two: boards with an even number of rows differ.
+cv::Ptr<cv::aruco::CharucoBoard> charuco(const CalibrationBoard& board) {
+  auto pattern = cv::makePtr<cv::aruco::CharucoBoard>(
+      cv::Size(board.columns, board.rows), static_cast<float>(board.square_mm),
+      static_cast<float>(board.marker_mm), *tag_dictionary(board.dictionary));
+  pattern->setLegacyPattern(true);
+  return pattern;
+}
+
+std::vector<cv::Point3f> corners_of(const cv::aruco::CharucoBoard& board) {
+  return board.getChessboardCorners();
+}
+#endif
+
 BoardView find_charuco(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
-  const auto dictionary = tag_dictionary(board.dictionary);
-  const auto pattern =
-      cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
-                                      static_cast<float>(board.marker_mm), dictionary);
+  const auto pattern = charuco(board);
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<int> marker_ids;
-  cv::aruco::detectMarkers(picture, dictionary, markers, marker_ids);
+  cv::aruco::detectMarkers(picture, tag_dictionary(board.dictionary), markers, marker_ids);
   BoardView view;
   if (marker_ids.empty()) return {};
   std::vector<int> ids;
@@ -66,7 +88,8 @@ BoardView find_charuco(const CalibrationBoard& board, const Picture& levels, con
   // A corner's window must not reach the markers beside it.
   const double gap = 0.5 * (board.square_mm - board.marker_mm) / board.square_mm;
   refine(levels, picture, view.seen, nearest_neighbours_px(view.seen) * std::min(kShareOfSquare, gap));
-  for (const int id : ids) view.on_board.push_back(pattern->chessboardCorners[static_cast<std::size_t>(id)]);
+  const auto& corners = corners_of(*pattern);
+  for (const int id : ids) view.on_board.push_back(corners[static_cast<std::size_t>(id)]);
   return view;
 }
 

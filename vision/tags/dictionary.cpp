@@ -8,6 +8,19 @@
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
+namespace {
+
+using cv::aruco::Dictionary;
+
+/// As OpenCV before 4.7 and from 4.7 on hands a dictionary out.
+[[maybe_unused]] cv::Ptr<Dictionary> shared(const cv::Ptr<Dictionary>& dictionary) {
+  return dictionary;
+}
+[[maybe_unused]] cv::Ptr<Dictionary> shared(const Dictionary& dictionary) {
+  return cv::makePtr<Dictionary>(dictionary);
+}
+
+}  // namespace
 
 cv::Ptr<cv::aruco::Dictionary> tag_dictionary(const std::string& name) {
   static const std::array<const char*, 21> names = {
@@ -21,7 +34,7 @@ cv::Ptr<cv::aruco::Dictionary> tag_dictionary(const std::string& name) {
         "dictionary must be one of 4x4_50, 4x4_100, ... 7x7_1000, original, apriltag_16h5, apriltag_25h9, "
         "apriltag_36h10, apriltag_36h11, not " +
         name);
-  return cv::aruco::getPredefinedDictionary(static_cast<int>(found - names.begin()));
+  return shared(cv::aruco::getPredefinedDictionary(static_cast<int>(found - names.begin())));
 }
 
 void require_tag_family(const std::string& dictionary) {

@@ -1,7 +1,7 @@
 // The families of square tags that OpenCV knows: ArUco and AprilTag.
 #pragma once
 
-#include <opencv2/aruco/dictionary.hpp>
+#include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 #include <string>
 

@@ -141,7 +141,7 @@ std::optional<Tag> measured(const QuinticSpline& spline, const Picture& picture,
 std::vector<Tag> find_tags(const Picture& picture, const std::string& dictionary) {
   const auto family = tag_dictionary(dictionary);
   // AprilTag's search for quadrangles finds turned and noisy tags that OpenCV's own misses, of any family.
-  const auto search = cv::aruco::DetectorParameters::create();
+  const auto search = cv::makePtr<cv::aruco::DetectorParameters>();
   search->cornerRefinementMethod = cv::aruco::CORNER_REFINE_APRILTAG;
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;

@@ -7,8 +7,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
-#include <opencv2/aruco/charuco.hpp>
 #include <random>
+
+#include "vision/drawn_tags.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -182,11 +183,8 @@ TEST(CalibrateCamera, ACharucoBoardMayBeSeenInPart) {
   // Its ink by OpenCV's own drawing, 60 px a square, read to the nearest: an edge of the board is where it
   // says.
   constexpr int per_square = 60;
-  const auto pattern =
-      cv::aruco::CharucoBoard::create(8, 6, static_cast<float>(kSquare), static_cast<float>(board.marker_mm),
-                                      cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50));
-  cv::Mat drawn;
-  pattern->draw({8 * per_square, 6 * per_square}, drawn, 0, 1);
+  const cv::Mat drawn =
+      drawn_charuco({8, 6}, static_cast<float>(kSquare), static_cast<float>(board.marker_mm), per_square);
   const Ink ink = [&](double x, double y) {
     const int i = static_cast<int>(std::floor(x / kSquare * per_square));
     const int j = static_cast<int>(std::floor(y / kSquare * per_square));

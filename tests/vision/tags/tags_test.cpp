@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "vision/drawn_tags.h"
 #include "vision/recordings.h"
 #include "vision/tags/dictionary.h"
 #include "vision/tracker.h"
@@ -43,8 +43,7 @@ Picture picture_of(const std::vector<Look>& looks, int width = 170, int height =
   Picture fine(width * kFine, height * kFine, 0.45F);
   for (const Look& look : looks) {
     const auto family = tag_dictionary(look.family);
-    cv::Mat cells;
-    family->drawMarker(look.id, family->markerSize + 2, cells, 1);
+    const cv::Mat cells = drawn_tag(*family, look.id);
     const double c = std::cos(look.turn), s = std::sin(look.turn);
     for (int y = 0; y < fine.height(); ++y)
       for (int x = 0; x < fine.width(); ++x) {

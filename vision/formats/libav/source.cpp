@@ -35,6 +35,14 @@ struct PacketRecord {
 
 constexpr auto unknown_time = static_cast<std::int64_t>(AV_NOPTS_VALUE);
 
+bool interlaced(const AVFrame& frame) {
+#ifdef AV_FRAME_FLAG_INTERLACED  // FFmpeg 6.1 and later
+  return (frame.flags & AV_FRAME_FLAG_INTERLACED) != 0;
+#else
+  return frame.interlaced_frame != 0;
+#endif
+}
+
 class LibavSource : public FrameSource {
  public:
   LibavSource(const std::filesystem::path& path, const SourceOptions& options) {
@@ -338,7 +346,7 @@ class LibavSource : public FrameSource {
 
   /// Every other row of an interlaced frame was filmed half a frame later.
   void require_progressive() const {
-    if (frame_->interlaced_frame)
+    if (interlaced(*frame_))
       refuse(
           "is interlaced: the even and the odd rows of its frames were filmed at different times; film "
           "progressively, or make one picture of each field (ffmpeg -vf bwdif=send_field)");

@@ -9,10 +9,16 @@
 namespace tribotrack::vision {
 namespace {
 
-using Read = decltype(cv::imread);
+using Read = cv::Mat(const std::string&, int);
 using ReadPages = bool(const std::string&, std::vector<cv::Mat>&, int, int, int);
-static_assert(requires { static_cast<ReadPages*>(&cv::imreadmulti); });  // one of two of that name
-using Encode = decltype(cv::imencode);
+using Encode = bool(const std::string&, cv::InputArray, std::vector<unsigned char>&, const std::vector<int>&);
+
+/// OpenCV has functions of these types under these names, whatever else it has under them.
+static_assert(requires {
+  static_cast<Read*>(&cv::imread);
+  static_cast<ReadPages*>(&cv::imreadmulti);
+  static_cast<Encode*>(&cv::imencode);
+});
 
 struct Functions {
   Read* read = nullptr;
