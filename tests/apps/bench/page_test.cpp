@@ -118,8 +118,10 @@ TEST(BenchPage, ShowsWhereAFitOfOthersWins) {
 
 TEST(BenchPage, LeavesOutWhatWasNotRunAndSaysSo) {
   const std::string page = page_of(of_model());
-  EXPECT_TRUE(holds(
-      page, "Not run for this page: tracking on rendered scenes and the audit, whole commands and the fit"));
+  EXPECT_TRUE(
+      holds(page,
+            "Not run for this page: tracking on rendered scenes and the audit, whole commands, the fit "
+            "and what intervals cover"));
   for (const char* section : {"model", "extremes", "plan", "batch", "claims", "circumstances"})
     EXPECT_TRUE(holds(page, std::string("<section id=\"") + section)) << section;
   for (const char* section : {"tracking", "audit", "fit", "coverage"})
