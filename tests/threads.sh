@@ -37,11 +37,33 @@ SHOTS
 cat >most_threads.py <<'PYTHON'
 """The most threads a command has at once: most_threads.py COMMAND..."""
 import os, subprocess, sys, time
+
+PF_EXITING = 0x4  # of the kernel's include/linux/sched.h: set before anybody who waits for the thread is told
+
+
+def at_work(stat):
+    """False for a thread that has ended and is still listed. The name, in brackets, may hold anything."""
+    return not int(stat.rpartition(")")[2].split()[6]) & PF_EXITING
+
+
+def threads_now(tasks):
+    """Those listed that are at work after the list is complete, so all at the end of the listing. The length of the list
+    is not their number: a list is made thread by thread while some end and others begin."""
+    count = 0
+    for task in os.listdir(tasks):
+        try:
+            with open(f"{tasks}/{task}/stat") as stat:
+                count += at_work(stat.read())
+        except OSError:
+            pass
+    return count
+
+
 process = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 most = 0
 while process.poll() is None:
     try:
-        most = max(most, len(os.listdir(f"/proc/{process.pid}/task")))
+        most = max(most, threads_now(f"/proc/{process.pid}/task"))
     except OSError:
         pass
     time.sleep(0.001)
@@ -71,5 +93,5 @@ for threads in 1 3; do
   rm -rf out
 done
 # Somebody did work side by side, so that the count above sees threads.
-[ "${reached[3]}" = 4 ] || { echo "WRONG: with --threads 3 there were never 3 at work"; wrong=1; }
+[ "${reached[3]}" -ge 4 ] || { echo "WRONG: with --threads 3 there were never 3 at work"; wrong=1; }
 exit $wrong
