@@ -19,6 +19,8 @@ constexpr double kPi = std::numbers::pi;
 /// px of radius for an unevenness of one: by how much rendered discs with a highlight are measured too large,
 /// whatever the noise.
 constexpr double kUnevenBias = 0.02;
+/// Power of the slow harmonics over that of all from which on they are not white: once in twenty by chance.
+constexpr double kClearlySlow = 2.2;
 
 /// Larger is better, and so is a rim that stands out from what else there is, up to a point: a small mark of
 /// high contrast must not outvote the part.
@@ -29,9 +31,11 @@ double score_of(double coverage, double clarity, double radius) {
 /// Variance of the sum of pulls that are alike all round, from how they differ from sector to sector: the
 /// power of their harmonics is that of the sum, were they white. A streaked ground pulls sectors alike over a
 /// good part of the rim: then the power of the slowest harmonics, the nearest to the sum, is larger and
-/// counts. The first one is taken up by the circle's centre.
+/// counts. The first one is taken up by the circle's centre, and from the fourth on streaks that lie along
+/// the rim average out. Where it is that of few numbers that counts, their own uncertainty widens the
+/// scatter: the variance of Student's t with as many degrees of freedom.
 double scatter_of_sum(const std::vector<double>& pull) {
-  constexpr int first = 2, slow = 4;
+  constexpr int first = 2, slow = 3;
   const auto count = static_cast<double>(pull.size());
   const int last = static_cast<int>(pull.size()) / 2;
   double power_of_slow = 0, power = 0;
@@ -47,7 +51,9 @@ double scatter_of_sum(const std::vector<double>& pull) {
   }
   // White pulls of variance v: c^2 + s^2 is count v on average, the variance of their sum.
   const double degrees = count - 1 - 2 * (first - 1);
-  return std::max(2 * power / degrees, power_of_slow / (slow - first + 1));
+  const double all = 2 * power / degrees, of_slow = power_of_slow / (slow - first + 1);
+  constexpr double slow_degrees = 2 * (slow - first + 1), students = slow_degrees / (slow_degrees - 2);
+  return of_slow > kClearlySlow * all ? students * of_slow : all;
 }
 
 /// Nothing where the fit has walked away from the guess or the rim does not support it.
@@ -143,10 +149,10 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   for (int round = 0; round < 2; ++round) {
     auto pixels = rim_pixels(picture, {p(0), p(1), p(2)}, band);
     if (pixels.x.size() < kFewestPixels) return std::nullopt;
-    fit = fit_rim(pixels, p, round == 1 && rim_curves(p));
+    fit = fit_rim(pixels, p, round == 1 && rim_curves(p, RimUse::place));
     p = fit.p;
     if (!p.allFinite() || walked_away(p, guess, capture)) return std::nullopt;
-    band = rim_band(p);
+    band = rim_band(p, rim_curves(p, RimUse::place));
   }
   return judged(picture, std::move(fit), guess, capture);
 }
@@ -156,11 +162,12 @@ std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before,
   RimParameters p = Eigen::Map<const RimParameters>(before.rim.data());
   p.head<2>() << centre.x, centre.y;
   const Circle guess{centre.x, centre.y, p(2)};
-  auto pixels = rim_pixels(picture, guess, rim_band(p));
+  const bool curved = rim_curves(p, RimUse::mean_radius);
+  auto pixels = rim_pixels(picture, guess, rim_band(p, curved));
   if (pixels.x.size() < kFewestPixels) return std::nullopt;
   // So near, Gauss and Newton's steps leave far less than they are long.
-  RimFit fit = fit_rim(pixels, p, rim_curves(p),
-                       {.damping = 1e-6, .on_the_way = 2e-2, .tolerance = 1e-3, .from_near = true});
+  RimFit fit =
+      fit_rim(pixels, p, curved, {.damping = 1e-6, .on_the_way = 2e-2, .tolerance = 1e-3, .from_near = true});
   if (!fit.p.allFinite()) return std::nullopt;
   return judged(picture, std::move(fit), guess, capture);
 }

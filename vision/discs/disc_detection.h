@@ -52,8 +52,8 @@ MeanRadius mean_radius(std::span<const DiscFit> fits);
 /// not support a circle there (coverage below one half, or the fit walks away).
 std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture);
 
-/// The same disc in another frame, from what was fitted before: no search, `centre` must be known to a
-/// fraction of the blur.
+/// The same disc in another frame, from what was fitted before, for the mean of its radius: no search,
+/// `centre` must be known to a fraction of the blur.
 std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before, Point centre,
                                   double capture);
 

@@ -123,7 +123,10 @@ void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
   const Point here{centre.x - window.x, centre.y - window.y};
   std::optional<DiscFit> fit;
   if (last_) fit = refit_disc(picture, *last_, here, kCapture);
-  if (!fit || fit->coverage < kMinCoverage) fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);
+  if (!fit || fit->coverage < kMinCoverage) {
+    fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);
+    if (fit) fit = refit_disc(picture, *fit, {fit->circle.x, fit->circle.y}, kCapture);
+  }
   if (!fit || fit->coverage < kMinCoverage) return;
   last_ = fit;
   fits_.push_back(std::move(*fit));

@@ -14,12 +14,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::array<int, 4> kCurved = {7, 8, 9, 13};  ///< that only large discs have
-constexpr double kCurvedRadius = 12;  ///< px; smaller discs have too few pixels inside their rim
-constexpr double kSectorRadius = 20;  ///< px; smaller rims have too few pixels for sectors
-constexpr int kRounds = 4;            ///< of weights, the first all alike
-constexpr int kRoundsFromNear = 2;    ///< where the start already yields the weights
-constexpr int kSteps = 25;            ///< for given weights, at most
-constexpr double kTukey = 6;          ///< sd: what is further off does not count
+constexpr double kCurvedRadius = 12;     ///< px; smaller discs have too few pixels inside their rim
+constexpr double kCurvedMeanRadius = 7;  ///< px; likewise for the mean radius
+constexpr double kSectorRadius = 5;      ///< px; smaller rims have too few pixels for sectors
+constexpr int kRounds = 4;               ///< of weights, the first all alike
+constexpr int kRoundsFromNear = 2;       ///< where the start already yields the weights
+constexpr int kSteps = 25;               ///< for given weights, at most
+constexpr double kTukey = 6;             ///< sd: what is further off does not count
 
 /// Normal matrix, gradient and cost; what small discs do not have is held.
 RimSums normal_equations(const RimParameters& p, const RimPixels& pixels, bool curved) {
@@ -136,14 +137,14 @@ RimPixels rim_pixels(const Picture& picture, const Circle& c, double band) {
   return pixels;
 }
 
-bool rim_curves(const RimParameters& p) {
-  return p(2) >= kCurvedRadius;
+bool rim_curves(const RimParameters& p, RimUse use) {
+  return p(2) >= (use == RimUse::place ? kCurvedRadius : kCurvedMeanRadius);
 }
 
-double rim_band(const RimParameters& p) {
+double rim_band(const RimParameters& p, bool curved) {
   const double band = std::min(std::clamp(4.5 * p(3), 4.0, 30.0), 0.6 * p(2));
   // The slope of a level that may curve must be fixed by pixels.
-  return rim_curves(p) ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
+  return curved ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
 }
 
 RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options) {

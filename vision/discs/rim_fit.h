@@ -28,11 +28,16 @@ struct RimPixels {
 /// Those within `band` px of the circle, with weight 1.
 RimPixels rim_pixels(const Picture& picture, const Circle& circle, double band);
 
-/// The band that holds the blurred edge and enough of either side, px.
-double rim_band(const RimParameters& parameters);
+/// What a fit is for: the place of a disc in one picture, or the mean of its radius over many.
+enum class RimUse { place, mean_radius };
 
-/// Whether the disc is large enough for the curvature of its levels to be fitted.
-bool rim_curves(const RimParameters& parameters);
+/// Whether the disc is large enough for the curvature of its levels to be fitted. It makes the fit of a small
+/// disc noisier; the mean over many frames bears that, and without curvature would be off in all of them
+/// alike.
+bool rim_curves(const RimParameters& parameters, RimUse use);
+
+/// The band that holds the blurred edge and enough of either side, px.
+double rim_band(const RimParameters& parameters, bool curved);
 
 struct RimFit {
   RimParameters p = RimParameters::Zero();

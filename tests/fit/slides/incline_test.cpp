@@ -95,7 +95,7 @@ TEST(Inclines, CountTheSlopesOwnError) {
   EXPECT_NEAR(known.parameters.front().sd, std::hypot(exact.parameters.front().sd, of_slope),
               0.01 * of_slope);
   EXPECT_NEAR(known.parameters.front().estimate, exact.parameters.front().estimate,
-              of_slope * of_slope);  // to second order
+              0.05 * of_slope);  // the track itself tells a little about the slope
   const auto in = [](const std::vector<BudgetEntry>& budget) {
     return std::ranges::find(budget, "incline's slope", &BudgetEntry::source);
   };

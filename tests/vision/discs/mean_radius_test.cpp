@@ -57,7 +57,7 @@ TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
       const auto mean = watch(s, radius);
       ASSERT_TRUE(mean);
       EXPECT_NEAR(mean->radius, radius, 0.005) << highlight;
-      EXPECT_LT(mean->sd, highlight == 0 ? 0.0025 : 0.0045);
+      EXPECT_LT(mean->sd, highlight == 0 ? 0.0025 : 0.005);
       std::printf("highlight %g, radius %g: error %+.5f, sd %.5f px\n", highlight, radius,
                   mean->radius - radius, mean->sd);
       squares += std::pow((mean->radius - radius) / mean->sd, 2);
@@ -66,6 +66,39 @@ TEST(RimWatch, ManyFramesTellTheRadiusWhateverTheLampDoes) {
   std::printf("radius from 12 frames: rms of standardised errors %.3f\n", std::sqrt(squares / count));
   EXPECT_LT(std::sqrt(squares / count), 1.7);  // chi-squared of 9, once in 1000
   EXPECT_GT(std::sqrt(squares / count), 0.35);
+}
+
+// A disc that stays over one place of a textured platform: all frames see the same ground beyond the rim. The
+// sd is that of few independent stretches of the rim, its square is right on average; what a highlight may do
+// is held by a bound, so that there it is too large rather than too small.
+TEST(RimWatch, KnowsWhatTheGroundBeyondTheRimDoesToDiscsOfAnySize) {
+  for (const double texture : {0.0, 6.0})
+    for (const double highlight : {0.0, 15.0})
+      for (const double radius : {9.5, 11.3, 14.8, 29.2}) {
+        double sum = 0, squares = 0, variance = 0;
+        constexpr int kCount = 50;
+        for (int k = 0; k < kCount; ++k) {
+          test::SlidingScene s;
+          s.frames = 30;
+          s.path_px = 0;
+          s.scene.width = 150;
+          s.scene.seed = static_cast<std::uint64_t>(100 + k);
+          s.scene.platform.texture_rms = texture;
+          s.scene.disc.radius_px = radius + 0.013 * k;
+          s.scene.disc.highlight = highlight;
+          const auto mean = watch(s, s.scene.disc.radius_px);
+          ASSERT_TRUE(mean);
+          const double error = mean->radius - s.scene.disc.radius_px;
+          sum += error / kCount;
+          squares += error * error / kCount;
+          variance += mean->sd * mean->sd / kCount;
+        }
+        const double ratio = std::sqrt(squares / variance);
+        std::printf("texture %g, highlight %g, radius %g: mean error %+.4f px, rms %.4f, over sd %.2f\n",
+                    texture, highlight, radius, sum, std::sqrt(squares), ratio);
+        EXPECT_GT(ratio, 0.5);
+        EXPECT_LT(ratio, 1.45);
+      }
 }
 
 /// A disc that comes to rest under a shutter that is always open, its light stored as such or to a power.
@@ -141,9 +174,11 @@ TEST(MeanRadius, WhatIsAlikeOverALongPartOfTheRimCountsForMore) {
     for (int k = 0; k < 36; ++k) fit.sector_pull.push_back(0.001 * std::cos(2 * M_PI * m * k / 36));
     return mean_radius({&fit, 1}).sd;
   };
-  EXPECT_NEAR(sd(1), 1e-4, 1e-12);                        // the circle's centre takes it up: the noise alone
-  EXPECT_NEAR(sd(3), 0.001 * 18 / std::sqrt(3.0), 1e-9);  // one of the three slowest
-  EXPECT_NEAR(sd(9), 0.001 * 18 * std::sqrt(2 / 33.0), 1e-9);  // one of all
+  const double power = std::pow(0.001 * 18, 2);  // c^2 + s^2 of its harmonic
+  EXPECT_NEAR(sd(1), 1e-4, 1e-12);               // the circle's centre takes it up: the noise alone
+  // One of the two slowest; Student's t with their 4 degrees of freedom has twice the variance.
+  EXPECT_NEAR(sd(3), std::sqrt(2 * power / 2), 1e-9);
+  EXPECT_NEAR(sd(9), std::sqrt(2 * power / 33), 1e-9);  // one of all
 }
 
 TEST(MeanRadius, AnUnevenDiscLeavesWhatNoRecordingAveragesOut) {
