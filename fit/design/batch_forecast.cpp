@@ -41,10 +41,6 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
     (lanes ? together : alone).push_back(k);
   }
   stage.expect(candidates.size());
-  parallel_for(alone.size(), threads, [&](std::size_t i) {
-    all[alone[i]] = forecast(candidates[alone[i]], tolerance);
-    stage.done();
-  });
   // Of each candidate the run itself, then one to either side for every unknown.
   const auto columns = static_cast<std::size_t>(unknowns.common()), runs = 1 + 2 * columns;
   const auto applied_to = [&](std::size_t index) {
@@ -60,11 +56,9 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
   batch.tolerance = kTolerance;
   const model::BatchOutcome outcome = model::solve_batch(
       together.size() * runs, [&](std::size_t index) { return applied_to(index).scenario; }, batch);
-  stage.done(together.size());
   for (std::size_t k = 0; k < together.size(); ++k) {
     const Candidate& candidate = candidates[together[k]];
-    if (applied_at(candidate, values_, true).wanted.empty()) continue;
-    bool solved = true;
+    bool solved = !applied_at(candidate, values_, true).wanted.empty();
     const auto displacement = [&](std::size_t run) -> Eigen::Vector2d {
       const model::BatchEnd& end = outcome.ends[k * runs + run];
       solved = solved && end.status == model::BatchStatus::done;
@@ -75,8 +69,17 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
       rows.col(static_cast<Eigen::Index>(u)) =
           (displacement(1 + 2 * u) - displacement(2 + 2 * u)) / (2 * kStep);
     rows /= std::sqrt(variance(displacement(0)));
-    if (solved) all[together[k]] = Forecast{candidate, rows.transpose() * rows};
+    if (solved) {
+      all[together[k]] = Forecast{candidate, rows.transpose() * rows};
+      stage.done();
+    } else {
+      alone.push_back(together[k]);  // a step can leave the model's range where mu2 is nearly 0
+    }
   }
+  parallel_for(alone.size(), threads, [&](std::size_t i) {
+    all[alone[i]] = forecast(candidates[alone[i]], tolerance);
+    stage.done();
+  });
   return all;
 }
 

@@ -97,6 +97,23 @@ TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
   }
 }
 
+/// Where mu2 is nearly 0, in the bend of a flat valley, a step to either side would leave the model's range.
+TEST(NextExperiment, ThereAreForecastsWhereMu2IsNearlyNothing) {
+  const Problem problem = sweep_of_phi();
+  const internal::Unknowns unknowns(problem);
+  internal::Residuals residuals(unknowns);
+  Eigen::VectorXd values = unknowns.first_guess();
+  values(*unknowns.find(FitParameter::mu2)) = 1e-9;
+  const internal::Forecaster forecaster(residuals, values);
+  const internal::Candidate candidate = forecaster.drive_so_far();
+  const FitOptions options;
+  internal::Stage stage(options, "forecasts");
+  const auto together = forecaster.forecasts({candidate}, 1e-9, 1, stage);
+  const auto alone = forecaster.forecast(candidate, 1e-9);
+  ASSERT_TRUE(alone && together[0]);
+  EXPECT_LT((together[0]->information - alone->information).norm(), 2e-3 * alone->information.norm());
+}
+
 /// Each stage counts up to all there is to do, and one thread at a time reports it.
 TEST(Fit, TellsHowFarItIs) {
   FitOptions options = quick(true);
