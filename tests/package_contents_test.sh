@@ -13,11 +13,17 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-for run in first second; do
-  # A umask that keeps others out must not reach the files.
-  (umask 027 && SOURCE_DATE_EPOCH=1700000000 cpack --config "$build/CPackConfig.cmake" -B $run)
+# The time of the last commit, said and, the second time, found by cpack itself.
+source=$(sed -n 's/^set(CPACK_TRIBOTRACK_SOURCE "\(.*\)")/\1/p' "$build/CPackConfig.cmake")
+grep -q '^git .*package' "$source/apps/install/packages.txt"
+if commit_time=$(git -C "$source" log -1 --format=%ct 2>/dev/null); then second=; else second=${commit_time:=1700000000}; fi
+# A umask that keeps others out must not reach the files.
+(
+  umask 027
+  SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B first
   sleep 1
-done >cpack.log 2>&1 || {
+  env ${second:+SOURCE_DATE_EPOCH=$second} cpack --config "$build/CPackConfig.cmake" -B second
+) >cpack.log 2>&1 || {
   cat cpack.log
   exit 1
 }
@@ -63,7 +69,7 @@ if [ -e "$build/apps/python/tribotrack" ]; then
   dpkg-deb -f "first/$package" Recommends | grep -q python3-numpy
 fi
 zcat root/usr/share/doc/tribotrack/changelog.gz | head -n 1 | grep -qx '# Changes'
-zcat root/usr/share/doc/tribotrack/changelog.Debian.gz | grep -q ' Tue, 14 Nov 2023 22:13:20 +0000$'
+zcat root/usr/share/doc/tribotrack/changelog.Debian.gz | grep -q " $(LC_ALL=C date -u -d "@$commit_time" '+%a, %d %b %Y %H:%M:%S') +0000$"
 grep -q 'Redistribution and use' root/usr/share/doc/tribotrack/copyright
 grep -q 'Plotly' root/usr/share/doc/tribotrack/copyright
 
@@ -83,7 +89,7 @@ if grep -vE '^(drwxr-xr-x|-rwxr-xr-x|-rw-r--r--) ' listing; then
   echo "files that not everybody may read"
   exit 1
 fi
-if grep -v ' root/root .* 2023-11-14 ' listing; then
+if grep -v " root/root .* $(date -d "@$commit_time" '+%F %H:%M') " listing; then
   echo "files of another owner or time"
   exit 1
 fi

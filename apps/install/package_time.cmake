@@ -5,5 +5,8 @@ if(NOT DEFINED ENV{SOURCE_DATE_EPOCH})
     OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
   if(NOT failed)
     set(ENV{SOURCE_DATE_EPOCH} "${time}")
+  else()
+    message(WARNING "git tells no commit of ${CPACK_TRIBOTRACK_SOURCE}: the files of this package carry the time of the build, and "
+      "who builds it again gets other bytes. Install git and build in a clone, or set SOURCE_DATE_EPOCH.")
   endif()
 endif()
