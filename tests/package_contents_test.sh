@@ -13,16 +13,23 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-# The time of the last commit, said and, the second time, found by cpack itself.
+# The time of the last commit, said and, the second time, found by cpack itself. Sources outside git have none to be found.
 source=$(sed -n 's/^set(CPACK_TRIBOTRACK_SOURCE "\(.*\)")/\1/p' "$build/CPackConfig.cmake")
-grep -q '^git .*package' "$source/apps/install/packages.txt"
-if commit_time=$(git -C "$source" log -1 --format=%ct 2>/dev/null); then second=; else second=${commit_time:=1700000000}; fi
+grep -q '^git .*package' "$source/apps/install/packages.txt" || {
+  echo "packages.txt does not list git for packages"
+  exit 1
+}
+unset SOURCE_DATE_EPOCH
+commit_time=$(git -C "$source" log -1 --format=%ct 2>/dev/null) || {
+  commit_time=1700000000
+  export SOURCE_DATE_EPOCH=$commit_time
+}
 # A umask that keeps others out must not reach the files.
 (
   umask 027
   SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B first
   sleep 1
-  env ${second:+SOURCE_DATE_EPOCH=$second} cpack --config "$build/CPackConfig.cmake" -B second
+  cpack --config "$build/CPackConfig.cmake" -B second
 ) >cpack.log 2>&1 || {
   cat cpack.log
   exit 1
