@@ -80,7 +80,8 @@ void Residuals::prepare(std::size_t index) {
     prepared->times.push_back(track.time[first + i] - track.time[first]);
     own.emplace_back((errors.own + added * Eigen::Matrix2d::Identity()) / point_weight(index, i));
     slow_share.push_back(errors.slow);
-    prepared->own.middleRows<2>(2 * static_cast<Eigen::Index>(i)) = errors.all;
+    if (prepared->own.cols() > 0)  // a matrix without columns has no storage that rows could be found in
+      prepared->own.middleRows<2>(2 * static_cast<Eigen::Index>(i)) = errors.all;
   }
   prepared->points =
       PointWhitening(prepared->times, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));
