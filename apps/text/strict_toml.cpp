@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <numeric>
 #include <sstream>
 
@@ -23,13 +24,18 @@ struct StrictTable::Node {
   std::string name;  // "platform", "" for the top
   bool parsed = true;
   std::set<std::string, std::less<>> looked_up;
-  std::shared_ptr<std::vector<AskedKey>> asked;  // of the whole document
+  struct Document {
+    std::vector<AskedKey> asked;
+    std::function<std::vector<AskedKey>()> every_key;
+  };
+  std::shared_ptr<Document> whole = std::make_shared<Document>();  // shared by all tables of the document
 
   /// A kind that is asked for first is the narrower one: positive() asks number().
   void note(std::string_view key, const std::string& kind) {
     const std::string section = name.starts_with('[') ? name.substr(1, name.size() - 2) : name;
-    if (std::ranges::none_of(*asked, [&](const AskedKey& a) { return a.section == section && a.key == key; }))
-      asked->push_back({section, std::string(key), kind});
+    if (std::ranges::none_of(whole->asked,
+                             [&](const AskedKey& a) { return a.section == section && a.key == key; }))
+      whole->asked.push_back({section, std::string(key), kind});
   }
   /// Tables have no kind.
   const toml::node* find(std::string_view key, const std::string& kind = {}) {
@@ -48,6 +54,12 @@ std::string kind_of(const toml::node& node) {
   if (node.is_array()) return "a list";
   if (node.is_table()) return "a table";
   return "a date or time";
+}
+
+/// "in [part]", for a section as AskedKey has it.
+std::string heading_of(const std::string& section) {
+  if (section.empty()) return "at the top of the file, before the first [table]";
+  return section == "run" ? "in [[run]]" : fmt::format("in [{}]", section);
 }
 
 std::optional<double> number_in(const toml::node& node) {
@@ -128,7 +140,6 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
     node->document = std::make_shared<const toml::table>(toml::parse(text, name));
     node->table = node->document.get();
     node->file = name;
-    node->asked = std::make_shared<std::vector<AskedKey>>();
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
@@ -145,7 +156,6 @@ StrictTable StrictTable::of(const Json& object, const std::string& name) {
   node->table = node->document.get();
   node->file = name;
   node->parsed = false;
-  node->asked = std::make_shared<std::vector<AskedKey>>();
   return StrictTable(std::move(node));
 }
 
@@ -276,7 +286,7 @@ std::optional<StrictTable> StrictTable::table(std::string_view key) {
   inner->document = node_->document;
   inner->table = table;
   inner->file = node_->file;
-  inner->asked = node_->asked;
+  inner->whole = node_->whole;
   inner->parsed = node_->parsed;
   inner->name = node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key);
   return StrictTable(std::move(inner));
@@ -294,7 +304,7 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
     auto inner = std::make_shared<Node>();
     inner->document = node_->document;
     inner->table = table;
-    inner->asked = node_->asked;
+    inner->whole = node_->whole;
     inner->parsed = node_->parsed;
     inner->file = node_->parsed ? node_->file : fmt::format("{}, {} {}", node_->file, key, found.size() + 1);
     inner->name = fmt::format("[{}]", key);
@@ -317,7 +327,7 @@ std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::
 }
 
 std::vector<AskedKey> StrictTable::asked() const {
-  return *node_->asked;
+  return node_->whole->asked;
 }
 
 bool StrictTable::has(std::string_view key) const {
@@ -345,10 +355,27 @@ std::vector<std::string> StrictTable::keys() const {
   return names;
 }
 
+void StrictTable::say_where_keys_belong(std::function<std::vector<AskedKey>()> every_key) {
+  node_->whole->every_key = std::move(every_key);
+}
+
+std::string StrictTable::home_of(std::string_view key) const {
+  if (!node_->whole->every_key) return {};
+  std::vector<std::string> homes;
+  for (const AskedKey& known : node_->whole->every_key())
+    if (known.key == key) homes.push_back(heading_of(known.section));
+  if (homes.empty()) return {};
+  const std::string last = homes.back();
+  homes.pop_back();
+  return homes.empty() ? last : fmt::format("{} or {}", fmt::join(homes, ", "), last);
+}
+
 void StrictTable::finish() const {
   for (auto&& [name, value] : *node_->table) {
     const std::string key(name.str());
     if (node_->looked_up.contains(key)) continue;
+    if (const std::string home = home_of(key); !home.empty())
+      fail(key, fmt::format("does not belong here but {}", home));
     const std::vector<std::string> valid(node_->looked_up.begin(), node_->looked_up.end());
     const std::string near = nearest_word(key, valid);
     fail(key, near.empty() ? fmt::format("is not a known key; known here: {}", fmt::join(valid, ", "))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -31,6 +32,8 @@ class StrictTable {
   static StrictTable parse(std::string_view text, const std::string& name);
   /// Every key asked of the whole file so far, tables left out, in the order of first asking.
   std::vector<AskedKey> asked() const;
+  /// Has finish(), in all tables of the document, look up in `every_key` where a key stands that it refuses.
+  void say_where_keys_belong(std::function<std::vector<AskedKey>()> every_key);
   /// Of a JSON object that stands in place of a file: errors name, for want of lines, the list's entry, as in
   /// "NAME, run 3". Throws InvalidInput for what TOML cannot say (null, deep nesting).
   static StrictTable of(const Json& object, const std::string& name);
@@ -64,6 +67,8 @@ class StrictTable {
   void finish() const;
 
  private:
+  std::string home_of(std::string_view key) const;  ///< "in [part]"; empty where no table has the key
+
   struct Node;
   explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
   std::shared_ptr<Node> node_;

@@ -112,6 +112,7 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   Campaign campaign;
   campaign.file = file;
   campaign.input = input;
+  top.say_where_keys_belong(keys_asked_of_campaign);
   const FitDefaults defaults = read_sections(top, campaign);
   add_table_runs(campaign, defaults.cycles);
   if (!campaign.fit.parameters_given && !campaign.runs.empty() &&

@@ -57,6 +57,25 @@ TEST(StrictToml, AnUnknownKeyIsNamedWithTheNearestOne) {
   EXPECT_THAT(text, HasSubstr("did you mean `cycles`"));
 }
 
+TEST(StrictToml, AKeyOfAnotherTableIsSentThere) {
+  StrictTable t =
+      StrictTable::parse("[camera]\ndiameter_mm = 6\n[fit]\nmu1 = 0.2\ntitle = \"t\"\n", "t.toml");
+  t.say_where_keys_belong([] {
+    return std::vector<AskedKey>{{"", "title", "text"},
+                                 {"part", "diameter_mm", "number"},
+                                 {"fit.guess", "mu1", "number"},
+                                 {"run", "mu1", "number"}};
+  });
+  StrictTable camera = *t.table("camera"), fit = *t.table("fit");
+  EXPECT_EQ(complaint([&] { camera.finish(); }),
+            "t.toml:2:1: `diameter_mm` in [camera] does not belong here but in [part]");
+  EXPECT_EQ(complaint([&] { fit.finish(); }),
+            "t.toml:4:1: `mu1` in [fit] does not belong here but in [fit.guess] or in [[run]]");
+  fit.number("mu1");
+  EXPECT_THAT(complaint([&] { fit.finish(); }),
+              HasSubstr("at the top of the file, before the first [table]"));
+}
+
 TEST(StrictToml, DuplicateKeysAndBrokenSyntaxHaveAPlace) {
   EXPECT_THAT(complaint([] { StrictTable::parse("a = 1\na = 2\n", "t.toml"); }), HasSubstr("t.toml:2:"));
   EXPECT_THAT(complaint([] { StrictTable::parse("a = \n", "t.toml"); }), HasSubstr("t.toml:1:"));

@@ -115,6 +115,9 @@ frames = [120, 480]
 
 TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(complaint("[fit]\ncycels = 20\n" + kRun), HasSubstr("c.toml:2:1"));
+  EXPECT_THAT(complaint("[camera]\ndiameter_mm = 6\n" + kRun),
+              HasSubstr("c.toml:2:1: `diameter_mm` in [camera] does not belong here but in [part]"));
+  EXPECT_THAT(complaint("amplitude_mm = 0.28\n" + kRun), HasSubstr("does not belong here but in [platform]"));
   EXPECT_THAT(complaint("[part]\ndiameter_mm = 0\n" + kRun),
               HasSubstr("c.toml:2:1: `diameter_mm` in [part] must be greater than 0"));
   EXPECT_THAT(complaint("[part]\ndiameter_mm = -6\n" + kRun), HasSubstr("greater than 0"));
