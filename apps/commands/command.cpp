@@ -36,14 +36,14 @@ void add_parsed(CLI::App& command, const std::string& flag, std::optional<double
   command
       .add_option_function<std::string>(
           flag,
-          [&value, flag = flag.substr(0, flag.find(',')), parse, kind](const std::string& text) {
+          [&value, name = flag.substr(0, flag.find(',')), parse, kind](const std::string& text) {
             value = parse(text);
             if (!value)
               throw CLI::ValidationError(
-                  flag, fmt::format("must be {}, not \"{}\"{}", kind, text, with_point(text, parse)));
+                  name, fmt::format("must be {}, not \"{}\"{}", kind, text, with_point(text, parse)));
             if (parse != parse_angle) return;
             if (const std::string slip = angle_slip(*value); !slip.empty())
-              throw CLI::ValidationError(flag, slip);
+              throw CLI::ValidationError(name, slip);
           },
           help)
       ->type_name(parse == parse_angle ? "ANGLE" : "NUMBER");

@@ -1,4 +1,4 @@
-#include "fit/problem.h"
+#include "fit/prediction.h"
 
 #include "fit/residuals/end_point.h"
 
@@ -51,6 +51,11 @@ std::vector<Link> links(const model::Scenario& s, FitParameter parameter, double
 }  // namespace
 
 Displacement predicted_displacement(const model::Scenario& fitted, const FittedParameters& known) {
+  return predicted_displacement(fitted, known, model::IntegrationOptions{}.max_steps);
+}
+
+Displacement predicted_displacement(const model::Scenario& fitted, const FittedParameters& known,
+                                    long max_steps) {
   std::vector<model::Parameter> wanted;
   Eigen::MatrixXd chain(0, static_cast<Eigen::Index>(known.parameters.size()));
   for (std::size_t k = 0; k < known.parameters.size(); ++k)
@@ -63,7 +68,7 @@ Displacement predicted_displacement(const model::Scenario& fitted, const FittedP
       chain.row(chain.rows() - 1).setZero();
       chain(chain.rows() - 1, static_cast<Eigen::Index>(k)) = link.derivative;
     }
-  const internal::EndPoint end = internal::end_point(fitted, wanted, kTolerance);
+  const internal::EndPoint end = internal::end_point(fitted, wanted, kTolerance, max_steps);
   Displacement displacement;
   displacement.vector = end.position;
   displacement.duration = fitted.end_time();

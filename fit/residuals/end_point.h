@@ -13,8 +13,9 @@ struct EndPoint {
 };
 
 inline EndPoint end_point(const model::Scenario& scenario, const std::vector<model::Parameter>& derivatives,
-                          double tolerance) {
+                          double tolerance, long max_steps = model::IntegrationOptions{}.max_steps) {
   model::IntegrationOptions options;
+  options.max_steps = max_steps;
   options.derivatives = derivatives;
   options.tolerance = tolerance;
   options.dense = false;

@@ -1,11 +1,15 @@
 #include "apps/report/data/curves.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "apps/report/data/groups.h"
-#include "fit/problem.h"
+#include "fit/prediction.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -44,35 +48,55 @@ std::optional<fit::FittedParameters> known_parameters(const ReportData& data) {
   return known;
 }
 
-void evaluate(const model::Scenario& first, bool over_phi, const std::optional<fit::FittedParameters>& known,
-              ReportGroup& group) {
-  model::Scenario scenario = first;
+std::optional<fit::Displacement> followed(const model::Scenario& scenario,
+                                          const std::optional<fit::FittedParameters>& known,
+                                          long most_steps) {
+  try {
+    return fit::predicted_displacement(scenario, known.value_or(fit::FittedParameters{}), most_steps);
+  } catch (const model::StepLimitExceeded&) {
+    return std::nullopt;
+  }
+}
+
+/// The scenario of a group's first run with one angle varied; how many points took more than `most_steps`.
+std::size_t evaluate(model::Scenario scenario, bool over_phi,
+                     const std::optional<fit::FittedParameters>& known, long most_steps, ReportGroup& group) {
+  std::size_t left_out = 0;
   for (const double x : group.curve_x_rad) {
     (over_phi ? scenario.friction.phase : scenario.friction.pulse_width) = x;
-    const fit::Displacement moved =
-        fit::predicted_displacement(scenario, known.value_or(fit::FittedParameters{}));
-    group.curve_alpha_rad.push_back(moved.alpha ? moved.alpha->value : no_value);
-    group.curve_alpha_sd_rad.push_back(known && moved.alpha ? moved.alpha->sd : no_value);
-    group.curve_v_mm_s.push_back(1e3 * moved.mean_velocity.value);
-    group.curve_v_sd_mm_s.push_back(known ? 1e3 * moved.mean_velocity.sd : no_value);
+    const std::optional<fit::Displacement> moved = followed(scenario, known, most_steps);
+    left_out += !moved;
+    const bool has_alpha = moved && moved->alpha;
+    group.curve_alpha_rad.push_back(has_alpha ? moved->alpha->value : no_value);
+    group.curve_alpha_sd_rad.push_back(known && has_alpha ? moved->alpha->sd : no_value);
+    group.curve_v_mm_s.push_back(moved ? 1e3 * moved->mean_velocity.value : no_value);
+    group.curve_v_sd_mm_s.push_back(known && moved ? 1e3 * moved->mean_velocity.sd : no_value);
   }
+  return left_out;
 }
 
 }  // namespace
 
-void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data) {
+void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data, long most_steps) {
   const std::optional<fit::FittedParameters> known = known_parameters(data);
   data.over_phi = group_over_phi(data.runs);
   data.over_dtau = group_over_dtau(data.runs);
   const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
+  const auto all_points = static_cast<long>(data.over_phi.size() + data.over_dtau.size()) * points;
+  const long share = most_steps / std::max(1L, all_points);
+  std::size_t left_out = 0;
   for (ReportGroup& group : data.over_phi) {
     group.curve_x_rad = curve_phis(group, data.runs, points);
-    evaluate(scenarios[group.runs.front()], true, known, group);
+    left_out += evaluate(scenarios[group.runs.front()], true, known, share, group);
   }
   for (ReportGroup& group : data.over_dtau) {
     group.curve_x_rad = curve_dtaus(group, data.runs, points);
-    evaluate(scenarios[group.runs.front()], false, known, group);
+    left_out += evaluate(scenarios[group.runs.front()], false, known, share, group);
   }
+  if (left_out > 0)
+    data.warnings.push_back(fmt::format(
+        "the model's curves lack {} of {} points, where the motion takes more than {} steps to follow",
+        left_out, all_points, share));
 }
 
 }  // namespace tribotrack::apps

@@ -173,7 +173,8 @@ ReportSlide read_slide(const JsonPlace& slide, const std::string& name) {
           .sentence = slide.text("sentence")};
 }
 
-void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, ReportData& data) {
+void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, long most_steps,
+               ReportData& data) {
   std::vector<model::Scenario> scenarios;
   std::vector<bool> took_part;
   reading(folder.fit(), [&] {
@@ -199,9 +200,10 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
       if (run.video.empty() && run.failure.empty()) read_given_measurement(configuration, run);
     });
     if (run.failure.empty() && !run.video.empty()) read_recording(folder, run, data);
-    if (took_part[k]) add_model_path(scenarios[k], run.in_camera_frame, run);
+    if (took_part[k] && !add_model_path(scenarios[k], run.in_camera_frame, run))
+      note_no_model_path(run, data);
   }
-  add_curves(scenarios, data);
+  add_curves(scenarios, data, most_steps);
 }
 
 [[noreturn]] void refuse_file(const fs::path& file) {
@@ -215,7 +217,7 @@ void read_runs(const RunFolder& folder, const Json& fit, const Json& meta, Repor
 
 }  // namespace
 
-ReportData data_from_files(const RunFolder& folder) {
+ReportData data_from_files(const RunFolder& folder, long most_steps) {
   if (fs::exists(folder.root) && !fs::is_directory(folder.root)) refuse_file(folder.root);
   if (!fs::exists(folder.fit()))
     throw InvalidInput(
@@ -236,7 +238,7 @@ ReportData data_from_files(const RunFolder& folder) {
     require_known_schema(meta, meta_file);
     add_provenance(meta, data);
   });
-  read_runs(folder, fit, meta, data);
+  read_runs(folder, fit, meta, most_steps, data);
   data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
   return data;
 }

@@ -273,7 +273,7 @@ void add_runs(const ReportInput& input, ReportData& data) {
       add_residuals(result, run);
       // In the units of fit.json, where a conversion costs the last bit.
       scenario = scenario_from(json_of(result.fitted));
-      add_model_path(scenario, run.in_camera_frame, run);
+      if (!add_model_path(scenario, run.in_camera_frame, run)) note_no_model_path(run, data);
       if (!result.slide.time.empty()) data.slides.push_back(slide_of(result));
     }
     data.runs.push_back(std::move(run));

@@ -1,8 +1,11 @@
 #include "apps/report/data/model_path.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "model/trajectory.h"
 
@@ -33,26 +36,43 @@ void mark_cycles(double start, double period, ReportRun& run) {
   }
 }
 
+std::optional<model::Trajectory> followed(const model::Scenario& scenario, long most_steps) {
+  model::IntegrationOptions options;
+  options.max_steps = most_steps;
+  try {
+    return model::integrate(scenario, options);
+  } catch (const model::StepLimitExceeded&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
-void add_model_path(const model::Scenario& scenario, bool in_camera_frame, ReportRun& run) {
+bool add_model_path(const model::Scenario& scenario, bool in_camera_frame, ReportRun& run, long most_steps) {
   const double w = scenario.drive.angular_frequency;
   if (in_camera_frame || run.kind == "free_slide" || run.time_s.size() < 2 ||
       run.x_mm.size() != run.time_s.size() || !(w > 0))
-    return;
+    return true;
   const std::size_t first = first_measured(run);
-  if (first == run.x_mm.size()) return;
+  if (first == run.x_mm.size()) return true;
   const double start = run.time_s[first];
   mark_cycles(start, 2 * std::numbers::pi / w, run);
-  const model::Trajectory path = model::integrate(scenario);
+  const std::optional<model::Trajectory> path = followed(scenario, most_steps);
+  if (!path) return false;
   for (std::size_t i = 0; i < run.time_s.size(); ++i) {
     const double time = run.time_s[i] - start;
-    const bool modelled = time >= 0 && time <= path.end_time();
+    const bool modelled = time >= 0 && time <= path->end_time();
     const Eigen::Vector2d at =
-        modelled ? Eigen::Vector2d(1e3 * path.at(time).position) : Eigen::Vector2d::Constant(no_value);
+        modelled ? Eigen::Vector2d(1e3 * path->at(time).position) : Eigen::Vector2d::Constant(no_value);
     run.model_x_mm.push_back(run.x_mm[first] + at.x());
     run.model_y_mm.push_back(run.y_mm[first] + at.y());
   }
+  return true;
+}
+
+void note_no_model_path(const ReportRun& run, ReportData& data) {
+  data.warnings.push_back(fmt::format(
+      "run {}: the model's path is left out: the motion takes too many steps to follow", run.name));
 }
 
 }  // namespace tribotrack::apps

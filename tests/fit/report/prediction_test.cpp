@@ -1,4 +1,4 @@
-#include "fit/problem.h"
+#include "fit/prediction.h"
 
 #include <gtest/gtest.h>
 
@@ -68,6 +68,13 @@ TEST(Prediction, WithoutParametersItIsTheModelAlone) {
   EXPECT_EQ(predicted.covariance.norm(), 0);
   EXPECT_EQ(predicted.mean_velocity.sd, 0);
   EXPECT_NEAR(predicted.mean_velocity.value, predicted.vector.norm() / scenario.end_time(), 1e-15);
+}
+
+TEST(Prediction, IsTheSameWithinALimitAndNoneBeyondIt) {
+  const model::Scenario scenario = test::fourteen(Truth{}).front();
+  EXPECT_EQ(predicted_displacement(scenario, known(), 100'000).vector,
+            predicted_displacement(scenario, known()).vector);
+  EXPECT_THROW(predicted_displacement(scenario, known(), 20), model::StepLimitExceeded);
 }
 
 }  // namespace
