@@ -9,7 +9,7 @@
 namespace tribotrack::apps {
 
 /// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
-inline constexpr long kMostCurveSteps = 10'000'000;
+inline constexpr long kMostCurveSteps = 5'000'000;
 
 /// Groups data.runs (groups.h) and evaluates the model for each group: the scenario of its first run with one
 /// angle varied. `scenarios`: one per run, at the fitted parameters.
