@@ -37,4 +37,4 @@ mkdir -p "$build/lint"
 sed 's/ -Winvalid-pch//; s/ -include [^ ]*cmake_pch.hxx//; s/ -fpch-preprocess//' "$build/compile_commands.json" \
   >"$build/lint/compile_commands.json"
 printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p "$build/lint" --quiet \
-  --extra-arg=-Wno-unknown-warning-option
+  --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unknown-pragmas
