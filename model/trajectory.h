@@ -54,7 +54,8 @@ struct IntegrationOptions {
   /// Once a cycle begins as the one before did, add its displacement instead of integrating its copies
   /// (IntegrationSummary::error_bound bounds the error this adds). Off: every cycle is integrated.
   bool reuse_repeating_cycles = true;
-  /// More steps than this is an error (std::runtime_error), never a silent stop.
+  /// More steps than this is an error (StepLimitExceeded), never a silent stop. The search for a periodic
+  /// start may take as many.
   long max_steps = 10'000'000;
 };
 

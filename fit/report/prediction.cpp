@@ -50,8 +50,10 @@ std::vector<Link> links(const model::Scenario& s, FitParameter parameter, double
 
 }  // namespace
 
-Displacement predicted_displacement(const model::Scenario& fitted, const FittedParameters& known) {
-  return predicted_displacement(fitted, known, model::IntegrationOptions{}.max_steps);
+Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
+  model::IntegrationOptions options;
+  options.dense = false;
+  return model::integrate(scenario, options).end().position;
 }
 
 Displacement predicted_displacement(const model::Scenario& fitted, const FittedParameters& known,

@@ -7,15 +7,7 @@
 #include "fit/residuals/residuals.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::fit {
-
-Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
-  model::IntegrationOptions options;
-  options.dense = false;
-  return model::integrate(scenario, options).end().position;
-}
-
-namespace internal {
+namespace tribotrack::fit::internal {
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
   const Displacement& measured = problem_->summary_runs[index].measured;
@@ -77,5 +69,4 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
   jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
 }
 
-}  // namespace internal
-}  // namespace tribotrack::fit
+}  // namespace tribotrack::fit::internal

@@ -16,8 +16,9 @@ struct Orbit {
   int iterations = 0;
 };
 
-/// nullopt where there is none that attracts. The Jacobian is good to `jacobian_error` at least.
+/// nullopt where there is none that attracts. The Jacobian is good to `jacobian_error` at least. Throws
+/// StepLimitExceeded where the whole search takes more than `max_steps` steps.
 std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
-                                double jacobian_error);
+                                double jacobian_error, long max_steps);
 
 }  // namespace tribotrack::model::internal

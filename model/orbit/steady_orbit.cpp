@@ -3,20 +3,25 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+#include <string>
 
 #include "model/alpha_v.h"
 #include "model/lanes/shooting.h"
 #include "model/orbit/orbit.h"
 #include "model/solver/set_up.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::model {
 namespace internal {
 namespace {
 
-/// One period from the local phase 0 and velocity u, with its dependence on u.
-CycleMap one_cycle(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcMemory& memory) {
+/// One period from the local phase 0 and velocity u, with its dependence on u. Its steps are taken off those
+/// that `in` has left.
+CycleMap one_cycle(SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcMemory& memory) {
   Solver<Jet<2>> solver(in);
-  return solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
+  const CycleMap map = solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
+  in.max_steps -= solver.counts().steps;
+  return map;
 }
 
 /// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
@@ -111,15 +116,15 @@ bool always_held(const SolverInput<Jet<2>>& in) {
 }
 
 /// Where a cycle and the one after it stop and end alike: nothing is remembered, the derivatives are 0.
-std::optional<Orbit> from_stop_to_stop(const SolverInput<Jet<2>>& in, const Eigen::Vector2d& start) {
+std::optional<Orbit> from_stop_to_stop(SolverInput<Jet<2>>& in, const Eigen::Vector2d& start) {
   const double kappa = std::fmax(in.problem.kappa_nominal.v, in.problem.kappa_reduced.v);
   if (!Excess(in.problem.drive, kappa).may_hold()) return std::nullopt;
-  const auto plain = lifted<double>(in);
   Pair<double> u{start.x(), start.y()};
   for (int i = 1; i <= 2; ++i) {
     ArcMemory memory;
-    Solver<double> solver(plain);
-    const Motion<double> end = solver.run_one_cycle(plain.edges.open_at_start && !plain.circling, u, memory);
+    Solver<double> solver(lifted<double>(in));
+    const Motion<double> end = solver.run_one_cycle(in.edges.open_at_start && !in.circling, u, memory);
+    in.max_steps -= solver.counts().steps;
     if (!(solver.counts().stick_phase > 0)) return std::nullopt;
     if (i == 2 && length(end.velocity - u) <= 4 * in.tolerance * std::fmax(0.25, length(u)))
       return Orbit{{u.x, u.y}, {end.position.x, end.position.y}, Eigen::Matrix2d::Zero(), i};
@@ -131,7 +136,7 @@ std::optional<Orbit> from_stop_to_stop(const SolverInput<Jet<2>>& in, const Eige
 /// U = P(U) to the tolerance of `in`, with a Jacobian good to `jacobian_error`: Newton's method, its step cut
 /// until it gains, and a plain cycle where no step does. Two motions never separate, so that a cycle cannot
 /// lead away.
-std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
+std::optional<Orbit> solve_cycle(SolverInput<Jet<2>>& in, Eigen::Vector2d u, double jacobian_error) {
   constexpr int kMost = 200;
   ArcMemory memory;
   Eigen::Vector2d newton = Eigen::Vector2d::Zero(), cycle_end = newton;
@@ -169,15 +174,13 @@ std::optional<Orbit> solve_cycle(const SolverInput<Jet<2>>& in, Eigen::Vector2d 
 /// Tolerance at which orbits are looked for before they are found to the tolerance asked for.
 inline constexpr double kLoose = 1e-5;
 
-}  // namespace
-
-std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
-                                double jacobian_error) {
+std::optional<Orbit> search(const Scenario& scenario, bool with_pulses, double tolerance,
+                            double jacobian_error, long max_steps) {
   if (!attracts(scenario, with_pulses)) return std::nullopt;
   const Scenario free = without_start(scenario);
   auto in = set_up<Jet<2>>(free, {}, with_pulses);
   in.tolerance = tolerance;
-  in.max_steps = 1'000'000;
+  in.max_steps = max_steps;
   if (always_held(in))
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
   // Cheap ways first: what they leave is squared by the next Newton step.
@@ -203,13 +206,23 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
   return orbit;
 }
 
+}  // namespace
+
+std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, double tolerance,
+                                double jacobian_error, long max_steps) try {
+  return search(scenario, with_pulses, tolerance, jacobian_error, max_steps);
+} catch (const StepLimitExceeded&) {  // which tells of the steps that were left for one cycle
+  throw StepLimitExceeded("the periodic motion was not found in max_steps = " + std::to_string(max_steps) +
+                          " steps; raise IntegrationOptions::max_steps or use start = rest");
+}
+
 }  // namespace internal
 
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
   scenario.validate();
   if (with_pulses && internal::attracts(scenario, true))
     if (auto shot = internal::shoot(internal::without_start(scenario))) return shot;
-  const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-5);
+  const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-5, IntegrationOptions{}.max_steps);
   if (!found) return std::nullopt;
   const double unit = internal::velocity_unit(scenario);
   SteadyOrbit orbit;

@@ -93,7 +93,7 @@ template <class T>
 void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
   // The derivatives below are as good as the Jacobian, and cycles count as repeating only where they agree.
   const double jacobian_error = derivative_count < T >> 0 ? 1e-13 : 1.0;
-  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance, jacobian_error);
+  const auto orbit = find_orbit(scenario, with_pulses, options.tolerance, jacobian_error, options.max_steps);
   if (!orbit)
     throw InvalidParameter(
         std::string("start = ") + to_string(scenario.start) +

@@ -8,6 +8,7 @@
 
 #include "apps/bench/fit/methods.h"
 #include "fit/estimate.h"
+#include "fit/prediction.h"
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 

@@ -6,6 +6,7 @@
 
 #include "apps/bench/fit/plain_descent.h"
 #include "fit/estimate.h"
+#include "fit/prediction.h"
 
 namespace tribotrack::bench {
 

@@ -9,6 +9,7 @@
 
 #include "apps/bench/fit/designs.h"
 #include "fit/estimate.h"
+#include "fit/prediction.h"
 
 namespace tribotrack::bench {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "model/laws.h"
 #include "model/random_scenario.h"
@@ -40,6 +41,32 @@ TEST(SteadyOrbit, ContractionVanishesWithStick) {
   const auto orbit = steady_orbit(s);
   ASSERT_TRUE(orbit);
   EXPECT_EQ(orbit->contraction, 0);
+}
+
+/// Steps enough for any one cycle of the search are too few for all of them together.
+TEST(SteadyOrbit, TheWholeSearchIsCountedInSteps) {
+  Scenario s = reference_run();
+  s.friction.nominal = 0.05;                      // slides throughout
+  s.drive.amplitude_y = 0.1 * s.drive.amplitude;  // no circle: one cycle after the other
+  const auto orbit = steady_orbit(s);
+  ASSERT_TRUE(orbit);
+  ASSERT_GE(orbit->newton_iterations, 4);
+  s.cycles = 1;
+  Scenario one_cycle = s;
+  one_cycle.initial_velocity = orbit->velocity;
+  const long steps = integrate(one_cycle).summary().steps;
+  s.start = Start::steady;
+  IntegrationOptions options;
+  options.max_steps = 2 * steps;
+  try {
+    integrate(s, options);
+    ADD_FAILURE() << "found in " << options.max_steps << " steps";
+  } catch (const StepLimitExceeded& error) {
+    EXPECT_NE(std::string(error.what()).find(std::to_string(options.max_steps)), std::string::npos)
+        << error.what();
+  }
+  options.max_steps = 2 * (orbit->newton_iterations + 2) * steps;
+  EXPECT_EQ(integrate(s, options).end().position, integrate(s).end().position);
 }
 
 /// Friction reduced to next to nothing for nearly the whole cycle: what is left of it still attracts.
