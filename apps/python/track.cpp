@@ -51,7 +51,7 @@ std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {
   if (marker.is_none()) return std::nullopt;
   if (py::isinstance<py::str>(marker)) {
     try {
-      if (const auto named = apps::marker_named(marker.cast<std::string>())) return named;
+      if (auto named = apps::marker_named(marker.cast<std::string>())) return named;
     } catch (const std::invalid_argument& error) {
       throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
     }

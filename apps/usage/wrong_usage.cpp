@@ -62,13 +62,18 @@ std::string nearest_option(const std::string& word, const std::vector<std::strin
   if (std::string begun = only([&](const std::string& option) { return option.starts_with(word); });
       !begun.empty())
     return begun;
+  // Dashes are no letters: `--overwrite` is not spelt much like `--version`.
   const std::string stem = word.substr(std::min(word.find_first_not_of('-'), word.size()));
-  if (std::string held = stem.size() < 3 ? "" : only([&](const std::string& option) {
-        return option.find(stem) != std::string::npos;
-      });
+  if (stem.size() < 3) return "";
+  if (std::string held =
+          only([&](const std::string& option) { return option.find(stem) != std::string::npos; });
       !held.empty())
     return held;
-  return nearest_word(word, options);
+  std::vector<std::string> names;
+  for (const std::string& option : options)
+    if (option.starts_with("--")) names.push_back(option.substr(2));
+  const std::string near = nearest_word(stem, names);
+  return near.empty() ? near : "--" + near;
 }
 
 std::string meant(const std::string& near) {
@@ -93,9 +98,9 @@ std::string unexpected_word(const CLI::App& command, const std::vector<std::stri
       return fmt::format("`{}` is no option of `{}`{}", flag, command.get_name(),
                          meant(nearest_option(flag, options)));
   }
-  std::string extra = left.empty() ? "" : left.front();
-  for (auto word = typed.rbegin(); word != typed.rend(); ++word)
-    if (contains(left, *word)) extra = *word;
+  const auto first =
+      std::ranges::find_if(typed, [&](const std::string& word) { return contains(left, word); });
+  const std::string extra = first != typed.end() ? *first : left.empty() ? "" : left.front();
   return fmt::format(
       "`{}` is one too many: `{}` takes {}{}", extra, command.get_name(), arguments_of(command),
       command.get_name() == "track" ? "; many recordings are what `tribotrack run` is for" : "");

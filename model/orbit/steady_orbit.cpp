@@ -19,7 +19,7 @@ namespace {
 /// that `in` has left.
 CycleMap one_cycle(SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcMemory& memory) {
   Solver<Jet<2>> solver(in);
-  const CycleMap map = solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
+  CycleMap map = solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
   in.max_steps -= solver.counts().steps;
   return map;
 }

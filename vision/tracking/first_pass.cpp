@@ -114,8 +114,7 @@ std::optional<Circle> FirstPass::mark() const {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  const FollowStep step =
-      timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });
+  FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;

@@ -36,6 +36,7 @@ struct FileActions {
 
 ChildRun run_child(const std::vector<std::string>& command, const std::filesystem::path& stderr_file) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   const FileActions files(stderr_file);

@@ -114,7 +114,9 @@ TEST_F(DebugPictures, ExplainTellsTimesAndMetaOnlyBoundsThatWereComputed) {
   const std::string text = content_of(in_folder("t.csv.meta.json"));
   EXPECT_EQ(text.find("predicted_saving"), std::string::npos);
   EXPECT_EQ(text.find("first pass: part"), std::string::npos) << "times are volatile: run.json only";
-  for (const Json& stage : Json::parse(text)["plan"]) {
+  const Json plan = Json::parse(text)["plan"];
+  EXPECT_FALSE(plan.empty());
+  for (const Json& stage : plan) {
     if (stage["stage"].get<std::string>().starts_with("layers")) {
       EXPECT_TRUE(stage["error_bound_px"].is_null());
     }

@@ -11,7 +11,4 @@ namespace tribotrack::apps {
 /// each is and which covariance is printed.
 std::string interval_table(const ReportData& data);
 
-/// The interval to quote, "a to b or c to d" where it has pieces.
-std::string quoted_interval(const ReportParameter& parameter);
-
 }  // namespace tribotrack::apps
