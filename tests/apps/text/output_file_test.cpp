@@ -57,7 +57,8 @@ TEST_F(OutputFile, ASignalLeavesNoHalfWrittenFile) {
       "cd '" + folder_.string() +
       "' && { '" TRIBOTRACK_BINARY
       "' synth scene.toml -o v.cine -q & "
-      "p=$!; sleep 1; ls -a | grep -c partial >seen; kill -TERM $p; wait $p; echo $? >code; }";
+      "p=$!; for i in $(seq 300); do ls -a | grep -q partial && break; sleep 0.1; done; "
+      "ls -a | grep -c partial >seen; kill -TERM $p; wait $p; echo $? >code; }";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_NE(content_of(in_folder("seen")), "0\n")
       << "the file was never being written: this test shows nothing";

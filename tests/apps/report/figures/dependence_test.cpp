@@ -23,6 +23,8 @@ ReportData with_curve(std::vector<double> x, std::vector<double> alpha) {
   data.over_phi[0].curve_x_rad = std::move(x);
   data.over_phi[0].curve_alpha_rad = std::move(alpha);
   data.over_phi[0].curve_alpha_sd_rad.clear();
+  data.over_phi[0].curve_v_mm_s.assign(data.over_phi[0].curve_x_rad.size(), 1);
+  data.over_phi[0].curve_v_sd_mm_s.clear();
   return data;
 }
 
