@@ -19,6 +19,7 @@ enum class BatchStatus {
   done,
   invalid,           ///< a parameter out of its range
   no_steady_motion,  ///< none that is unique: no friction in the cycle, tilt beyond the friction angle
+  too_long,          ///< not followed to its end within IntegrationOptions::max_steps
   failed,            ///< not solved; the reason is in BatchOutcome::reasons
 };
 const char* to_string(BatchStatus status);

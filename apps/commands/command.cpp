@@ -15,6 +15,7 @@
 #include "apps/usage/wrong_usage.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"
+#include "model/trajectory.h"
 #include "vision/picture.h"
 
 namespace tribotrack::apps {
@@ -169,6 +170,9 @@ int run_program(int argc, const char* const* argv) {
     return kInvalidInput;
   } catch (const model::InvalidParameter& error) {
     complain(error.what());
+    return kInvalidInput;
+  } catch (const model::StepLimitExceeded& error) {
+    complain(fmt::format("{}; give it fewer cycles or more friction", error.what()));
     return kInvalidInput;
   } catch (const std::invalid_argument& error) {
     complain(error.what());

@@ -5,6 +5,7 @@
 
 #include "apps/recording/track_recording.h"
 #include "fit/measurement.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::python {
 
@@ -49,6 +50,8 @@ void translate(std::exception_ptr error) {
   } catch (const fit::DataError& refused) {
     raise(made("InputError", refused));
   } catch (const std::invalid_argument& refused) {  // model::InvalidParameter, too
+    raise(made("InputError", refused));
+  } catch (const model::StepLimitExceeded& refused) {
     raise(made("InputError", refused));
   }
 }

@@ -8,6 +8,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::apps {
 
@@ -53,9 +54,12 @@ SweptModel solve(const Sweep& sweep, const Context& context) {
   const model::BatchOutcome outcome = model::solve_batch(
       sweep.count(), [&sweep](std::size_t index) { return sweep.scenario(index); }, options);
   for (std::size_t k = 0; k < outcome.ends.size(); ++k) {
-    if (outcome.ends[k].status == model::BatchStatus::failed) throw std::runtime_error(outcome.reasons.at(k));
-    if (outcome.ends[k].status != model::BatchStatus::done)
-      throw model::InvalidParameter(outcome.reasons.at(k));
+    const model::BatchStatus status = outcome.ends[k].status;
+    if (status == model::BatchStatus::done) continue;
+    const std::string& reason = outcome.reasons.at(k);
+    if (status == model::BatchStatus::failed) throw std::runtime_error(reason);
+    if (status == model::BatchStatus::too_long) throw model::StepLimitExceeded(reason);
+    throw model::InvalidParameter(reason);
   }
   SweptModel solved;
   put(outcome.ends, solved.alpha_rad, solved.v_mm_s);

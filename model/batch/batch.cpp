@@ -178,6 +178,8 @@ class Crew {
         solution = scalar_solution(scenario, work_.options, static_cast<const Run*>(nullptr), why);
       } catch (const InvalidParameter& no_orbit) {
         refused(BatchStatus::no_steady_motion, no_orbit);
+      } catch (const StepLimitExceeded& no_end) {
+        refused(BatchStatus::too_long, no_end);
       } catch (const std::exception& failure) {
         refused(BatchStatus::failed, failure);
       }

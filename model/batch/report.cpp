@@ -12,6 +12,8 @@ const char* to_string(BatchStatus status) {
       return "invalid";
     case BatchStatus::no_steady_motion:
       return "no steady motion";
+    case BatchStatus::too_long:
+      return "too long";
     case BatchStatus::failed:
       break;
   }

@@ -213,7 +213,7 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
   return search(scenario, with_pulses, tolerance, jacobian_error, max_steps);
 } catch (const StepLimitExceeded&) {  // which tells of the steps that were left for one cycle
   throw StepLimitExceeded("the periodic motion was not found in max_steps = " + std::to_string(max_steps) +
-                          " steps; raise IntegrationOptions::max_steps or use start = rest");
+                          " steps: friction next to nothing; let the run start at rest");
 }
 
 }  // namespace internal

@@ -15,8 +15,8 @@ class SpinRun final : public Trajectory::Implementation {
   SpinRun(const Scenario& s, const IntegrationOptions& o)
       : Implementation(s, o), slide_(equation(), start(), s.end_time(), o.tolerance, o.max_steps) {
     if (!slide_.complete())
-      throw StepLimitExceeded("the spinning slide was not followed to its end in " +
-                              std::to_string(o.max_steps) + " steps");
+      throw StepLimitExceeded("the spinning slide takes more than max_steps = " +
+                              std::to_string(o.max_steps) + " steps to follow");
     summary.steps = static_cast<long>(slide_.steps());
     if (!slide_.stopped()) return;
     summary.stops = 1;

@@ -113,8 +113,8 @@ class Stepper {
   double strength_bound() const { return drive_bound_ + value(kappa()); }
   void count_step() {
     if (++counts.steps > max_steps_)
-      throw StepLimitExceeded("integrate: more than max_steps = " + std::to_string(max_steps_) +
-                              " steps; raise IntegrationOptions::max_steps or shorten the run");
+      throw StepLimitExceeded("the motion takes more than max_steps = " + std::to_string(max_steps_) +
+                              " steps to follow: too many cycles, or friction next to nothing");
     contact_ = {reduced_, false};
   }
   Piece<T> begin_piece() {

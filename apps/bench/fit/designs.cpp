@@ -114,7 +114,10 @@ struct Filmed {
     alpha_sd = noise.alpha + least / (velocity.norm() + least);
   }
   Displacement measured(double angular_frequency, Dice& dice) const {
-    const Vector2d seen = velocity + along() * v_sd * dice.normal() + across() * across_sd() * dice.normal();
+    // One after the other: compilers differ in which operand of a sum they evaluate first.
+    const double off_across = across_sd() * dice.normal();
+    const double off_along = v_sd * dice.normal();
+    const Vector2d seen = velocity + off_along * along() + off_across * across();
     const double alpha = std::atan2(seen.y(), seen.x());
     return displacement_from_alpha_v({alpha < 0 ? alpha + 2 * pi : alpha, alpha_sd}, {seen.norm(), v_sd},
                                      angular_frequency, static_cast<int>(truth.cycles));
