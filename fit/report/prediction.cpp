@@ -51,9 +51,7 @@ std::vector<Link> links(const model::Scenario& s, FitParameter parameter, double
 }  // namespace
 
 Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
-  model::IntegrationOptions options;
-  options.dense = false;
-  return model::integrate(scenario, options).end().position;
+  return internal::end_point(scenario, {}, model::IntegrationOptions{}.tolerance).position;
 }
 
 Displacement predicted_displacement(const model::Scenario& fitted, const FittedParameters& known,
