@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
 
 #include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/track_errors.h"
-#include "fit/uncertainty/displacement_refits.h"
 #include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
 
@@ -137,121 +135,18 @@ class Draw {
   std::normal_distribution<double> normal_;
 };
 
-/// Refits to data drawn from the fitted model, from its minimum.
-class Refits {
- public:
-  Refits(const Residuals& residuals, const Minimum& best, bool scatter_estimated, const FitOptions& options)
-      : residuals_(residuals),
-        best_(best),
-        scatter_estimated_(scatter_estimated),
-        options_(options),
-        problem_(residuals.unknowns().problem()),
-        fine_(residuals.tolerance_for(kRefitTolerance, 1e-6)) {
-    const auto n = static_cast<std::size_t>(residuals.unknowns().size());
-    const bool fits = static_cast<std::size_t>(residuals.size()) * n * n < kMostNumbers;
-    // Whitening is to be the same for all draws.
-    const bool alike = options.loss == Loss::squares &&
-                       residuals.excess_variance().along == residuals.excess_variance().across;
-    if (!alike || !fits || n >= static_cast<std::size_t>(options.bootstrap)) return;
-    Residuals fine = residuals;
-    fine.set_tolerance(fine_);
-    curved_ = CurvedResiduals::about(fine, best, options.threads);
-  }
-
-  /// Values of all unknowns, a draw each; empty where the refit did not converge.
-  std::vector<Eigen::VectorXd> all() const {
-    const auto count = static_cast<std::size_t>(options_.bootstrap);
-    std::vector<Eigen::VectorXd> estimates(count);
-    Stage stage(options_, "bootstrap", count);
-    const std::size_t many = curved_ && problem_.trajectory_runs.empty() ? kTogether : 1;
-    for (std::size_t begin = 0; many > 1 && begin < count; begin += many)
-      displacements(begin, std::min(begin + many, count), estimates, stage);
-    if (many == 1)
-      parallel_for(count, options_.threads, [&](std::size_t k) {
-        refit(drawn(k), estimates[k]);
-        stage.done();
-      });
-    return estimates;
-  }
-
- private:
-  static constexpr std::size_t kTogether = 256;            ///< draws of displacements
-  static constexpr std::size_t kMostNumbers = 30'000'000;  ///< in the second derivatives
-
-  Problem drawn(std::size_t k) const {
-    std::seed_seq seed{options_.bootstrap_seed, static_cast<unsigned>(k)};
-    Random random(seed);
-    const double dof = std::max(1.0, residuals_.degrees_of_freedom());
-    const double noise =
-        scatter_estimated_ ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
-    return Draw(residuals_, best_, noise, random).problem();
-  }
-
-  void displacements(std::size_t begin, std::size_t end, std::vector<Eigen::VectorXd>& estimates,
-                     Stage& stage) const {
-    std::vector<Problem> problems;
-    for (std::size_t k = begin; k < end; ++k) problems.push_back(drawn(k));
-    const auto refits = refit_displacements(residuals_, best_, *curved_, problems, options_.threads);
-    parallel_for(refits.size(), options_.threads, [&](std::size_t i) {
-      if (refits[i].found)
-        estimates[begin + i] = residuals_.unknowns().values(refits[i].z);
-      else
-        descend(problems[i], refits[i].z, estimates[begin + i]);
-      stage.done();
-    });
-  }
-
-  void refit(const Problem& problem, Eigen::VectorXd& estimate) const {
-    if (!curved_ || !from_second_order(problem, estimate)) descend(problem, best_.z, estimate);
-  }
-
-  void descend(const Problem& problem, const Eigen::VectorXd& start, Eigen::VectorXd& estimate) const {
-    const Unknowns own(problem);
-    Residuals refit(own);
-    refit.set_excess_variance(residuals_.excess_variance());
-    refit.set_tolerance(residuals_.tolerance_for(0.03, 1e-5));
-    if (refit.size() != residuals_.size()) return;  // a free slide whose strike moved by a frame
-    Minimum minimum = minimise(refit, start, {.held = {}, .decrement = 1e-4});
-    if (options_.loss != Loss::squares && std::isfinite(minimum.chi2))
-      reweighted_fit(refit, minimum, {.loss = options_.loss});
-    if (minimum.converged) estimate = own.values(minimum.z);
-  }
-
-  /// Tracks: two evaluations without derivatives; false where a descent is to do it.
-  bool from_second_order(const Problem& problem, Eigen::VectorXd& estimate) const {
-    const Unknowns own(problem);
-    Residuals refit(own);
-    refit.set_excess_variance(residuals_.excess_variance());
-    refit.set_tolerance(fine_);
-    if (refit.size() != residuals_.size()) return false;
-    const Eigen::VectorXd by = same_motion(problem, own) - best_.z;
-    Eigen::VectorXd r0, exact;
-    if (!refit.evaluate(own.values(best_.z + by), r0, nullptr)) return false;
-    const auto t = curved_->minimum(r0);
-    if (!t || !refit.evaluate(own.values(curved_->z(*t) + by), exact, nullptr)) return false;
-    const auto end = curved_->confirmed(r0, *t, exact);
-    if (end) estimate = own.values(curved_->z(*end) + by);
-    return end.has_value();
-  }
-
-  /// Where `own`'s motions are those of the best fit: a drawn run's phase holds what it was shifted by.
-  Eigen::VectorXd same_motion(const Problem& problem, const Unknowns& own) const {
-    Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
-    for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
-      if (const Eigen::Index phase = own.phase_index(i); phase >= 0)
-        values(phase) -= problem.trajectory_runs[i].scenario.start_phase -
-                         problem_.trajectory_runs[i].scenario.start_phase;
-    return own.z(values);
-  }
-
-  const Residuals& residuals_;
-  const Minimum& best_;
-  bool scatter_estimated_;
-  const FitOptions& options_;
-  const Problem& problem_;
-  double fine_;  ///< tolerance
-  std::optional<CurvedResiduals> curved_;
-};
+/// Values of all unknowns where a refit to `problem`, data drawn from the model that `residuals` fitted, ends
+/// from the minimum `best`; empty where it does not converge.
+Eigen::VectorXd refit(const Problem& problem, const Residuals& residuals, const Minimum& best, Loss loss) {
+  const Unknowns own(problem);
+  Residuals refit(own);
+  refit.set_excess_variance(residuals.excess_variance());
+  refit.set_tolerance(residuals.tolerance_for(0.03, 1e-5));
+  if (refit.size() != residuals.size()) return {};  // a free slide whose strike moved by a frame
+  Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
+  if (loss != Loss::squares && std::isfinite(minimum.chi2)) reweighted_fit(refit, minimum, {.loss = loss});
+  return minimum.converged ? own.values(minimum.z) : Eigen::VectorXd();
+}
 
 /// The point below which `share` of the sorted values lie.
 double quantile(const std::vector<double>& sorted, double share) {
@@ -266,7 +161,17 @@ double quantile(const std::vector<double>& sorted, double share) {
 Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatter_estimated,
                     const FitOptions& options) {
   const Unknowns& unknowns = residuals.unknowns();
-  std::vector<Eigen::VectorXd> estimates = Refits(residuals, best, scatter_estimated, options).all();
+  const double dof = std::max(1.0, residuals.degrees_of_freedom());
+  std::vector<Eigen::VectorXd> estimates(static_cast<std::size_t>(options.bootstrap));
+  Stage stage(options, "bootstrap", estimates.size());
+  parallel_for(estimates.size(), options.threads, [&](std::size_t k) {
+    std::seed_seq seed{options.bootstrap_seed, static_cast<unsigned>(k)};
+    Random random(seed);
+    const double noise =
+        scatter_estimated ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
+    estimates[k] = refit(Draw(residuals, best, noise, random).problem(), residuals, best, options.loss);
+    stage.done();
+  });
   Bootstrap result;
   std::erase_if(estimates, [](const Eigen::VectorXd& values) { return values.size() == 0; });
   result.converged = static_cast<int>(estimates.size());
