@@ -125,7 +125,7 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   };
   const fit::Problem problem = problem_of(campaign, runs, stage.shared.conditions);
   stage.result = fit::estimate(problem, options);
-  std::vector<std::string> suspects = suspicious_runs(problem, stage.result, options.threads);
+  std::vector<std::string> suspects = suspicious_runs(problem, stage.result);
   stage.result.warnings.insert(stage.result.warnings.begin(), suspects.begin(), suspects.end());
   stage.json = fit_json(campaign, runs, stage.result);
   add_to(stage.json, stage.shared.scale);

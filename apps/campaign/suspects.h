@@ -1,4 +1,4 @@
-// Then, where the fit is not usable: the runs whose label or kind may be wrong.
+// Then, where the fit is not usable: the runs whose kind may be wrong.
 #pragma once
 
 #include <string>
@@ -9,11 +9,8 @@
 
 namespace tribotrack::apps {
 
-/// Sentences; empty where nothing is found, or the fit is usable.
-/// - A free slide whose points lie off the fitted slide by more than a tenth of its way.
-/// - Two runs with whose phi_rad, or phi_rad and dtau_rad, exchanged chi^2 falls a hundredfold, where at most
-///   one other exchange does so too. Up to 6 runs: in more, they stand out one by one (FitResult::outliers).
-std::vector<std::string> suspicious_runs(const fit::Problem& problem, const fit::FitResult& result,
-                                         int threads);
+/// A sentence for each free slide whose points lie off the fitted slide by more than a tenth of its way; empty
+/// where the fit is usable.
+std::vector<std::string> suspicious_runs(const fit::Problem& problem, const fit::FitResult& result);
 
 }  // namespace tribotrack::apps
