@@ -15,9 +15,8 @@ namespace tribotrack::model {
 struct PlanStage {
   std::string name;
   bool on = false;
-  std::string reason;           ///< with its figure
-  double predicted_saving = 0;  ///< share of the time of the run with it that leaving it out saves, 0 .. 1
-  double error_bound = 0;       ///< m, what leaving it out can add to the end point
+  std::string reason;      ///< with its figure
+  double error_bound = 0;  ///< m, what leaving it out can add to the end point
 };
 
 /// What the result is for.
@@ -30,13 +29,16 @@ struct PlanPurpose {
 /// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
 /// every cycle (do they repeat, so that the rest follows by addition?), dense output (is anything but the end
 /// wanted?), derivatives (is the run part of a fit?). Costs one steady_orbit() where cycles could repeat.
-/// Savings come from a measured cost model (plan/plan_cost.h); `tribotrack bench model` prints them beside
-/// measured ones. Throws InvalidParameter for a bad scenario.
+/// `tribotrack bench model` measures what each saves. Throws InvalidParameter for a bad scenario.
 std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});
 
 /// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a
 /// trigonometric polynomial of degree 2; its minima are found by safeguarded Newton steps between samples of
 /// its slope.
 double least_drive(const Drive& drive);
+
+/// Cycles that are integrated until one repeats the last, for a contraction per cycle. A part that sticks
+/// (contraction 0) repeats at once.
+double cycles_until_repeating(double contraction);
 
 }  // namespace tribotrack::model

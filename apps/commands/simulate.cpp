@@ -121,10 +121,9 @@ void simulate(const SimulateOptions& options, const Context& context) {
                                    friction.reduced, friction.nominal));
   if (options.explain)
     for (const auto& stage : model::plan(file.scenario))
-      print_error(fmt::format("{:<20} {:<4} {}{}", stage.name, stage.on ? "on" : "off", stage.reason,
-                              stage.on ? ""
-                                       : fmt::format("; saves {:.0f} %, error at most {:.2g} mm",
-                                                     100 * stage.predicted_saving, 1e3 * stage.error_bound)));
+      print_error(
+          fmt::format("{:<20} {:<4} {}{}", stage.name, stage.on ? "on" : "off", stage.reason,
+                      stage.on ? "" : fmt::format("; error at most {:.2g} mm", 1e3 * stage.error_bound)));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
   const Json results = simulation_json(trajectory);
@@ -140,7 +139,6 @@ void simulate(const SimulateOptions& options, const Context& context) {
       meta.more["plan"].push_back({{"stage", stage.name},
                                    {"on", stage.on},
                                    {"reason", stage.reason},
-                                   {"predicted_saving", stage.predicted_saving},
                                    {"error_bound_m", stage.error_bound}});
     write_result(options.output, table_of(trajectory, file.samples_per_cycle), meta);
   }

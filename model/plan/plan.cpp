@@ -5,14 +5,14 @@
 #include <cstdio>
 #include <numbers>
 
-#include "model/plan/plan_cost.h"
 #include "model/steady_orbit.h"
 
 namespace tribotrack::model {
 
 namespace {
 
-namespace cost = internal::plan_cost;
+/// Two velocities this close, relative to the speed, count as the same: cycles repeat from there on.
+constexpr double kSameVelocity = 4e-16;
 
 template <class... Figures>
 std::string with_figures(const char* format, Figures... figures) {
@@ -31,11 +31,6 @@ struct Scene {
         may_stick(least <= friction),
         cycles(s.end_time() * s.drive.angular_frequency / (2 * std::numbers::pi)) {}
 
-  /// One cycle by the cost model.
-  double cycle_cost() const {
-    return (pulses ? cost::kSwitchedCycle : cost::kSmoothCycle) + (may_stick ? cost::kStop : 0);
-  }
-
   const Scenario& scenario;
   double least;
   bool pulses;
@@ -48,74 +43,62 @@ PlanStage stick(const Scene& scene) {
   if (scene.may_stick)
     return {"stick and release", true,
             with_figures("friction %.4g m/s^2 can hold the part: the drive falls to %.4g m/s^2",
-                         scene.friction, scene.least),
-            0, 0};
+                         scene.friction, scene.least)};
   return {
       "stick and release", false,
       with_figures("the drive never falls below %.4g m/s^2, friction is at most %.4g m/s^2: the part, once "
                    "sliding, never sticks",
-                   scene.least, scene.friction),
-      cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kStop), 0};
+                   scene.least, scene.friction)};
 }
 
 PlanStage switches(const Scene& scene) {
   const Friction& f = scene.scenario.friction;
   if (scene.pulses)
     return {"friction switches", true,
-            with_figures("mu switches between %.4g and %.4g twice a cycle", f.nominal, f.reduced), 0, 0};
-  return {"friction switches", false, "mu is constant: a pulse of no width, or mu2 = mu1",
-          cost::saving(scene.cycle_cost(), scene.cycle_cost() + cost::kSwitchedCycle - cost::kSmoothCycle),
-          0};
+            with_figures("mu switches between %.4g and %.4g twice a cycle", f.nominal, f.reduced)};
+  return {"friction switches", false, "mu is constant: a pulse of no width, or mu2 = mu1"};
 }
 
 PlanStage driven(const Scene& scene) {
   const Drive& d = scene.scenario.drive;
   const double w = d.angular_frequency, a = std::max(d.amplitude, d.amplitude_y) * w * w;
-  if (a > 0) return {"platform drive", true, with_figures("a = A w^2 = %.4g m/s^2", a), 0, 0};
-  // A straight line, and rest after it, whatever the number of cycles.
-  const double with = scene.cycles * (scene.pulses ? cost::kSwitchedCycle : cost::kSmoothCycle);
-  return {"platform drive", false, "A = 0: a free slide along a straight line",
-          cost::saving(std::min(with, cost::kFreeSlide), with), 0};
+  if (a > 0) return {"platform drive", true, with_figures("a = A w^2 = %.4g m/s^2", a)};
+  return {"platform drive", false, "A = 0: a free slide along a straight line"};
 }
 
 PlanStage elliptic(const Scene& scene) {
   const Drive& d = scene.scenario.drive;
   const bool circular = d.amplitude == d.amplitude_y && std::fabs(std::cos(d.phase_shift)) < 1e-15;
   if (circular)
-    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both",
-            0, 0};
+    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both"};
   return {"elliptic drive", true,
           with_figures("the drive's x and y differ: A = %.4g mm, A_y = %.4g mm, epsilon = %.6g rad",
-                       1e3 * d.amplitude, 1e3 * d.amplitude_y, d.phase_shift),
-          0, 0};
+                       1e3 * d.amplitude, 1e3 * d.amplitude_y, d.phase_shift)};
 }
 
 PlanStage tilt(const Scene& scene) {
   const Drive& d = scene.scenario.drive;
   const double pull = d.gravity * std::hypot(std::sin(d.tilt_x), std::sin(d.tilt_y));
-  if (pull == 0) return {"tilt", false, "no tilt was given", 0, 0};
-  return {"tilt", true, with_figures("gravity pulls along the platform with %.4g m/s^2", pull), 0, 0};
+  if (pull == 0) return {"tilt", false, "no tilt was given"};
+  return {"tilt", true, with_figures("gravity pulls along the platform with %.4g m/s^2", pull)};
 }
 
 PlanStage transient(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
   if (scene.scenario.start == Start::rest)
-    return {"transient", true, "the run starts from rest: its first cycles differ from the others", 0, 0};
+    return {"transient", true, "the run starts from rest: its first cycles differ from the others"};
   if (scene.scenario.start == Start::circling)
     return {"transient", scene.pulses,
             scene.pulses
                 ? "the run starts circling at constant mu1: with the pulses its first cycles differ from "
                   "the others"
-                : "the run starts on the circle of constant mu1 and stays there",
-            0, 0};
-  if (!orbit) return {"transient", true, "no unique periodic motion exists to start from", 0, 0};
-  const double settle = cost::cycles_until_repeating(orbit->contraction);
-  const double direct = orbit->contraction > 0 ? cost::kOrbitInCycles : cost::kStickingOrbitInCycles;
+                : "the run starts on the circle of constant mu1 and stays there"};
+  if (!orbit) return {"transient", true, "no unique periodic motion exists to start from"};
+  const double settle = cycles_until_repeating(orbit->contraction);
   return {"transient", false,
           with_figures(
               "the run starts on a periodic motion, found directly by Newton's method in %.0f iterations; "
               "a run would settle in %.0f cycles",
-              orbit->newton_iterations, settle),
-          cost::saving(1 + direct, 1 + settle), 0};
+              orbit->newton_iterations, settle)};
 }
 
 /// No two motions separate, and near the orbit they approach by its contraction c per cycle: once two
@@ -123,47 +106,84 @@ PlanStage transient(const Scene& scene, const std::optional<SteadyOrbit>& orbit)
 /// within that times the period.
 PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
   const char* name = "every cycle";
-  if (!orbit) return {name, true, "no unique periodic motion: cycles need not repeat", 0, 0};
+  if (!orbit) return {name, true, "no unique periodic motion: cycles need not repeat"};
   const double c = orbit->contraction;
   const bool on_orbit = scene.scenario.start == Start::steady;
-  const double integrated = on_orbit ? 2 : cost::cycles_until_repeating(c);
+  const double integrated = on_orbit ? 2 : cycles_until_repeating(c);
   if (scene.cycles <= integrated)
     return {
         name, true,
         with_figures("%.4g cycles are fewer than the %.4g after which they repeat (contraction %.3g a cycle)",
-                     scene.cycles, integrated, c),
-        0, 0};
+                     scene.cycles, integrated, c)};
   const Drive& d = scene.scenario.drive;
   const double w = d.angular_frequency, unit = std::max(d.amplitude, d.amplitude_y) * w;
   const double copies = scene.cycles - integrated, period = 2 * std::numbers::pi / w;
-  const double apart = c > 0 ? cost::kSameVelocity * (orbit->velocity.norm() + 2 * unit) / (1 - c) : 0;
+  const double apart = c > 0 ? kSameVelocity * (orbit->velocity.norm() + 2 * unit) / (1 - c) : 0;
   return {name, false,
           with_figures("cycles repeat after %.0f (contraction %.3g a cycle): the other %.6g are added",
                        integrated, c, copies),
-          cost::saving(integrated, cost::every_cycle(scene.cycles, integrated, scene.may_stick)),
           copies * period * apart};
 }
 
-PlanStage dense_output(const Scene& scene, const PlanPurpose& purpose) {
+PlanStage dense_output(const PlanPurpose& purpose) {
   if (purpose.path)
     return {"dense output", true,
-            "the motion between start and end is needed: shorter arcs, all of them stored", 0, 0};
+            "the motion between start and end is needed: shorter arcs, all of them stored"};
   return {"dense output", false,
-          "only the end point is needed: arcs as long as their ends allow, none of them stored",
-          cost::saving(1, scene.may_stick ? cost::kDenseSticking : cost::kDense), 0};
+          "only the end point is needed: arcs as long as their ends allow, none of them stored"};
 }
 
 PlanStage derivatives(const PlanPurpose& purpose) {
   if (purpose.derivatives > 0)
-    return {"derivatives", true,
-            with_figures("%.0f parameters: %.2g times the time of a plain run", purpose.derivatives,
-                         cost::derivatives(purpose.derivatives)),
-            0, 0};
-  return {"derivatives", false, "not needed: derivatives are used by fits only",
-          cost::saving(1, cost::derivatives(3)), 0};
+    return {"derivatives", true, with_figures("%.0f parameters", purpose.derivatives)};
+  return {"derivatives", false, "not needed: derivatives are used by fits only"};
 }
 
 }  // namespace
+
+double least_drive(const Drive& drive) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const auto d = [&](double s) { return drive.acceleration(s); };
+  const Eigen::Vector2d constant = (d(0) + d(kTurn / 2)) / 2, p = d(0) - constant,
+                        q = d(kTurn / 4) - constant;
+  // Half of the derivative of |d|^2, and its derivative.
+  const auto slope = [&](double s) {
+    const Eigen::Vector2d value = constant + p * std::cos(s) + q * std::sin(s),
+                          rate = q * std::cos(s) - p * std::sin(s);
+    return value.dot(rate);
+  };
+  const auto curvature = [&](double s) {
+    const Eigen::Vector2d value = constant + p * std::cos(s) + q * std::sin(s),
+                          rate = q * std::cos(s) - p * std::sin(s);
+    return rate.squaredNorm() + value.dot(constant - value);
+  };
+  const auto minimum_between = [&](double low, double high) {
+    double s = (low + high) / 2;
+    for (int i = 0; i < 100 && high - low > 1e-16; ++i) {
+      const double y = slope(s);
+      (y < 0 ? low : high) = s;
+      double next = s - y / curvature(s);
+      if (!(next > low && next < high)) next = (low + high) / 2;
+      if (std::fabs(next - s) < 1e-16) break;
+      s = next;
+    }
+    return s;
+  };
+  constexpr int kSamples = 64;  // at most four roots
+  double least = d(0).norm();
+  for (int k = 0; k < kSamples; ++k) {
+    const double low = kTurn * k / kSamples, high = kTurn * (k + 1) / kSamples;
+    least = std::min(least, d(low).norm());
+    if (slope(low) <= 0 && slope(high) >= 0) least = std::min(least, d(minimum_between(low, high)).norm());
+  }
+  return least;
+}
+
+double cycles_until_repeating(double contraction) {
+  if (!(contraction > 0)) return 2;
+  if (!(contraction < 1)) return HUGE_VAL;
+  return 3 + std::ceil(std::log(kSameVelocity) / std::log(contraction));
+}
 
 std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose) {
   scenario.validate();
@@ -175,9 +195,8 @@ std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose
   if (worth_knowing)
     stages.push_back(every_cycle(scene, orbit));
   else
-    stages.push_back(
-        {"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles), 0, 0});
-  stages.push_back(dense_output(scene, purpose));
+    stages.push_back({"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles)});
+  stages.push_back(dense_output(purpose));
   stages.push_back(derivatives(purpose));
   return stages;
 }

@@ -6,7 +6,6 @@
 
 #include "apps/bench/timing/paired_timing.h"
 #include "model/plan.h"
-#include "model/plan/plan_cost.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
@@ -78,7 +77,6 @@ class Pairs {
     Pair pair;
     pair.row.omission = omission;
     pair.row.scene = scene;
-    pair.row.predicted = s.predicted_saving;
     pair.row.error_bound = s.error_bound;
     pair.with = std::move(with);
     pair.without = std::move(without);
@@ -133,7 +131,7 @@ void add_repetition(Pairs& pairs, double cycles) {
     const auto orbit = steady_orbit(steady);
     Scenario settling = steady;
     settling.start = Start::rest;
-    settling.cycles = model::internal::plan_cost::cycles_until_repeating(orbit->contraction);
+    settling.cycles = cycles_until_repeating(orbit->contraction);
     std::snprintf(text, sizeof text, "mu1 = %g: a steady cycle, after %g from rest or directly", mu1,
                   settling.cycles);
     pairs.add(
@@ -149,8 +147,6 @@ void add_repetition(Pairs& pairs, double cycles) {
     pairs.add(
         "transient", text, steady, end_cycle_by_cycle(base(mu1, pi / 6, cycles)),
         [steady]() -> Vector2d { return steady_orbit(steady)->drift; }, false);
-    pairs.all().back().row.predicted =
-        model::internal::plan_cost::saving(model::internal::plan_cost::kOrbitInCycles, cycles);
   }
 }
 
@@ -165,12 +161,9 @@ void add_dense_output(Pairs& pairs, double cycles) {
 
 void add_derivatives(Pairs& pairs, double cycles) {
   const Scenario s = base(0.1, pi / 2, cycles);
-  for (const int count : {3, 8, 15}) {
+  for (const int count : {3, 8, 15})
     pairs.add("derivatives", "mu1 = 0.1, dtau = pi/2: " + std::to_string(count) + " parameters or none", s,
               run(s, count), run(s));
-    pairs.all().back().row.predicted =
-        model::internal::plan_cost::saving(1, model::internal::plan_cost::derivatives(count));
-  }
 }
 
 }  // namespace

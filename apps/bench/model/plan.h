@@ -1,4 +1,4 @@
-// What each omission of model/plan.h saves, measured beside what the plan predicts.
+// What each omission of model/plan.h saves, measured.
 #pragma once
 
 #include <string>
@@ -16,7 +16,6 @@ struct PlanBenchRow {
   double time_with = 0;     ///< s
   double time_without = 0;  ///< s
   double saving = 0;        ///< measured: 1 - without/with; below 0 where it costs
-  double predicted = 0;     ///< by the plan
   double error = 0;         ///< m, between the two end points; NaN where they are not the same motion
   double error_bound = 0;   ///< m, by the plan
   int repetitions = 0;

@@ -103,7 +103,6 @@ BenchTable table_of(const std::vector<PlanBenchRow>& rows) {
       {"time_with_s", seconds(&Row::time_with), "with", ">10"},
       {"time_without_s", seconds(&Row::time_without), "without", ">10"},
       {"saving", percent(&Row::saving), "saved", ">7", "{:.0f} %"},
-      {"predicted_saving", percent(&Row::predicted), "predicted", ">9", "{:.0f} %"},
       {"error_m", [](const Row& r) { return unless_nan<double>(r.error); }, "error, m", ">9", "{:.1e}"},
       {"error_bound_m", &Row::error_bound, "bound, m", ">9", "{:.1e}"},
       {"repetitions", &Row::repetitions},

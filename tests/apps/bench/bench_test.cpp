@@ -60,7 +60,7 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
       "allowed,held,derivatives_finite,one_sided,failure");
   EXPECT_EQ(
       first_line(out / "bench_model_plan.csv"),
-      "omission,scene,time_with_s,time_without_s,saving,predicted_saving,error_m,error_bound_m,repetitions");
+      "omission,scene,time_with_s,time_without_s,saving,error_m,error_bound_m,repetitions");
   EXPECT_EQ(first_line(out / "bench_model_claims.csv"), "claim,verdict,conditions,quantity,value,unit");
   EXPECT_EQ(first_line(out / "bench_vision.csv"),
             "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
