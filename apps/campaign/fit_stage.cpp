@@ -12,11 +12,11 @@
 #include "apps/campaign/problem.h"
 #include "apps/campaign/suspects.h"
 #include "apps/files/meta_file.h"
-#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
 #include "apps/program/runs_progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
+#include "model/parallel.h"
 #include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
@@ -32,8 +32,7 @@ std::string coding_sentence(const fit::FitResult& result) {
                         sd(static_cast<Eigen::Index>(i)));
   return fmt::format(
       "what the recordings' coder does to the platform's motion exceeds the interval that the data give: it "
-      "is counted in the intervals ({}, SI); film uncompressed or with every frame coded by itself, or track "
-      "with --rehearse where the coder is known",
+      "is counted in the intervals ({}, SI); film uncompressed or with every frame coded by itself",
       list);
 }
 
@@ -85,8 +84,8 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
   std::mutex mutex;
   std::vector<AnalysedRun> first;  // to finish: what all of them contradict is a slip in the campaign
   const std::size_t enough = std::min<std::size_t>(2, runs.size());
-  for_each_index(static_cast<long>(runs.size()), threads_to_use(context), [&](long k) {
-    const std::size_t index = order[static_cast<std::size_t>(k)];
+  parallel_for(runs.size(), threads_to_use(context), [&](std::size_t k) {
+    const std::size_t index = order[k];
     const CampaignRun& run = campaign.runs[index];
     try {
       runs[index] = work(index, [&](std::int64_t done, std::int64_t total) {

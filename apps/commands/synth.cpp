@@ -12,11 +12,11 @@
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
 #include "apps/files/scene_file.h"
-#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "model/friction.h"
+#include "model/parallel.h"
 #include "model/trajectory.h"
 #include "vision/frame_source.h"
 
@@ -194,8 +194,8 @@ void synth(const SynthOptions& options, const Context& context) {
   };
   Progress progress("synth", context.quiet);
   std::atomic<long> frames = 0;
-  for_each_index(static_cast<long>(shots.size()), threads_to_use(context), [&](long k) {
-    const SceneShot& shot = shots[static_cast<std::size_t>(k)];
+  parallel_for(shots.size(), threads_to_use(context), [&](std::size_t k) {
+    const SceneShot& shot = shots[k];
     render(shot, video_of(shot),
            [&](long total) { progress.update(++frames, total * static_cast<long>(shots.size())); });
     write_meta(shot);

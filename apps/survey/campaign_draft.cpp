@@ -8,12 +8,12 @@
 
 #include "apps/files/traces/scope_file.h"
 #include "apps/program/errors.h"
-#include "apps/program/parallel.h"
 #include "apps/program/progress.h"
 #include "apps/survey/campaign_keys.h"
 #include "apps/survey/name_guess.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
+#include "model/parallel.h"
 #include "vision/survey.h"
 
 namespace tribotrack::apps {
@@ -260,7 +260,7 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   std::vector<Look> looks(recordings.size());
   Progress progress("looking into recordings", context.quiet);
   std::atomic<std::int64_t> done = 0;
-  for_each_index(static_cast<long>(recordings.size()), threads_to_use(context), [&](long k) {
+  parallel_for(recordings.size(), threads_to_use(context), [&](std::size_t k) {
     looks[k] = look_at(recordings[k], options.fps);
     progress.update(++done, static_cast<std::int64_t>(recordings.size()));
   });

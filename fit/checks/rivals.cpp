@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "fit/tools/parallel.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "fit/design/forecast.h"
-#include "fit/tools/parallel.h"
 #include "model/batch.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

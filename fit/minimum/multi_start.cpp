@@ -5,11 +5,11 @@
 #include <numeric>
 
 #include "fit/minimum/screen.h"
-#include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "model/alpha_v.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -11,8 +11,8 @@
 #include <span>
 #include <utility>
 
-#include "fit/tools/parallel.h"
 #include "model/batch.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "fit/residuals/free_slide.h"
-#include "fit/tools/parallel.h"
 #include "fit/tools/statistics.h"
+#include "model/parallel.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "fit/residuals/residuals.h"
-#include "fit/tools/parallel.h"
 #include "fit/tools/track_errors.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index,

@@ -7,8 +7,8 @@
 
 #include "fit/slides/shown_errors.h"
 #include "fit/slides/slide_spin.h"
-#include "fit/tools/parallel.h"
 #include "fit/tools/thresholds.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

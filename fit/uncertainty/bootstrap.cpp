@@ -6,11 +6,11 @@
 #include <limits>
 #include <random>
 
-#include "fit/tools/parallel.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/track_errors.h"
 #include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

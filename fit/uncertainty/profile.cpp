@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "fit/minimum/multi_start.h"
-#include "fit/tools/parallel.h"
 #include "fit/uncertainty/profile.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {

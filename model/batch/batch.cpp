@@ -6,13 +6,12 @@
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <system_error>
-#include <thread>
 #include <tuple>
 #include <utility>
 
 #include "model/alpha_v.h"
 #include "model/batch/lane_pool.h"
+#include "model/parallel.h"
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
@@ -97,14 +96,8 @@ class Crew {
   }
 
   void run() {
-    {
-      std::vector<std::jthread> others;
-      try {
-        for (int k = 1; k < work_.options.threads; ++k) others.emplace_back([this] { one_thread(); });
-      } catch (const std::system_error&) {  // no more threads are to be had: those there are do the work
-      }
-      one_thread();
-    }
+    parallel_for(static_cast<std::size_t>(work_.options.threads), work_.options.threads,
+                 [this](std::size_t) { one_thread(); });
     if (work_.failure) std::rethrow_exception(work_.failure);
   }
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "apps/bench/claims/sweeps.h"
-#include "apps/program/parallel.h"
+#include "model/parallel.h"
 
 namespace tribotrack::bench {
 
@@ -31,8 +31,7 @@ std::vector<PaperClaim> paper_claims(const ClaimOptions& options) {
   std::vector<PaperClaim> found(claims.size());
   std::mutex mutex;
   int done = 0;
-  apps::for_each_index(static_cast<long>(claims.size()), options.threads, [&](long index) {
-    const auto place = static_cast<std::size_t>(index);
+  parallel_for(claims.size(), options.threads, [&](std::size_t place) {
     found[place] = claims[place](options.quick);
     const std::lock_guard lock(mutex);
     ++done;

@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "fit/estimate.h"
-#include "fit/tools/parallel.h"
+#include "model/parallel.h"
 
 namespace tribotrack::bench {
 
@@ -76,7 +76,7 @@ std::vector<JudgedParameter> judged_campaigns(const CoverageOptions& options) {
         if (number++ % options.parts == options.part - 1) work.push_back({design, level, k});
   int done = 0;
   std::mutex mutex;
-  fit::internal::parallel_for(work.size(), options.threads, [&](std::size_t i) {
+  parallel_for(work.size(), options.threads, [&](std::size_t i) {
     auto& [design, level, k, rows] = work[i];
     const CoverageCampaign campaign = draw_campaign(design, level, options.seed, k);
     const JudgedCampaign judged = judge(campaign);

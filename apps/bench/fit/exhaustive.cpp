@@ -9,8 +9,8 @@
 #include "apps/bench/fit/designs.h"
 #include "apps/bench/fit/plain_descent.h"
 #include "fit/estimate.h"
-#include "fit/tools/parallel.h"
 #include "model/batch.h"
+#include "model/parallel.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::bench {
@@ -189,7 +189,7 @@ std::vector<SearchOutcome> search_outcomes(const SearchBenchOptions& options) {
   std::vector<SearchOutcome> outcomes(static_cast<std::size_t>(options.campaigns));
   int done = 0;
   std::mutex mutex;
-  fit::internal::parallel_for(outcomes.size(), options.threads, [&](std::size_t k) {
+  parallel_for(outcomes.size(), options.threads, [&](std::size_t k) {
     const int index = static_cast<int>(k);
     const fit::Problem problem = search_campaign(options, index).problem;
     const ExhaustiveMinimum least = exhaustive_minimum(problem);

@@ -9,7 +9,7 @@
 
 #include "fit/estimate.h"
 #include "fit/goal.h"
-#include "fit/tools/parallel.h"
+#include "model/parallel.h"
 
 namespace tribotrack::bench {
 
@@ -123,7 +123,7 @@ std::vector<FilmingRow> filming(const FilmingOptions& options) {
     for (int k = 0; k < options.campaigns; ++k) parts.push_back({level, k});
   int done = 0;
   std::mutex mutex;
-  fit::internal::parallel_for(parts.size(), options.threads, [&](std::size_t i) {
+  parallel_for(parts.size(), options.threads, [&](std::size_t i) {
     parts[i].filmed = film_by_every_choice(parts[i].level, parts[i].index, options);
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, static_cast<int>(parts.size()));

@@ -11,7 +11,7 @@
 #include "fit/coverage.h"
 #include "fit/estimate.h"
 #include "fit/slow_tracks.h"
-#include "fit/tools/parallel.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -111,8 +111,8 @@ struct Row {
 /// Of all parameters of a kind.
 std::vector<Row> coverage(const Kind& kind, unsigned seed, int campaigns) {
   std::vector<Fitted> fits(static_cast<std::size_t>(campaigns));
-  internal::parallel_for(fits.size(), static_cast<int>(std::thread::hardware_concurrency()),
-                         [&](std::size_t k) { fits[k] = fit_one(kind, seed, static_cast<int>(k)); });
+  parallel_for(fits.size(), static_cast<int>(std::thread::hardware_concurrency()),
+               [&](std::size_t k) { fits[k] = fit_one(kind, seed, static_cast<int>(k)); });
   std::vector<Row> rows(fits.front().covered.size());
   for (const Fitted& fitted : fits)
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -140,11 +140,10 @@ test::SequentialCoverage::Decision decide(const Kind& kind, unsigned seed) {
   for (int begin = 0; begin < kMost && !coverage.decided(); begin += kTogether) {
     std::vector<FitResult> fits(kTogether);
     std::vector<Drawn> drawn(kTogether);
-    internal::parallel_for(kTogether, static_cast<int>(std::thread::hardware_concurrency()),
-                           [&](std::size_t k) {
-                             drawn[k] = draw(kind, kRate, seed, begin + static_cast<int>(k));
-                             fits[k] = estimate(drawn[k].problem, one_descent());
-                           });
+    parallel_for(kTogether, static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t k) {
+      drawn[k] = draw(kind, kRate, seed, begin + static_cast<int>(k));
+      fits[k] = estimate(drawn[k].problem, one_descent());
+    });
     for (std::size_t k = 0; k < kTogether && !coverage.decided(); ++k) {
       const std::vector<double>& truths = drawn[k].truths;
       const std::size_t i = static_cast<std::size_t>(coverage.trials) % truths.size();

@@ -1,4 +1,4 @@
-#include "fit/tools/parallel.h"
+#include "model/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace tribotrack::fit::internal {
+namespace tribotrack {
 namespace {
 
 TEST(ParallelFor, DoesEachOnce) {
@@ -51,4 +51,4 @@ TEST(ParallelFor, BeginsNothingMoreAfterAnException) {
 }
 
 }  // namespace
-}  // namespace tribotrack::fit::internal
+}  // namespace tribotrack

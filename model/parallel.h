@@ -1,4 +1,5 @@
-// A loop over independent items on a few threads.
+// A loop over independent items on a few threads, for model, fit and apps (vision has its own, whose workers are
+// numbered). oneTBB's would do but where the system refuses a thread: its workers then end the program.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace tribotrack::fit::internal {
+namespace tribotrack {
 
 /// How many threads a loop may use that is called from here: those of a loop within a loop are its share of
 /// the outer one's, so that together they are no more than were asked for.
@@ -58,4 +59,4 @@ void parallel_for(std::size_t count, int threads, const Body& body) {
   if (error) std::rethrow_exception(error);
 }
 
-}  // namespace tribotrack::fit::internal
+}  // namespace tribotrack
