@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what is missing of apps/install/packages.txt. Use: apps/install/install_packages.sh build|package|test
+# Installs what is missing of apps/install/packages.txt. Use: apps/install/install_packages.sh build|package|test|campaign
 set -euo pipefail
-kind=${1:?build, package or test}
+kind=${1:?build, package, test or campaign}
 list=$(dirname "$0")/packages.txt
 
 wanted() {
-  awk -v kind="$kind" '!/^#/ && NF == 2 && ($2 == "build" || "," $2 "," ~ "," kind ",") { print $1 }' "$list"
+  awk -v kind="$kind" '!/^#/ && NF == 2 && ($2 == "build" || "," $2 "," ~ "," kind "," || (kind == "campaign" && $2 ~ /test/)) { print $1 }' "$list"
 }
 
 missing=()

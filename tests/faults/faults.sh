@@ -2,7 +2,7 @@
 # `tribotrack run` under faults of the machine and of its user: killed, disk full, recordings that change, clocks that
 # jump, no memory, no HOME, no /tmp. After each, whatever has its final name is whole, one error says what is wrong, and
 # the next run ends with the bytes of a run that nothing disturbed, without doing finished work again.
-# Use: tests/faults/faults.sh BINARY [short|whole] [FAULT...]    FAULT: a function below, such as killed
+# Use: tests/faults/faults.sh BINARY [short|whole] [FAULT...]    FAULT: a function below; short: killed once, one full disk
 #      SEED=N repeats the moments of an earlier call
 # A fault that cannot be made here (mounting needs root or user namespaces) is left out, and said so.
 set -uo pipefail
@@ -24,7 +24,7 @@ shift; [ $# -gt 0 ] && shift
 work=$(mktemp -d /var/tmp/tribotrack_faults.XXXXXX)
 trap 'cd /; umount "$work"/out "$work"/sealed 2>/dev/null; rm -rf "$work"' EXIT
 cd "$work" || exit 1
-if [ "$size" = whole ]; then kills=100 disks=30 changes=20 memory=25000; else kills=8 disks=6 changes=1 memory=150000; fi
+if [ "$size" = whole ]; then kills=100 disks=30 changes=20 memory=25000; else kills=1 disks=1 changes=1 memory=150000; fi
 RANDOM=${SEED:=$RANDOM}
 echo "seed $SEED (SEED=$SEED repeats the moments)"
 failures=0
@@ -138,7 +138,7 @@ disk_full() {
   used=$(($(df --output=used -B4096 out | tail -n 1)))
   umount out
   for ((k = 0; k < disks; ++k)); do
-    pages=$((2 + k * (used - 2) / disks))
+    pages=$((2 + (2 * k + 1) * (used - 2) / (2 * disks)))
     mount -t tmpfs -o size=$((4096 * pages)) none out
     run
     if clear_error "3" "No space left" "$((4 * pages)) of $((4 * used)) kB"; then
@@ -337,7 +337,9 @@ undisturbed_s=$(awk -v t=$(($(now) - begin)) 'BEGIN { print t / 1e9 }')
 undisturbed_code=$code
 [ -s undisturbed/report.html ] || { echo "the undisturbed run failed:"; cat said.txt; exit 1; }
 echo "undisturbed run: $undisturbed_s s, exit code $undisturbed_code"
-if [ $# = 0 ]; then
+if [ $# = 0 ] && [ "$size" = short ]; then
+  set -- killed disk_full
+elif [ $# = 0 ]; then
   set -- killed disk_full read_only recording_changes clock no_memory file_size_limit environment crowded_folder
 fi
 for fault in "$@"; do
