@@ -6,12 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/doctor/version.h"
 #include "apps/program/streams.h"
 #include "apps/survey/campaign_keys.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
-#include "apps/usage/command_line.h"
+#include "apps/usage/version.h"
 #include "apps/usage/wrong_usage.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"
@@ -76,8 +75,6 @@ void add_commands(CLI::App& app, Context& context) {
   add_bench(app, context);
   add_bench_peer(app);
   add_init(app, context);
-  add_doctor(app, context);
-  add_completion(app, context);
 }
 
 }  // namespace
@@ -126,7 +123,6 @@ int run_program(int argc, const char* const* argv) {
   CLI::App app{
       "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters",
       "tribotrack"};
-  app.formatter(std::make_shared<FoldedHelp>(width_of_terminal()));
   app.require_subcommand(1);
   app.footer(
       "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
@@ -143,6 +139,7 @@ int run_program(int argc, const char* const* argv) {
       flush_output();
       return kDone;
     }
+    if (const std::string left = what_left(typed); !left.empty()) throw UsageError(left);
     try {
       app.parse(std::vector<std::string>(typed.rbegin(), typed.rend()));
     } catch (const CLI::ParseError& error) {

@@ -35,9 +35,6 @@ void add_bench_peer(CLI::App& app);
 void add_calibrate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 void add_watch(CLI::App& app, Context& context);
-void add_doctor(CLI::App& app, Context& context);
-/// `completion` and `manual`.
-void add_completion(CLI::App& app, Context& context);
 
 /// Parses a command line and carries it out. Errors go to stderr as one sentence; the result is the exit
 /// code.

@@ -7,9 +7,7 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/meta_file.h"
-#include "apps/files/parts/work_part.h"
 #include "apps/files/scenario_file.h"
-#include "apps/files/sweeps/joined_sweep.h"
 #include "apps/files/sweeps/sweep_axis.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -39,29 +37,13 @@ struct SweepOptions {
   bool json = false;
   std::string scenario;
   std::vector<std::string> over;
-  std::string output, part;
-  std::vector<std::string> join;
+  std::string output;
 };
 
-/// The whole from its parts.
-void join_parts(const SweepOptions& options, const Context& context) {
-  std::vector<std::filesystem::path> parts(options.join.begin(), options.join.end()), inputs = parts;
-  for (const auto& part : parts) inputs.emplace_back(part.string() + ".meta.json");
-  const bool to_file = !is_standard_output(options.output);
-  if (to_file) require_writable({{options.output}}, inputs);
-  const JoinedTable whole = joined_sweep(parts);
-  if (!to_file) return print_text(whole.text);
-  write_file(options.output, whole.text);
-  if (!whole.meta.is_null()) write_file(options.output + ".meta.json", text_of(whole.meta));
-  say(context.quiet, fmt::format("{}: joined from {} parts", options.output, parts.size()));
-}
-
 void run_sweep(const SweepOptions& options, const Context& context) {
-  if (!options.join.empty()) return join_parts(options, context);
   const ScenarioFile base = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
   const auto& texts = options.over.empty() ? base.over : options.over;
-  const WorkPart part = options.part.empty() ? WorkPart{} : work_part(options.part);
-  const Sweep sweep(base, sweep_axes(texts), part);
+  const Sweep sweep(base, sweep_axes(texts));
   if (is_standard_output(options.output)) {
     if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
   } else {
@@ -86,7 +68,6 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   if (!options.scenario.empty()) meta.inputs = {hashed_input(options.scenario)};
   meta.configuration = json_of(base.scenario);
   meta.configuration["over"] = texts;
-  if (!options.part.empty()) meta.configuration["part"] = json_of(part, sweep.count());
   write_result(options.output, table, meta);
   say(context.quiet,
       fmt::format("{}: {} scenarios; {}", options.output, sweep.count(), solved.summary.full_report()));
@@ -110,25 +91,9 @@ void add_sweep(CLI::App& app, Context& context) {
       ->type_name("S.csv")
       ->required();
   command.add_flag("--json", options->json, "Print the table as one JSON object, a list for each column");
-  CLI::Option* part =
-      command.add_option("--part", options->part, "Solve part K of N only, for a job of its own; see --join")
-          ->type_name("K/N");
-  CLI::Option* join =
-      command
-          .add_option(
-              "--join", options->join,
-              "Instead of solving, join the parts of a sweep to what one sweep writes, byte for byte: "
-              "tables with their meta files, in any order, or what --json printed, in theirs")
-          ->type_name("PART...");
-  for (CLI::Option* other :
-       {command.get_option("SCENARIO"), command.get_option("--over"), part, command.get_option("--json")})
-    join->excludes(other);
-  add_common(
-      command, context,
-      "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o sweep.csv\n"
-      "  tribotrack sweep data/figure7a.toml --part 1/2 -o 1.csv\n"
-      "  tribotrack sweep data/figure7a.toml --part 2/2 -o 2.csv\n"
-      "  tribotrack sweep --join 1.csv 2.csv -o sweep.csv");
+  add_common(command, context,
+             "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o "
+             "sweep.csv");
   command.callback([options, &context] { run_sweep(*options, context); });
 }
 

@@ -1,5 +1,5 @@
-# Run by cpack on the installed files before they become a package: copyright, changelogs, compressed manual pages,
-# and the permissions of folders.
+# Run by cpack on the installed files before they become a package: copyright, changelogs, completion and manual pages from
+# --help, and the permissions of folders.
 set(root "${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/share")
 set(documents "${root}/doc/${CPACK_PACKAGE_NAME}")
 file(MAKE_DIRECTORY "${documents}")
@@ -21,6 +21,18 @@ file(WRITE "${documents}/changelog.Debian"
   "  * Packaged by the project; changelog.gz tells what changed.\n\n"
   " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${date}\n")
 configure_file("${CPACK_TRIBOTRACK_SOURCE}/CHANGELOG.md" "${documents}/changelog" COPYONLY)
+
+set(program "${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr/bin/tribotrack")
+file(MAKE_DIRECTORY "${root}/bash-completion/completions")
+execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/bash_completion.sh" "${program}"
+  OUTPUT_FILE "${root}/bash-completion/completions/tribotrack" COMMAND_ERROR_IS_FATAL ANY)
+find_program(help2man help2man)
+if(help2man)
+  execute_process(COMMAND "${CMAKE_CURRENT_LIST_DIR}/manual_pages.sh" "${program}" "${CPACK_PACKAGE_VERSION}" "${root}/man/man1"
+    COMMAND_ERROR_IS_FATAL ANY)
+else()
+  message(WARNING "help2man is not installed: the package has no manual pages")
+endif()
 
 file(GLOB_RECURSE pages "${root}/man/*.[1-9]")
 execute_process(COMMAND gzip -9nf ${pages} "${documents}/changelog" "${documents}/changelog.Debian" COMMAND_ERROR_IS_FATAL ANY)

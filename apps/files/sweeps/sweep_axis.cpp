@@ -107,21 +107,15 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
   return axes;
 }
 
-Sweep::Sweep(ScenarioFile base, std::vector<SweepAxis> axes, WorkPart part)
+Sweep::Sweep(ScenarioFile base, std::vector<SweepAxis> axes)
     : base_(std::move(base)), axes_(std::move(axes)) {
   base_.over.clear();  // copied with each scenario
-  std::size_t total = 1;
-  for (const SweepAxis& axis : axes_) total *= axis.count();
-  first_ = part.begin(total);
-  count_ = part.end(total) - first_;
-  if (count_ == 0)
-    throw UsageError(fmt::format("--part {}/{}: the sweep has only {} scenarios; make fewer parts",
-                                 part.number, part.of, total));
+  for (const SweepAxis& axis : axes_) count_ *= axis.count();
 }
 
 double Sweep::value(std::size_t index, std::size_t axis) const {
-  const std::size_t place = first_ + index, inner = axes_.back().count();
-  return axes_[axis].value(axis + 1 == axes_.size() ? place % inner : place / inner);
+  const std::size_t inner = axes_.back().count();
+  return axes_[axis].value(axis + 1 == axes_.size() ? index % inner : index / inner);
 }
 
 model::Scenario Sweep::scenario(std::size_t index) const {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/parts/work_part.h"
 #include "apps/files/scenario_file.h"
 
 namespace tribotrack::apps {
@@ -40,11 +39,10 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts);
 /// The same checks of axes that are there.
 void require_sweepable(const std::vector<SweepAxis>& axes);
 
-/// A scenario and its axes as a row of scenarios, the last axis running fastest; or a part of that row.
+/// A scenario and its axes as a row of scenarios, the last axis running fastest.
 class Sweep {
  public:
-  /// Throws UsageError for a part without a scenario.
-  Sweep(ScenarioFile base, std::vector<SweepAxis> axes, WorkPart part = {});
+  Sweep(ScenarioFile base, std::vector<SweepAxis> axes);
   const std::vector<SweepAxis>& axes() const { return axes_; }
   std::size_t count() const { return count_; }
   double value(std::size_t index, std::size_t axis) const;  ///< of scenario `index`
@@ -53,7 +51,7 @@ class Sweep {
  private:
   ScenarioFile base_;
   std::vector<SweepAxis> axes_;
-  std::size_t first_ = 0, count_ = 0;  ///< of the whole row
+  std::size_t count_ = 1;
 };
 
 }  // namespace tribotrack::apps

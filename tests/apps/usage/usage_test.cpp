@@ -1,0 +1,74 @@
+// What the command line says of itself.
+#include <gmock/gmock.h>
+
+#include "apps/chromium.h"
+#include "apps/program.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Usage : public ProgramTest {};
+
+TEST_F(Usage, HelpStatesDefaults) {
+  EXPECT_THAT(run("help simulate").out, AllOf(HasSubstr("(default 0.28)"), HasSubstr("(default pi/2)")));
+  EXPECT_THAT(run("help campaign").out, HasSubstr("marker_px"));
+}
+
+TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
+  const std::string version = run("--version").out;
+  EXPECT_TRUE(version.starts_with("tribotrack 0.")) << version;
+  EXPECT_THAT(version, AllOf(HasSubstr("OpenCV 4."), HasSubstr("libavformat 5"), HasSubstr("Ceres 2."),
+                             HasSubstr("Eigen 3."), HasSubstr("\nthreads: "), HasSubstr("GB free")));
+  EXPECT_THAT(version, Not(HasSubstr("MISSING")));
+  EXPECT_THAT(run("--version", "TMPDIR=/nowhere ").out, HasSubstr("TMPDIR"));
+}
+
+TEST_F(Usage, WhatLeftSaysWhatToDoInstead) {
+  expect_refused(run("doctor --json"), 2, {"`doctor`", "--version"});
+  expect_refused(run("manual -o man"), 2, {"`manual`", "--help"});
+  expect_refused(run("completion bash"), 2, {"`completion`", "package"});
+  expect_refused(run("sweep s.toml --part 1/2 -o s.csv"), 2, {"`sweep --part`", "run --emit snakemake"});
+  expect_refused(run("sweep --join=1.csv 2.csv -o s.csv"), 2, {"`sweep --join`", "run --emit snakemake"});
+}
+
+// Made from --help when the package is.
+TEST_F(Usage, CompletionKnowsCommandsOptionsAndWords) {
+  put(in_folder("c.bash"),
+      test::output_of(TRIBOTRACK_SOURCE_DIR "/apps/install/bash_completion.sh " TRIBOTRACK_BINARY));
+  const auto complete = [&](const std::string& words, int at) {
+    return test::output_of("bash -c 'source " + in_folder("c.bash").string() + "; COMP_WORDS=(" + words +
+                           "); COMP_CWORD=" + std::to_string(at) +
+                           "; _tribotrack; echo \"${COMPREPLY[*]}\"' 2>&1");
+  };
+  EXPECT_EQ(complete("tribotrack wa", 1), "watch\n");
+  EXPECT_EQ(complete("tribotrack track --disc-d", 2), "--disc-diameter-mm\n");
+  EXPECT_EQ(complete("tribotrack track a.cine --marker \"\"", 4), "auto texture none\n");
+}
+
+// One quantity has one meaning under both of its names.
+TEST_F(Usage, CampaignNamesOfTheDriveAreFlagsToo) {
+  const std::string ours =
+      run("simulate --json -q --omega-rad-s 70 --epsilon-rad 1.5 --lag-rad 0.1 --dtau-rad 1").out;
+  EXPECT_EQ(run("simulate --json -q --angular-frequency-rad-s 70 --phase-shift-rad 1.5 --phase-lag-rad 0.1 "
+                "--dtau-rad 1")
+                .out,
+            ours);
+  put(in_folder("s.toml"), "[friction]\ndtau_rad = 1\nphase_lag_rad = 0.1\n");
+  put(in_folder("t.toml"), "[friction]\ndtau_rad = 1\nlag_rad = 0.1\n");
+  EXPECT_EQ(run("simulate s.toml --json -q").out, run("simulate t.toml --json -q").out);
+  EXPECT_THAT(run("sweep t.toml --over phase_lag_rad=0,1 -o - -q").out, HasSubstr("phase_lag_rad,alpha_rad"));
+  expect_refused(run("simulate --angular-frequency-rad-s fast"), 2, {"--omega-rad-s", "fast"});
+}
+
+TEST_F(Usage, EveryCommandPrintsJson) {
+  for (const char* command : {"run", "watch", "track", "measure", "fit", "report", "probe", "calibrate",
+                              "simulate", "sweep", "synth", "paper", "bench", "init"})
+    EXPECT_THAT(run(std::string(command) + " --help").out, HasSubstr("--json")) << command;
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
