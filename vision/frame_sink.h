@@ -11,10 +11,8 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 
-#include "vision/frame_source.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
@@ -37,9 +35,6 @@ struct SinkOptions {
   /// automatic: by the file's name (.cine; .mkv/.avi -> FFV1/MJPEG; .mp4 -> H.264; %05d.png, %05d.tif)
   Codec codec = Codec::automatic;
   int crf = 18;  ///< H.264 quality
-  /// To code as a coder did, for MJPEG, H.264 and MPEG-4 in .avi or .mkv: as the recording's source tells it
-  /// (frame_source.h).
-  std::optional<Coder> like = {};
 };
 
 /// Takes frames in order. Destroyed without close(), it leaves nothing. A picture of another size than

@@ -41,10 +41,8 @@ struct Coder {
   double group = 0;        ///< frames from one key frame to the next, on average; all where only one is there
   /// Coefficients below this many steps are not coded where another frame predicts them.
   double dead_zone = 0.83;
-  /// Known well enough to code other pictures the same way.
-  bool known = false;
-  double playback_hz = 0;  ///< the container's own rate, which coders take their decisions by; 0 unknown
-  double step = 0;         ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
+  bool known = false;  ///< which one it was, and with which settings
+  double step = 0;     ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
 };
 
 /// How a coder stored a part of a frame.

@@ -108,24 +108,15 @@ struct Audit {
   std::int64_t frames = 0;               ///< whose halves were compared
   std::optional<double> halves_x;        ///< positions from the part's left and right half
   std::optional<double> halves_y;        ///< from its top and bottom half
-  std::optional<double> checkerboard;    ///< from alternate tiles of 8 x 8 px
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
   std::optional<double> pixel_phase;     ///< with what follows the fraction of a pixel to without; 1 or more
   std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
-  /// The halves' ratio in the frames of each type ('I', 'P', 'B') of a lossy recording.
-  std::vector<std::pair<char, double>> by_frame_type;
-  /// Of the three splits together.
+  /// Of both splits together.
   std::optional<double> halves() const;
   double white_factor = 1;  ///< what every covariance is multiplied by
   /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
   /// correlation time, s.
   double slow_sd = 0, slow_time = 0;
-};
-
-/// A coded motion against the true one.
-struct CodedResponse {
-  double attenuation = 0, attenuation_sd = 0;  ///< share by which displacements are seen too small
-  double delay = 0, delay_sd = 0;              ///< s by which they are seen too late
 };
 
 /// What the coder of a lossy recording does to a track; see vision/coding.
@@ -135,9 +126,7 @@ struct CodedErrors {
     std::int64_t frames = 0;
     double step = 0;              ///< of the quantiser at the rim, grey levels; 0 unknown
     double still = 0;             ///< share of the rim that is predicted from the same place of another frame
-    std::optional<double> ratio;  ///< of the halves' disagreement to what the model predicts, as in Audit
     double added_sd = 0;          ///< px rms of a coordinate, beyond what the audit leaves
-    double rehearsed_sd = 0;      ///< px rms of a coordinate, as rehearsed; 0 where it was not
   };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings
@@ -151,9 +140,6 @@ struct CodedErrors {
   double slow_time = 0;  ///< s over which what is added stays alike
   /// Share of the displacement by which the two passes differ, where it is beyond doubt.
   double passes_differ = 0;
-  /// By coding the tracked motion once more (rehearsal.h): the types' `rehearsed_sd`, and these.
-  bool rehearsed = false;
-  std::optional<CodedResponse> part, mark;
 };
 
 /// An error that neighbouring frames share: of each coordinate by itself, stationary, of covariance

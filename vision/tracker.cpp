@@ -13,7 +13,7 @@
 #include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/coding/coded_errors.h"
-#include "vision/coding/dead_zone.h"
+#include "vision/coding/rim_coding.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_stage.h"
 #include "vision/stages/stage_clock.h"

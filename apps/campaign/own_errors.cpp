@@ -32,7 +32,7 @@ double square(double x) {
 
 /// The coder's share of a phase's variance is common to all runs and counted there.
 double without_coder(double sd, const RunMeasurement& measured) {
-  const double coder = measured.coded ? measured.coded->delay_sd : 0;
+  const double coder = measured.coded ? measured.coded->delay : 0;
   return std::max(0.0, sd * sd - coder * coder);
 }
 

@@ -93,10 +93,10 @@ double clock_error(const Campaign& campaign) {
 }
 
 double coder_attenuation(const AnalysedRun& run) {
-  return run.measurement && run.measurement->coded ? run.measurement->coded->attenuation_sd : 0;
+  return run.measurement && run.measurement->coded ? run.measurement->coded->attenuation : 0;
 }
 double coder_delay(const AnalysedRun& run) {
-  return run.measurement && run.measurement->coded ? run.measurement->coded->delay_sd : 0;
+  return run.measurement && run.measurement->coded ? run.measurement->coded->delay : 0;
 }
 double exposure_doubt(const AnalysedRun& run) {
   return run.measurement && run.measurement->platform ? run.measurement->platform->exposure_doubt : 0;

@@ -14,10 +14,10 @@
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
 #include "apps/text/output_file.h"
+#include "vision/coding_forecast.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
 #include "vision/overlay.h"
-#include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 

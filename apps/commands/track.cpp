@@ -143,7 +143,6 @@ void print_audit(const vision::Audit& audit) {
       fmt::format("audit: {} frames, ratios to what the model's standard deviations predict", audit.frames));
   line("halves_x", audit.halves_x, "left against right half of the part");
   line("halves_y", audit.halves_y, "top against bottom half");
-  line("checkerboard", audit.checkerboard, "alternate tiles of 8 x 8 pixels");
   line("high_frequency", audit.high_frequency, "scatter from frame to frame");
   line("pixel_phase", audit.pixel_phase, "with errors that follow the fraction of a pixel");
   line("lag1", audit.lag1, "correlation of consecutive errors; 0 is right");
@@ -270,7 +269,7 @@ void exclude_choices(CLI::App& command, CLI::Option& campaign) {
   for (const char* name :
        {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--disc-diameter-mm", "--calibration", "--height-mm",
         "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--frames", "--xi-axis-rad",
-        "--layers", "--debug", "--debug-frames", "--config", "--rehearse"})
+        "--layers", "--debug", "--debug-frames", "--config"})
     campaign.excludes(command.get_option(name));
 }
 
@@ -357,10 +356,14 @@ void add_track(CLI::App& app, Context& context) {
           "--config", options->choices.config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
-  command.add_flag(
-      "--rehearse", options->choices.rehearse,
-      "For a lossy recording whose coder is known (x264, MJPEG, MPEG-4): code the tracked motion "
-      "once more the same way and take standard deviations, attenuation and delay from it");
+  command
+      .add_flag_callback("--rehearse",
+                         [] {
+                           throw UsageError(
+                               "--rehearse has left: standard deviations count what the coder may have done; "
+                               "for smaller ones film uncompressed or FFV1");
+                         })
+      ->group("");
   CLI::Option* campaign =
       command
           .add_option("--campaign", options->campaign,

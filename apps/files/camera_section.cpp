@@ -81,7 +81,10 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
                                             camera.calibration->string()));
   }
   camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
-  camera.rehearse = table.boolean("rehearse").value_or(false);
+  if (table.has("rehearse"))
+    table.fail("rehearse",
+               "has left: standard deviations count what the coder may have done; leave the key out, and for "
+               "smaller ones film uncompressed or FFV1");
   camera.row_time_s = table.number("row_time_s").value_or(0);
   camera.working_distance_mm = table.positive("working_distance_mm");
   if (with_sd == WithSd::yes) {

@@ -28,7 +28,6 @@ struct CameraSection {
   double mm_per_px_sd = 0;
   std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder
   double xi_axis_rad = 0;
-  bool rehearse = false;         ///< lossy recordings whose coder is known, see vision/rehearsal.h
   std::optional<double> tag_mm;  ///< side of the tag's black square, where the marker is one: sets the scale
   double tag_mm_sd = 0;
   double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below

@@ -77,32 +77,16 @@ Json json_of(const std::vector<vision::SlowPart>& slow) {
 }
 
 Json json_of(const vision::Audit& audit) {
-  Json by_type = Json::object();
-  for (const auto& [type, ratio] : audit.by_frame_type) by_type[std::string(1, type)] = ratio;
   return {{"halves_x", optional_json(audit.halves_x)},
           {"halves_y", optional_json(audit.halves_y)},
-          {"checkerboard", optional_json(audit.checkerboard)},
           {"high_frequency", optional_json(audit.high_frequency)},
           {"pixel_phase", optional_json(audit.pixel_phase)},
           {"lag1", optional_json(audit.lag1)},
-          {"by_frame_type", by_type.empty() ? Json() : by_type},
           {"frames", audit.frames},
           {"white_factor", audit.white_factor},
           {"slow_sd_px", audit.slow_sd},
           {"slow_time_s", audit.slow_time}};
 }
-
-namespace {
-
-Json json_of(const std::optional<vision::CodedResponse>& response) {
-  if (!response) return {};
-  return {{"attenuation", response->attenuation},
-          {"attenuation_sd", response->attenuation_sd},
-          {"delay_s", response->delay},
-          {"delay_s_sd", response->delay_sd}};
-}
-
-}  // namespace
 
 Json json_of(const vision::CodedErrors& coded) {
   Json types = Json::object();
@@ -110,8 +94,7 @@ Json json_of(const vision::CodedErrors& coded) {
     types[std::string(1, type.type)] = {{"frames", type.frames},
                                         {"step_levels", type.step},
                                         {"still_share", type.still},
-                                        {"added_sd_px", type.added_sd},
-                                        {"rehearsed_sd_px", type.rehearsed_sd}};
+                                        {"added_sd_px", type.added_sd}};
   return {{"coder", coded.coder},
           {"settings", coded.settings},
           {"known", coded.known},
@@ -124,10 +107,7 @@ Json json_of(const vision::CodedErrors& coded) {
           {"mark_play_px", coded.mark_play},
           {"added_sd_px", coded.added_sd},
           {"slow_time_s", coded.slow_time},
-          {"passes_differ", coded.passes_differ},
-          {"rehearsed", coded.rehearsed},
-          {"part_response", json_of(coded.part)},
-          {"mark_response", json_of(coded.mark)}};
+          {"passes_differ", coded.passes_differ}};
 }
 
 Json circle_json(const std::optional<vision::Circle>& circle) {

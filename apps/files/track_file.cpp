@@ -115,7 +115,6 @@ vision::Audit audit_from(const JsonPlace& json) {
   vision::Audit audit;
   audit.halves_x = number_at(json, "halves_x");
   audit.halves_y = number_at(json, "halves_y");
-  audit.checkerboard = number_at(json, "checkerboard");
   audit.high_frequency = number_at(json, "high_frequency");
   audit.pixel_phase = number_at(json, "pixel_phase");
   audit.lag1 = number_at(json, "lag1");
@@ -123,28 +122,14 @@ vision::Audit audit_from(const JsonPlace& json) {
   audit.white_factor = json.number("white_factor", 1);
   audit.slow_sd = json.number("slow_sd_px", 0);
   audit.slow_time = json.number("slow_time_s", 0);
-  if (const auto types = json.find("by_frame_type"))
-    for (const auto& item : types->object().value.items())
-      audit.by_frame_type.emplace_back(item.key().empty() ? '?' : item.key().front(),
-                                       types->at(item.key()).number());
   return audit;
-}
-
-std::optional<vision::CodedResponse> response_from(const JsonPlace& json, const char* key) {
-  const auto found = json.find(key);
-  if (!found) return std::nullopt;
-  return vision::CodedResponse{found->at("attenuation").number(), found->at("attenuation_sd").number(),
-                               found->at("delay_s").number(), found->at("delay_s_sd").number()};
 }
 
 CodingFacts coding_from(const JsonPlace& json) {
   CodingFacts facts;
   facts.coder = json.text("coder");
-  facts.rehearsed = json.boolean("rehearsed", false);
   facts.part_play_px = json.number("part_play_px", 0);
   facts.mark_play_px = json.number("mark_play_px", 0);
-  facts.part = response_from(json, "part_response");
-  facts.mark = response_from(json, "mark_response");
   return facts;
 }
 

@@ -23,12 +23,10 @@ struct PlannedStage {
   std::optional<double> error_bound_px;  ///< that leaving it out can add; empty where nobody computed it
 };
 
-/// What a lossy coder did to a track, for measuring; see vision/coding and vision/rehearsal.h.
+/// What a lossy coder did to a track, for measuring; see vision/coding.
 struct CodingFacts {
   std::string coder;
-  bool rehearsed = false;
   double part_play_px = 0, mark_play_px = 0;
-  std::optional<vision::CodedResponse> part, mark;
 };
 
 /// Properties of a track that its rows do not hold.

@@ -18,11 +18,6 @@ namespace {
 constexpr double kSmoothed = 0.5;
 constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
 
-double into_circle(double phase) {
-  constexpr double turn = 2 * std::numbers::pi;
-  return phase - turn * std::floor(phase / turn);
-}
-
 /// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
 void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
   const double stated = std::sin(phase_shift), measured = std::sin(seen.phase_shift.value);
@@ -57,44 +52,25 @@ void note_against_command(const std::string& name, const fit::GateTiming& gate, 
   if (given.dtau) differs("dtau", gate.dtau.value, *given.dtau, gate.dtau.sd);
 }
 
-/// Takes out what a rehearsal told, and counts the half of it; else all that a play of the mark's size does.
+/// Counts all that a play of the mark's size does.
 void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasurement& m) {
   if (!track.facts.coding || !m.platform) return;
   const CodingFacts& facts = *track.facts.coding;
   fit::PlatformMotion& platform = *m.platform;
-  const double w = platform.angular_frequency.value;
-  CodedMotion coded{.coder = facts.coder, .rehearsed = facts.mark.has_value()};
-  const auto beyond_doubt = [](double value, double sd) { return std::abs(value) > 2 * sd ? value : 0; };
-  if (facts.mark) {
-    // cos wt is shown as Re z exp(i wt) with z = 1 - a - i w T.
-    const double a = facts.mark->attenuation, late = w * facts.mark->delay,
-                 late_sd = w * facts.mark->delay_sd;
-    const double in_phase = 1 - a;
-    coded.attenuation = beyond_doubt(1 - std::hypot(in_phase, late), facts.mark->attenuation_sd);
-    coded.delay = beyond_doubt(std::atan2(late, in_phase), late_sd);
-    coded.attenuation_sd = std::hypot(coded.attenuation / 2, facts.mark->attenuation_sd);
-    coded.delay_sd = std::hypot(coded.delay / 2, late_sd);
-  } else {
-    const double metre_per_px = track.mm_per_px.value_or(0) * 1e-3;
-    const double amplitude = std::max(platform.amplitude.value, platform.amplitude_y.value);
-    const double half_width = facts.mark_play_px * metre_per_px;
-    const auto seen = fit::seen_through_play(amplitude, half_width);
-    coded.attenuation = coded.attenuation_sd = std::max(seen.attenuation, kSmoothed * half_width / amplitude);
-    coded.delay = coded.delay_sd = seen.delay;
-  }
-  if (!(coded.attenuation_sd > 0 || coded.delay_sd > 0)) return;
-  coded.exceeds = coded.delay_sd > kQuantile95 * platform.phase_at_middle.sd ||
-                  coded.attenuation_sd * platform.amplitude.value > kQuantile95 * platform.amplitude.sd;
-  if (coded.rehearsed) {
-    for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
-      length->value /= 1 - coded.attenuation;
-    platform.phase_at_zero.value = into_circle(platform.phase_at_zero.value + coded.delay);
-    platform.phase_at_middle.value += coded.delay;
-  }
+  CodedMotion coded{.coder = facts.coder};
+  const double metre_per_px = track.mm_per_px.value_or(0) * 1e-3;
+  const double amplitude = std::max(platform.amplitude.value, platform.amplitude_y.value);
+  const double half_width = facts.mark_play_px * metre_per_px;
+  const auto seen = fit::seen_through_play(amplitude, half_width);
+  coded.attenuation = std::max(seen.attenuation, kSmoothed * half_width / amplitude);
+  coded.delay = seen.delay;
+  if (!(coded.attenuation > 0 || coded.delay > 0)) return;
+  coded.exceeds = coded.delay > kQuantile95 * platform.phase_at_middle.sd ||
+                  coded.attenuation * platform.amplitude.value > kQuantile95 * platform.amplitude.sd;
   for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
-    length->sd = std::hypot(length->sd, coded.attenuation_sd * length->value);
+    length->sd = std::hypot(length->sd, coded.attenuation * length->value);
   for (fit::Estimate* phase : {&platform.phase_at_zero, &platform.phase_at_middle})
-    phase->sd = std::hypot(phase->sd, coded.delay_sd);
+    phase->sd = std::hypot(phase->sd, coded.delay);
   m.coded = coded;
   m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
 }
@@ -237,11 +213,10 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
 
 std::string CodedMotion::sentence() const {
   return fmt::format(
-      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late{}: {:.2g} % and "
-      "{:.2g} "
-      "rad are counted in the intervals{}",
-      coder, 100 * attenuation, delay, rehearsed ? ", by rehearsal, which is taken out" : " at the most",
-      100 * attenuation_sd, delay_sd,
+      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late at the most: both "
+      "are "
+      "counted in the intervals{}",
+      coder, 100 * attenuation, delay,
       exceeds ? ", more than all else together: film uncompressed, or with every frame coded by itself" : "");
 }
 
@@ -309,11 +284,10 @@ Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
   }
   if (m.coded)
     json["coding"] = {{"coder", m.coded->coder},
-                      {"rehearsed", m.coded->rehearsed},
                       {"attenuation", m.coded->attenuation},
-                      {"attenuation_sd", m.coded->attenuation_sd},
+                      {"attenuation_sd", m.coded->attenuation},
                       {"delay_rad", m.coded->delay},
-                      {"delay_rad_sd", m.coded->delay_sd},
+                      {"delay_rad_sd", m.coded->delay},
                       {"exceeds_interval", m.coded->exceeds}};
   json["phase_at_start_rad"] = m.phase_at_start;
   json["phase_source"] = m.phase_source;

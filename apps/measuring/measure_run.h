@@ -42,11 +42,10 @@ struct GivenConditions {
 /// What a lossy coder does to the platform's motion as measured.
 struct CodedMotion {
   std::string coder;
-  /// Then what is beyond two standard deviations is taken out, and half of it counted; else all is counted.
-  bool rehearsed = false;
-  double attenuation = 0, delay = 0;        ///< of the amplitude, relative, and of the phase, rad
-  double attenuation_sd = 0, delay_sd = 0;  ///< what is counted in the standard deviations
-  bool exceeds = false;                     ///< one of these the 95 % interval of what the track alone tells
+  /// At the most: of the amplitude, relative, and of the phase, rad. All of it counts in the standard
+  /// deviations.
+  double attenuation = 0, delay = 0;
+  bool exceeds = false;  ///< one of these the 95 % interval of what the track alone tells
   std::string sentence() const;
 };
 

@@ -90,7 +90,6 @@ apps::TrackChoices choices_of(const py::dict& options) {
   choices.rectangle = rectangle_in(options);
   choices.marker = marker_in(options);
   choices.layers = text_in(options, "layers");
-  choices.rehearse = truth_in(options, "rehearse");
   set_frames(choices, member(options, "frames"));
   return choices;
 }

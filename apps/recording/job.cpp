@@ -22,7 +22,6 @@ void apply(const PartSection& part, const CameraSection& camera, RecordingJob& j
   job.height_mm = part.height_mm;
   job.working_distance_mm = camera.working_distance_mm;
   job.xi_axis_rad = camera.xi_axis_rad;
-  job.rehearse = camera.rehearse;
   job.tag_mm = camera.tag_mm;
   job.tag_mm_sd = camera.tag_mm_sd;
   job.row_time_s = camera.row_time_s;

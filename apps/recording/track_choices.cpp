@@ -135,7 +135,6 @@ RecordingJob job_of(const std::filesystem::path& video, const TrackChoices& choi
   apply_frame_rate(choices, job);
   apply_scale(choices, job);
   apply_target(choices, job);
-  job.rehearse = job.rehearse || choices.rehearse;
   job.track.first_frame = choices.first_frame;
   job.track.last_frame = choices.last_frame;
   if (choices.first_frame && choices.last_frame && *choices.first_frame > *choices.last_frame)

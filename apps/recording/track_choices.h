@@ -21,7 +21,6 @@ struct TrackChoices {
   std::optional<vision::MarkerChoice> marker;
   std::optional<std::int64_t> first_frame, last_frame;
   std::string layers;  ///< "auto", "on", "off"; empty: auto
-  bool rehearse = false;
 };
 
 /// The job: what --config holds, overridden by the rest. Throws UsageError for choices that are out of range

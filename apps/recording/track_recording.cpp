@@ -12,7 +12,6 @@
 #include "apps/text/output_file.h"
 #include "vision/frame_sink.h"
 #include "vision/overlay.h"
-#include "vision/rehearsal.h"
 
 namespace tribotrack::apps {
 
@@ -81,7 +80,6 @@ Json configuration_of(const RecordingJob& job, const std::optional<Input>& calib
                {"min_ncc", job.track.min_ncc},
                {"max_lost_share", job.track.max_lost_share},
                {"search_margin_px", job.track.search_margin_px},
-               {"rehearse", job.rehearse},
                {"row_time_s", job.row_time_s},
                {"layers", job.track.layers == vision::Layers::automatic ? "auto"
                           : job.track.layers == vision::Layers::on      ? "on"
@@ -237,7 +235,6 @@ TrackedRecording track_source(const PreparedJob& prepared, std::unique_ptr<visio
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
   require_rate_of_recording(job, info);
   require_rows_in_time(job, info);
-  if (job.rehearse) vision::require_rehearsable(info);
   try {
     recording.result = vision::track(*recording.source, job.track);
   } catch (const vision::AmbiguousTarget& question) {
@@ -245,7 +242,6 @@ TrackedRecording track_source(const PreparedJob& prepared, std::unique_ptr<visio
   }
   require_mark(job, recording.result.track);
   drop_covered_lamp(job, recording.result);
-  if (job.rehearse) vision::rehearse(*recording.source, job.track, recording.result);
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"hashing the inputs", prepared.hashing_s});
   if (job.row_time_s != 0)
@@ -314,8 +310,7 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
   facts.slow = summary.slow;
   facts.audit = summary.audit;
   if (summary.coded)
-    facts.coding = CodingFacts{summary.coded->coder,     summary.coded->rehearsed, summary.coded->part_play,
-                               summary.coded->mark_play, summary.coded->part,      summary.coded->mark};
+    facts.coding = CodingFacts{summary.coded->coder, summary.coded->part_play, summary.coded->mark_play};
   for (const vision::PlanStage& stage : summary.plan)
     facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
   return track_file_of(recording.rows, facts, prepared.job.video);

@@ -34,7 +34,6 @@ struct RecordingJob {
   std::optional<double> tag_mm;  ///< side of the tag that is the marker: sets the scale
   double tag_mm_sd = 0;
   double row_time_s = 0;  ///< of a rolling shutter
-  bool rehearse = false;  ///< code the tracked motion once more, as the recording was (vision/rehearsal.h)
   vision::TrackOptions track;
 };
 

@@ -77,9 +77,6 @@ constexpr std::array kKeys = {
                 "by `tribotrack calibrate`, instead of mm_per_px"},
     CampaignKey{"camera", "working_distance_mm", "100.0", "from lens to platform"},
     CampaignKey{"camera", "working_distance_mm_sd", "1.0", "", "working_distance_mm, height_mm"},
-    CampaignKey{"camera", "rehearse", "true",
-                "lossy recordings (x264, MJPEG, MPEG-4): code the tracked motion once more to know the "
-                "coder's errors"},
     CampaignKey{"camera", "row_time_s", "0.00001",
                 "rolling shutter: from one row of the picture to the next one below"},
     CampaignKey{"camera", "xi_axis_rad", "0.0",

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "vision/audit/mean_square.h"
+#include "vision/coding_forecast.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
@@ -243,11 +244,6 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   found.passes_differ = coded.passes_differ;
   if (!(found.step > 0)) found.part_play = found.mark_play = std::numbers::sqrt2 * found.added_sd;
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
-  for (CodedErrors::OfType& type : found.types)
-    if (const auto own = halves.find(type.type); own != halves.end()) {
-      type.ratio = std::sqrt(own->second.value);
-      summary.audit.by_frame_type.emplace_back(type.type, *type.ratio);
-    }
   if (found.added_sd > 0 && found.slow_time > 0)
     summary.slow.push_back({"coder", found.added_sd, found.slow_time});
   if (std::string warning = coding_warning(found); !warning.empty())
@@ -269,6 +265,28 @@ std::string coding_warning(const CodedErrors& errors) {
       "deviations. "
       "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
       errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
+}
+
+namespace {
+
+constexpr double kPredicted = 0.3,
+                 kByItself = 0.08;  ///< errors in steps over the contrast, see coding_forecast.h
+
+std::string advice_for(const Coder& coder) {
+  if (coder.all_intra) return "every frame is coded by itself, which is the best a lossy coding can do";
+  return "film uncompressed or as FFV1; else MJPEG of high quality, or H.264 with every frame coded by "
+         "itself "
+         "(-g 1, crf 18 or less)";
+}
+
+}  // namespace
+
+std::optional<CodingForecast> forecast(const Coder& coder, double contrast) {
+  if (!(coder.step > 0) || !(contrast > 0)) return std::nullopt;
+  const double step = coder.step / contrast;
+  return CodingForecast{(coder.all_intra ? kByItself : kPredicted) * step,
+                        coder.all_intra ? 0 : coder.dead_zone * step / std::numbers::sqrt2,
+                        advice_for(coder)};
 }
 
 }  // namespace tribotrack::vision

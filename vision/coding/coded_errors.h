@@ -2,7 +2,7 @@
 //
 // The scatter of clusters and halves (vision/layers/registration/scatter.h, vision/audit) finds what blocks
 // do to the position each by itself. What all blocks of the rim do together it cannot see. Where a block is
-// predicted from another frame, and the displacement since is not worth coding up to d0 (dead_zone.h), the
+// predicted from another frame, and the displacement since is not worth coding up to d0 (rim_coding.h), the
 // part stays behind: it is seen through a play of half width b, and while it moves its error is b against the
 // direction of motion, b^2 / 2 along either axis of the plane, and all of the rim shares it. Measured,
 // b = 0.58 d0, so
@@ -10,8 +10,7 @@
 // s the share of the rim predicted from the same place of another frame, m that predicted from elsewhere,
 // where the vector follows the part. On recordings of a disc (x264, crf 15 to 28, presets veryfast and
 // medium, with and without B frames, mpeg4; motion of 0.05 to 1 px a frame) errors are 0.5 to 1.5 of the
-// standard deviations that come out: two-way prediction and finer decisions leave less. The rehearsal
-// (rehearsal.h) tells for one coder.
+// standard deviations that come out: two-way prediction and finer decisions leave less.
 //
 // Where the coder tells neither steps nor blocks (HEVC, VP9, AV1) the measured law of such recordings,
 //   sd = (1.4 + 3 s) times that of blocks,
@@ -25,7 +24,7 @@
 #include <vector>
 
 #include "vision/audit/split.h"
-#include "vision/coding/coding_watch.h"
+#include "vision/coding/rim_coding.h"
 #include "vision/picture.h"
 #include "vision/track.h"
 

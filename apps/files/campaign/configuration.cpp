@@ -50,7 +50,6 @@ Json Campaign::effective_configuration(const CampaignRun& run) const {
       {"working_distance_mm_sd", optional_json(camera.working_distance_sd_mm)},
       {"xi_axis_rad", camera.xi_axis_rad},
       {"xi_axis_rad_sd", optional_json(camera.xi_axis_sd_rad)},
-      {"rehearse", camera.rehearse},
       {"row_time_s", camera.row_time_s},
       {"disc_px", circle_json(run.template_px ? std::nullopt
                               : run.disc_px   ? run.disc_px

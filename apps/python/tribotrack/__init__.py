@@ -150,7 +150,6 @@ def track(
     xi_axis_rad: Optional[Angle] = None,
     layers: Optional[str] = None,
     config: Optional[Path] = None,
-    rehearse: bool = False,
     bits: Optional[int] = None,
     output: Optional[Path] = None,
     overlay: Optional[Path] = None,
@@ -172,7 +171,7 @@ def track(
         gate: (x, y, radius) of a lamp that is lit while the actuator is on.
         frames: (first, last) by the recording's own numbers, both included; either may be None.
         xi_axis_rad: direction of the platform's displacement at phase 0 in the picture.
-        layers: second pass: "auto", "on" or "off". rehearse: code the tracked motion once more.
+        layers: second pass: "auto", "on" or "off".
         config: a TOML file with [camera], [part], [track].
         bits: significant bits of an array's levels, where they are fewer than its type holds.
         output, overlay: files to write as well: T.csv with its meta file, a picture or video.

@@ -60,26 +60,5 @@ TEST(CodedMotion, UnknownCoderIsCountedInFull) {
   EXPECT_THAT(coded.warnings, testing::Contains(testing::HasSubstr("coder (h264)")));
 }
 
-/// A rehearsal's attenuation and delay are taken out where they are beyond doubt, and half of them counted.
-TEST(CodedMotion, RehearsedIsTakenOut) {
-  CodingFacts facts;
-  facts.coder = "x264";
-  facts.rehearsed = true;
-  facts.mark = vision::CodedResponse{0.02, 0.001, 1e-3, 5e-5};
-  const RunMeasurement plain = measure_run("plain", circling({}), {}),
-                       coded = measure_run("coded", circling(facts), {});
-  const double delay = std::atan2(kW * 1e-3, 0.98), attenuation = 1 - std::hypot(kW * 1e-3, 0.98);
-  ASSERT_TRUE(coded.coded && coded.coded->rehearsed);
-  EXPECT_NEAR(coded.platform->phase_at_zero.value, plain.platform->phase_at_zero.value + delay, 1e-3 * delay);
-  EXPECT_NEAR(coded.platform->amplitude.value, plain.platform->amplitude.value / (1 - attenuation),
-              1e-5 * kA);
-  EXPECT_NEAR(coded.coded->delay_sd, std::hypot(delay / 2, kW * 5e-5), 1e-4 * delay);
-
-  facts.mark = vision::CodedResponse{0.001, 0.001, 1e-6, 5e-5};
-  const RunMeasurement doubtful = measure_run("doubtful", circling(facts), {});
-  EXPECT_EQ(doubtful.platform->phase_at_zero.value, plain.platform->phase_at_zero.value);
-  EXPECT_EQ(doubtful.platform->amplitude.value, plain.platform->amplitude.value);
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

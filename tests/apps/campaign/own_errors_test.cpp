@@ -66,7 +66,7 @@ TEST(OwnErrors, WhatACoderDoesToAllRunsIsNotOwn) {
   RunMeasurement m = measured();
   m.platform->phase_at_middle.sd = std::hypot(1e-3, 0.02);
   m.gate->phi.sd = std::hypot(2e-3, m.platform->phase_at_middle.sd);
-  m.coded = CodedMotion{.coder = "x264", .delay_sd = 0.02};
+  m.coded = CodedMotion{.coder = "x264", .delay = 0.02};
   model::Scenario s;
   const fit::OwnErrors own = settle_timing(commanded(), m, s);
   EXPECT_NEAR(entry(own, Parameter::start_phase, Parameter::start_phase), 2e-6, 1e-15);

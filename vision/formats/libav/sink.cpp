@@ -9,7 +9,6 @@
 
 #include "vision/formats/libav/handles.h"
 #include "vision/formats/libav/library.h"
-#include "vision/formats/libav/x264_settings.h"
 #include "vision/io/in_quotes.h"
 #include "vision/io/sink_levels.h"
 #include "vision/io/temporary_file.h"
@@ -93,32 +92,7 @@ class LibavSink : public FrameSink {
     if (error < 0) refuse(error);
   }
 
-  /// MJPEG's tables and MPEG-4's step are proportional to libav's quality q: 19 / 8 q in the low frequencies
-  /// (ff_mpeg1_default_intra_matrix), and 2 q.
-  int quality_like(double step_per_quality) const {
-    return std::clamp(static_cast<int>(std::lround(options_.like->step / step_per_quality)), 1, 31);
-  }
-
-  void set_coding_like() {
-    const Coder& coder = *options_.like;
-    if (coder.name == "x264") {
-      libav().av_opt_set(encoder_->priv_data, "x264-params", x264_parameters(coder.settings).c_str(), 0);
-      encoder_->max_b_frames = b_frames_of(coder.settings);
-      return;
-    }
-    encoder_->flags |= AV_CODEC_FLAG_QSCALE;
-    encoder_->global_quality = quality_like(coder.name == "mjpeg" ? 19.0 / 8 : 2) * FF_QP2LAMBDA;
-    if (coder.name == "mpeg4") encoder_->gop_size = static_cast<int>(std::lround(std::max(1.0, coder.group)));
-  }
-
-  static Coding coding_like(const Coder& coder) {
-    if (coder.name == "x264") return {"libx264", AV_PIX_FMT_YUV420P};
-    if (coder.name == "mpeg4") return {"mpeg4", AV_PIX_FMT_YUV420P};
-    return {"mjpeg", AV_PIX_FMT_YUVJ420P};
-  }
-
   Coding coding() const {
-    if (options_.like) return coding_like(*options_.like);
     const bool odd = options_.width % 2 != 0 || options_.height % 2 != 0;
     if (options_.codec != Codec::ffv1 && options_.bits != 8)
       throw InputError(in_quotes(temporary_.target()) + " cannot hold " + std::to_string(options_.bits) +
@@ -172,9 +146,7 @@ class LibavSink : public FrameSink {
     encoder_->thread_count = 1;  // encoders with more threads may give other bytes
     encoder_->flags |= AV_CODEC_FLAG_BITEXACT;
     if (output_->oformat->flags & AVFMT_GLOBALHEADER) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    if (options_.like) {
-      set_coding_like();
-    } else if (options_.codec == Codec::mjpeg) {
+    if (options_.codec == Codec::mjpeg) {
       encoder_->flags |= AV_CODEC_FLAG_QSCALE;
       encoder_->global_quality = 2 * FF_QP2LAMBDA;
     } else if (options_.codec == Codec::h264) {

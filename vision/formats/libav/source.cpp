@@ -359,7 +359,6 @@ class LibavSource : public FrameSource {
     const auto frames = static_cast<double>(packets_.size());
     info_.coder->group = frames / std::max(1.0, keys);
     info_.coder->all_intra = keys == frames;
-    info_.coder->playback_hz = av_q2d_or_zero(stream().avg_frame_rate);
   }
 
   void seek(std::size_t key) {

@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "vision/formats/libav/x264_settings.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {
@@ -73,50 +70,6 @@ TEST_F(CoderTest, LosslessHasNoCoder) {
   EXPECT_FALSE(source->info().coder);
   source->read(1);
   EXPECT_FALSE(source->coded(1));
-}
-
-/// The settings read back and given to the encoder again make pictures as far from the truth as before, where
-/// the quality asked for would make them several times worse. (The streams are the same byte by byte as a
-/// rule, but not always.)
-TEST_F(CoderTest, CodingLikeACoderMakesTheSameErrors) {
-  const auto error = [](FrameSource& source) {
-    double square = 0, n = 0;
-    for (int k = 0; k < 6; ++k) {
-      const Picture seen = source.read(k), exact = picture(k);
-      for (std::size_t i = 0; i < seen.levels().size(); ++i, ++n)
-        square += std::pow(static_cast<double>(seen.levels()[i] - exact.levels()[i]), 2);
-    }
-    return std::sqrt(square / n);
-  };
-  for (const SinkOptions& sink :
-       {SinkOptions{.codec = Codec::h264, .crf = 18}, SinkOptions{.codec = Codec::mjpeg}}) {
-    const bool h264 = sink.codec == Codec::h264;
-    SCOPED_TRACE(h264 ? "h264" : "mjpeg");
-    const auto first = coded(h264 ? "1.mkv" : "1.avi", sink);
-    SinkOptions like = sink;
-    like.crf = 40;
-    like.like = first->info().coder;
-    const auto again = coded(h264 ? "2.mkv" : "2.avi", like);
-    ASSERT_TRUE(again->info().coder);
-    EXPECT_EQ(first->info().coder->settings, again->info().coder->settings);
-    EXPECT_NEAR(error(*again), error(*first), 0.1 * error(*first));
-    if (!h264) continue;
-    like.like.reset();
-    EXPECT_GT(error(*coded("3.mkv", like)), 2 * error(*first));
-  }
-}
-
-TEST(X264Settings, NamesAsTheEncoderTakesThem) {
-  const std::string settings =
-      "x264 - core 164 - options: cabac=1 deblock=1:-1:2 analyse=0x3:0x133 psy_rd=0.40:0.00 deadzone=6,6 "
-      "decimate=0 direct=3 bframes=3 rc=crf crf=18.0 ip_ratio=1.40 aq=0 threads=4";
-  const std::string found = x264_parameters(settings);
-  for (const char* expected : {"crf=18.00", ":deblock=-1,2", ":partitions=i4x4,i8x8,p8x8,p4x4,b8x8",
-                               ":psy_rd=0.40,0.00", ":deadzone-inter=6:deadzone-intra=6", ":dct-decimate=0",
-                               ":direct=auto", ":ipratio=1.40", ":aq-mode=0"})
-    EXPECT_THAT(found, HasSubstr(expected));
-  EXPECT_EQ(found.find("threads"), std::string::npos);
-  EXPECT_EQ(b_frames_of(settings), 3);
 }
 
 }  // namespace

@@ -1,22 +1,18 @@
-// Coded recordings of a scene that is known exactly: what the track says of its errors, by rule and by
-// rehearsal.
-#include "vision/rehearsal.h"
+// Coded recordings of a scene that is known exactly: what the track says of its errors.
+#include "vision/coding/coded_errors.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "vision/coding/response.h"
+#include "vision/coding_forecast.h"
 #include "vision/recordings.h"
 #include "vision/scene.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::vision {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 constexpr int kFrames = 160, kPeriod = 40;  ///< frames in a turn
 constexpr double kAmplitude = 0.3;          ///< px: slow, where a coder predicts from the same place
@@ -50,7 +46,6 @@ class CodedTrackTest : public RecordingTest {
 
   struct Seen {
     double error = 0, sd = 0;  ///< px rms of a coordinate, the mean error taken out
-    CodedResponse response;
   };
   static Seen compare(const Track& track) {
     std::vector<Point> seen, path;
@@ -70,7 +65,6 @@ class CodedTrackTest : public RecordingTest {
           kFrames;
     out.error = std::sqrt(out.error);
     out.sd = std::sqrt(out.sd);
-    out.response = coded_response(seen, path, 1e-3);
     return out;
   }
 
@@ -82,33 +76,21 @@ class CodedTrackTest : public RecordingTest {
   }
 };
 
-TEST_F(CodedTrackTest, SlowMotionThroughH264ByRuleAndByRehearsal) {
+TEST_F(CodedTrackTest, SlowMotionThroughH264) {
   const auto source =
       open_source(coded("slow.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
-  TrackResult result = track(*source, options());
+  const TrackResult result = track(*source, options());
   ASSERT_TRUE(result.summary.coded);
   EXPECT_GT(result.summary.coded->still, 0.5) << "the part moves by 0.05 px a frame";
-  const Seen by_rule = compare(result.track);
-  EXPECT_GT(by_rule.error, 0.02) << "the coder must do harm for this test to mean anything";
-  EXPECT_GT(by_rule.error / by_rule.sd, 0.5);
-  EXPECT_LT(by_rule.error / by_rule.sd, 1.5);
-
-  rehearse(*source, options(), result);
-  ASSERT_TRUE(result.summary.coded->part);
-  const Seen by_rehearsal = compare(result.track);
-  EXPECT_GT(by_rehearsal.error / by_rehearsal.sd, 0.75);
-  EXPECT_LT(by_rehearsal.error / by_rehearsal.sd, 1.3);
-  const CodedResponse& rehearsed = *result.summary.coded->part;
-  EXPECT_NEAR(rehearsed.delay / by_rule.response.delay, 1, 0.3);
+  const Seen seen = compare(result.track);
+  EXPECT_GT(seen.error, 0.02) << "the coder must do harm for this test to mean anything";
+  EXPECT_GT(seen.error / seen.sd, 0.5);
+  EXPECT_LT(seen.error / seen.sd, 1.5);
 }
 
 TEST_F(CodedTrackTest, LosslessIsNotCoded) {
   const auto source = open_source(coded("exact.mkv", {.codec = Codec::ffv1}), {.frame_rate_hz = 1000});
-  TrackResult result = track(*source, options());
-  EXPECT_FALSE(result.summary.coded);
-  const double sigma = result.track.points[5].sigma_x;
-  rehearse(*source, options(), result);
-  EXPECT_EQ(result.track.points[5].sigma_x, sigma);
+  EXPECT_FALSE(track(*source, options()).summary.coded);
 }
 
 TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
@@ -119,16 +101,6 @@ TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   const Seen seen = compare(result.track);
   EXPECT_GT(seen.error / seen.sd, 0.75);
   EXPECT_LT(seen.error / seen.sd, 1.3);
-}
-
-TEST_F(CodedTrackTest, WhatCannotBeRehearsedIsRefused) {
-  const auto source =
-      open_source(coded("short.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
-  TrackOptions few = options();
-  few.last_frame = 20;
-  TrackResult result = track(*source, few);
-  EXPECT_THAT([&] { rehearse(*source, few, result); },
-              ThrowsMessage<InputError>(HasSubstr("only 21 frames")));
 }
 
 TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {
