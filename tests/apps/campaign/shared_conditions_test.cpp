@@ -20,7 +20,6 @@ namespace {
 
 using fit::FitParameter;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr double pi = std::numbers::pi;
 
@@ -320,64 +319,6 @@ TEST_F(SharedConditionsTest, AnSdIsThePriorOfWhatIsFitted) {
   EXPECT_NEAR(problem.prior.at(FitParameter::amplitude).mean, 0.28e-3, 1e-15);
   EXPECT_NEAR(problem.prior.at(FitParameter::tilt_x).mean, 0.001, 1e-15);
   EXPECT_NEAR(problem.prior.at(FitParameter::tilt_x).sd, 0.0005, 1e-15);
-}
-
-/// Tracks as `run` leaves them, for the program itself.
-class ConditionsOfTheProgram : public ProgramTest {
- protected:
-  void SetUp() override {
-    ProgramTest::SetUp();
-    std::filesystem::create_directory(in_folder("tracks"));
-    for (unsigned run = 0; run < 3; ++run) {
-      std::mt19937 random(run + 1);
-      std::normal_distribution<double> noise(0, 0.01);
-      std::string csv =
-          "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,"
-          "marker_x_px,marker_y_px,marker_sigma_px,marker_ncc\n";
-      for (int k = 0; k < 400; ++k) {
-        const double t = k / 400.0, phase = 62.8 * t, x = 30 * t + noise(random), y = 20 * t + noise(random);
-        csv += fmt::format("{},{},{},{},0.01,0.01,0,1,ok,{},{},0.001,0.001,{},{},0.01,1\n", k, t, 100 + x,
-                           100 + y, 0.1 * x, -0.1 * y, 50 + 2.8 * std::cos(phase) + noise(random),
-                           50 + 2.8 * std::sin(phase) + noise(random));
-      }
-      const std::string name = "tracks/r" + std::to_string(run) + ".csv";
-      put(in_folder(name), csv);
-      put(in_folder(name + ".meta.json"),
-          R"({"scale": {"mm_per_px": 0.1, "mm_per_px_sd": 0, "source": "given"}, "recording": {"exposure_s": 1e-4}})");
-    }
-  }
-  void write(const std::string& platform) {
-    std::string text = "[platform]\n" + platform + "\n[camera]\nmm_per_px = 0.1\n[fit]\ncycles = 8\n";
-    for (int k = 0; k < 3; ++k)
-      text += fmt::format("[[run]]\nname = \"r{}\"\nvideo = \"v.cine\"\nphi_rad = {}\ndtau_rad = {}\n", k, k,
-                          1 + 0.5 * k);
-    put(in_folder("c.toml"), text);
-  }
-};
-
-TEST_F(ConditionsOfTheProgram, TheTableStandsInFitJsonAndInExplain) {
-  write("amplitude_mm = 0.281\namplitude_mm_sd = 0.0005");
-  const Outcome outcome = run("fit c.toml --tracks tracks -o fit.json --explain");
-  ASSERT_TRUE(std::filesystem::exists(in_folder("fit.json"))) << outcome.err;
-  const Json fit = Json::parse(content_of(in_folder("fit.json")));
-  const Json& a = fit["conditions"][0];
-  EXPECT_EQ(a["quantity"], "amplitude_mm");
-  EXPECT_EQ(a["given"], 0.281);
-  EXPECT_EQ(a["given_sd"], 0.0005);
-  EXPECT_NEAR(a["measured"], 0.28, 5 * a["sd"].get<double>());
-  EXPECT_NEAR(a["difference_in_sd"], -2, 0.3);
-  EXPECT_EQ(fit["conditions"][2]["quantity"], "angular_frequency_rad_s");
-  EXPECT_TRUE(fit["conditions"][2]["given"].is_null());
-  EXPECT_THAT(fit["taken_as_exact"].dump(), HasSubstr("gravity_m_s2"));
-  EXPECT_THAT(fit["taken_as_exact"].dump(), Not(HasSubstr("\"amplitude_mm\"")));
-  EXPECT_THAT(outcome.err, HasSubstr("0.28100(50)"));
-}
-
-TEST_F(ConditionsOfTheProgram, ASlipIsExit3BeforeTheFit) {
-  write("angular_frequency_rad_s = 9.995");
-  expect_refused(run("fit c.toml --tracks tracks -o fit.json -q"), 3,
-                 {"c.toml: angular_frequency_rad_s = 9.995", "9.995 is 62.8 rad/s in Hz"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("fit.json")));
 }
 
 }  // namespace

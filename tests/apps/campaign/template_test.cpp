@@ -38,21 +38,5 @@ TEST_F(TemplatePx, IsFollowedAsByTheCommandLine) {
   }
 }
 
-TEST_F(TemplatePx, WhatItCannotBeIsRefused) {
-  put(in_folder("scene.toml"), kSlide);
-  ASSERT_EQ(run("synth scene.toml -q -o a.cine").exit_code, 0);
-  expect_refused(run_campaign(campaign("mm_per_px = 0.1\ntemplate_px = [18, 28, 45]\n")), 3,
-                 {"c.toml:5:", "4 whole numbers"});
-  expect_refused(run_campaign(campaign("mm_per_px = 0.1\ntemplate_px = [18, 28, 4, 45]\n")), 3,
-                 {"c.toml:5:", "8 x 8"});
-  expect_refused(
-      run_campaign(campaign("mm_per_px = 0.1\ndisc_px = [40, 50, 20]\ntemplate_px = [18, 28, 45, 45]\n")), 3,
-      {"c.toml:6:", "disc_px"});
-  expect_refused(run_campaign("[part]\ndiameter_mm = 4\n" + campaign("template_px = [18, 28, 45, 45]\n")), 3,
-                 {"mm_per_px"});
-  expect_refused(run_campaign(campaign("mm_per_px = 0.1\ntemplate_px = [180, 28, 45, 45]\n")), 3,
-                 {"180,28,45,45", "200 x 100"});
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

@@ -58,29 +58,5 @@ TEST_F(TrackRecording, ANoteBesideThePicturesChangesNothing) {
   }
 }
 
-TEST_F(TrackRecording, MemoryAndFilesGiveOneTrack) {
-  const PreparedJob prepared = prepare(job_);
-  const TrackedRecording recording = track_recording(prepared, "t.csv");
-  const TrackFile memory = track_file_of(prepared, recording);
-  const Input csv = write_track(in_folder("a.csv"), prepared, recording);
-  const TrackFile disk = read_track_file(in_folder("a.csv"));
-  EXPECT_EQ(csv.xxh3_128, disk.inputs.at(0).xxh3_128);
-  EXPECT_EQ(csv.xxh3_128, hashed_input(in_folder("a.csv")).xxh3_128);
-  EXPECT_EQ(memory.table.position, disk.table.position);
-  EXPECT_EQ(memory.table.covariance, disk.table.covariance);
-  EXPECT_EQ(memory.table.exposure, disk.table.exposure);
-  EXPECT_EQ(memory.facts.mm_per_px, disk.facts.mm_per_px);
-  EXPECT_EQ(memory.facts.mm_per_px_sd, disk.facts.mm_per_px_sd);
-  EXPECT_EQ(memory.facts.scale_source, disk.facts.scale_source);
-  EXPECT_EQ(memory.facts.exposure_s, disk.facts.exposure_s);
-  EXPECT_EQ(memory.facts.trigger_time_s, disk.facts.trigger_time_s);
-  EXPECT_EQ(memory.facts.disc_radius_px, disk.facts.disc_radius_px);
-  EXPECT_EQ(memory.facts.disc_radius_common_sd_px, disk.facts.disc_radius_common_sd_px);
-  EXPECT_EQ(memory.facts.frames, disk.facts.frames);
-  EXPECT_EQ(memory.facts.lost_counted, disk.facts.lost_counted);
-  EXPECT_EQ(memory.facts.accepted, disk.facts.accepted);
-  EXPECT_EQ(memory.facts.platform_from_texture, disk.facts.platform_from_texture);
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

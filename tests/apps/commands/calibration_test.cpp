@@ -89,26 +89,6 @@ TEST_F(Calibrated, HeightAboveTheCalibratedPlaneMakesLengthsShorter) {
   EXPECT_EQ(last_x("t.csv"), last_x("plain.csv"));
 }
 
-TEST_F(Calibrated, WhatDoesNotFitIsRefused) {
-  calibration(0, 200);
-  expect_refused(run("track slide.cine --calibration calibration.json -o t.csv -q"), 3,
-                 {"calibration.json", "200 x 120", "160 x 120"});
-  calibration(0);
-  expect_refused(run("track slide.cine --calibration calibration.json --mm-per-px 0.05 -o t.csv -q"), 2,
-                 {"--calibration", "--mm-per-px"});
-  expect_refused(run("track slide.cine --calibration calibration.json --height-mm 200 -o t.csv -q"), 3,
-                 {"height_mm"});
-  put(in_folder("calibration.json"), "{\"width_px\": 3}");
-  expect_refused(run("track slide.cine --calibration calibration.json -o t.csv -q"), 3,
-                 {"calibration.json", "height_px", "tribotrack calibrate"});
-  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9x7 --square-mm 2 -o c.json -q"), 3,
-                 {"slide.cine", "no board"});
-  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9 --square-mm 2 -o c.json -q"), 2,
-                 {"--squares", "10x7"});
-  expect_refused(run("calibrate slide.cine --plane slide.cine --squares 9x7 --square-mm -2 -o c.json -q"), 2,
-                 {"--square-mm"});
-}
-
 TEST_F(Calibrated, ACampaignNamesIt) {
   calibration(-20);
   put(in_folder("campaign.toml"),
@@ -123,11 +103,6 @@ TEST_F(Calibrated, ACampaignNamesIt) {
   // Another calibration, another track.
   calibration(-10);
   EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("track, measure"));
-  put(in_folder("both.toml"),
-      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\ncalibration = "
-      "\"calibration.json\"\n[[run]]\nvideo = "
-      "\"slide.cine\"\nkind = \"free_slide\"\n");
-  expect_refused(run("run both.toml -o out2 -q"), 3, {"both.toml:5", "calibration", "mm_per_px"});
 }
 
 }  // namespace

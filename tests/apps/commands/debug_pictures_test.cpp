@@ -126,19 +126,5 @@ TEST_F(DebugPictures, ExplainTellsTimesAndMetaOnlyBoundsThatWereComputed) {
   }
 }
 
-TEST_F(DebugPictures, RunLogsTheTimeOfEachStage) {
-  render_slide("slide.cine");
-  put(in_folder("c.toml"),
-      "[platform]\namplitude_mm = 0\n[part]\ndiameter_mm = 1.2\n[fit]\nparameters = [\"mu1\"]\n"
-      "[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n");
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  const Json log = Json::parse(content_of(in_folder("out/run.json")))["runs"][0];
-  double total = 0;
-  for (const Json& seconds : log["stage_seconds"]) total += seconds.get<double>();
-  EXPECT_GT(log["stage_seconds"]["first pass: part"], 0);
-  EXPECT_GT(total, 0);
-  EXPECT_LT(total, log["seconds"]);
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

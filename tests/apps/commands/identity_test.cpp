@@ -79,12 +79,6 @@ TEST_F(Identity, InACampaignThePictureLiesAmongTheTracks) {
   EXPECT_TRUE(std::filesystem::exists(in_folder("out/tracks/two.discs.png")));
 }
 
-TEST_F(Identity, ADiscThatIsNotThereIsExit3WithTheNearest) {
-  record_two("two.cine");
-  expect_refused(run("track two.cine --disc 47.4,30.2,11 --mm-per-px 1 -o t.csv -q"), 3,
-                 {"frame 0", "--disc 47.4,30.2,11", "--disc 40.4,30.2,11", "7.0 px"});
-}
-
 TEST_F(Identity, ADiscThatNeverMovesIsNoPartUnlessItIsSaidToBe) {
   record("still.cine", 500, [](int) { return std::vector<vision::Circle>{{40.4, 30.2, 11}}; });
   const Outcome found = run("track still.cine --mm-per-px 0.1 -o t.csv -q");
@@ -106,16 +100,6 @@ TEST_F(Identity, APlaybackRateNeedsAReason) {
   ASSERT_EQ(run(track + " --fps 30 --fps-reason 'set on the camera'").exit_code, 0);
   EXPECT_THAT(content_of(in_folder("t.csv.meta.json")), HasSubstr("given by the user: set on the camera"));
   expect_refused(run(track + " --fps-reason x"), 2, {"--fps"});
-}
-
-TEST_F(Identity, LayersThatCannotBeAreRefused) {
-  record_two("two.cine");
-  expect_refused(run("track two.cine --template 30,20,21,21 --layers on -o t.csv"), 2,
-                 {"--layers", "--template"});
-  const Outcome few =
-      run("track two.cine --disc 40.4,30.2,11 --frames :7 --layers on --mm-per-px 1 -o t.csv");
-  EXPECT_EQ(few.exit_code, 0);
-  EXPECT_THAT(few.err, HasSubstr("--layers on"));
 }
 
 TEST_F(Identity, RotationHasItsColumnsWhereItIsSeen) {

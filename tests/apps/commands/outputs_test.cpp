@@ -76,57 +76,12 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
   expect_kept("run mixed.toml -o mixed --overlay-videos -q", "mixed/tracks/slide.mp4", "is an input");
 }
 
-TEST_F(Outputs, TwoOutputsAreTwoFiles) {
-  expect_refused(run("track slide.cine --mm-per-px 0.05 -o t.html --overlay ./t.html -q"), 3,
-                 {"two outputs"});
-  expect_refused(run("track slide.cine --mm-per-px 0.05 -o t.png --overlay t.png -q"), 3, {"t.png"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("t.html")));
-  EXPECT_FALSE(std::filesystem::exists(in_folder("t.png")));
-}
-
 TEST_F(Outputs, AResultDoesNotTakeTheNameOfARecording) {
   put(in_folder("other.CINE"), "somebody's only copy");
   expect_kept("track slide.cine --mm-per-px 0.05 -o other.CINE -q", "other.CINE", ".CINE");
   expect_kept("simulate -o other.CINE", "other.CINE", ".CINE");
   expect_refused(run("simulate -o new.mp4"), 3, {".mp4"});
   EXPECT_FALSE(std::filesystem::exists(in_folder("new.mp4")));
-}
-
-TEST_F(Outputs, WhatIsNoFileIsNotReplaced) {
-  ASSERT_EQ(::mkfifo(in_folder("fifo.csv").c_str(), 0600), 0);
-  expect_refused(run("simulate -o fifo.csv"), 3, {"fifo.csv", "fifo"});
-  EXPECT_TRUE(std::filesystem::is_fifo(in_folder("fifo.csv")));
-  // A link to a device instead of a device, so that no machine loses its /dev/full by this test.
-  std::filesystem::create_symlink("/dev/full", in_folder("full.csv"));
-  expect_refused(run("simulate -o full.csv"), 3, {"full.csv", "device"});
-  EXPECT_TRUE(std::filesystem::is_symlink(in_folder("full.csv")));
-  std::filesystem::create_directory(in_folder("folder"));
-  expect_refused(run("simulate -o folder"), 3, {"folder"});
-}
-
-TEST_F(Outputs, ALinkIsFollowedAndStays) {
-  put(in_folder("real.csv"), "old");
-  std::filesystem::create_symlink("real.csv", in_folder("link.csv"));
-  ASSERT_EQ(run("simulate -o link.csv -q").exit_code, 0);
-  EXPECT_TRUE(std::filesystem::is_symlink(in_folder("link.csv")));
-  EXPECT_EQ(content_of(in_folder("real.csv")).substr(0, 6), "time_s");
-}
-
-TEST_F(Outputs, StandardOutputTakesTheResultAlone) {
-  ASSERT_EQ(run("simulate -o t.csv -q").exit_code, 0);
-  const std::string table = content_of(in_folder("t.csv"));
-  for (const char* name : {"-", "/dev/stdout"}) {
-    const Outcome outcome = run(std::string("simulate -q -o ") + name);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_EQ(outcome.out, table);
-  }
-  EXPECT_EQ(run("track slide.cine --mm-per-px 0.05 -q -o -").out.substr(0, 6), "frame,");
-  EXPECT_EQ(run("sweep --over phi_rad=0:1:3 -q -o -").out.substr(0, 8), "phi_rad,");
-  EXPECT_TRUE(Json::parse(run("fit c.toml -q -o -").out).contains("parameters"));
-  EXPECT_FALSE(std::filesystem::exists(in_folder("-")));
-  EXPECT_FALSE(std::filesystem::exists(in_folder("-.meta.json")));
-  expect_refused(run("simulate --json -o -"), 2, {"--json"});
-  expect_refused(run("report out -o -"), 3, {"standard output"});
 }
 
 }  // namespace

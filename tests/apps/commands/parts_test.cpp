@@ -61,15 +61,6 @@ TEST_F(Parts, EachHasItsOwnFit) {
             json["parts"]["steel"]["parameters"].dump());
 }
 
-TEST_F(Parts, OneMustBeSaidWhereOneIsFitted) {
-  write(runs_of("silver", 0.1, 0.02) + runs_of("steel", 0.07, 0.03));
-  const Outcome none = run("fit campaign.toml -o fit.json");
-  EXPECT_EQ(none.exit_code, 3);
-  EXPECT_THAT(none.err, HasSubstr("silver, steel"));
-  EXPECT_EQ(run("run campaign.toml --part copper -o out").exit_code, 3);
-  EXPECT_FALSE(std::filesystem::exists(in_folder("out")));
-}
-
 // A part that cannot be fitted does not take the others with it.
 TEST_F(Parts, OneThatFailsIsNamed) {
   write(runs_of("silver", 0.1, 0.02) +

@@ -99,25 +99,5 @@ TEST_F(ReportOutputs, NothingThatLiesInTheFolderIsRun) {
   EXPECT_FALSE(fs::exists(in_folder("ran")));
 }
 
-TEST_F(ReportOutputs, AMeasuredPointStandsInTheFiguresNumbersWithAllDigits) {
-  ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
-  const Json first = read_json(in_folder("out/fit.json"))["runs"][0];
-  const std::string runs = content_of(in_folder("out/runs.csv"));
-  const std::size_t row = runs.find("\n1,r0,");
-  std::istringstream cells(runs.substr(row, runs.find('\n', row + 1) - row));
-  std::vector<std::string> list;
-  for (std::string cell; std::getline(cells, cell, ',');) list.push_back(cell);
-  EXPECT_THAT(content_of(in_folder("figures/alpha-phi.csv")),
-              HasSubstr("," + list[6] + "," + list[7] + ",,1 r0\n"))
-      << first.dump();
-}
-
-TEST_F(ReportOutputs, WithoutAnOutputOrWithOneThatCannotBeWrittenItIsRefused) {
-  expect_refused(run("report out"), 2, {"--output", "--figures"});
-  put(in_folder("file"), "mine");
-  expect_refused(run("report out --figures file"), 3, {"file"});
-  EXPECT_EQ(content_of(in_folder("file")), "mine");
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

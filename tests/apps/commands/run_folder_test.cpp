@@ -50,25 +50,6 @@ class RunFolders : public ProgramTest {
   }
 };
 
-TEST_F(RunFolders, AFailingRunRemovesNothingOfOthers) {
-  // It fails after tracking: the recording is shorter than one cycle. Meanwhile others use the new folder.
-  render("a");
-  put(in_folder("short.toml"),
-      "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[camera]\nmm_per_px = 0.05\n[[run]]\n"
-      "video = \"a.cine\"\nphi_rad = 0\ndtau_rad = 1\n");
-  put(in_folder("watch.sh"),
-      "n=0; while ! [ -d out/tracks ] && [ $n -lt 3000000 ]; do n=$((n+1)); done\n"
-      "echo mine >out/note.txt; echo mine >out/tracks/other.csv\n");
-  run("run short.toml -o out -q & cd '" + folder_.string() + "'; sh watch.sh; wait $!; echo $? >code; :");
-  EXPECT_EQ(content_of(in_folder("code")), "3\n");
-  EXPECT_EQ(content_of(in_folder("out/note.txt")), "mine\n");
-  EXPECT_EQ(content_of(in_folder("out/tracks/other.csv")), "mine\n");
-  // With nothing in it, the folder goes again.
-  put(in_folder("gone.toml"), kHead + slide("gone"));
-  expect_refused(run("run gone.toml -o out2 -q"), 3, {"gone.cine"});
-  EXPECT_FALSE(fs::exists(in_folder("out2")));
-}
-
 TEST_F(RunFolders, ASecondRunIsRefusedWhileOneIsWriting) {
   render("a");
   put(in_folder("c.toml"), kHead + slide("a"));
@@ -87,59 +68,6 @@ TEST_F(RunFolders, ASecondRunIsRefusedWhileOneIsWriting) {
   EXPECT_THAT(page.err, HasSubstr("4711"));
   ::close(lock);  // as the kernel does when the holder dies
   EXPECT_EQ(run("run c.toml -o out -q").exit_code, 0);
-}
-
-TEST_F(RunFolders, TwoCampaignsAtOnceDoNotMix) {
-  render("a");
-  put(in_folder("good.toml"), kHead + slide("a"));
-  put(in_folder("bad.toml"), kHead + slide("gone"));
-  for (int k = 0; k < 3; ++k) {
-    fs::remove_all(in_folder("race"));
-    const Outcome outcome = run("run bad.toml -o race -q & cd '" + folder_.string() +
-                                "'; '" TRIBOTRACK_BINARY "' run good.toml -o race -q; echo $? >good; wait");
-    const std::string code = content_of(in_folder("good"));
-    EXPECT_TRUE(code == "0\n" || code == "3\n") << outcome.err;
-    EXPECT_EQ(fs::exists(in_folder("race/fit.json")), code == "0\n") << "said " << code << outcome.err;
-  }
-}
-
-TEST_F(RunFolders, LeftoversOfDeadProcessesAreRemoved) {
-  render("a");
-  put(in_folder("c.toml"), kHead + slide("a"));
-  fs::create_directories(in_folder("out/tracks"));
-  // Process numbers end at 4194304.
-  put(in_folder("out/tracks/.partial-99999999-3-a.csv"), "half");
-  put(in_folder("out/.b.mp4.partial-99999999-0"), "half");
-  put(in_folder("out/.partial-1-1-a.csv"), "of a living process");
-  put(in_folder("out/notes.partial-1.txt"), "mine");
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  EXPECT_FALSE(fs::exists(in_folder("out/tracks/.partial-99999999-3-a.csv")));
-  EXPECT_FALSE(fs::exists(in_folder("out/.b.mp4.partial-99999999-0")));
-  EXPECT_TRUE(fs::exists(in_folder("out/.partial-1-1-a.csv")));
-  EXPECT_TRUE(fs::exists(in_folder("out/notes.partial-1.txt")));
-}
-
-TEST_F(RunFolders, RunsThatLeftTheCampaignMoveAsideAndComeBack) {
-  render("a");
-  render("b");
-  put(in_folder("two.toml"), kHead + slide("a") + slide("b"));
-  put(in_folder("one.toml"), kHead + slide("a"));
-  ASSERT_EQ(run("run two.toml -o out -q").exit_code, 0);
-  const std::string track = content_of(in_folder("out/tracks/b.csv"));
-  put(in_folder("out/tracks/mine.csv"), "no track of a run");
-  const Outcome outcome = run("run one.toml -o out");
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("b is not in one.toml: moved to out/aside"));
-  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.csv")));
-  EXPECT_FALSE(fs::exists(in_folder("out/tracks/b.first.jpg")));
-  EXPECT_EQ(content_of(in_folder("out/aside/tracks/b.csv")), track);
-  EXPECT_EQ(content_of(in_folder("out/tracks/mine.csv")), "no track of a run");
-  EXPECT_THAT(run("run one.toml -o out").err, Not(HasSubstr("aside")));
-
-  const Outcome back = run("run two.toml -o out");
-  EXPECT_THAT(back.err, HasSubstr("2 of 2 tracks were current"));
-  EXPECT_EQ(content_of(in_folder("out/tracks/b.csv")), track);
-  EXPECT_FALSE(fs::exists(in_folder("out/aside")));
 }
 
 TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
@@ -201,20 +129,6 @@ TEST_F(RunFolders, ResumingGivesTheSameBytes) {
   fs::remove(in_folder("out/tracks/b.csv"));
   ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
   for (const auto& [file, content] : fresh) EXPECT_EQ(content_of(in_folder(file)), content) << file;
-}
-
-TEST_F(RunFolders, ADamagedMetaFileCostsOneRunOfAFitAndIsMadeGoodByRun) {
-  render("a");
-  render("b", "90");
-  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  const Json meta = meta_of("out/tracks/b.csv");
-  change_meta("out/tracks/b.csv", [](Json& json) { json["scale"] = {{"mm_per_px", "wide"}}; });
-  const Outcome fit = run("fit c.toml --tracks out/tracks -o f.json --allow-missing 1");
-  EXPECT_EQ(fit.exit_code, 0) << fit.err;
-  EXPECT_THAT(fit.err, HasSubstr("b.csv.meta.json: is not the meta file of a track"));
-  EXPECT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  EXPECT_EQ(meta_of("out/tracks/b.csv"), meta);
 }
 
 }  // namespace

@@ -77,20 +77,6 @@ TEST_F(TablesOnTheWay, ATableGivesTheFrictionThatMadeIt) {
   EXPECT_NEAR(estimate(fit, "mu1"), 0.1, 1e-6);
   EXPECT_NEAR(estimate(fit, "mu2"), 0.0125, 1e-6);
   EXPECT_NEAR(estimate(fit, "phase_lag_rad"), 0.2, 1e-5);
-
-  // The lines in another order.
-  std::vector<std::string> lines;
-  std::istringstream text(table);
-  std::string header, line;
-  std::getline(text, header);
-  while (std::getline(text, line)) lines.push_back(line);
-  std::reverse(lines.begin(), lines.end());
-  std::string shuffled = header + "\n";
-  for (const std::string& one : lines) shuffled += one + "\n";
-  put(in_folder("alpha_v.csv"), shuffled);
-  const json again = fitted("c", std::string(kPlatform) + "[data]\ntable = \"alpha_v.csv\"\n");
-  for (const char* parameter : {"mu1", "mu2", "phase_lag_rad"})
-    EXPECT_NEAR(estimate(again, parameter), estimate(fit, parameter), 1e-7) << parameter;
 }
 
 TEST_F(TablesOnTheWay, TheRunsTableOfARunIsATable) {
@@ -116,26 +102,6 @@ TEST_F(TablesOnTheWay, TheRunsTableOfARunIsATable) {
   EXPECT_EQ(again["runs"][0]["name"], fit["runs"][0]["name"]);
   // The page made anew from the folder's files is the same.
   const std::string page = content_of(in_folder("out/report.html"));
-  ASSERT_EQ(run("report out -o again.html --quiet").exit_code, 0);
-  EXPECT_EQ(content_of(in_folder("again.html")), page);
-}
-
-TEST_F(TablesOnTheWay, PooledRepeatsAreSaid) {
-  std::string table = "phi_rad,dtau_rad,alpha_rad,v_mm_s\n";
-  for (const Point& p : points())
-    for (const double off : {-0.01, 0.01})
-      table += fmt::format("{},{},{},{}\n", p.phi, p.dtau, p.alpha + off, p.v * (1 + off));
-  put(in_folder("alpha_v.csv"), table);
-  put(in_folder("c.toml"), std::string(kPlatform) + "[data]\ntable = \"alpha_v.csv\"\n");
-  const Outcome outcome = run("run c.toml -o out");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("note: 12 lines of tables are 6 points"));
-  EXPECT_THAT(outcome.err, HasSubstr("6 degrees of freedom"));
-  const json fit = json::parse(content_of(in_folder("out/fit.json")));
-  EXPECT_EQ(fit["notes"].size(), 2u);
-  EXPECT_NEAR(estimate(fit, "mu1"), 0.1, 3e-3);
-  const std::string page = content_of(in_folder("out/report.html"));
-  EXPECT_THAT(page, HasSubstr("mean of 2 measurements"));
   ASSERT_EQ(run("report out -o again.html --quiet").exit_code, 0);
   EXPECT_EQ(content_of(in_folder("again.html")), page);
 }
@@ -176,29 +142,6 @@ TEST_F(TablesOnTheWay, TracksOfOthersGiveTheFrictionThatMadeThem) {
   EXPECT_THAT(measured.err, HasSubstr("note: read as a track of Tracker"));
   EXPECT_EQ(json::parse(measured.out)["dx_mm"],
             json::parse(content_of(in_folder("out/measurements/t1.json")))["dx_mm"]);
-}
-
-TEST_F(TablesOnTheWay, ATrackOfOursIsMeasuredAsItsVideo) {
-  const std::filesystem::path trials = std::filesystem::path(TRIBOTRACK_SOURCE_DIR) / "tests/apps/trials";
-  ASSERT_EQ(run("synth " + (trials / "scene.toml").string() + " -o rec --quiet").exit_code, 0);
-  std::string campaign = content_of(trials / "c.toml");
-  put(in_folder("video.toml"), campaign);
-  const Outcome video = run("run video.toml -o out --quiet");
-  ASSERT_EQ(video.exit_code, 0) << video.err;
-  for (const char* name : {"a", "b", "c", "d"}) {
-    const std::string of_video = fmt::format("video = \"rec/{}.cine\"", name);
-    campaign.replace(campaign.find(of_video), of_video.size(),
-                     fmt::format("track = \"out/tracks/{}.csv\"", name));
-  }
-  put(in_folder("track.toml"), campaign);
-  const Outcome track = run("run track.toml -o again --quiet");
-  ASSERT_EQ(track.exit_code, 0) << track.err;
-  for (const char* name : {"a", "b", "c", "d"}) {
-    const std::string file = fmt::format("measurements/{}.json", name);
-    EXPECT_EQ(content_of(in_folder("again/" + file)), content_of(in_folder("out/" + file))) << name;
-  }
-  EXPECT_EQ(json::parse(content_of(in_folder("again/fit.json")))["parameters"],
-            json::parse(content_of(in_folder("out/fit.json")))["parameters"]);
 }
 
 TEST_F(TablesOnTheWay, ProbeTellsTheChannelsOfATrace) {

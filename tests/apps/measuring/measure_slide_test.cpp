@@ -56,12 +56,5 @@ TEST_F(MeasureSlide, SpinNotSeenIsSaid) {
   EXPECT_THAT(outcome.out, HasSubstr("not seen; a rim speed of half the slide's would make mu1"));
 }
 
-TEST_F(MeasureSlide, RefusesWhatContradictsItself) {
-  put_track(0.0, false);
-  expect_refused(run("measure slide.csv --free-slide --omega-rad-s 62.8"), 2,
-                 {"--free-slide", "--omega-rad-s"});
-  expect_refused(run("measure slide.csv --gravity-m-s2 0"), 2, {"--gravity-m-s2"});
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

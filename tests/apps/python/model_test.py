@@ -60,11 +60,6 @@ class Simulate(ProgramTest):
         pulsed = tribotrack.simulate(dtau_rad=1)
         np.testing.assert_array_equal(pulsed["x_mm"], tribotrack.simulate(dtau_rad=1, mu2=0.0125)["x_mm"])
 
-    def test_the_order_of_the_amplitudes_does_not_matter(self):
-        one = tribotrack.simulate(amplitude_mm=0.3, amplitude_y_mm=0.2, cycles=2)
-        other = tribotrack.simulate(amplitude_y_mm=0.2, amplitude_mm=0.3, cycles=2)
-        self.assertEqual(one["end_y_mm"], other["end_y_mm"])
-
     def test_messages_are_the_programs_with_keywords_for_flags(self):
         for conditions, said in [
             ({"mu1": -1}, "mu1"),
@@ -100,17 +95,6 @@ class Sweep(ProgramTest):
         for name, values in over.items():
             np.testing.assert_array_equal(swept[name], values)
 
-    def test_conditions_are_simulates(self):
-        conditions = {"mu1": 0.12, "dtau_rad": "pi/4", "cycles": 5, "start": "steady"}
-        swept = tribotrack.sweep(over={"phi_rad": [0, 1, 2]}, threads=1, **conditions)
-        for k, phi in enumerate([0, 1, 2]):
-            run = tribotrack.simulate(phi_rad=phi, **conditions)
-            self.assertAlmostEqual(swept["alpha_rad"][k], run["alpha_rad"], delta=1e-10)
-            self.assertAlmostEqual(swept["v_mm_s"][k], run["v_mm_s"], delta=1e-9)
-
-    def test_the_scenarios_own_axes_are_taken(self):
-        self.assertEqual(tribotrack.sweep(SOURCE / "data/figure7a.toml")["phi_rad"].shape, (73,))
-
     def test_refusals_name_the_remedy(self):
         for over, said in [
             ({}, "one or two"),
@@ -125,14 +109,6 @@ class Sweep(ProgramTest):
             with self.subTest(over), self.assertRaises(tribotrack.InputError) as refused:
                 tribotrack.sweep(over=over)
             self.assertIn(said, str(refused.exception))
-
-    def test_progress_is_told_to_the_end(self):
-        told = []
-        tribotrack.sweep(
-            over={"phi_rad": np.linspace(0, 6, 300), "dtau_rad": np.linspace(0.1, 3, 100)},
-            progress=lambda *now: told.append(now),
-        )
-        self.assertEqual(told[-1], ("sweep", 60000, 60000))
 
 
 class Keywords(ProgramTest):

@@ -58,11 +58,6 @@ class Fit(ProgramTest):
         )
         self.assertEqual(found, expected)
 
-    def test_a_dict_gives_the_files_numbers(self):
-        from_file = tribotrack.fit(self.folder / "campaign.toml")
-        from_dict = tribotrack.fit(tomllib.loads(self.text))
-        self.assertEqual(from_dict, from_file)
-
     def test_tables_give_the_same_parameters(self):
         import pandas
 
@@ -83,16 +78,6 @@ class Fit(ProgramTest):
         found = tribotrack.fit(frame, cycles=20, **CONDITIONS)
         self.assertEqual(found["parameters"], expected)
         self.assertEqual([run["name"] for run in found["runs"]][:3], ["a", "run02", "c"])
-
-    def test_the_truth_is_found(self):
-        found = tribotrack.fit(self.table, **CONDITIONS)["parameters"]
-        for name, truth in zip(["mu1", "mu2", "phase_lag_rad"], TRUTH.values()):
-            self.assertLess(abs(found[name]["estimate"] - truth), 4 * found[name]["sd"], name)
-
-    def test_conditions_with_an_uncertainty_widen_the_intervals(self):
-        exact = tribotrack.fit(self.table, **CONDITIONS)
-        wider = tribotrack.fit(self.table, amplitude_mm_sd=0.005, **CONDITIONS)
-        self.assertGreater(wider["parameters"]["mu1"]["sd"], 1.1 * exact["parameters"]["mu1"]["sd"])
 
     def test_what_the_data_do_not_determine_is_warned_of(self):
         one = {name: column[:1] for name, column in self.table.items()}

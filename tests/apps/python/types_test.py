@@ -3,12 +3,11 @@
 import importlib.util
 import inspect
 import os
-import re
 import subprocess
 import sys
 import unittest
 
-from program import SOURCE, ProgramTest
+from program import ProgramTest
 
 import tribotrack
 
@@ -41,15 +40,6 @@ class Types(ProgramTest):
     @unittest.skipUnless(importlib.util.find_spec("mypy"), "mypy is not installed")
     def test_the_stub_is_of_the_extension(self):
         self.check("mypy.stubtest", "tribotrack._core")
-
-    def test_the_stubs_parameters_are_the_extensions(self):
-        from tribotrack import _core
-
-        stub = (SOURCE / "apps/python/tribotrack/_core.pyi").read_text()
-        for name in ("simulate", "sweep", "track", "measure", "fit"):
-            told = re.search(rf"def {name}\(\s*(.*?)\s*\) ->", stub, re.DOTALL).group(1)
-            there = getattr(_core, name).__doc__.splitlines()[0]
-            self.assertEqual(re.findall(r"(\w+): ", told), re.findall(r"(\w+): ", there), name)
 
     def test_every_function_tells_of_every_keyword(self):
         for name in tribotrack.__all__:

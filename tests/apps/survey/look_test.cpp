@@ -55,14 +55,6 @@ TEST_F(Look, TheSurveyStandsInTheJson) {
       << "only where it is asked for";
 }
 
-TEST_F(Look, ThePictureNeverReplacesTheRecording) {
-  film("a.avi");
-  const std::string before = content_of(in_folder("a.avi"));
-  expect_refused(run("probe a.avi --picture a.avi"), 3, {"a.avi", "input"});
-  expect_refused(run("probe a.avi --page page.mp4"), 3, {"page.mp4"});
-  EXPECT_EQ(content_of(in_folder("a.avi")), before);
-}
-
 TEST_F(Look, ThePageWorksInABrowser) {
   const auto browser = test::chromium();
   if (!browser) GTEST_SKIP() << "no Chromium";
@@ -119,31 +111,6 @@ TEST_F(Look, WhereNothingElseMovesThePartIsGuessedToSlideFreely) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(content_of(in_folder("lab/campaign.toml")), HasSubstr("kind = \"free_slide\""));
   EXPECT_THAT(made.err, Not(HasSubstr("to fill in")));
-}
-
-TEST_F(Look, AFolderWithoutRecordingsIsRefused) {
-  std::filesystem::create_directory(in_folder("empty"));
-  expect_refused(run("init lab --from empty"), 3, {"empty", "recording"});
-  expect_refused(run("init lab --from nowhere"), 3, {"nowhere"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("lab"))) << "nothing is left behind";
-}
-
-TEST_F(Look, FoldersOfPicturesAreRecordings) {
-  film("recordings_phi045_dtau060_%04d.png");
-  std::filesystem::create_directories(in_folder("all/phi045_dtau060"));
-  for (const auto& entry : std::filesystem::directory_iterator(in_folder("")))
-    if (entry.path().extension() == ".png")
-      std::filesystem::rename(entry.path(), in_folder("all/phi045_dtau060") / entry.path().filename());
-  const Outcome made = run("init lab --from all --disc-diameter-mm 6 --fps 250");
-  ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(content_of(in_folder("lab/campaign.toml")),
-              AllOf(HasSubstr("video = \"../all/phi045_dtau060\""), HasSubstr("frame_rate_hz = 250")));
-}
-
-TEST_F(Look, HelpCampaignExplainsTheKeys) {
-  const Outcome outcome = run("help campaign");
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("[platform]"), HasSubstr("[[run]]"), HasSubstr("marker_px")));
 }
 
 }  // namespace

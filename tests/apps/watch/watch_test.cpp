@@ -65,15 +65,6 @@ TEST_F(Watch, EndsWithTheSameFitAsRunOnAllThatArrived) {
             content_of(in_folder("again/tracks/phi000_dtau060.csv")));
 }
 
-TEST_F(Watch, EndsWhenTheGoalIsReached) {
-  for (const char* name : {"phi090_dtau060.cine", "phi000_dtau120.cine", "phi000_dtau060.cine"}) arrive(name);
-  const Outcome watched =
-      run("watch lab --disc-diameter-mm 6 --until mu1=20%,phase_lag_rad=0.5 --until-idle-s 60 -o out");
-  EXPECT_EQ(watched.exit_code, 0) << watched.err;
-  EXPECT_THAT(watched.out,
-              AllOf(HasSubstr("mu1 to 20 %: reached"), HasSubstr("nothing more needs to be filmed")));
-}
-
 TEST_F(Watch, KeepsTheUsersCampaignAndTakesRecordingsThatItNamesAlready) {
   put(in_folder("lab/campaign.toml"),
       "# mine\n[part]\ndiameter_mm = 6\n[camera]\nmarker_px = [30, 30, 9]\n[fit]\nparameters = [\"mu1\"]\n"
@@ -89,15 +80,6 @@ TEST_F(Watch, KeepsTheUsersCampaignAndTakesRecordingsThatItNamesAlready) {
   EXPECT_THAT(watched.err,
               AllOf(HasSubstr("nameless.cine"), HasSubstr("add a [[run]]"), HasSubstr("not there yet")));
   EXPECT_EQ(Json::parse(watched.out).at("runs").size(), 1U);
-}
-
-TEST_F(Watch, SaysWhatItCannotDo) {
-  expect_refused(run("watch lab -o out"), 3, {"campaign.toml", "--disc-diameter-mm"});
-  expect_refused(run("watch nowhere --disc-diameter-mm 6 -o out"), 3, {"nowhere"});
-  expect_refused(run("watch lab --disc-diameter-mm 6 --until mu1 -o out"), 2, {"--until", "mu1=1%"});
-  const Outcome idle = run("watch lab --disc-diameter-mm 6 --until-idle-s 0.1 -o out");
-  EXPECT_EQ(idle.exit_code, 3);
-  EXPECT_THAT(idle.err, HasSubstr("no recording could be used"));
 }
 
 }  // namespace
