@@ -163,7 +163,7 @@ def tried(trial, number):
 def main():
     trials = [(file.stem, trial) for file in sorted((HERE / "tables").glob("*.txt")) for trial in trials_of(file)]
     if sys.argv[2:]:
-        trials = [(table, t) for table, t in trials if any(w in "\n".join([t.title, *t.prepared, *t.typed]) for w in sys.argv[2:])]
+        trials = [(table, t) for table, t in trials if any(w in "\n".join([table, t.title, *t.prepared, *t.typed]) for w in sys.argv[2:])]
     WORK.chmod(0o755)
     prepared_folder()
     shared = files_in(WORK / "prepared")
