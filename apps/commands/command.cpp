@@ -73,7 +73,6 @@ void add_commands(CLI::App& app, Context& context) {
   add_synth(app, context);
   add_paper(app, context);
   add_bench(app, context);
-  add_bench_peer(app);
   add_init(app, context);
 }
 

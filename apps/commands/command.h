@@ -30,8 +30,6 @@ void add_report(CLI::App& app, Context& context);
 void add_paper(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
-/// Not listed by --help: `bench` runs itself as the peers that it compares whole commands with.
-void add_bench_peer(CLI::App& app);
 void add_calibrate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 void add_watch(CLI::App& app, Context& context);

@@ -10,9 +10,10 @@
 #include <random>
 #include <ranges>
 
-#include "apps/bench/fit/bench.h"
+#include "apps/bench/fit.h"
 #include "fit/estimate.h"
 #include "fit/free_slides.h"
+#include "fit/simulated_tracks.h"
 #include "model/spinning_disc.h"
 
 namespace tribotrack::fit {
@@ -49,7 +50,7 @@ Problem scattered_displacements() {
 
 /// 14 tracks of 60 points over 2 cycles.
 Problem tracks() {
-  return bench::simulated_tracks({0.1, 0.0125, 0.15}, 17, 60, 2);
+  return test::simulated_tracks({0.1, 0.0125, 0.15}, 17, 60, 2);
 }
 
 /// The same as a camera sees them that does not move with the platform.

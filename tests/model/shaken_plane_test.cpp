@@ -1,5 +1,5 @@
 // The integrator against two closed forms: a mass on a shaken plane (code_aster SDND104), a part on a belt.
-#include "apps/bench/extremes/shaken_plane.h"
+#include "model/shaken_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,6 @@
 namespace tribotrack::model {
 namespace {
 
-using bench::shaken_plane_scenario;
-using bench::ShakenPlane;
 using Eigen::Vector2d;
 using std::numbers::pi;
 

@@ -1,9 +1,8 @@
-// tribotrack bench as a user calls it.
+// tribotrack bench as a user calls it, and the page on which its rows stand.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/wait.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,24 +10,102 @@
 #include <sstream>
 #include <string>
 
-#include "apps/bench/peers/library_peers.h"
-#include "apps/bench/tables/tables.h"
+#include "apps/bench/page.h"
 
-namespace tribotrack::apps {
+namespace tribotrack::bench {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool holds(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+Comparison comparison_of(std::vector<ComparedRow> rows) {
+  Comparison comparison{"model", "Error", "error", "m", "CPU time", "truth", 1e-8, std::move(rows)};
+  set_against_ours(comparison);
+  return comparison;
+}
+
+ComparedRow row(const char* method, Whose whose, double error, double time) {
+  ComparedRow made{"group", "scene", method, "", whose};
+  made.error = error;
+  made.time = time;
+  made.details = {{"steps", 7}};
+  return made;
+}
+
+const ComparedRow kRough = row("ours", Whose::ours, 1e-9, 1e-5),
+                  kFine = row("ours", Whose::ours, 1e-12, 4e-5);
+
+TEST(Comparison, SetsAPeerAgainstTheFastestOfOursThatIsAsAccurate) {
+  auto rows = comparison_of({kRough, kFine, row("variant", Whose::variant, 1e-13, 1e-9),
+                             row("slow", Whose::peer, 2e-9, 1e-3), row("quick", Whose::peer, 2e-12, 2e-5),
+                             row("exact", Whose::peer, 1e-13, 8e-5)})
+                  .rows;
+  EXPECT_EQ(verdict(rows[0]), "");
+  EXPECT_EQ(verdict(rows[2]), "");
+  EXPECT_DOUBLE_EQ(rows[3].time_over_ours, 100);
+  EXPECT_EQ(verdict(rows[3]), "ours faster x100.0");
+  EXPECT_FALSE(peer_wins(rows[3]));
+  EXPECT_DOUBLE_EQ(rows[4].time_over_ours, 0.5);
+  EXPECT_DOUBLE_EQ(rows[4].error_over_ours, 2);
+  EXPECT_EQ(verdict(rows[4]), "PEER WINS on time x2.00, error x2");
+  EXPECT_EQ(verdict(rows[5]), "PEER WINS on error: x0.1 of our least, time x2");
+  rows[5].arrived = false;
+  EXPECT_EQ(verdict(rows[5]), "does not arrive");
+}
+
+TEST(Comparison, SummaryNamesTheBestOfOthersAtTheTarget) {
+  const auto lines = summary_of(
+      comparison_of({kRough, kFine, row("slow", Whose::peer, 1e-9, 1e-3),
+                     row("quick", Whose::peer, 5e-9, 5e-6), row("rough", Whose::peer, 1e-3, 1e-9)}));
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].ours, "10 us, 1e-09 m (ours)");
+  EXPECT_EQ(lines[0].peer, "5 us, 5e-09 m (quick)");
+  EXPECT_EQ(lines[0].who, "PEER WINS on time x2.00; rows of others that win: 2 of 3");
+}
+
+TEST(BenchTables, HaveOneListOfColumns) {
+  const Table table =
+      table_of(comparison_of({kRough, row("quick, \"rough\" <b>", Whose::peer, 1.25e-9, 5e-6)}));
+  EXPECT_TRUE(table.csv().starts_with(
+      "group,scene,method,setting,ours,as_users_get_it,arrived,error,error_unit,time_s,error_over_ours,"
+      "time_over_ours,steps,verdict\n\"group\",\"scene\",\"ours\",\"\",yes,yes,yes,1e-09,\"m\",1e-05,,,7,"
+      "\"\"\n"));
+  EXPECT_TRUE(holds(table.csv(), "\"quick, \"\"rough\"\" <b>\""));
+  EXPECT_TRUE(holds(table.text(), "PEER WINS on time x2.00, error x1.2\n"));
+  EXPECT_TRUE(holds(table.html(), "quick, &quot;rough&quot; &lt;b&gt;"));
+  EXPECT_TRUE(holds(table.html(), "<td class=\"n\" data-v=\"5e-06\">5 µs</td>"));
+}
+
+TEST(BenchPage, ShowsWhatWasRun) {
+  BenchResults results;
+  results.comparisons = {comparison_of({kRough, row("quick", Whose::peer, 1e-9, 5e-6)})};
+  results.extremes.resize(2);
+  results.extremes[0].name = "case A";
+  results.extremes[0].held = true;
+  results.extremes[1].name = "case B";
+  results.extremes[1].law = "law of B";
+  Circumstances here = circumstances_here();
+  EXPECT_FALSE(here.compiler.empty());
+  here.missing = {"SUNDIALS"};
+  const std::string page = page_of(results, here);
+  for (const char* part :
+       {"<table id=\"bench_summary\"", "<td>1 of 2</td><td>-</td><td>BROKEN: see the table</td>",
+        "<b>BROKEN</b>: case B: law of B", "id=\"figure-model-error-time\"", "made without SUNDIALS"})
+    EXPECT_TRUE(holds(page, part)) << part;
+  EXPECT_FALSE(holds(page, "<section id=\"coverage\""));
+  const apps::Figure figure = figures_of(results).at(0);
+  EXPECT_EQ(figure.panels.at(0).series.at(0).x, std::vector<double>{1e-5});
+  EXPECT_DOUBLE_EQ(figure.panels[0].y.low, 1e-9);
+}
 
 std::string text_in(const fs::path& path) {
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
-}
-
-std::string first_line(const fs::path& path) {
-  const std::string text = text_in(path);
-  return text.substr(0, text.find('\n'));
 }
 
 class BenchCommand : public ::testing::Test {
@@ -50,225 +127,36 @@ class BenchCommand : public ::testing::Test {
 
 TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
   const fs::path out = folder_ / "out";
-  ASSERT_EQ(call("all --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
-  EXPECT_EQ(first_line(out / "bench_model.csv"),
-            "scene,method,tolerance,max_step_s,finished,steps,end_x_mm,end_y_mm,error_m,path_error_m,time_s,"
-            "repetitions,time_over_ours,reference");
-  EXPECT_EQ(
-      first_line(out / "bench_model_extremes.csv"),
-      "case,finite,end_x_mm,end_y_mm,steps,stops,time_s,time_per_cycle_over_ordinary,invariant,violation,"
-      "allowed,held,derivatives_finite,one_sided,failure");
-  EXPECT_EQ(
-      first_line(out / "bench_model_plan.csv"),
-      "omission,scene,time_with_s,time_without_s,saving,error_m,error_bound_m,repetitions");
-  EXPECT_EQ(first_line(out / "bench_model_claims.csv"), "claim,verdict,conditions,quantity,value,unit");
-  EXPECT_EQ(first_line(out / "bench_vision.csv"),
-            "scene,radius_px,noise_levels,method,frames,lost,rms_px,bound_px,rms_over_bound,offset_px,"
-            "peak_locking_px,time_s,rms_over_ours,time_over_ours");
-  EXPECT_EQ(first_line(out / "bench_vision_limit.csv"),
-            "radius_px,texture_levels,noise_levels,layered,components,lost,rms_px,bound_px,rms_over_bound,"
-            "standardised_rms,halves,noise_found_levels,time_s");
-  EXPECT_EQ(
-      first_line(out / "bench_vision_decoding.csv"),
-      "coding,brushed,radius_px,frames,layered,lost,rms_px,decoding_s,tracking_s,tracking_over_decoding");
-  EXPECT_EQ(first_line(out / "bench_commands.csv"),
-            "coding,brushed,diameter_px,width_px,height_px,frames,layers_off,layered,repetitions,lost,rms_px,"
-            "matching_rms_px,cpu_s,wall_s,cpu_two_threads_s,wall_two_threads_s,matching_cpu_s,reading_cpu_s,"
-            "cpu_over_matching,cpu_over_reading,share_starting,share_hashing,share_reading,share_looking,"
-            "share_registering_part,share_registering_mark,share_learning,share_measuring,share_radius,share_"
-            "rotation,share_audit,"
-            "share_writing,share_rest");
-  EXPECT_EQ(
-      first_line(out / "bench_fit.csv"),
-      "data,method,campaigns,converged,time_s,solves,time_over_ours,off_minimum_sd,mu1_rms_error_relative,"
-      "mu1_mean_sd_relative,mu1_covered,mu2_rms_error_relative,mu2_mean_sd_relative,mu2_covered,"
-      "lag_rms_error_rad,lag_mean_sd_rad,lag_covered");
-  EXPECT_EQ(first_line(out / "bench_fit_coverage.csv"),
-            "design,noise,parameter,campaigns,usable,weak,open,covered,covered_low,covered_high,covered_of_"
-            "all,score");
-  EXPECT_EQ(first_line(out / "bench_vision_audit.csv"),
-            "radius_px,texture_levels,noise_levels,frames,halves_x,halves_y,checkerboard,high_frequency,"
-            "widened_by,standardised_rms");
-  const std::string page = text_in(out / "bench.html");
-  for (const char* section : {"model", "extremes", "plan", "batch", "claims", "tracking", "audit", "fit",
-                              "coverage", "circumstances"})
-    EXPECT_NE(page.find("<section id=\"" + std::string(section)), std::string::npos) << section;
-  EXPECT_EQ(page.find("Not run for this page"), std::string::npos);
-  for (const char* figure :
-       {"model-error-time", "tracking-error-time", "fit-error-time", "fit-minimum-time", "coverage"})
-    EXPECT_NE(page.find("<figure class=\"plot\" id=\"figure-" + std::string(figure)), std::string::npos)
-        << figure;
-  EXPECT_EQ(first_line(out / "bench_model_batch.csv"),
-            "sweep,wanted,instruction_set,scenarios,share_in_lanes,share_of_lanes_used,time_scalar_s,"
-            "time_lanes_s,speedup,sweep_of_a_million_s,difference_amplitudes,repetitions");
-  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_model_batch",
-                           "bench_model_claims", "bench_vision", "bench_vision_limit", "bench_vision_audit",
-                           "bench_vision_decoding", "bench_commands", "bench_fit", "bench_fit_coverage"})
+  ASSERT_EQ(call("all --quick --campaigns 1 -o " + out.string()), 0) << text_in(folder_ / "stderr");
+  for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_vision",
+                           "bench_fit", "bench_fit_coverage"}) {
+    EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv"))) << name;
     EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
+    EXPECT_TRUE(holds(text_in(folder_ / "stdout"), std::string(name) + ".csv\n")) << name;
+  }
+  const std::string page = text_in(out / "bench.html"), vision = text_in(out / "bench_vision.csv");
+  for (const char* section : {"model", "extremes", "omissions", "vision", "fit", "coverage", "circumstances"})
+    EXPECT_TRUE(holds(page, "<section id=\"" + std::string(section))) << section;
+  EXPECT_TRUE(holds(vision, "\"whole commands\",\"H.264, R = 20 px")) << vision;
+  EXPECT_TRUE(holds(text_in(folder_ / "stderr"), "Who wins where"));
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
-  for (const char* key : {"cpu", "compiler", "compiler_flags", "threads", "reference", "results"})
+  for (const char* key : {"cpu", "compiler", "compiler_flags", "reference", "results"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["results"]["model"]["laws_broken"], 0);
-  EXPECT_EQ(json["peers_missing"], bench::peers::missing_libraries());
-  // Results on stdout, tables for people on stderr.
-  EXPECT_NE(text_in(folder_ / "stdout").find("bench_fit.csv\n"), std::string::npos);
-  EXPECT_EQ(text_in(folder_ / "stdout").find("always slipping"), std::string::npos);
-  EXPECT_NE(text_in(folder_ / "stderr").find("always slipping"), std::string::npos);
-  for (const std::string& library : bench::peers::missing_libraries())
-    EXPECT_NE(text_in(folder_ / "stderr").find("made without " + library), std::string::npos);
+  EXPECT_EQ(json["peers_missing"], missing_libraries());
 }
 
-TEST_F(BenchCommand, ScaleWritesWhatEachSizeCosts) {
-  const fs::path out = folder_ / "out";
-  ASSERT_EQ(call("scale --quick -o " + out.string()), 0) << text_in(folder_ / "stderr");
-  EXPECT_EQ(first_line(out / "bench_scale.csv"), "series,size,cpu_s,wall_s,memory_bytes,file_calls");
-  EXPECT_EQ(first_line(out / "bench_scale_exponents.csv"), "series,cost,from,to,exponent,exponent_sd");
-  EXPECT_NE(text_in(out / "bench.html").find("id=\"figure-scale"), std::string::npos);
-  const auto exponents = nlohmann::json::parse(text_in(out / "bench.json"))["results"]["scale"]["exponents"];
-  for (const char* series : {"recordings", "frames", "runs", "points", "scenarios"})
-    for (const char* cost : {"cpu", "memory"})
-      EXPECT_TRUE(exponents[series][cost]["exponent"].is_number()) << series << ", " << cost;
-}
-
-TEST_F(BenchCommand, PartsOfCoverageAreJoinedByteForByte) {
-  const std::string campaigns = "coverage --campaigns 2 ";
-  ASSERT_EQ(call(campaigns + "-o " + (folder_ / "whole").string()), 0) << text_in(folder_ / "stderr");
-  for (const char* part : {"1", "2", "3"})
-    ASSERT_EQ(call(campaigns + "--part " + part + "/3 -o " + (folder_ / part).string()), 0)
-        << text_in(folder_ / "stderr");
-  const auto folders = [&](std::initializer_list<const char*> names) {
-    std::string all = "coverage -o " + (folder_ / "joined").string() + " --join";
-    for (const char* name : names) all += " " + (folder_ / name).string();
-    return all;
-  };
-  ASSERT_EQ(call(folders({"3", "1", "2"})), 0) << text_in(folder_ / "stderr");
-  for (const char* name : {"bench_fit_campaigns.csv", "bench_fit_campaigns.csv.meta.json",
-                           "bench_fit_coverage.csv", "bench_fit_coverage.csv.meta.json"})
-    EXPECT_EQ(text_in(folder_ / "joined" / name), text_in(folder_ / "whole" / name)) << name;
-  EXPECT_EQ(first_line(folder_ / "whole" / "bench_fit_campaigns.csv"),
-            "design,noise,campaign,parameter,fit,open,holds,score");
-
-  EXPECT_EQ(call(folders({"3", "1"})), 3);
-  EXPECT_NE(text_in(folder_ / "stderr").find("part 2 of 3 is not given"), std::string::npos);
-  EXPECT_EQ(call(folders({"3", "1", "1", "2"})), 3);
-  EXPECT_NE(text_in(folder_ / "stderr").find("give each part once"), std::string::npos);
-  EXPECT_EQ(call(folders({"whole"})), 3);
-  EXPECT_NE(text_in(folder_ / "stderr").find("bench coverage --part K/N"), std::string::npos);
-  EXPECT_EQ(call("fit --quick --part 1/2 -o " + (folder_ / "x").string()), 2);
+TEST_F(BenchCommand, RefusesWhatItDoesNotKnowAndWhatLeft) {
+  EXPECT_EQ(call("speed -o " + folder_.string()), 2);
+  EXPECT_EQ(call("model"), 2);
+  EXPECT_EQ(call("model --quick -o /proc/none"), 3);
+  for (const char* left :
+       {"scale", "commands", "coverage --part 1/2", "coverage --join a", "vision --keep x"}) {
+    EXPECT_EQ(call(left + (" -o " + (folder_ / "x").string())), 2) << left;
+    EXPECT_TRUE(holds(text_in(folder_ / "stderr"), "is no longer there: ")) << text_in(folder_ / "stderr");
+  }
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
-TEST_F(BenchCommand, WholeCommandsKeepTheirRecordingsAndTellEveryStage) {
-  const fs::path kept = folder_ / "kept";
-  bench::WholeCommandOptions options = bench::quick_whole_command_options();
-  options.program = TRIBOTRACK_BINARY;
-  options.keep = kept;
-  const auto rows = bench::bench_whole_commands(options);
-  ASSERT_EQ(rows.size(), 6U) << "two codings of the brushed scene; of the plain one also without layers";
-  for (const bench::WholeCommandRow& row : rows) {
-    SCOPED_TRACE(row.coding + (row.brushed ? ", brushed" : ", plain") +
-                 (row.layers_off ? ", layers off" : ""));
-    EXPECT_EQ(row.lost, 0);
-    EXPECT_GT(row.rms, 0);
-    EXPECT_LT(row.rms, 0.1);
-    EXPECT_GT(row.matching_rms, row.coding == "cine" ? row.rms : 0);
-    for (const double seconds :
-         {row.cpu, row.wall, row.cpu_two_threads, row.wall_two_threads, row.matching, row.reading})
-      EXPECT_GT(seconds, 0);
-    const bench::CommandShares& s = row.shares;
-    for (const double share :
-         {s.starting, s.hashing, s.reading, s.looking, s.part, s.mark, s.writing, s.rest})
-      EXPECT_GT(share, 0);
-    if (row.brushed) {
-      EXPECT_GT(s.learning, 0);
-    }
-    if (row.layers_off) {
-      EXPECT_EQ(s.learning, 0);
-    }
-    EXPECT_LE(s.learning + s.measuring + s.looking + s.starting, 1);
-    EXPECT_FALSE(row.layers_off && row.layered);
-  }
-  const auto written = fs::last_write_time(kept / "plain_40px_24frames_240x120.cine");
-  EXPECT_EQ(bench::bench_whole_commands(options)[0].rms, rows[0].rms);
-  EXPECT_EQ(fs::last_write_time(kept / "plain_40px_24frames_240x120.cine"), written) << "it was there";
-}
-
-TEST_F(BenchCommand, WholeCommandsSayWhichOneFailed) {
-  bench::WholeCommandOptions options = bench::quick_whole_command_options();
-  options.program = "/bin/false";
-  try {
-    bench::bench_whole_commands(options);
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("`/bin/false bench-peer matching"), std::string::npos)
-        << error.what();
-    EXPECT_NE(std::string(error.what()).find("exit code 1"), std::string::npos);
-  }
-}
-
-TEST_F(BenchCommand, MetaFileHoldsNothingVolatile) {
-  const fs::path out = folder_ / "out";
-  ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
-  EXPECT_EQ(text_in(folder_ / "stderr"), "");
-  const std::string before = text_in(out / "bench_fit.csv.meta.json");
-  ASSERT_EQ(call("fit --quick --quiet -o " + out.string()), 0);
-  EXPECT_EQ(text_in(out / "bench_fit.csv.meta.json"), before);
-}
-
-TEST_F(BenchCommand, FiguresLeaveAsFilesForPrint) {
-  const fs::path figures = folder_ / "figures";
-  ASSERT_EQ(call("fit --quick -o " + (folder_ / "out").string() + " --figures " + figures.string()), 0)
-      << text_in(folder_ / "stderr");
-  for (const char* name : {"fit-error-time", "fit-minimum-time", "coverage"})
-    for (const char* ending : {".csv", ".json", "-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
-      EXPECT_GT(fs::file_size(figures / (std::string(name) + ending)), 0U) << name << ending;
-}
-
-TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
-  EXPECT_EQ(call("speed -o " + folder_.string()), 2);
-  EXPECT_EQ(call("model"), 2);
-  EXPECT_EQ(call("commands --frames 3 -o " + folder_.string()), 2);
-  EXPECT_EQ(call("commands --quick --diameters 300 -o " + folder_.string()), 2);
-  EXPECT_EQ(call("model --quick -o /proc/none"), 3);
-}
-
-TEST(BenchTables, SayWhereAPeerWins) {
-  bench::ModelBenchRow ours, peer;
-  ours.scene = peer.scene = "s";
-  ours.method = "tribotrack";
-  ours.ours = true;
-  peer.method = "quick, \"rough\"";
-  peer.time_over_ours = 0.5;
-  const bench::BenchTable table = table_of(std::vector{ours, peer});
-  EXPECT_NE(table.text.find("PEER WINS x2.00"), std::string::npos);
-  EXPECT_NE(table.csv.find("\"quick, \"\"rough\"\"\""), std::string::npos);
-  peer.time_over_ours = 3;
-  EXPECT_EQ(table_of(std::vector{ours, peer}).text.find("PEER WINS"), std::string::npos);
-}
-
-TEST(BenchTables, NameTheSolversTheBuildLacks) {
-  const std::vector<bench::ModelBenchRow> rows(1);
-  EXPECT_EQ(table_of(rows).text.find("made without"), std::string::npos);
-  const bench::BenchTable table = table_of(rows, {"Boost.odeint", "SUNDIALS"});
-  EXPECT_NE(table.text.find("Boost.odeint, which this build was made without"), std::string::npos);
-  EXPECT_NE(table.text.find("SUNDIALS, which this build was made without"), std::string::npos);
-  EXPECT_EQ(table.csv, table_of(rows).csv);
-}
-
-TEST(BenchTables, EmptyCellsForWhatDoesNotExist) {
-  std::vector<bench::BatchBenchRow> rows(1);
-  rows[0].sweep = "all";
-  rows[0].wanted = "ends";
-  rows[0].instruction_set = "avx2";
-  rows[0].in_lanes = 0.5;
-  rows[0].time_scalar = rows[0].time_lanes = rows[0].speedup = rows[0].difference = NAN;
-  const bench::BenchTable table = table_of(rows);
-  EXPECT_EQ(table.csv.substr(table.csv.find('\n') + 1), "\"all\",ends,avx2,0,0.5,0,,,,0,,0\n");
-  EXPECT_NE(
-      table.text.find("\nends         avx2         50.0 %    0 %          -          -        -      0.0 s"
-                      "          -  all\n"),
-      std::string::npos);
-}
-
 }  // namespace
-}  // namespace tribotrack::apps
+}  // namespace tribotrack::bench

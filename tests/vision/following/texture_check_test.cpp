@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "apps/bench/vision/recording.h"
+#include "apps/bench/vision.h"
 #include "vision/scene.h"
 
 namespace tribotrack::vision {

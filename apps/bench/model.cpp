@@ -1,0 +1,229 @@
+#include "apps/bench/model.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "apps/bench/extremes.h"
+#include "apps/bench/timing.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::bench {
+
+using namespace model;
+
+namespace {
+
+using std::numbers::pi;
+
+/// An explicit method that needs more than this has failed.
+constexpr long kPatience = 300'000;
+
+struct Scene {
+  std::string name;
+  Scenario scenario;
+  /// False: explicit methods hang there, so the library's own result at its tightest tolerance is the
+  /// reference instead of the independent one in extended precision.
+  bool independent_reference = true;
+};
+
+std::vector<Scene> scenes_of(bool quick) {
+  Scenario ordinary;
+  ordinary.friction = {0.1, 0.0125, 0.5, pi / 2, 0};
+  ordinary.cycles = quick ? 2 : 20;
+  std::vector<Scene> scenes{{"always slipping", ordinary}};
+
+  Scenario stick = ordinary;
+  stick.friction.nominal = 0.122;
+  stick.friction.reduced = 0.122 / 8;
+  stick.friction.pulse_width = pi / 6;
+  scenes.push_back({"stick in cycles", stick});
+
+  Scenario marginal = ordinary;
+  const double a = marginal.drive.amplitude * std::pow(marginal.drive.angular_frequency, 2);
+  marginal.friction.nominal = a / marginal.drive.gravity / (1 + 1e-6);
+  marginal.friction.reduced = marginal.friction.nominal / 8;
+  scenes.push_back({"marginal", marginal, false});
+
+  Scenario extreme = ordinary;
+  extreme.friction.reduced = extreme.friction.nominal / 1e6;
+  scenes.push_back({"extreme ratio", extreme});
+  return scenes;
+}
+
+struct Method {
+  std::string name, setting;
+  Whose whose;
+  std::function<PeerResult(const Scenario&)> run;
+};
+
+/// End points, as of the others; every cycle integrated, or repeating ones left out, as users get it.
+Method ours(double tolerance, bool leaves_out) {
+  IntegrationOptions options;
+  options.tolerance = tolerance;
+  options.dense = false;
+  options.reuse_repeating_cycles = leaves_out;
+  return {leaves_out ? "tribotrack" : "tribotrack, every cycle", fmt::format("tolerance {:g}", tolerance),
+          leaves_out ? Whose::ours : Whose::variant, [options](const Scenario& s) {
+            const Trajectory trajectory = integrate(s, options);
+            return PeerResult{trajectory.end().position, trajectory.end().velocity,
+                              trajectory.summary().steps, true};
+          }};
+}
+
+Method recipe(double tolerance, double max_step) {
+  DormandPrinceOptions options = paper_recipe();
+  options.relative_tolerance = options.position_tolerance = options.velocity_tolerance = tolerance;
+  options.max_step = max_step;
+  options.max_steps = kPatience;
+  return {"paper's recipe", fmt::format("tolerance {:g}, steps up to {:g} s", tolerance, max_step),
+          Whose::peer, [options](const Scenario& s) { return dormand_prince(s, options); }};
+}
+
+std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& options) {
+  const bool quick = options.quick;
+  std::vector<double> tight{1e-6, 1e-16}, tolerances{1e-6};
+  if (!quick) {
+    tight = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16};
+    tolerances.assign(tight.begin(), tight.end() - 1);
+    // In the marginal scene an explicit method needs a million steps at most tolerances: a few are enough to
+    // see it.
+    if (!scene.independent_reference) tolerances = {1e-4, 1e-6, 1e-8};
+  }
+  std::vector<Method> methods;
+  for (const bool leaves_out : {true, false})
+    for (const double tolerance : tight) methods.push_back(ours(tolerance, leaves_out));
+  for (const auto& [tolerance, step] : {std::pair(1e-6, 1e-4), {1e-6, 3e-4}, {1e-9, 1e-4}})
+    if (!quick || tolerance > 1e-9) methods.push_back(recipe(tolerance, step));
+  std::vector<BenchPeer> peers = options.peers;
+  peers.push_back({"Dormand-Prince, segmented", [](const Scenario& s, double tolerance, long max_steps) {
+                     DormandPrinceOptions how = segmented_dormand_prince(s, tolerance);
+                     how.max_steps = max_steps;
+                     return dormand_prince(s, how);
+                   }});
+  for (const BenchPeer& peer : peers)
+    for (const double tolerance : tolerances)
+      methods.push_back(
+          {peer.name, fmt::format("tolerance {:g}", tolerance), Whose::peer,
+           [run = peer.run, tolerance](const Scenario& s) { return run(s, tolerance, kPatience); }});
+  for (const double step : quick ? std::vector{1e-4} : std::vector{1e-4, 1e-5, 1e-6})
+    methods.push_back({"Moreau-Jean", fmt::format("steps of {:g} s", step), Whose::peer,
+                       [step](const Scenario& s) { return moreau_jean(s, step); }});
+  return methods;
+}
+
+Eigen::Vector2d reference_of(const Scene& scene, bool quick) {
+  if (scene.independent_reference) {
+    const PeerResult result = extended_precision_reference(scene.scenario, quick ? 1e-15 : 1e-17);
+    if (result.finished) return result.position;
+  }
+  IntegrationOptions options;
+  options.tolerance = 1e-17;
+  return integrate(scene.scenario, options).end().position;
+}
+
+std::vector<ComparedRow> bench_scene(const Scene& scene, const ModelBenchOptions& options) {
+  const bool quick = options.quick;
+  const Eigen::Vector2d reference = reference_of(scene, quick);
+  const std::vector<Method> methods = methods_for(scene, options);
+  std::vector<std::function<void()>> competitors;
+  std::vector<ComparedRow> rows;
+  for (const Method& method : methods) {
+    // Who gave up at one tolerance is not asked for a tighter one.
+    if (!rows.empty() && rows.back().method == method.name && !rows.back().arrived) continue;
+    const PeerResult result = method.run(scene.scenario);
+    ComparedRow row{scene.name, scene.name, method.name, method.setting, method.whose, result.finished};
+    row.error = (result.position - reference).norm();
+    row.details = {{"steps", static_cast<double>(result.steps)}};
+    rows.push_back(row);
+    competitors.push_back([&method, &scene] { method.run(scene.scenario); });
+  }
+  PairedTiming timing;
+  timing.rounds = quick ? 3 : 41;
+  timing.budget_s = quick ? 0.02 : 0.25;
+  const auto times = paired_medians(competitors, timing);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].time = times[k].seconds;
+    rows[k].details.push_back({"repetitions", static_cast<double>(times[k].repetitions)});
+  }
+  return rows;
+}
+
+ExtremeRow judge(const ExtremeCase& c) {
+  ExtremeRow row;
+  row.name = c.name;
+  row.law = c.law.text;
+  row.allowed = c.law.allowed;
+  try {
+    const Trajectory trajectory = integrate(c.scenario);
+    const Sample end = trajectory.end();
+    row.steps = trajectory.summary().steps;
+    row.violation = c.law.violation(c.scenario, end.position);
+    IntegrationOptions options;
+    for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
+      options.derivatives.push_back(static_cast<Parameter>(p));
+    const SensitiveSample differentiated = integrate(c.scenario, options).sensitive_end();
+    row.derivatives_finite =
+        differentiated.position_jacobian.allFinite() && differentiated.velocity_jacobian.allFinite();
+    row.held = end.position.allFinite() && end.velocity.allFinite() && row.derivatives_finite &&
+               row.violation <= row.allowed;
+  } catch (const std::exception& error) {
+    row.failure = error.what();
+    row.violation = std::numeric_limits<double>::infinity();
+  }
+  return row;
+}
+
+double cycles_of(const Scenario& s) {
+  return s.end_time() * s.drive.angular_frequency / (2 * pi);
+}
+
+}  // namespace
+
+Comparison bench_model(const ModelBenchOptions& options) {
+  Comparison comparison{
+      "model",
+      "Error of the end point against run time",
+      "error of the end point",
+      "m",
+      "CPU time of a run",
+      "Dormand-Prince 5(4) in extended precision (64-bit mantissa), segmented at the friction "
+      "switches, local tolerance 1e-17 of the scene's scales (1e-15 with --quick); in the "
+      "marginal scene, where explicit methods hang, tribotrack's own result at tolerance 1e-17",
+      1e-8};
+  const auto scenes = scenes_of(options.quick);
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    const auto more = bench_scene(scenes[k], options);
+    comparison.rows.insert(comparison.rows.end(), more.begin(), more.end());
+    if (options.progress) options.progress(static_cast<int>(k) + 1, static_cast<int>(scenes.size()));
+  }
+  return comparison;
+}
+
+std::vector<ExtremeRow> bench_extremes(const ModelBenchOptions& options) {
+  const std::vector<ExtremeCase> cases = extreme_cases(options.quick);
+  std::vector<ExtremeRow> rows;
+  std::vector<std::function<void()>> competitors;
+  for (const ExtremeCase& c : cases) {
+    rows.push_back(judge(c));
+    const bool failed = !rows.back().failure.empty();
+    competitors.push_back([&c, failed] {
+      if (!failed) integrate(c.scenario);
+    });
+    if (options.progress) options.progress(static_cast<int>(rows.size()), static_cast<int>(cases.size()));
+  }
+  PairedTiming timing;
+  timing.rounds = options.quick ? 3 : 21;
+  timing.budget_s = options.quick ? 0.01 : 0.1;
+  const auto times = paired_medians(competitors, timing);
+  const double ordinary = times.front().seconds / cycles_of(cases.front().scenario);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].time = times[k].seconds;
+    rows[k].ratio_per_cycle = times[k].seconds / cycles_of(cases[k].scenario) / ordinary;
+  }
+  return rows;
+}
+
+}  // namespace tribotrack::bench

@@ -1,0 +1,263 @@
+#include "apps/bench/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <utility>
+
+#include "apps/figures/axes.h"
+#include "apps/page/page.h"
+#include "apps/page/text.h"
+
+namespace tribotrack::bench {
+
+using apps::Figure;
+using apps::FigurePanel;
+using apps::Series;
+
+namespace {
+
+constexpr const char* kClock =
+    "CPU time of the measuring thread, of whole commands that of their process; medians of repetitions in "
+    "which "
+    "the methods take turns";
+
+std::string cpu_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name"))
+      if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
+  return "unknown";
+}
+
+/// Solvers of one library share an entry of the legend: a dozen colours cannot be told apart.
+std::string legend_of(const std::string& method) {
+  return method.starts_with("odeint ") || method.starts_with("CVODE ") ? method.substr(0, method.find(' '))
+                                                                       : method;
+}
+
+apps::FigureAxis decades(const std::string& title, const std::vector<double>& values) {
+  double low = HUGE_VAL, high = 0;
+  for (const double value : values)
+    if (value > 0 && std::isfinite(value)) {
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  apps::FigureAxis axis{.title = title, .scale = apps::AxisScale::logarithmic};
+  if (!(high > 0)) return axis;
+  axis.low = std::pow(10, std::floor(std::log10(low)));
+  axis.high = std::pow(10, std::max(std::ceil(std::log10(high)), std::log10(axis.low) + 1));
+  return axis;
+}
+
+Series& series_of(FigurePanel& panel, std::vector<std::string>& legend, const ComparedRow& row) {
+  const std::string name = legend_of(row.method);
+  const auto there = std::ranges::find(panel.series, name, &Series::name);
+  if (there != panel.series.end()) return *there;
+  const auto entry = std::ranges::find(legend, name);
+  Series series{.name = name, .colour = static_cast<int>(entry - legend.begin())};
+  series.in_legend = entry == legend.end();
+  series.large = row.whose != Whose::peer;
+  if (series.in_legend) legend.push_back(name);
+  panel.series.push_back(series);
+  return panel.series.back();
+}
+
+/// Where a method ends, a point at each of its settings; what has no logarithm is drawn at the lower edge.
+Figure figure_of(const Comparison& comparison) {
+  Figure figure{.id = comparison.name + "-error-time", .title = comparison.title, .caption = {}};
+  figure.caption =
+      "A point is a method at one setting on one scene; nearer to the lower left corner is better, large "
+      "dots are "
+      "tribotrack.";
+  figure.alternative = comparison.title + ", a panel for each group of scenes over two logarithmic axes";
+  figure.columns = 2;
+  std::vector<double> times, errors;
+  for (const ComparedRow& row : comparison.rows) {
+    times.push_back(row.time);
+    errors.push_back(row.error);
+  }
+  const apps::FigureAxis x = decades(comparison.time + ", s", times),
+                         y = decades(
+                             comparison.error + (comparison.unit == "1" ? "" : ", " + comparison.unit),
+                             errors);
+  std::vector<std::string> legend;
+  for (const ComparedRow& row : comparison.rows) {
+    if (!row.arrived) continue;
+    auto panel = std::ranges::find(figure.panels, row.group, &FigurePanel::title);
+    if (panel == figure.panels.end())
+      panel = figure.panels.insert(panel, FigurePanel{.x = x, .y = y, .title = row.group});
+    Series& series = series_of(*panel, legend, row);
+    series.x.push_back(row.time);
+    series.y.push_back(row.error > 0 ? row.error : y.low);
+    series.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene,
+                                       row.error, comparison.unit, verdict(row)));
+  }
+  figure.columns = figure.panels.size() > 1 ? 2 : 1;
+  figure.height = 0.35 * std::ceil(static_cast<double>(figure.panels.size()) / figure.columns);
+  return figure;
+}
+
+std::string paragraph(const std::string& text) {
+  return "<p>" + apps::escape_html(text) + "</p>\n";
+}
+
+/// Long tables open on demand.
+std::string folded(const Table& table) {
+  return fmt::format("<details><summary>All {} rows</summary>{}</details>\n", table.rows.size(),
+                     table.html());
+}
+
+std::string broken_laws(const std::vector<ExtremeRow>& rows) {
+  std::string html;
+  for (const ExtremeRow& row : rows)
+    if (!row.held)
+      html += fmt::format("<p><b>BROKEN</b>: {}: {}</p>\n", apps::escape_html(row.name),
+                          apps::escape_html(row.failure.empty() ? row.law : row.failure));
+  return html;
+}
+
+long held_in(const std::vector<ExtremeRow>& rows) {
+  return std::ranges::count(rows, true, &ExtremeRow::held);
+}
+
+std::string missing_text(const Circumstances& circumstances) {
+  return circumstances.missing.empty()
+             ? "none"
+             : fmt::format("this build was made without {}", fmt::join(circumstances.missing, ", "));
+}
+
+}  // namespace
+
+std::string load_average() {
+  double load[3];
+  return getloadavg(load, 3) == 3 ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
+                                  : "unknown";
+}
+
+Circumstances circumstances_here() {
+  return {"tribotrack " TRIBOTRACK_VERSION,
+          cpu_name(),
+          TRIBOTRACK_COMPILER,
+          TRIBOTRACK_COMPILER_FLAGS,
+          missing_libraries(),
+          load_average(),
+          ""};
+}
+
+std::vector<SummaryLine> summary_of(const BenchResults& results) {
+  std::vector<SummaryLine> lines;
+  for (const Comparison& comparison : results.comparisons)
+    for (const SummaryLine& line : summary_of(comparison)) lines.push_back(line);
+  if (const auto count = static_cast<long>(results.extremes.size()); count > 0)
+    lines.push_back({"stiff and extreme cases: laws that hold",
+                     fmt::format("{} of {}", held_in(results.extremes), count), "-",
+                     held_in(results.extremes) == count ? "all held" : "BROKEN: see the table"});
+  long covered = 0, usable = 0, off = 0;
+  for (const CoverageRow& row : results.coverage) {
+    covered += row.covered;
+    usable += row.usable;
+    off += row.usable > 0 && (row.share_ci95().high < 0.95 || row.share_ci95().low > 0.95);
+  }
+  if (usable > 0)
+    lines.push_back(
+        {"95 % intervals that hold the truth",
+         fmt::format("{:.1f} % of {}", 100 * double(covered) / double(usable), usable), "95 % is right",
+         fmt::format("of {} kinds {} lie beyond chance (1 in 20 would)", results.coverage.size(), off)});
+  return lines;
+}
+
+std::vector<Table> tables_of(const BenchResults& results) {
+  std::vector<Table> tables;
+  for (const Comparison& comparison : results.comparisons) tables.push_back(table_of(comparison));
+  if (!results.extremes.empty()) tables.push_back(table_of(results.extremes));
+  if (!results.omissions.empty()) tables.push_back(table_of(results.omissions));
+  if (!results.coverage.empty()) tables.push_back(table_of(results.coverage));
+  return tables;
+}
+
+std::vector<Figure> figures_of(const BenchResults& results) {
+  std::vector<Figure> figures;
+  for (const Comparison& comparison : results.comparisons) {
+    figures.push_back(figure_of(comparison));
+    settle_axes(figures.back());
+  }
+  return figures;
+}
+
+std::string page_of(const BenchResults& results, const Circumstances& circumstances) {
+  apps::Page page;
+  page.name = "bench";
+  page.title = "Error against run time";
+  page.subtitle = fmt::format("{}, {}, {}", circumstances.program, circumstances.cpu, circumstances.compiler);
+  page.first =
+      paragraph(
+          "Errors are distances from a reference that was made in another way or is known because the data "
+          "were simulated; run times are CPU times. Each row of others is set against one row of tribotrack "
+          "as users get it: the fastest that is as accurate or, where none is, the most accurate; PEER WINS "
+          "marks what others do better.") +
+      table_of(summary_of(results)).html();
+  page.figures = figures_of(results);
+  for (const Comparison& comparison : results.comparisons)
+    page.sections.push_back({comparison.name, comparison.title,
+                             paragraph("Reference: " + comparison.reference + ".") +
+                                 figure_box(page.figures, comparison.name + "-error-time") +
+                                 folded(table_of(comparison))});
+  if (!results.extremes.empty())
+    page.sections.push_back(
+        {"extremes", "Stiff and extreme cases",
+         paragraph("Each must hold a law: a scaling, a closed solution, a bound. The figure is how "
+                   "far it is from holding, relative to the path unless the law says otherwise.") +
+             broken_laws(results.extremes) + folded(table_of(results.extremes))});
+  if (!results.omissions.empty())
+    page.sections.push_back({"omissions", "What omissions save",
+                             paragraph("The same motion with and without machinery that it does not need.") +
+                                 table_of(results.omissions).html()});
+  if (!results.coverage.empty())
+    page.sections.push_back(
+        {"coverage", "Coverage",
+         paragraph("Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are "
+                   "those whose fit calls itself usable, with the binomial 95 % range (Clopper and "
+                   "Pearson).") +
+             table_of(results.coverage).html()});
+  std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
+  for (const auto& [name, value] : {std::pair<const char*, std::string>{"program", circumstances.program},
+                                    {"machine", circumstances.cpu},
+                                    {"compiler", circumstances.compiler},
+                                    {"flags", circumstances.compiler_flags},
+                                    {"clock", kClock},
+                                    {"load before", circumstances.load_before},
+                                    {"load after", circumstances.load_after},
+                                    {"missing peers", missing_text(circumstances)}})
+    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, apps::escape_html(value));
+  page.sections.push_back({"circumstances", "Circumstances", html + "</tbody></table></div>\n"});
+  return apps::html_of(std::move(page));
+}
+
+apps::Json json_of(const BenchResults& results, const Circumstances& circumstances) {
+  apps::Json json = {{"program", circumstances.program},
+                     {"cpu", circumstances.cpu},
+                     {"compiler", circumstances.compiler},
+                     {"compiler_flags", circumstances.compiler_flags},
+                     {"threads", 1},
+                     {"clock", kClock},
+                     {"load_average_before", circumstances.load_before},
+                     {"load_average_after", circumstances.load_after},
+                     {"peers_missing", circumstances.missing}};
+  for (const Comparison& comparison : results.comparisons) {
+    json["reference"][comparison.name] = comparison.reference;
+    json["results"][comparison.name]["rows"] = comparison.rows.size();
+  }
+  if (const auto count = static_cast<long>(results.extremes.size()); count > 0) {
+    json["results"]["model"]["extremes"] = count;
+    json["results"]["model"]["laws_broken"] = count - held_in(results.extremes);
+  }
+  if (!results.omissions.empty()) json["results"]["model"]["omissions"] = results.omissions.size();
+  if (!results.coverage.empty()) json["results"]["fit"]["coverage"] = results.coverage.size();
+  return json;
+}
+
+}  // namespace tribotrack::bench

@@ -1,0 +1,107 @@
+#include "apps/bench/extremes.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "model/reference_error.h"
+#include "model/trajectory.h"
+
+namespace tribotrack::bench {
+
+using namespace model;
+
+namespace {
+
+constexpr bool kQuick = true;
+
+TEST(Extremes, EachAgreesWithQuadruplePrecision) {
+  double worst = 0;
+  std::string where;
+  const auto cases = extreme_cases(kQuick);
+  for (const ExtremeCase& c : cases) {
+    SCOPED_TRACE(c.name);
+    double error = HUGE_VAL;
+    try {
+      error = c.scenario.cycles > 24
+                  ? reference::difference(integrate(c.scenario), reference::after_many_cycles(c.scenario))
+                  : reference::error_against_reference(c.scenario);
+    } catch (const std::exception& failure) {
+      ADD_FAILURE() << failure.what();
+    }
+    EXPECT_LT(error, 1e-11);
+    if (error > worst) {
+      worst = error;
+      where = c.name;
+    }
+  }
+  std::cout << cases.size() << " cases, worst relative error " << worst << " (" << where << ")\n";
+}
+
+/// A million cycles: the reference adds cycles in quadruple precision.
+TEST(Extremes, AMillionCyclesAgreeWithQuadruplePrecision) {
+  for (const ExtremeCase& c : extreme_cases(kQuick)) {
+    if (c.scenario.cycles != 100) continue;
+    SCOPED_TRACE(c.name);
+    Scenario s = c.scenario;
+    s.cycles = 1e6;
+    const double error = reference::difference(integrate(s), reference::after_many_cycles(s));
+    std::cout << c.name << " x 1e4: relative error " << error << '\n';
+    EXPECT_LT(error, 1e-11);
+  }
+}
+
+TEST(Extremes, DerivativesAreFiniteAndDoNotDisturbTheMotion) {
+  IntegrationOptions options;
+  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
+    options.derivatives.push_back(static_cast<Parameter>(p));
+  for (const ExtremeCase& c : extreme_cases(kQuick)) {
+    SCOPED_TRACE(c.name);
+    const Trajectory plain = integrate(c.scenario), differentiated = integrate(c.scenario, options);
+    const SensitiveSample end = differentiated.sensitive_end();
+    EXPECT_TRUE(end.position_jacobian.allFinite());
+    EXPECT_TRUE(end.velocity_jacobian.allFinite());
+    EXPECT_LE((plain.end().position - end.sample.position).norm(), 1e-11 * reference::path_size(plain));
+  }
+}
+
+/// Derivatives are one-sided exactly where an edge lies on a start from rest.
+TEST(Extremes, OneSidedDerivativesAreFlagged) {
+  IntegrationOptions options;
+  options.derivatives = {Parameter::lag};
+  int flagged = 0;
+  for (const ExtremeCase& c : extreme_cases(kQuick)) {
+    const Friction& f = c.scenario.friction;
+    const bool edge_on_start = f.phase + f.lag == 0 && f.pulse_width > 0 && f.nominal != f.reduced;
+    const bool one_sided = integrate(c.scenario, options).summary().one_sided;
+    if (edge_on_start) {
+      EXPECT_TRUE(one_sided) << c.name;
+    }
+    if (f.phase == 0.5 && f.lag == 0) {
+      EXPECT_FALSE(one_sided) << c.name;
+    }
+    flagged += one_sided;
+  }
+  EXPECT_GE(flagged, 10);
+}
+
+TEST(Extremes, NoneNeedsFiftyTimesTheStepsOfTheOrdinaryCase) {
+  const auto cases = extreme_cases(kQuick);
+  const auto steps_per_cycle = [](const Scenario& s) {
+    const double cycles = s.end_time() * s.drive.angular_frequency / (2 * std::numbers::pi);
+    return static_cast<double>(integrate(s).summary().steps) / std::max(1.0, cycles);
+  };
+  const double ordinary = steps_per_cycle(cases.front().scenario);
+  for (const ExtremeCase& c : cases) EXPECT_LT(steps_per_cycle(c.scenario), 50 * ordinary) << c.name;
+}
+
+TEST(Extremes, SameCasesQuickOrNot) {
+  const auto quick = extreme_cases(true), full = extreme_cases(false);
+  ASSERT_LE(quick.size(), full.size());
+  for (const auto& c : quick) EXPECT_NO_THROW(c.scenario.validate()) << c.name;
+  for (const auto& c : full) EXPECT_NO_THROW(c.scenario.validate()) << c.name;
+  EXPECT_EQ(quick.front().name, "ordinary");
+}
+
+}  // namespace
+}  // namespace tribotrack::bench
