@@ -36,7 +36,7 @@ VisionBenchOptions quick_vision_options();
 Comparison bench_vision(const VisionBenchOptions& options = {});
 
 struct WholeCommandOptions {
-  std::filesystem::path program;   ///< the tribotrack to start, the peer included
+  std::filesystem::path program;   ///< the tribotrack to start
   int width = 1280, height = 800;  ///< px
   double radius = 60;              ///< px
   int frames = 500;
@@ -45,10 +45,10 @@ struct WholeCommandOptions {
 /// A few small pictures: shows that it works.
 WholeCommandOptions quick_whole_command_options();
 
-/// What a user waits for: `track` on a recording, uncompressed and H.264, from the start of its process to
-/// its end, beside a process of the same program that follows part and marker by cv::matchTemplate. They take
-/// turns, from the system's cache, with one thread; the time is the processes' CPU time a frame. Throws
-/// vision::InputError where recordings cannot be written, std::runtime_error where a command fails.
+/// What a user waits for: CPU time of a `track` process on a recording, uncompressed and H.264, from its
+/// start to its end, beside that of following part and marker in the same file by cv::matchTemplate, in this
+/// process; they take turns. The times are those of one thread, a frame. Throws vision::InputError where
+/// recordings cannot be written, std::runtime_error where the command fails.
 std::vector<ComparedRow> bench_whole_commands(const WholeCommandOptions& options);
 
 /// A picture as an 8-bit camera records it: white noise of `noise` grey levels, then rounding and clipping.

@@ -9,7 +9,6 @@
 #include "apps/bench/fit.h"
 #include "apps/bench/page.h"
 #include "apps/bench/vision.h"
-#include "apps/bench/vision_peers.h"
 #include "apps/commands/command.h"
 #include "apps/figures/printed.h"
 #include "apps/files/run_folder.h"
@@ -122,35 +121,6 @@ void run_bench(const BenchOptions& asked, const Context& context) {
   write_results(asked, context, results, here);
 }
 
-/// The peer of whole commands, a process of its own as `track` is.
-void add_bench_peer(CLI::App& app) {
-  struct Peer {
-    std::string recording, output;
-    std::vector<double> part, marker;
-  };
-  auto peer = std::make_shared<Peer>();
-  CLI::App& command =
-      *app.add_subcommand("bench-peer", "Follow part and marker by cv::matchTemplate in windows");
-  command.group("");  // `bench` runs it: not listed by --help
-  command.add_option("RECORDING", peer->recording)->required();
-  command.add_option("--part", peer->part, "Where it lies in the first frame: X,Y,R")
-      ->delimiter(',')
-      ->expected(3);
-  command.add_option("--marker", peer->marker, "Likewise")->delimiter(',')->expected(3);
-  command.add_option("-o,--output", peer->output, "Positions of the part")->required();
-  command.callback([peer] {
-    const auto source = vision::open_source(peer->recording, vision::SourceOptions{bench::kFrameRate});
-    const auto circle = [](const std::vector<double>& v) {
-      return vision::Circle{v.at(0), v.at(1), v.at(2)};
-    };
-    std::string table = "x_px,y_px\n";
-    for (const vision::Point& p :
-         bench::follow_by_matching(*source, {circle(peer->part), circle(peer->marker)}))
-      table += fmt::format("{:.6f},{:.6f}\n", p.x, p.y);
-    write_file(peer->output, table);
-  });
-}
-
 /// For --help.
 std::string peers_of_this_build() {
   const std::vector<std::string> missing = bench::missing_libraries();
@@ -160,7 +130,6 @@ std::string peers_of_this_build() {
 }  // namespace
 
 void add_bench(CLI::App& app, Context& context) {
-  add_bench_peer(app);
   auto options = std::make_shared<BenchOptions>();
   CLI::App& command = *app.add_subcommand(
       "bench",

@@ -137,7 +137,7 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
   const std::string page = text_in(out / "bench.html"), vision = text_in(out / "bench_vision.csv");
   for (const char* section : {"model", "extremes", "omissions", "vision", "fit", "coverage", "circumstances"})
     EXPECT_TRUE(holds(page, "<section id=\"" + std::string(section))) << section;
-  EXPECT_TRUE(holds(vision, "\"whole commands\",\"H.264, R = 20 px")) << vision;
+  EXPECT_TRUE(holds(vision, ", H.264\"")) << vision;
   EXPECT_TRUE(holds(text_in(folder_ / "stderr"), "Who wins where"));
   const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "reference", "results"})

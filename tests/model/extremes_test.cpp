@@ -7,9 +7,10 @@
 #include "model/reference_error.h"
 #include "model/trajectory.h"
 
-namespace tribotrack::bench {
+namespace tribotrack::model {
 
-using namespace model;
+using bench::extreme_cases;
+using bench::ExtremeCase;
 
 namespace {
 
@@ -104,4 +105,4 @@ TEST(Extremes, SameCasesQuickOrNot) {
 }
 
 }  // namespace
-}  // namespace tribotrack::bench
+}  // namespace tribotrack::model
