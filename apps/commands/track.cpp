@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "apps/commands/command.h"
+#include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
-#include "apps/files/marker_word.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/fitting/one_run.h"
+#include "apps/fitting/fit_campaign.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/track_choices.h"
@@ -356,14 +356,6 @@ void add_track(CLI::App& app, Context& context) {
           "--config", options->choices.config,
           "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
       ->type_name("C.toml");
-  command
-      .add_flag_callback("--rehearse",
-                         [] {
-                           throw UsageError(
-                               "--rehearse has left: standard deviations count what the coder may have done; "
-                               "for smaller ones film uncompressed or FFV1");
-                         })
-      ->group("");
   CLI::Option* campaign =
       command
           .add_option("--campaign", options->campaign,

@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "apps/files/meta_file.h"
-#include "apps/json/json_place.h"
+#include "apps/files/run_folder.h"
 #include "apps/program/errors.h"
+#include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {

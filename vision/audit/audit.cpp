@@ -1,12 +1,13 @@
 #include "vision/audit/audit.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "vision/audit/differences.h"
-#include "vision/audit/local_polynomial.h"
+#include "vision/audit/frame_to_frame.h"
 #include "vision/audit/pixel_phase.h"
-#include "vision/audit/stretches.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -17,7 +18,8 @@ double time_step(const Track& track) {
          static_cast<double>(track.points.size() - 1);
 }
 
-constexpr double kMotion = 0.95;  ///< lag-1 correlation
+constexpr double kMotion = 0.95;      ///< lag-1 correlation
+constexpr double kWorthSaying = 1.3;  ///< ratio
 
 void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit& out) {
   const auto found = halves_found(frames);
@@ -25,7 +27,6 @@ void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit
   out.frames = static_cast<std::int64_t>(frames.size());
   out.halves_x = found->left_right;
   out.halves_y = found->top_bottom;
-  out.checkerboard = found->checkerboard;
   out.white_factor = std::max(out.white_factor, supported(found->white));
   if (!(found->slow_frames > 0)) return;
   // That there is a slow part is certain; it is what white noise, widened, leaves of the total.
@@ -87,6 +88,27 @@ void apply(const Audit& found, Track& track, TrackSummary& summary) {
   summary.audit = found;
   if (std::string warning = audit_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));
+}
+
+std::string audit_warning(const Audit& found) {
+  std::vector<std::string> findings;
+  const auto add = [&](const std::optional<double>& ratio, const char* what) {
+    if (ratio && *ratio > kWorthSaying) findings.push_back(fmt::format(fmt::runtime(what), *ratio));
+  };
+  add(found.halves_x, "the left and the right half of the part disagree {:.2f} times as much");
+  add(found.halves_y, "the top and the bottom half disagree {:.2f} times as much");
+  add(found.high_frequency, "positions scatter from frame to frame {:.2f} times as much");
+  add(found.pixel_phase, "errors, with those that follow the fraction of a pixel, are {:.2f} times as large");
+  if (findings.empty()) return {};
+  std::string text = fmt::format(
+      "audit: {} as tracking's model of the pictures predicts: they hold something that it does not (coding, "
+      "light, something over the part)",
+      fmt::join(findings, "; "));
+  if (found.white_factor > 1)
+    text += fmt::format("; standard deviations are widened by {:.2f}", std::sqrt(found.white_factor));
+  if (found.slow_sd > 0)
+    text += fmt::format("; {:.4f} px that change over {:.2g} s are added", found.slow_sd, found.slow_time);
+  return text;
 }
 
 }  // namespace tribotrack::vision

@@ -1,7 +1,14 @@
 #include "vision/audit/halves.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+
+#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -39,7 +46,7 @@ class Disagreement {
  private:
   std::span<const TileSums> tiles_;
   const TileSums::Matrix& normal_;
-  Eigen::LDLT<TileSums::Matrix> factor_;
+  FewFactor<TileSums::kMost> factor_;
   const Eigen::Matrix2d& covariance_;
 };
 
@@ -69,10 +76,221 @@ std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const T
 }
 
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal) {
-  const Eigen::LDLT<TileSums::Matrix> factor(normal);
-  if (factor.info() != Eigen::Success || !factor.isPositive()) return std::nullopt;
-  const TileSums::Matrix inverse = factor.solve(TileSums::Matrix::Identity(normal.rows(), normal.cols()));
+  const FewFactor<TileSums::kMost> factor(normal);
+  if (!factor.positive()) return std::nullopt;
+  const TileSums::Matrix inverse =
+      factor.solve(TileSums::Matrix(TileSums::Matrix::Identity(normal.rows(), normal.cols())));
   return halves_error(tiles, normal, inverse.topLeftCorner<2, 2>());
+}
+
+namespace {
+
+constexpr std::size_t kLeastFrames = 16;
+constexpr double kCertain = 3;  ///< standard deviations: what is called slow is slow
+
+/// Of one split in one frame, whitened, less what is constant over the recording.
+struct Sample {
+  std::int64_t index = 0;
+  Eigen::Vector2d z;
+};
+using Split = std::vector<Sample>;  ///< in order, without outliers
+
+Eigen::Vector2d middle_of(const std::vector<Eigen::Vector2d>& errors) {
+  Eigen::Vector2d out;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    std::vector<double> values;
+    for (const auto& e : errors) values.push_back(e(i));
+    out(i) = median(values);
+  }
+  return out;
+}
+
+/// The constant is the mean weighted by the reported covariances, without single outliers.
+Split split_of(const std::vector<AuditFrame>& frames, Eigen::Vector2d HalvesError::*of_split) {
+  std::vector<Eigen::Vector2d> errors;
+  for (const AuditFrame& frame : frames) errors.push_back(frame.error.*of_split);
+  const Eigen::Vector2d middle = middle_of(errors);
+  std::vector<Eigen::Matrix2d> whiten;
+  std::vector<double> numbers;
+  for (const AuditFrame& frame : frames) {
+    whiten.emplace_back(frame.covariance.llt().matrixL().solve(Eigen::Matrix2d(Eigen::Matrix2d::Identity())));
+    const Eigen::Vector2d z = whiten.back() * (frame.error.*of_split - middle);
+    numbers.insert(numbers.end(), {z.x(), z.y()});
+  }
+  const double limit = outlier_size(numbers);
+  const auto counts = [&](std::size_t k) {
+    return std::max(std::abs(numbers[2 * k]), std::abs(numbers[2 * k + 1])) <= limit;
+  };
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!counts(k)) continue;
+    const Eigen::Matrix2d weight = whiten[k].transpose() * whiten[k];
+    information += weight;
+    sum += weight * errors[k];
+  }
+  const Eigen::Vector2d mean = information.llt().solve(sum);
+  Split out;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (counts(k)) out.push_back({frames[k].index, whiten[k] * (errors[k] - mean)});
+  return out;
+}
+
+/// Squares added up by blocks of consecutive frames, which show how far the sum is to be trusted even where
+/// errors are alike from frame to frame.
+class BlockSums {
+ public:
+  void begin_block() { blocks_.emplace_back(); }
+  void add(double square, double numbers) {
+    blocks_.back().square += square;
+    blocks_.back().numbers += numbers;
+  }
+  double numbers() const { return total().numbers; }
+  /// `lost` degrees of freedom; `efficiency`: numbers per independent one.
+  MeanSquare mean(double lost, double efficiency) const {
+    const Block all = total();
+    MeanSquare out;
+    out.value = all.square / std::max(1.0, all.numbers - lost);
+    double spread = 0;
+    for (const Block& b : blocks_) spread += std::pow(b.square - out.value * b.numbers, 2);
+    const auto count = static_cast<double>(blocks_.size());
+    const double clustered = count > 1 ? std::sqrt(spread * count / (count - 1)) / all.numbers : 0;
+    out.scatter = std::max(clustered, out.value * std::sqrt(2 * efficiency / std::max(1.0, all.numbers)));
+    return out;
+  }
+
+ private:
+  struct Block {
+    double square = 0, numbers = 0;
+  };
+  Block total() const {
+    Block all;
+    for (const Block& b : blocks_) {
+      all.square += b.square;
+      all.numbers += b.numbers;
+    }
+    return all;
+  }
+  std::vector<Block> blocks_;
+};
+
+/// Squares and successive differences of several splits.
+struct Sums {
+  BlockSums squares, differences;
+  void add(const Split& split) {
+    std::int64_t begun = std::numeric_limits<std::int64_t>::min() / 2;
+    for (std::size_t k = 0; k < split.size(); ++k) {
+      const bool consecutive = k > 0 && split[k].index == split[k - 1].index + 1;
+      if (!consecutive || split[k].index >= begun + kAuditRun) {
+        squares.begin_block();
+        differences.begin_block();
+        begun = split[k].index;
+      }
+      squares.add(split[k].z.squaredNorm(), 2);
+      if (consecutive) differences.add((split[k].z - split[k - 1].z).squaredNorm() / 2, 2);
+    }
+  }
+};
+
+/// Integral of the autocorrelation of the slow part, frames: pairs by their distance in octaves, up to where
+/// it falls to nothing.
+double slow_frames(const std::array<Split, 3>& splits, double slow) {
+  struct Octave {
+    double product = 0, lag = 0, numbers = 0;
+  };
+  std::vector<Octave> octaves;
+  for (const Split& split : splits)
+    for (std::size_t a = 0; a < split.size(); ++a)
+      for (std::size_t b = a + 1; b < split.size(); ++b) {
+        const auto lag = static_cast<double>(split[b].index - split[a].index);
+        const auto octave = static_cast<std::size_t>(std::ilogb(lag));
+        if (octave >= octaves.size()) octaves.resize(octave + 1);
+        octaves[octave].product += split[a].z.dot(split[b].z);
+        octaves[octave].lag += 2 * lag;
+        octaves[octave].numbers += 2;
+      }
+  double integral = 0, last_lag = 0, last_share = 1;
+  for (const Octave& o : octaves) {
+    if (o.numbers == 0) continue;
+    const double lag = o.lag / o.numbers, share = std::min(1.0, o.product / o.numbers / slow);
+    if (share <= 0) return integral + 0.5 * last_share * (lag - last_lag) * last_share / (last_share - share);
+    integral += 0.5 * (last_share + share) * (lag - last_lag);
+    last_lag = lag;
+    last_share = share;
+  }
+  return integral;
+}
+
+double ratio_of(const Split& split) {
+  Sums sums;
+  sums.add(split);
+  return std::sqrt(sums.squares.mean(2, 1).value);
+}
+
+}  // namespace
+
+std::optional<HalvesFound> halves_found(const std::vector<AuditFrame>& frames) {
+  if (frames.size() < kLeastFrames) return std::nullopt;
+  const std::array<Split, 3> splits = {split_of(frames, &HalvesError::left_right),
+                                       split_of(frames, &HalvesError::top_bottom),
+                                       split_of(frames, &HalvesError::checkerboard)};
+  Sums sums;
+  for (const Split& split : splits) sums.add(split);
+  HalvesFound out;
+  out.left_right = ratio_of(splits[0]);
+  out.top_bottom = ratio_of(splits[1]);
+  out.total = sums.squares.mean(6, 1);
+  out.white = out.total;
+  for (const AuditFrame& frame : frames)
+    out.unit += 0.5 * frame.covariance.trace() / static_cast<double>(frames.size());
+  const double numbers = sums.squares.numbers(), pairs = sums.differences.numbers();
+  if (pairs < 2 * kLeastFrames) return out;
+  const MeanSquare successive = sums.differences.mean(0, 1.5);
+  const double slow = out.total.value - successive.value;
+  if (slow <= kCertain * successive.value * std::sqrt(std::max(0.0, 3 / pairs - 2 / numbers))) return out;
+  out.white = successive;
+  out.slow_frames = slow_frames(splits, slow);
+  return out;
+}
+
+std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total) {
+  if (total <= 0) return {};
+  if (total <= kAuditFrames) return {{first, first + total - 1}};
+  constexpr std::int64_t kRuns = kAuditFrames / kAuditRun;
+  std::vector<AuditRun> runs;
+  for (std::int64_t k = 0; k < kRuns; ++k) {
+    const std::int64_t begin = first + k * (total - kAuditRun) / (kRuns - 1);
+    runs.push_back({begin, begin + kAuditRun - 1});
+  }
+  return runs;
+}
+
+bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index) {
+  const auto after =
+      std::upper_bound(runs.begin(), runs.end(), index,
+                       [](std::int64_t frame, const AuditRun& run) { return frame < run.first; });
+  return after != runs.begin() && index <= std::prev(after)->last;
+}
+
+void AuditSample::seen(const std::optional<AuditFrame>& frame) {
+  if (frame && wanted()) {
+    frames_.push_back(*frame);
+    runs_.push_back(run());
+  }
+  ++seen_;
+  if (static_cast<std::int64_t>(frames_.size()) > kAuditFrames) thin_out();
+}
+
+void AuditSample::thin_out() {
+  stride_ *= 2;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    if (runs_[k] % stride_ != 0) continue;
+    frames_[kept] = frames_[k];
+    runs_[kept++] = runs_[k];
+  }
+  frames_.resize(kept, frames_.front());
+  runs_.resize(kept);
 }
 
 }  // namespace tribotrack::vision

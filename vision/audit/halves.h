@@ -16,9 +16,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
+#include "vision/audit/mean_square.h"
+#include "vision/kernels/dense.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
@@ -27,8 +31,8 @@ namespace tribotrack::vision {
 /// (gain, offset, ...); weights are 1 / variance of a level.
 struct TileSums {
   static constexpr int kMost = 8;  ///< parameters
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
+  using Vector = Few<kMost>;
+  using Matrix = FewByFew<kMost>;
   /// The tile's middle, px from the part's centre on the part's own grid: the same from frame to frame.
   Point place;
   Vector score;   ///< sum of w J r
@@ -48,5 +52,68 @@ std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const T
 
 /// The same with the position's block of the inverse of `normal` as its covariance.
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal);
+
+/// One audited frame.
+struct AuditFrame {
+  std::int64_t index = 0;  ///< in the source
+  HalvesError error;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of this frame's position as reported
+};
+
+/// The halves' disagreement over a recording: how large, and which part of it changes slowly. Of e whitened
+/// by the reported covariance, in every frame and for every split:
+///   total = mean of squares about the mean over the recording (a constant disagreement is no error of a
+///           displacement),
+///   white = half the mean square of differences between consecutive frames.
+/// Without slow errors they are the same number, and the variance of total - white is sigma^4 (3 / pairs - 2
+/// / numbers) (von Neumann 1941); slow errors make the total the larger one. In units of the reported
+/// covariance unless said otherwise.
+struct HalvesFound {
+  double left_right = 1, top_bottom = 1;  ///< ratios of standard deviations
+  MeanSquare total;                       ///< of all splits together
+  MeanSquare white;                       ///< the total where nothing is slow
+  double slow_frames = 0;  ///< integral of the slow part's autocorrelation, frames; 0 where nothing is slow
+  double unit = 0;         ///< px^2: mean of the reported variances of a coordinate
+};
+
+/// From frames in order; nullopt for fewer than 16, which tell no ratio to 10 %.
+std::optional<HalvesFound> halves_found(const std::vector<AuditFrame>& frames);
+
+/// Which frames are audited: runs of consecutive ones, spread over the recording. Long enough to tell what
+/// changes from frame to frame from what changes slowly.
+inline constexpr std::int64_t kAuditRun = 8;
+/// A ratio of standard deviations pooled over three splits of two coordinates is then known to 1.8 %.
+inline constexpr std::int64_t kAuditFrames = 256;
+
+/// Frames [first, last].
+struct AuditRun {
+  std::int64_t first = 0, last = 0;
+};
+
+/// Of frames [first, first + total), in order: all of a short recording.
+std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total);
+
+/// Whether the frame lies in one of the runs.
+bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index);
+
+/// The same where nobody knows yet in how many frames the part will be seen: runs are thinned out to every
+/// second, fourth, ... one as they grow too many.
+class AuditSample {
+ public:
+  /// Whether the next frame in which the part is seen is to be audited.
+  bool wanted() const { return run() % stride_ == 0; }
+  /// The part was seen in one more frame, audited or not.
+  void seen(const std::optional<AuditFrame>& frame);
+  /// All of a short track, else between 128 and 256.
+  const std::vector<AuditFrame>& frames() const { return frames_; }
+
+ private:
+  std::int64_t run() const { return seen_ / kAuditRun; }
+  void thin_out();
+
+  std::int64_t seen_ = 0, stride_ = 1;
+  std::vector<AuditFrame> frames_;
+  std::vector<std::int64_t> runs_;  ///< of each of these
+};
 
 }  // namespace tribotrack::vision

@@ -1,9 +1,11 @@
 #include "vision/audit/pixel_phase.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "vision/kernels/dense.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -89,12 +91,11 @@ void leave_out_outliers(Regression& r) {
 std::optional<MeanSquare> excess(Regression r, double noise) {
   if (r.residual.size() < 10 * kColumns) return std::nullopt;
   leave_out_outliers(r);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> seen(r.filtered.transpose() * r.filtered);
-  const Eigen::Index kept = (seen.eigenvalues().array() > kMoving * r.noise_power).count();
+  const SymmetricEigen seen = eigen_symmetric(r.filtered.transpose() * r.filtered);
+  const Eigen::Index kept = (seen.values.array() > kMoving * r.noise_power).count();
   if (kept == 0) return std::nullopt;
-  const MatrixXd axes = seen.eigenvectors().rightCols(kept);
-  const MatrixXd inverse =
-      axes * seen.eigenvalues().tail(kept).cwiseInverse().asDiagonal() * axes.transpose();
+  const MatrixXd axes = seen.vectors.rightCols(kept);
+  const MatrixXd inverse = axes * seen.values.tail(kept).cwiseInverse().asDiagonal() * axes.transpose();
   const VectorXd amplitudes = inverse * (r.filtered.transpose() * r.residual);
   const MatrixXd centred = r.whole.rowwise() - r.whole.colwise().mean();
   const MatrixXd power = centred.transpose() * centred / static_cast<double>(centred.rows());

@@ -9,9 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/local_polynomial.h"
-#include "vision/audit/mean_square.h"
-#include "vision/audit/stretches.h"
+#include "vision/audit/frame_to_frame.h"
 
 namespace tribotrack::vision {
 

@@ -2,14 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 
 #include "vision/calibration/corners.h"
-#include "vision/io/in_quotes.h"
+#include "vision/io/files.h"
+#include "vision/kernels/dense.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -126,7 +126,7 @@ Eigen::MatrixXd covariance_of(const Views& views, const Solution& s, const Model
   // Scaled by its diagonal: focal lengths and distortions differ by many powers of ten.
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse =
-      (scale.asDiagonal() * normal * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(all, all));
+      solve_spd(scale.asDiagonal() * normal * scale.asDiagonal(), Eigen::MatrixXd::Identity(all, all));
   return (scale.asDiagonal() * inverse * scale.asDiagonal() * (s.rss / freedoms))
       .topLeftCorner(lens + 6, lens + 6);
 }

@@ -23,7 +23,7 @@
 
 #include <vector>
 
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/coding/rim_coding.h"
 #include "vision/picture.h"
 #include "vision/track.h"

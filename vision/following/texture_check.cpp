@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"
 

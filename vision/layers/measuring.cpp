@@ -5,8 +5,8 @@
 #include <mutex>
 #include <utility>
 
-#include "vision/audit/runs.h"
-#include "vision/io/window.h"
+#include "vision/audit/halves.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/parallel.h"
 
 namespace tribotrack::vision {

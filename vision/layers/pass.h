@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 #include "vision/layers/registration/registration.h"

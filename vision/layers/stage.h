@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/camera/frame_cache.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"

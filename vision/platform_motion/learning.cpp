@@ -1,10 +1,10 @@
 #include "vision/platform_motion/learning.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/platform_motion/noise_free.h"
 #include "vision/platform_motion/registration.h"
@@ -177,8 +177,7 @@ Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& place
 class Excess {
  public:
   void add(const GroundRegistration& r) {
-    const Eigen::Matrix2d root =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(r.normal()).operatorInverseSqrt();
+    const Eigen::Matrix2d root = inverse_root(r.normal());
     sum_ += root * r.scatter() * root;
     ++count_;
   }

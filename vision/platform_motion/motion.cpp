@@ -1,13 +1,13 @@
 #include "vision/platform_motion/motion.h"
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/platform_motion/fields.h"
 #include "vision/platform_motion/registration.h"
@@ -66,7 +66,7 @@ std::vector<std::int64_t> spread(std::int64_t first, std::int64_t last, std::int
 }
 
 double worse_sd(const Eigen::Matrix2d& covariance) {
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()(1));
+  return std::sqrt(eigenvalues(covariance)(1));
 }
 
 GroundVerdict verdict_on(const std::optional<LearntGround>& learnt) {

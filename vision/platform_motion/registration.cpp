@@ -1,11 +1,11 @@
 #include "vision/platform_motion/registration.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "vision/kernels/dense.h"
 #include "vision/kernels/outlier_pixels.h"
 
 namespace tribotrack::vision {
@@ -292,7 +292,7 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
   fix.score = fit->force(2) / std::sqrt(fit->normal(2, 2) * fit->of_levels);
   fix.trimmed_share = static_cast<double>(trimmed) / pixels_;
   // (N^-1/2) K (N^-1/2)
-  const Eigen::Matrix2d root = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(normal_).operatorInverseSqrt();
+  const Eigen::Matrix2d root = inverse_root(normal_);
   fix.covariance = root * excess_ * root * std::max(1.0, fit->squares / fit->pixels);
   return fix;
 }

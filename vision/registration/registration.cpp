@@ -1,8 +1,6 @@
 // TemplateRegistration, iteration: Gauss-Newton from a start to the pose, its score and its covariance.
 #include "vision/registration/registration.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -39,7 +37,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   sample_template(fraction, true);
   Pose formed = fraction;  // where the derivatives belong to
   Matrix normal = normal_matrix();
-  Eigen::LDLT<Matrix> factor(normal);
+  FewFactor<5> factor(normal);
   double gain = 1;
   double offset = 0;
   const double noise_sd = std::sqrt(options_.noise_variance);
@@ -131,7 +129,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   const double shown = residual_noise(sums, fraction, gain);
   const bool quieter = shown < 0.8 * options_.noise_variance && shown > 0.1 * options_.noise_variance;
   const double noise = quieter ? std::max(shown, 1.0 / 12) : options_.noise_variance;
-  const Matrix inverse = debiased(normal, fraction).inverse();
+  const Matrix inverse = inverse_of(debiased(normal, fraction));
   const Matrix spread = inverse * normal * inverse / (gain * gain);
   out.covariance = noise * spread.topLeftCorner<2, 2>();
   found_ = {gain, offset, noise, noise_force(sums, formed, fraction, gain), out.covariance};

@@ -23,6 +23,7 @@
 
 #include "vision/audit/halves.h"
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/tile_kernels.h"
 #include "vision/picture.h"
@@ -96,8 +97,8 @@ class TemplateRegistration {
   double template_noise_cost() const { return template_noise_cost_; }
 
  private:
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 5, 5>;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 5, 1>;
+  using Matrix = FewByFew<5>;
+  using Vector = Few<5>;
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/runs.h"
+#include "vision/audit/halves.h"
 #include "vision/discs/mean_radius.h"
 #include "vision/platform_motion/motion.h"
 #include "vision/stages/debug_pictures.h"

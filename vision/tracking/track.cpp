@@ -18,8 +18,8 @@ const char* to_string(TrackStatus status) {
 }
 
 std::optional<double> Audit::halves() const {
-  if (!halves_x || !halves_y || !checkerboard) return std::nullopt;
-  return std::hypot(*halves_x, *halves_y, *checkerboard) / std::sqrt(3.0);
+  if (!halves_x || !halves_y) return std::nullopt;
+  return std::hypot(*halves_x, *halves_y) / std::sqrt(2.0);
 }
 
 double TrackSummary::slow_sd() const {

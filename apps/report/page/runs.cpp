@@ -161,14 +161,6 @@ std::string platform_numbers(const ReportPlatform& p) {
   return parts.empty() ? "over time" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
-/// "I 1.02, P 1.31", or a dash.
-std::string types_text(const vision::Audit& audit) {
-  std::string text;
-  for (const auto& [type, ratio] : audit.by_frame_type)
-    text += fmt::format("{}{} {:.2f}", text.empty() ? "" : ", ", type, ratio);
-  return text.empty() ? "–" : text;
-}
-
 }  // namespace
 
 PageSection audit_section(const ReportData& data) {
@@ -176,34 +168,30 @@ PageSection audit_section(const ReportData& data) {
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].audit;
-    const std::array ratios = {audit.halves_x,       audit.halves_y,    audit.checkerboard,
-                               audit.high_frequency, audit.pixel_phase, audit.lag1};
+    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.pixel_phase,
+                               audit.lag1};
     if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
       continue;
     rows +=
         "<tr>" + number_cell(std::to_string(i + 1)) + cell("<b>" + escape_html(data.runs[i].name) + "</b>");
     for (const std::optional<double>& ratio : ratios)
       rows += number_cell(ratio ? fmt::format("{:.2f}", *ratio) : "–");
-    rows += cell(types_text(audit)) + number_cell(fmt::format("{:.2f}", std::sqrt(audit.white_factor))) +
+    rows += number_cell(fmt::format("{:.2f}", std::sqrt(audit.white_factor))) +
             number_cell(fmt::format("{:.4f}", audit.slow_sd)) + "</tr>\n";
   }
   if (rows.empty()) return section;
   section.html =
       "<div class=\"wide\"><table id=\"audit-table\" class=\"compact\"><thead><tr><th "
       "class=\"n\">#</th><th>Run</th><th class=\"n\">left / "
-      "right</th><th class=\"n\">top / bottom</th><th class=\"n\">checkerboard</th><th "
-      "class=\"n\">frame to frame</th><th class=\"n\">pixel phase</th><th class=\"n\">lag "
-      "1</th><th>by frame type</th><th class=\"n\">σ widened by</th><th class=\"n\">slow part added, "
+      "right</th><th class=\"n\">top / bottom</th><th class=\"n\">frame to frame</th><th "
+      "class=\"n\">pixel phase</th><th class=\"n\">lag 1</th><th class=\"n\">σ widened by</th><th class=\"n\">slow part added, "
       "px</th></tr></thead><tbody>\n" +
       rows +
       "</tbody></table></div>\n<p class=\"note\">Ratios of what is seen to what the tracking’s own "
-      "standard deviations predict; 1 is right. The first three compare positions from complementary "
+      "standard deviations predict; 1 is right. The first two compare positions from complementary "
       "halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the motion is "
       "slow. Pixel phase: errors with those that follow the fraction of a pixel to errors without. Lag "
-      "1: correlation of consecutive errors, 0 for white noise. By frame type: the halves in the frames "
-      "of a "
-      "lossy recording that are coded by themselves (I) and predicted from others (P, B). The σ of all "
-      "tables are the widened "
+      "1: correlation of consecutive errors, 0 for white noise. The σ of all tables are the widened "
       "ones.</p>\n";
   return section;
 }

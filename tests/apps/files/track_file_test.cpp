@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {
@@ -177,7 +177,7 @@ TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
   const vision::Audit back = track_facts_from({{"audit", json}}, "t.csv.meta.json").audit;
   EXPECT_EQ(json_of(back), json);
   EXPECT_EQ(back.halves_y, audit.halves_y);
-  EXPECT_FALSE(back.checkerboard);
+  EXPECT_FALSE(back.pixel_phase);
 }
 
 TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
@@ -185,8 +185,7 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
   for (const char* meta :
        {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
         "{\"plan\": 3}", "{\"summary\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
-        "{\"slow_errors\": [1]}", "{\"audit\": {\"by_frame_type\": {\"I\": \"x\"}}}",
-        "{\"recording\": {\"exposure_s\": [1]}}"})
+        "{\"slow_errors\": [1]}", "{\"audit\": {\"lag1\": \"x\"}}", "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
 }

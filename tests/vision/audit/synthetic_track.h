@@ -6,8 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "vision/audit/runs.h"
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision::test {

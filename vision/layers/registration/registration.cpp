@@ -1,12 +1,12 @@
 #include "vision/layers/registration/registration.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 
+#include "vision/kernels/dense.h"
 #include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/outlier_pixels.h"
@@ -294,7 +294,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   sample(s.centre, true);
   Point formed = s.centre;
   normal_ = normal_matrix(prior);
-  Eigen::LDLT<Matrix> factor(normal_);
+  FewFactor<TileSums::kMost> factor(normal_);
   const double tolerance = kTolerance / std::sqrt(std::max(normal_(kStepX, kStepX), normal_(kStepY, kStepY)));
   bool trimmed = false;
   bool converged = false;
@@ -345,7 +345,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   s.ground_gain = light_.ground;
   if (texture_) s.theta = formed_theta_ + light_.turn;
 
-  const Matrix inverse = normal_.inverse();
+  const Matrix inverse = inverse_of(normal_);
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.slope_variance = 0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY)) / (s.gain * s.gain);
   const CorrelationSums& c = sums.correlation;
@@ -358,7 +358,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
 
 ClusterPulls LayeredRegistration::cluster_pulls() {
   layer_kernels_.scores(arrays_, light_, scores_);
-  const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = normal_.inverse().topRows<2>().cast<float>();
+  const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = inverse_of(normal_).topRows<2>().cast<float>();
   ClusterPulls out(clusters_, Eigen::Vector2f::Zero());
   for (std::size_t t = 0; t < scores_.size(); ++t)
     out[cluster_[t]] +=
@@ -409,11 +409,11 @@ std::optional<HalvesError> LayeredRegistration::halves() const {
   // What was known of the light beforehand.
   normal.topLeftCorner(n - 1, n - 1).diagonal() =
       normal.topLeftCorner(n - 1, n - 1).diagonal().cwiseMax(normal_.diagonal());
-  const Eigen::LDLT<Matrix> factor(normal);
+  const FewFactor<TileSums::kMost> factor(normal);
   const Vector step = factor.solve(score);
   if (!step.allFinite()) return std::nullopt;
   for (TileSums& t : tiles) t.score -= t.normal * step;
-  return halves_error(tiles, normal, factor.solve(Matrix::Identity(n, n)).topLeftCorner<2, 2>());
+  return halves_error(tiles, normal, factor.solve(Matrix(Matrix::Identity(n, n))).topLeftCorner<2, 2>());
 }
 
 }  // namespace tribotrack::vision

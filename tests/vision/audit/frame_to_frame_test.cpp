@@ -1,4 +1,4 @@
-#include "vision/audit/local_polynomial.h"
+#include "vision/audit/frame_to_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,79 @@ namespace {
 using test::kSigma;
 using test::track_of;
 using test::white;
+
+auto noise(double factor = 1) {
+  return [factor](int, std::mt19937& random) { return white(random, factor * kSigma); };
+}
+
+double at_rest(int) {
+  return 0;
+}
+
+TEST(HighFrequency, WhiteNoiseIsFoundByTheLowestOrderAndItsScatterIsTrue) {
+  double mean = 0, spread = 0, claimed = 0;
+  int low = 0, silent = 0;
+  constexpr int kTrials = 200;
+  for (unsigned seed = 1; seed <= kTrials; ++seed) {
+    const auto found = high_frequency(stretches(track_of(200, seed, at_rest, noise())), kAlongX);
+    silent += !found;
+    if (!found) continue;
+    mean += found->noise.value / kTrials;
+    spread += std::pow(found->noise.value - 1, 2) / kTrials;
+    claimed += found->noise.scatter / kTrials;
+    low += found->order == 2;
+  }
+  EXPECT_NEAR(mean, 1, 0.02);
+  EXPECT_NEAR(claimed / std::sqrt(spread), 1, 0.2);
+  // Three standard deviations of skewed estimates: one in a hundred is taken for a motion.
+  EXPECT_LE(silent, 2);
+  EXPECT_GE(low, 190);
+}
+
+TEST(HighFrequency, ReportedTooSmallIsSeen) {
+  const auto found = high_frequency(stretches(track_of(600, 1, at_rest, noise(1.8))), kAlongX);
+  EXPECT_NEAR(std::sqrt(found->noise.value), 1.8, 0.1);
+}
+
+/// On a platform at 10 Hz filmed at 1000 frames/s second differences see the motion, fourth do not.
+TEST(HighFrequency, AMotionThatLowOrdersSeeTakesAHigherOne) {
+  const auto circle = [](int k) { return 15 * std::cos(0.0628 * k); };
+  const auto found = high_frequency(stretches(track_of(600, 1, circle, noise())), kAlongX);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->order, 4);
+  EXPECT_NEAR(found->noise.value, 1, 0.15);
+}
+
+TEST(HighFrequency, AMotionThatIsFastAgainstTheFrameRateSaysNothing) {
+  const auto circle = [](int k) { return 15 * std::cos(0.9 * k); };
+  EXPECT_FALSE(high_frequency(stretches(track_of(600, 1, circle, noise())), kAlongX));
+}
+
+TEST(HighFrequency, SingleOutliersAndGapsDoNotMatter) {
+  Track track = track_of(
+      600, 1, [](int k) { return 0.3 * k; }, noise());
+  track.points[100].x += 3;
+  track.points[400].y -= 3;
+  for (std::size_t k = 200; k < 210; ++k) track.points[k].status = TrackStatus::lost;
+  for (std::size_t k = 210; k < 600; ++k) track.points[k].x += 50;
+  for (const Axis& axis : {kAlongX, kAlongY})
+    EXPECT_NEAR(high_frequency(stretches(track), axis)->noise.value, 1, 0.2);
+}
+
+TEST(HighFrequency, ErrorsThatAlternateAreAsLargeAsTheyAre) {
+  const auto alternating = [](int k, std::mt19937& random) {
+    return (k % 2 == 0 ? 3 : -3) * kSigma + white(random);
+  };
+  const auto found = high_frequency(stretches(track_of(6000, 1, at_rest, alternating)), kAlongX);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->noise.value, (9 * 16 + 6) / 6.0, 1);  // second differences of +-1 are 4
+  EXPECT_NEAR(without_alternation(*found, -0.9).value, 10, 0.5);
+  EXPECT_EQ(without_alternation(*found, 0.7).value, found->noise.value);
+}
+
+TEST(HighFrequency, FewFramesTellNothing) {
+  EXPECT_FALSE(high_frequency(stretches(track_of(27, 1, at_rest, noise())), kAlongX));
+}
 
 TEST(LocalPolynomial, LeavesNothingOfAPolynomialOfItsDegree) {
   for (const int order : {2, 4, 6}) {
