@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -33,7 +34,6 @@ class Dice {
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
-  double log_uniform(double low, double high) { return low * std::pow(high / low, uniform(0, 1)); }
   double normal() { return normal_(random_); }
   Eigen::Vector2d normal_pair() {
     const double x = normal();

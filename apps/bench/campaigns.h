@@ -3,8 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <random>
 #include <vector>
 
 #include "fit/problem.h"
@@ -43,9 +41,9 @@ struct CoverageCampaign {
 };
 
 /// mu1 from 0.05 to 0.16 (above the threshold where it is to stick), mu1/mu2 from 4 to 12, the lag +-0.5.
-/// Displacements by a segmented Dormand-Prince integrator (peers.h), slides by their
-/// parabola: neither shares anything with what fits. Where friction is less than 2 % below the drive, that
-/// integrator does not get away from rest: such truths are drawn anew. Depends on the arguments alone.
+/// Displacements by a segmented Dormand-Prince integrator (peers.h), slides by their parabola: neither shares
+/// anything with what fits. Where friction is less than 2 % below the drive, that integrator does not get
+/// away from rest: such truths are drawn anew. Depends on the arguments alone.
 CoverageCampaign draw_campaign(Design design, NoiseLevel level, std::uint64_t seed, int index);
 
 /// Displacements of `runs` runs, phi and dtau at random, as of Design::five_runs: for the test of the fit's

@@ -33,7 +33,6 @@ enum class Solver { ours, segmented_dormand_prince, paper_recipe };
 struct Answer {
   Vector3d estimate = Vector3d::Zero(), sd = estimate;
   bool converged = false;
-  long solves = 0;
   double time = 0;  ///< s
 };
 using Fitting = std::function<Answer(const Problem&)>;
@@ -53,11 +52,10 @@ Vector2d end_by(Solver solver, const model::Scenario& scenario) {
       .position;
 }
 
-Eigen::VectorXd residuals_by(Solver solver, const Problem& problem, const Vector3d& z, long& solves) {
+Eigen::VectorXd residuals_by(Solver solver, const Problem& problem, const Vector3d& z) {
   Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()));
   Eigen::Index row = 0;
   for (const SummaryRun& run : problem.summary_runs) {
-    ++solves;
     const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
     r.segment<2>(row) =
         factor.matrixL().solve(run.measured.vector - end_by(solver, scenario_at(run.scenario, z)));
@@ -69,39 +67,16 @@ Eigen::VectorXd residuals_by(Solver solver, const Problem& problem, const Vector
 /// Residuals at z; the Jacobian where it is not null.
 using PlainResiduals = std::function<Eigen::VectorXd(const Eigen::Vector3d& z, Eigen::MatrixX3d* jacobian)>;
 
-PlainResiduals by_differences(const Problem& problem, Solver solver, double step, long& solves) {
-  return [&problem, solver, step, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
-    const Eigen::VectorXd r = residuals_by(solver, problem, z, solves);
+PlainResiduals by_differences(const Problem& problem, Solver solver, double step) {
+  return [&problem, solver, step](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
+    const Eigen::VectorXd r = residuals_by(solver, problem, z);
     if (jacobian) {
       jacobian->resize(r.size(), 3);
       for (Eigen::Index i = 0; i < 3; ++i) {
         const Vector3d h = step * Vector3d::Unit(i);  // relative for mu1 and mu2: logarithms
         jacobian->col(i) =
-            (residuals_by(solver, problem, z + h, solves) - residuals_by(solver, problem, z - h, solves)) /
-            (2 * step);
+            (residuals_by(solver, problem, z + h) - residuals_by(solver, problem, z - h)) / (2 * step);
       }
-    }
-    return r;
-  };
-}
-
-/// Residuals and derivatives by z of one campaign, one simulation a run.
-PlainResiduals exact(const Problem& problem, long& solves) {
-  return [&problem, &solves](const Vector3d& z, Eigen::MatrixX3d* jacobian) -> Eigen::VectorXd {
-    if (!jacobian) return residuals_by(Solver::ours, problem, z, solves);
-    Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()));
-    jacobian->resize(r.size(), 3);
-    const Vector3d chain(std::exp(z(0)), std::exp(z(1)), 1);
-    model::IntegrationOptions options;
-    options.derivatives = {model::Parameter::mu1, model::Parameter::mu2, model::Parameter::lag};
-    Eigen::Index row = 0;
-    for (const SummaryRun& run : problem.summary_runs) {
-      ++solves;
-      const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-      const EndPoint end = end_point(scenario_at(run.scenario, z), options.derivatives, options.tolerance);
-      r.segment<2>(row) = factor.matrixL().solve(run.measured.vector - end.position);
-      jacobian->middleRows<2>(row) = factor.matrixL().solve(-end.jacobian * chain.asDiagonal());
-      row += 2;
     }
     return r;
   };
@@ -148,7 +123,7 @@ PlainDescent descend(const PlainResiduals& residuals, const Eigen::Vector3d& sta
   return state;
 }
 
-Answer plain(const PlainResiduals& residuals, int max_iterations, const long& solves) {
+Answer plain(const PlainResiduals& residuals, int max_iterations) {
   const PlainDescent end = descend(
       residuals, {std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag}, max_iterations);
   const Vector3d sd = end.covariance.diagonal().cwiseMax(0).cwiseSqrt();
@@ -156,7 +131,6 @@ Answer plain(const PlainResiduals& residuals, int max_iterations, const long& so
   // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
   answer.converged = end.converged && sd.allFinite();
   answer.estimate = {std::exp(end.z(0)), std::exp(end.z(1)), end.z(2)};
-  answer.solves = solves;
   return answer;
 }
 
@@ -178,17 +152,9 @@ Fitting our_fit(bool profiles, int starts) {
   };
 }
 
-Fitting descent_with_exact_derivatives() {
-  return [](const Problem& problem) {
-    long solves = 0;
-    return plain(exact(problem, solves), 50, solves);
-  };
-}
-
 Fitting descent_by_differences(Solver solver, int max_iterations, double step = 1e-6) {
   return [solver, max_iterations, step](const Problem& problem) {
-    long solves = 0;
-    return plain(by_differences(problem, solver, step, solves), max_iterations, solves);
+    return plain(by_differences(problem, solver, step), max_iterations);
   };
 }
 
@@ -203,9 +169,7 @@ std::vector<Method> methods_for(bool quick) {
   const int starts = quick ? 2 : FitOptions().multi_starts;
   return {
       {"tribotrack", Whose::ours, our_fit(true, starts)},
-      {"tribotrack without profiles", Whose::variant, our_fit(false, starts)},
       {"tribotrack without profiles, one start", Whose::variant, our_fit(false, 1)},
-      {"one descent, exact derivatives", Whose::variant, descent_with_exact_derivatives()},
       {"one descent, differences through our solver", Whose::peer, descent_by_differences(Solver::ours, 50)},
       {"one descent, differences through segmented Dormand-Prince 1e-8", Whose::peer,
        descent_by_differences(Solver::segmented_dormand_prince, 50)},
@@ -218,14 +182,13 @@ std::vector<Method> methods_for(bool quick) {
 ComparedRow judge(const Method& method, const Method& ours, const std::vector<FitTruth>& truths) {
   ComparedRow row{"14 displacements", "14 displacements", method.name, "", method.whose};
   const auto count = static_cast<double>(method.answers.size());
-  double converged = 0, solves = 0, off_minimum = 0;
+  double converged = 0, off_minimum = 0;
   Vector3d square = Vector3d::Zero();
   std::vector<double> times;
   for (std::size_t k = 0; k < method.answers.size(); ++k) {
     const Answer &answer = method.answers[k], &minimum = ours.answers[k];
     const Vector3d truth(truths[k].mu1, truths[k].mu2, truths[k].lag), unit(truth(0), truth(1), 1);
     converged += answer.converged;
-    solves += static_cast<double>(answer.solves) / count;
     square += (answer.estimate - truth).cwiseQuotient(unit).cwiseAbs2() / count;
     off_minimum = std::max(
         off_minimum, (answer.estimate - minimum.estimate).cwiseQuotient(minimum.sd).cwiseAbs().maxCoeff());
@@ -236,7 +199,6 @@ ComparedRow judge(const Method& method, const Method& ours, const std::vector<Fi
   row.time = median(times);
   row.details = {{"campaigns", count},
                  {"converged", converged},
-                 {"solves", solves},
                  {"off_minimum_sd", off_minimum},
                  {"mu2_rms_relative", std::sqrt(square(1))},
                  {"lag_rms_rad", std::sqrt(square(2))}};

@@ -30,12 +30,11 @@ TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
   FitBenchOptions options;
   options.quick = true;
   const auto rows = bench_fit(options).rows;
-  ASSERT_EQ(rows.size(), 8u);
+  ASSERT_EQ(rows.size(), 6u);
   EXPECT_EQ(rows[0].method, "tribotrack");
   EXPECT_EQ(rows[0].at("off_minimum_sd"), 0);
-  // Exact derivatives and good differences come to the same minimum, another implementation of it all.
-  for (const std::size_t k : {0u, 1u, 2u, 3u, 4u}) EXPECT_TRUE(rows[k].arrived) << rows[k].method;
-  EXPECT_LT(rows[3].at("solves"), rows[4].at("solves"));
+  // Good differences come to the same minimum, another implementation of it all.
+  for (const std::size_t k : {0u, 1u, 2u}) EXPECT_TRUE(rows[k].arrived) << rows[k].method;
   EXPECT_LT(rows[0].error, 0.1);
 }
 
