@@ -14,15 +14,9 @@
 #include <string>
 
 #include "vision/picture.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
-
-/// A file that cannot be written: no room, no permission. Whatever was to be written next would fare no
-/// better.
-class OutputError : public InputError {
- public:
-  using InputError::InputError;
-};
 
 enum class Codec { automatic, cine, ffv1, mjpeg, h264, png, tiff };
 
@@ -50,10 +44,5 @@ class FrameSink {
 
 /// Throws InputError where nothing can be written under that name, before any frame has been computed.
 std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const SinkOptions& options);
-
-/// Removes the unfinished files of all sinks and overlays of this process, for a program that is about to end
-/// at SIGINT or SIGTERM. Call it from an ordinary thread that waits for the signal (sigwait), not from a
-/// signal handler: it takes a lock.
-void remove_partial_files();
 
 }  // namespace tribotrack::vision

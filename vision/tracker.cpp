@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "vision/audit/audit.h"
-#include "vision/camera/bad_pixels.h"
 #include "vision/camera/frame_cache.h"
+#include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
 #include "vision/layers/stage.h"

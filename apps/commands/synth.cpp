@@ -10,9 +10,10 @@
 #include <numbers>
 
 #include "apps/commands/command.h"
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/scene_file.h"
 #include "apps/program/progress.h"
+#include "apps/program/streams.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "model/friction.h"
@@ -117,10 +118,8 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
   options.bits = shot.scene.bits;
   options.frame_rate_hz = shot.frame_rate_hz;
   options.exposure_s = shot.exposure_s;
-  // A pattern names many files: its sink keeps them whole by itself.
-  std::optional<TemporaryFile> file;
-  if (!vision::is_number_pattern(video)) file.emplace(video, Content::pictures);
-  const auto sink = vision::create_sink(file ? file->name() : video, options);
+  if (!vision::is_number_pattern(video)) require_writable(video, Content::pictures);
+  const auto sink = vision::create_sink(video, options);
 
   std::string truth = "frame,time_s,x_px,y_px,theta_rad,marker_x_px,marker_y_px,x_mm,y_mm\n";
   const auto pose = [&](double t) { return motion.pose(t); };
@@ -134,7 +133,6 @@ void render(const SceneShot& shot, const fs::path& video, const Report& report) 
     report(motion.frames());
   }
   sink->close();
-  if (file) file->commit();
   write_file(video.string() + ".truth.csv", truth);
 }
 

@@ -28,18 +28,12 @@ and the C++ libraries of both with headers and CMake's files.")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/prerm")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-foreach(name IN ITEMS LIBAV_libavformat_VERSION OpenCV_VERSION_MAJOR OpenCV_VERSION_MINOR)
-  get_directory_property(${name} DIRECTORY "${PROJECT_SOURCE_DIR}/vision" DEFINITION ${name})
-endforeach()
 foreach(name IN ITEMS Python3_VERSION_MAJOR Python3_VERSION_MINOR)
   get_directory_property(${name} DIRECTORY "${PROJECT_SOURCE_DIR}/apps/python" DEFINITION ${name})
 endforeach()
 
-# dpkg-shlibdeps finds what is linked. Loaded when a file needs them (vision/io/shared_library.h):
+# dpkg-shlibdeps finds what is linked.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-string(REGEX MATCH "^[0-9]+" libavformat "${LIBAV_libavformat_VERSION}")
-math(EXPR imgcodecs "100 * ${OpenCV_VERSION_MAJOR} + ${OpenCV_VERSION_MINOR}")
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libavformat${libavformat}, libopencv-imgcodecs${imgcodecs}")
 # Figures for print; the module, which is for one version of Python.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-matplotlib)
 if(TARGET tribotrack_python)
@@ -48,5 +42,5 @@ if(TARGET tribotrack_python)
     ", python3 (<< ${Python3_VERSION_MAJOR}.${next})")
 endif()
 # To link the libraries (tribotrackConfig.cmake.in).
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libceres-dev, libeigen3-dev, libfmt-dev, libjpeg-dev, libopencv-dev, zlib1g-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libavformat-dev, libceres-dev, libeigen3-dev, libfmt-dev, libopencv-dev")
 include(CPack)

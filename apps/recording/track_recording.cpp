@@ -6,8 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/files/calibration_file.h"
-#include "apps/files/marker_word.h"
+#include "apps/files/camera.h"
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
 #include "vision/frame_sink.h"
@@ -317,18 +316,12 @@ TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& rec
 }
 
 void write_overlay_file(const std::filesystem::path& path, const TrackedRecording& recording) {
-  TemporaryFile file(path, Content::pictures);
+  require_writable(path, Content::pictures);
   try {
-    vision::write_overlay(*recording.source, recording.result, file.name());
+    vision::write_overlay(*recording.source, recording.result, path);
   } catch (const vision::OutputError& error) {
-    // It names the temporary file.
-    std::string message = error.what();
-    const std::string temporary = file.name().string();
-    if (const auto at = message.find(temporary); at != std::string::npos)
-      message.replace(at, temporary.size(), path.string());
-    throw OutputError(message);
+    throw OutputError(error.what());
   }
-  file.commit();
 }
 
 std::string gate_failure(const RecordingJob& job, const vision::TrackSummary& summary) {

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -23,7 +22,7 @@
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
 #include "apps/text/input_file.h"
-#include "vision/frame_sink.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::apps {
 
@@ -31,65 +30,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kPrefix = ".partial-";
-
-// A signal can come at any time, so what it has to remove and to say is the one piece of state kept per
-// process.
-class TemporaryNames {
+// A signal can come at any time, so what is to be said then is the one piece of state kept per process.
+class LastText {
  public:
-  static TemporaryNames& of_this_process() {
-    static TemporaryNames names;
-    return names;
+  static LastText& of_this_process() {
+    static LastText text;
+    return text;
   }
-  fs::path add(const fs::path& path) {
+  /// Returns the one before.
+  std::string set(const std::string& text) {
     const std::lock_guard lock(mutex_);
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    // The extension stays last: video muxers choose the container by it.
-    fs::path name =
-        folder / fmt::format("{}{}-{}-{}", kPrefix, ::getpid(), ++count_, path.filename().string());
-    names_.insert(name);
-    return name;
-  }
-  void remove(const fs::path& name, Content content) {
-    const std::lock_guard lock(mutex_);
-    std::error_code ignored;
-    // Nothing is derived from a result's name: a folder of thousands need not be listed for it.
-    if (content == Content::result)
-      fs::remove(name, ignored);
-    else
-      erase_derived(name);
-    names_.erase(name);
-  }
-  void forget(const fs::path& name) {
-    const std::lock_guard lock(mutex_);
-    names_.erase(name);
-  }
-  /// Returns those before.
-  std::string set_last_words(const std::string& text) {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(last_words_, text);
-  }
-  /// Returns what is to be said then.
-  std::string remove_all() {
-    const std::lock_guard lock(mutex_);
-    for (const fs::path& name : names_) erase_derived(name);
-    names_.clear();
-    return last_words_;
+    return std::exchange(text_, text);
   }
 
  private:
-  static void erase_derived(const fs::path& name) {
-    std::error_code ignored;
-    const std::string stem = name.filename().string();
-    for (const auto& entry : fs::directory_iterator(name.parent_path(), ignored))
-      if (entry.path().filename().string().find(stem) != std::string::npos)
-        fs::remove_all(entry.path(), ignored);
-  }
-
   std::mutex mutex_;
-  std::set<fs::path> names_;
-  std::string last_words_;
-  int count_ = 0;
+  std::string text_;
 };
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
@@ -98,20 +54,8 @@ class TemporaryNames {
                   path.string(), why));
 }
 
-/// Where writing to `path` really ends: links are followed, so that the link stays.
-fs::path target_of(const fs::path& path) {
-  std::error_code error;
-  fs::path target = path;
-  for (int k = 0; k < 40 && fs::is_symlink(fs::symlink_status(target, error)); ++k) {
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) break;
-    target = next.is_absolute() ? next : target.parent_path() / next;
-  }
-  return target;
-}
-
-/// Refuses what must never be replaced by a file of ours. Returns what to write instead of `path`.
-fs::path require_replaceable(const fs::path& path, Content content) {
+/// Refuses what must never be replaced by a file of ours.
+void require_replaceable(const fs::path& path, Content content) {
   if (path.empty()) throw UsageError("the output file has no name");
   if (is_standard_output(path))
     throw InvalidInput(
@@ -121,14 +65,12 @@ fs::path require_replaceable(const fs::path& path, Content content) {
         fmt::format("{}: cannot be written: {} is the name of a recording or a picture, and "
                     "the output is none; give another name",
                     path.string(), path.extension().string()));
-  fs::path target = target_of(path);
   std::error_code error;
-  const fs::file_status status = fs::status(target, error);
+  const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) refuse(path, "it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status))
     refuse(path, fs::is_fifo(status) ? "it is a fifo" : "it is a device, not a file");
-  if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) refuse(path, "it is write-protected");
-  return target;
+  if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) refuse(path, "it is write-protected");
 }
 
 /// Device and inode of a file that is there, the whole path of one that is not yet: equal for the same file,
@@ -144,11 +86,12 @@ fs::path meta_beside(const fs::path& path) {
   return path.string() + ".meta.json";
 }
 
-/// The process that made a temporary name, of this file or of vision's ("...partial-PID-N...").
+/// The process that made a temporary name.
 std::optional<::pid_t> maker_of(const std::string& name) {
-  const auto at = name.rfind(kPrefix);
+  constexpr std::string_view mark = vision::TemporaryFile::kMark;
+  const auto at = name.rfind(mark);
   if (name.front() != '.' || at == std::string::npos) return std::nullopt;
-  const char* begin = name.data() + at + kPrefix.size();
+  const char* begin = name.data() + at + mark.size();
   ::pid_t maker = 0;
   const auto [end, error] = std::from_chars(begin, name.data() + name.size(), maker);
   if (error != std::errc() || maker <= 0 || end == name.data() + name.size() || *end != '-')
@@ -185,39 +128,23 @@ void require_writable(const std::vector<Output>& outputs, const std::vector<fs::
             fmt::format("{}: two outputs would be written to it; give each its own name", file.string()));
     }
     if (!folders.insert(folder).second) continue;
-    TemporaryFile probe(output.path, output.content);
-    std::ofstream stream(probe.name());
-    if (!stream) refuse(output.path, std::strerror(errno));
+    try {
+      const vision::TemporaryFile probe(output.path);
+    } catch (const vision::OutputError& error) {
+      throw OutputError(error.what());
+    }
   }
-}
-
-TemporaryFile::TemporaryFile(const fs::path& path, Content content)
-    : path_(require_replaceable(path, content)),
-      temporary_(TemporaryNames::of_this_process().add(path_)),
-      content_(content) {}
-
-TemporaryFile::~TemporaryFile() {
-  if (!temporary_.empty()) TemporaryNames::of_this_process().remove(temporary_, content_);
-}
-
-void TemporaryFile::commit() {
-  std::error_code error;
-  fs::rename(temporary_, path_, error);
-  if (error) refuse(path_, error.message());
-  TemporaryNames::of_this_process().forget(temporary_);
-  temporary_.clear();
 }
 
 void write_file(const fs::path& path, std::string_view text, Content content) {
-  TemporaryFile file(path, content);
-  {
-    std::ofstream stream(file.name(), std::ios::binary);
-    if (!stream) refuse(path, std::strerror(errno));
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-    stream.flush();
-    if (!stream) refuse(path, std::strerror(errno));
+  require_replaceable(path, content);
+  try {
+    vision::TemporaryFile file(path);
+    file.write(text);
+    file.commit();
+  } catch (const vision::OutputError& error) {
+    throw OutputError(error.what());
   }
-  file.commit();
 }
 
 std::vector<fs::path> create_folder(const fs::path& path) {
@@ -254,11 +181,10 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
-LastWords::LastWords(const std::string& text)
-    : before_(TemporaryNames::of_this_process().set_last_words(text)) {}
+LastWords::LastWords(const std::string& text) : before_(LastText::of_this_process().set(text)) {}
 
 LastWords::~LastWords() {
-  TemporaryNames::of_this_process().set_last_words(before_);
+  LastText::of_this_process().set(before_);
 }
 
 namespace {
@@ -270,8 +196,7 @@ void clean_up_when_told(int descriptor) {
   do count = ::read(descriptor, &number, 1);
   while (count < 0 && errno == EINTR);
   if (count != 1) return;
-  const std::string last_words = TemporaryNames::of_this_process().remove_all();
-  if (!last_words.empty()) complain(last_words);
+  if (const std::string text = LastText::of_this_process().set(""); !text.empty()) complain(text);
   vision::remove_partial_files();
   ::_exit(128 + number);
 }

@@ -34,34 +34,16 @@ struct Output {
 /// `inputs` are single files: a recording of many files is listed file by file.
 void require_writable(const std::vector<Output>& outputs,
                       const std::vector<std::filesystem::path>& inputs = {});
-inline void require_writable(const std::filesystem::path& path) {
-  require_writable(std::vector<Output>{{path, Content::result}});
+inline void require_writable(const std::filesystem::path& path, Content content = Content::result) {
+  require_writable(std::vector<Output>{{path, content}});
 }
 
 /// "-", or a name of this process's standard output: results that can be streamed go to print_text().
 bool is_standard_output(const std::filesystem::path& path);
 
-/// Writes `content` under a temporary name beside `path`, then renames. Where `path` is a symbolic link, the
-/// file it leads to is written. Throws InvalidInput naming the path.
+/// By vision/temporary_file.h. Throws InvalidInput naming the path where it must not be written (see
+/// require_writable), OutputError where it cannot be.
 void write_file(const std::filesystem::path& path, std::string_view text, Content content = Content::result);
-
-/// A temporary file beside `path` for writers that need a name of their own (video muxers). commit() renames
-/// it to `path`; destroyed without commit(), or on SIGINT/SIGTERM, it and whatever was derived from its name
-/// is removed. Throws InvalidInput where `path` must not be written (see require_writable).
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::filesystem::path& path, Content content = Content::result);
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::filesystem::path& name() const { return temporary_; }
-  void commit();
-
- private:
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
-  Content content_;
-};
 
 /// Creates a folder and its parents. Returns those it made, outermost first. Throws InvalidInput.
 std::vector<std::filesystem::path> create_folder(const std::filesystem::path& path);

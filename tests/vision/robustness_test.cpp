@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/camera/bad_pixels.h"
+#include "vision/camera/pixels.h"
 #include "vision/cramer_rao_bound.h"
 #include "vision/kernels/outlier_pixels.h"
 #include "vision/scene.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 
 namespace tribotrack::vision {
 namespace {

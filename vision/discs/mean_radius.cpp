@@ -6,7 +6,7 @@
 
 #include "vision/discs/rim_fit.h"
 #include "vision/discs/rim_model.h"
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {

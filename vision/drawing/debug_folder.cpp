@@ -5,9 +5,9 @@
 #include <fstream>
 #include <opencv2/imgproc.hpp>
 
-#include "vision/io/png.h"
-#include "vision/io/temporary_file.h"
+#include "vision/io/picture_files.h"
 #include "vision/overlay.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,5 +1,6 @@
-#include "vision/io/temporary_file.h"
+#include "vision/temporary_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -11,9 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "vision/frame_sink.h"
-#include "vision/io/in_quotes.h"
-#include "vision/picture.h"
+#include "vision/io/files.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -46,23 +45,36 @@ class PartialFiles {
   std::set<std::filesystem::path> paths_;
 };
 
+/// Where writing to `path` really ends.
+std::filesystem::path end_of_links(std::filesystem::path path) {
+  std::error_code error;
+  for (int k = 0; k < 40 && std::filesystem::is_symlink(std::filesystem::symlink_status(path, error)); ++k) {
+    const std::filesystem::path next = std::filesystem::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
 }  // namespace
 
-TemporaryFile::TemporaryFile(std::filesystem::path target) : target_(std::move(target)) {
+TemporaryFile::TemporaryFile(const std::filesystem::path& target) : target_(end_of_links(target)) {
   static std::atomic<unsigned> serial{0};
   std::error_code error;
   if (std::filesystem::is_directory(target_, error))
     throw OutputError(in_quotes(target_) + " cannot be written: it is a folder; give a file name");
-  std::string name(".");
-  name +=
-      target_.filename().string() + ".partial-" + std::to_string(::getpid()) + "-" + std::to_string(serial++);
-  temporary_ = target_.parent_path() / name;
-  PartialFiles::of_this_process().add(temporary_);
-  errno = 0;
-  if (!std::ofstream(temporary_, std::ios::binary)) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : "no such folder";
+  // A name that is there already is somebody else's file, or a link that leads to one.
+  for (;;) {
+    temporary_ = target_.parent_path() / ("." + target_.filename().string() + std::string(kMark) +
+                                          std::to_string(::getpid()) + "-" + std::to_string(++serial));
+    PartialFiles::of_this_process().add(temporary_);
+    const int descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) {
+      ::close(descriptor);
+      return;
+    }
     PartialFiles::of_this_process().forget(temporary_);
-    refuse(reason);
+    if (errno != EEXIST) refuse(std::strerror(errno));
   }
 }
 
@@ -76,10 +88,10 @@ TemporaryFile::~TemporaryFile() {
   PartialFiles::of_this_process().forget(temporary_);
 }
 
-void TemporaryFile::write(std::span<const unsigned char> bytes) const {
+void TemporaryFile::write(std::string_view bytes) const {
   errno = 0;
   std::ofstream file(temporary_, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (!file) refuse(std::strerror(errno != 0 ? errno : ENOSPC));
 }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/split.h"
+#include "vision/audit/halves.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 #include "vision/layers/learning.h"

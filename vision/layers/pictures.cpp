@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/layers/pass.h"
 

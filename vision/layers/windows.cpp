@@ -5,7 +5,7 @@
 #include <numeric>
 #include <opencv2/core.hpp>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/layers/model/median_ground.h"
 
 namespace tribotrack::vision {

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <span>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/parallel.h"
 #include "vision/rotation/rotation_follower.h"
 

@@ -1,12 +1,65 @@
 #include "vision/synthesis/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
-
-#include "vision/synthesis/noise.h"
+#include <stdexcept>
+#include <string>
 
 namespace tribotrack::vision {
+namespace {
+
+constexpr int kCellBits = 12;
+constexpr int kCells = 1 << kCellBits;
+
+/// Cell i holds the numbers between edges[i] and edges[i + 1]; the two open ends are never read.
+const std::array<float, kCells + 1>& cell_edges() {
+  static const std::array<float, kCells + 1> edges = [] {
+    std::array<float, kCells + 1> table{};
+    for (int i = 1; i < kCells; ++i) {
+      table[i] = static_cast<float>(normal_quantile(i / static_cast<double>(kCells)));
+    }
+    return table;
+  }();
+  return edges;
+}
+
+}  // namespace
+
+double normal_quantile(double probability) {
+  if (!(probability > 0)) return -std::numeric_limits<double>::infinity();
+  if (!(probability < 1)) return std::numeric_limits<double>::infinity();
+  if (probability > 0.5) return -normal_quantile(1 - probability);
+  // Newton on log Phi(x), which is concave: from the left it converges from any start.
+  double x = -std::sqrt(-2 * std::log(probability)) - 0.1;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const double phi = std::exp(-0.5 * x * x) / std::sqrt(2 * std::numbers::pi);
+    const double cdf = 0.5 * std::erfc(-x / std::numbers::sqrt2);
+    const double step = std::log(cdf / probability) * cdf / phi;
+    x -= step;
+    if (std::abs(step) < 1e-14 * (1 + std::abs(x))) break;
+  }
+  return x;
+}
+
+CounterRandom::CounterRandom(std::uint64_t seed, std::uint64_t stream)
+    : key_(mix(mix(seed + 0x9e3779b97f4a7c15u) ^ (stream * 0xd1342543de82ef95u + 1))) {}
+
+float CounterRandom::gaussian(std::uint64_t counter) const {
+  static const std::array<float, kCells + 1>& edges = cell_edges();
+  const std::uint64_t z = bits(counter);
+  const int cell = static_cast<int>(z >> (64 - kCellBits));
+  if (cell == 0 || cell == kCells - 1) {
+    const double tail = (static_cast<double>(z << kCellBits >> 12) + 0.5) * 0x1p-52 / kCells;
+    const double x = normal_quantile(tail);
+    return static_cast<float>(cell == 0 ? x : -x);
+  }
+  const float fraction = static_cast<float>(static_cast<std::uint32_t>(z >> 20) >> 8) * 0x1p-24f;
+  return edges[cell] + fraction * (edges[cell + 1] - edges[cell]);
+}
+
 namespace {
 
 constexpr std::uint64_t kNoiseStream = 0x6e015e0000000000u;  // away from the streams of the appearance
@@ -55,6 +108,112 @@ void SceneCamera::record(Picture& picture, std::int64_t index) const {
     }
     levels[i] = static_cast<float>(static_cast<int>(std::clamp(level, 0.0F, top_level_) + 0.5F));
   }
+}
+
+namespace {
+
+constexpr int kMostPoints = 256;
+
+/// log of C_n = n!^4 / ((2n + 1) (2n)!^3)
+double log_error_constant(int n) {
+  return 4 * std::lgamma(n + 1.0) - std::log(2 * n + 1.0) - 3 * std::lgamma(2 * n + 1.0);
+}
+
+}  // namespace
+
+QuadratureRule gauss_legendre(int points) {
+  if (points < 1) throw std::invalid_argument("a quadrature rule needs at least one point");
+  QuadratureRule rule;
+  rule.nodes.resize(points);
+  rule.weights.resize(points);
+  for (int i = 0; i < points; ++i) {
+    double x = std::cos(std::numbers::pi * (i + 0.75) / (points + 0.5));
+    double slope = 1;
+    for (int iteration = 0; iteration < 100; ++iteration) {
+      double previous = 1;
+      double legendre = x;
+      for (int n = 2; n <= points; ++n) {
+        const double next = ((2 * n - 1) * x * legendre - (n - 1) * previous) / n;
+        previous = legendre;
+        legendre = next;
+      }
+      slope = points * (x * legendre - previous) / (x * x - 1);
+      const double step = legendre / slope;
+      x -= step;
+      if (std::abs(step) < 1e-15) break;
+    }
+    rule.nodes[i] = x / 2;
+    rule.weights[i] = 1 / ((1 - x * x) * slope * slope);
+  }
+  return rule;
+}
+
+int gauss_points_for_edge(double blur, double tolerance) {
+  for (int n = 1; n < kMostPoints; ++n) {
+    const double log_bound =
+        std::log(0.435) + 0.5 * std::lgamma(2.0 * n) + log_error_constant(n) - 2 * n * std::log(blur);
+    if (log_bound < std::log(tolerance)) return n;
+  }
+  return kMostPoints;
+}
+
+int gauss_points_for_wave(double wave_number, double tolerance) {
+  for (int n = 1; n < kMostPoints; ++n) {
+    if (log_error_constant(n) + 2 * n * std::log(std::abs(wave_number)) < std::log(tolerance)) return n;
+  }
+  return kMostPoints;
+}
+
+namespace {
+
+constexpr int kPathSteps = 16;
+constexpr double kAtRest = 1e-9;  // px
+
+ScenePose checked_pose(const std::function<ScenePose(double)>& pose, double time_s) {
+  const ScenePose p = pose(time_s);
+  for (const double value : {p.disc.x, p.disc.y, p.theta, p.platform.x, p.platform.y}) {
+    if (!std::isfinite(value)) {
+      throw std::invalid_argument("the pose at t = " + std::to_string(time_s) + " s is not finite");
+    }
+  }
+  return p;
+}
+
+double distance(Point a, Point b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+}  // namespace
+
+std::vector<ExposureNode> exposure_nodes(double time_s, double exposure_s,
+                                         const std::function<ScenePose(double)>& pose, double radius_px,
+                                         double smallest_blur_px, double largest_wave_number,
+                                         double tolerance) {
+  if (!(exposure_s >= 0) || !std::isfinite(exposure_s) || !std::isfinite(time_s)) {
+    throw std::invalid_argument("time and exposure must be finite and the exposure not negative");
+  }
+  if (exposure_s == 0) return {{1.0, checked_pose(pose, time_s)}};
+
+  double path_disc = 0, path_platform = 0;
+  ScenePose previous = checked_pose(pose, time_s - exposure_s / 2);
+  for (int i = 1; i <= kPathSteps; ++i) {
+    const ScenePose next =
+        checked_pose(pose, time_s + exposure_s * (static_cast<double>(i) / kPathSteps - 0.5));
+    path_disc += distance(previous.disc, next.disc) + radius_px * std::abs(next.theta - previous.theta);
+    path_platform += distance(previous.platform, next.platform);
+    previous = next;
+  }
+  const double path = std::max(path_disc, path_platform);
+  if (path < kAtRest) return {{1.0, checked_pose(pose, time_s)}};
+
+  const int points = std::max(gauss_points_for_edge(smallest_blur_px / path, tolerance),
+                              gauss_points_for_wave(largest_wave_number * path, tolerance));
+  const QuadratureRule rule = gauss_legendre(points);
+  std::vector<ExposureNode> nodes;
+  for (int i = 0; i < points; ++i) {
+    nodes.push_back({rule.weights[i], checked_pose(pose, time_s + exposure_s * rule.nodes[i])});
+  }
+  return nodes;
 }
 
 }  // namespace tribotrack::vision

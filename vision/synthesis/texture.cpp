@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "vision/synthesis/noise.h"
+#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "vision/camera/noise_estimate.h"
+#include "vision/camera/pixels.h"
 
 namespace tribotrack::vision {
 

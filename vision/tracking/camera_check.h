@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "vision/camera/bad_pixels.h"
+#include "vision/camera/pixels.h"
 #include "vision/stages/frame_range.h"
 
 namespace tribotrack::vision {

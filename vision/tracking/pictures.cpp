@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/registration/registration.h"
 
 namespace tribotrack::vision {

@@ -5,7 +5,7 @@
 
 #include "vision/discs/mean_radius.h"
 #include "vision/discs/rim_series.h"
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {

@@ -158,14 +158,13 @@ class Measure(ProgramTest):
 
 
 class Import(unittest.TestCase):
-    def test_it_loads_neither_numpy_nor_what_reads_videos(self):
+    def test_it_loads_no_numpy(self):
         loaded = subprocess.run(
             [sys.executable, "-c", "import sys, tribotrack; print('numpy' in sys.modules, open('/proc/self/maps').read())"],
             capture_output=True, text=True, check=True,
         ).stdout
         self.assertTrue(loaded.startswith("False"))
-        for library in ("libavcodec", "libopencv_imgcodecs", "libpython"):
-            self.assertNotIn(library, loaded)
+        self.assertNotIn("libpython", loaded)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 class OutputFile : public ProgramTest {};
 
@@ -18,27 +17,6 @@ TEST_F(OutputFile, AppearsWholeAndReplacesWhatWasThere) {
   write_file(in_folder("a.txt"), "two");
   EXPECT_EQ(content_of(in_folder("a.txt")), "two");
   EXPECT_THAT(left_behind(), ElementsAre("a.txt"));
-}
-
-TEST_F(OutputFile, ATemporaryFileThatIsNotCommittedVanishesWithAllDerivedFromItsName) {
-  {
-    TemporaryFile file(in_folder("a.mp4"), Content::pictures);
-    put(file.name(), "half");
-    put(file.name().string() + ".extra", "half");
-    EXPECT_EQ(file.name().extension(), ".mp4");
-  }
-  EXPECT_THAT(left_behind(), IsEmpty());
-}
-
-TEST_F(OutputFile, WhatOthersMakeAfterACommitStays) {
-  {
-    TemporaryFile file(in_folder("a.csv"));
-    const std::string name = file.name().filename().string();
-    put(file.name(), "whole");
-    file.commit();
-    put(in_folder("notes on " + name), "mine");
-  }
-  EXPECT_EQ(left_behind().size(), 2u);
 }
 
 TEST_F(OutputFile, WhatCannotBeWrittenIsSaidBeforeTheWork) {

@@ -9,7 +9,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class Usage : public ProgramTest {};
 
@@ -23,7 +22,6 @@ TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
   EXPECT_TRUE(version.starts_with("tribotrack 0.")) << version;
   EXPECT_THAT(version, AllOf(HasSubstr("OpenCV 4."), HasSubstr("libavformat 5"), HasSubstr("Ceres 2."),
                              HasSubstr("Eigen 3."), HasSubstr("\nthreads: "), HasSubstr("GB free")));
-  EXPECT_THAT(version, Not(HasSubstr("MISSING")));
   EXPECT_THAT(run("--version", "TMPDIR=/nowhere ").out, HasSubstr("TMPDIR"));
 }
 

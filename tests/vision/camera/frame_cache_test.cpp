@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "vision/io/window.h"
+#include "vision/io/levels.h"
 #include "vision/layered_scenes.h"
 #include "vision/tracker.h"
 

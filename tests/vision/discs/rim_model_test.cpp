@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/synthesis/noise.h"
+#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 namespace {

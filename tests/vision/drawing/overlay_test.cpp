@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <utility>
-
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "vision/analytic_scene.h"
 

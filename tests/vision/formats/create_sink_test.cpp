@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "vision/formats/cine/p10_table.h"
+#include "vision/formats/cine/p10.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {

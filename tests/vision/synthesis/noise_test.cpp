@@ -1,4 +1,4 @@
-#include "vision/synthesis/noise.h"
+#include "vision/synthesis/camera.h"
 
 #include <gtest/gtest.h>
 
@@ -17,14 +17,6 @@ TEST(NormalQuantile, InvertsTheDistribution) {
   EXPECT_NEAR(normal_quantile(0.3), -normal_quantile(0.7), 1e-14);
   EXPECT_EQ(normal_quantile(0), -INFINITY);
   EXPECT_EQ(normal_quantile(1), INFINITY);
-}
-
-TEST(CounterRandom, DependsOnSeedStreamAndCounterAlone) {
-  const CounterRandom a(1, 2), again(1, 2), other_seed(3, 2), other_stream(1, 3);
-  EXPECT_EQ(a.bits(77), again.bits(77));
-  EXPECT_NE(a.bits(77), other_seed.bits(77));
-  EXPECT_NE(a.bits(77), other_stream.bits(77));
-  EXPECT_NE(a.bits(77), a.bits(78));
 }
 
 TEST(CounterRandom, UniformFillsTheUnitInterval) {

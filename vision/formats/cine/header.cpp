@@ -1,4 +1,5 @@
 #include "vision/formats/cine/header.h"
+#include "vision/formats/cine/layout.h"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +7,8 @@
 #include <numeric>
 #include <string>
 
-#include "vision/formats/cine/layout.h"
 #include "vision/formats/cine/p10.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/little_endian.h"
-#include "vision/io/picture_size.h"
+#include "vision/io/files.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {

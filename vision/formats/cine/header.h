@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/io/mapped_file.h"
+#include "vision/io/files.h"
 
 namespace tribotrack::vision {
 

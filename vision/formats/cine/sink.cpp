@@ -10,10 +10,9 @@
 #include "vision/formats/cine/header.h"
 #include "vision/formats/cine/layout.h"
 #include "vision/formats/cine/p10.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/little_endian.h"
-#include "vision/io/sink_levels.h"
-#include "vision/io/temporary_file.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {

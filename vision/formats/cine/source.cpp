@@ -10,11 +10,8 @@
 
 #include "vision/formats/cine/header.h"
 #include "vision/formats/cine/p10.h"
-#include "vision/formats/cine/p10_table.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/level_conversion.h"
-#include "vision/io/little_endian.h"
-#include "vision/io/window.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
 #include "vision/time_base.h"
 
 namespace tribotrack::vision {

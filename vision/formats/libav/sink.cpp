@@ -7,11 +7,10 @@
 #include <cstring>
 #include <string>
 
-#include "vision/formats/libav/handles.h"
-#include "vision/formats/libav/library.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/sink_levels.h"
-#include "vision/io/temporary_file.h"
+#include "vision/formats/libav/libav.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -32,7 +31,7 @@ class LibavSink : public FrameSink {
     frame_->format = encoder_->pix_fmt;
     frame_->width = options.width;
     frame_->height = options.height;
-    if (const int error = libav().av_frame_get_buffer(frame_.get(), 0); error < 0) refuse(error);
+    if (const int error = av_frame_get_buffer(frame_.get(), 0); error < 0) refuse(error);
   }
 
   void write(const Picture& picture) override {
@@ -68,10 +67,10 @@ class LibavSink : public FrameSink {
   void close() override {
     if (count_ == 0)
       throw InputError(in_quotes(temporary_.target()) + " would hold no frames; nothing was written");
-    libav().avcodec_send_frame(encoder_.get(), nullptr);
+    avcodec_send_frame(encoder_.get(), nullptr);
     write_packets();
-    if (const int error = libav().av_write_trailer(output_.get()); error < 0) refuse(error);
-    if (const int error = libav().avio_closep(&output_->pb); error < 0) refuse(error);
+    if (const int error = av_write_trailer(output_.get()); error < 0) refuse(error);
+    if (const int error = avio_closep(&output_->pb); error < 0) refuse(error);
     output_.reset();
     temporary_.commit();
   }
@@ -83,12 +82,12 @@ class LibavSink : public FrameSink {
   /// Containers lie about rates or round them, so the capture rate goes along in the tag that cameras use.
   void write_header() {
     const std::string rate = fmt::format("{:.9g}", options_.frame_rate_hz);
-    libav().av_dict_set(&output_->metadata, "com.android.capture.fps", rate.c_str(), 0);
+    av_dict_set(&output_->metadata, "com.android.capture.fps", rate.c_str(), 0);
     AVDictionary* muxing = nullptr;
     if (std::string_view(output_->oformat->name) == "mp4")
-      libav().av_dict_set(&muxing, "movflags", "use_metadata_tags", 0);
-    const int error = libav().avformat_write_header(output_.get(), &muxing);
-    libav().av_dict_free(&muxing);
+      av_dict_set(&muxing, "movflags", "use_metadata_tags", 0);
+    const int error = avformat_write_header(output_.get(), &muxing);
+    av_dict_free(&muxing);
     if (error < 0) refuse(error);
   }
 
@@ -118,25 +117,23 @@ class LibavSink : public FrameSink {
                         : extension == ".mp4" || extension == ".mov" ? "mp4"
                                                                      : "matroska";
     AVFormatContext* context = nullptr;
-    if (const int error = libav().avformat_alloc_output_context2(&context, nullptr, muxer, nullptr);
-        error < 0)
+    if (const int error = avformat_alloc_output_context2(&context, nullptr, muxer, nullptr); error < 0)
       refuse(error);
     output_.reset(context);
     // The same frames give the same bytes: no dates, no random identities.
     context->flags |= AVFMT_FLAG_BITEXACT;
     const std::string url = "file:" + temporary_.path().string();
-    if (const int error = libav().avio_open(&context->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0)
-      refuse(error);
+    if (const int error = avio_open(&context->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0) refuse(error);
   }
 
   void open_encoder() {
     const Coding chosen = coding();
-    const AVCodec* codec = libav().avcodec_find_encoder_by_name(chosen.encoder);
+    const AVCodec* codec = avcodec_find_encoder_by_name(chosen.encoder);
     if (!codec)
       throw InputError(in_quotes(temporary_.target()) + " cannot be written: this libav has no encoder '" +
                        chosen.encoder + "'; choose another coding");
-    encoder_.reset(libav().avcodec_alloc_context3(codec));
-    const AVRational rate = libav().av_d2q(options_.frame_rate_hz, 1000000);
+    encoder_.reset(avcodec_alloc_context3(codec));
+    const AVRational rate = av_d2q(options_.frame_rate_hz, 1000000);
     encoder_->width = options_.width;
     encoder_->height = options_.height;
     encoder_->pix_fmt = chosen.pixels;
@@ -150,45 +147,45 @@ class LibavSink : public FrameSink {
       encoder_->flags |= AV_CODEC_FLAG_QSCALE;
       encoder_->global_quality = 2 * FF_QP2LAMBDA;
     } else if (options_.codec == Codec::h264) {
-      libav().av_opt_set(encoder_->priv_data, "preset", "veryfast", 0);
-      libav().av_opt_set(encoder_->priv_data, "crf", std::to_string(options_.crf).c_str(), 0);
+      av_opt_set(encoder_->priv_data, "preset", "veryfast", 0);
+      av_opt_set(encoder_->priv_data, "crf", std::to_string(options_.crf).c_str(), 0);
       encoder_->max_b_frames = 0;  // frames are stored in the order shown
     } else {
       encoder_->level = 3;
-      libav().av_opt_set_int(encoder_->priv_data, "slicecrc", 1, 0);
+      av_opt_set_int(encoder_->priv_data, "slicecrc", 1, 0);
       encoder_->gop_size = 1;
     }
-    if (const int error = libav().avcodec_open2(encoder_.get(), codec, nullptr); error < 0) refuse(error);
+    if (const int error = avcodec_open2(encoder_.get(), codec, nullptr); error < 0) refuse(error);
 
-    AVStream* video = libav().avformat_new_stream(output_.get(), nullptr);
+    AVStream* video = avformat_new_stream(output_.get(), nullptr);
     if (!video) refuse(AVERROR(ENOMEM));
     video->time_base = encoder_->time_base;
     video->avg_frame_rate = rate;
     video->r_frame_rate = rate;
-    if (const int error = libav().avcodec_parameters_from_context(video->codecpar, encoder_.get()); error < 0)
+    if (const int error = avcodec_parameters_from_context(video->codecpar, encoder_.get()); error < 0)
       refuse(error);
   }
 
   void make_writable() {
-    if (const int error = libav().av_frame_make_writable(frame_.get()); error < 0) refuse(error);
+    if (const int error = av_frame_make_writable(frame_.get()); error < 0) refuse(error);
   }
 
   void encode_frame() {
     frame_->pts = count_++;
     frame_->quality = encoder_->global_quality;
-    if (const int error = libav().avcodec_send_frame(encoder_.get(), frame_.get()); error < 0) refuse(error);
+    if (const int error = avcodec_send_frame(encoder_.get(), frame_.get()); error < 0) refuse(error);
     write_packets();
   }
 
   void write_packets() {
-    while (libav().avcodec_receive_packet(encoder_.get(), packet_.get()) == 0) {
+    while (avcodec_receive_packet(encoder_.get(), packet_.get()) == 0) {
       packet_->stream_index = 0;
       packet_->duration = 1;
       // AVI beyond 1000 Hz gets a time base too coarse to distinguish frames: there timestamps count frames.
       const bool coarse = av_cmp_q(stream().time_base, encoder_->time_base) > 0;
       if (!coarse || (output_->oformat->flags & AVFMT_TS_NONSTRICT))
-        libav().av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream().time_base);
-      if (const int error = libav().av_interleaved_write_frame(output_.get(), packet_.get()); error < 0)
+        av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream().time_base);
+      if (const int error = av_interleaved_write_frame(output_.get(), packet_.get()); error < 0)
         refuse(error);
     }
   }

@@ -8,16 +8,11 @@
 #include <numeric>
 #include <span>
 
-#include "vision/formats/libav/coder.h"
-#include "vision/formats/libav/containment.h"
-#include "vision/formats/libav/handles.h"
-#include "vision/formats/libav/library.h"
-#include "vision/formats/libav/pixels.h"
+#include "vision/formats/libav/frames.h"
+#include "vision/formats/libav/libav.h"
 #include "vision/formats/libav/truncation_check.h"
-#include "vision/io/in_quotes.h"
-#include "vision/io/mapped_file.h"
-#include "vision/io/picture_size.h"
-#include "vision/io/window.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
 #include "vision/timing/container_timestamps.h"
 #include "vision/timing/photron_sidecar.h"
 
@@ -94,12 +89,12 @@ class LibavSource : public FrameSource {
     deadline_.start();
     AVFormatContext* context = contained_input(deadline_);
     const std::string url = "file:" + info_.path.string();
-    if (const int error = libav().avformat_open_input(&context, url.c_str(), nullptr, nullptr); error < 0)
+    if (const int error = avformat_open_input(&context, url.c_str(), nullptr, nullptr); error < 0)
       refuse_input(error);
     input_.reset(context);
     if (const int error = find_contained_streams(*context); error < 0) refuse_input(error);
     const AVCodec* codec = nullptr;
-    stream_index_ = libav().av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    stream_index_ = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_index_ == AVERROR_STREAM_NOT_FOUND) refuse("holds no video; name a recording");
     if (stream_index_ < 0 || !codec)
       refuse(std::string("holds video in a coding that cannot be decoded here; ") + kRemedyConvert);
@@ -111,14 +106,14 @@ class LibavSource : public FrameSource {
     for (unsigned i = 0; i < context->nb_streams; ++i)
       if (static_cast<int>(i) != stream_index_) context->streams[i]->discard = AVDISCARD_ALL;
 
-    decoder_.reset(libav().avcodec_alloc_context3(codec));
-    if (!decoder_ || libav().avcodec_parameters_to_context(decoder_.get(), stream().codecpar) < 0)
+    decoder_.reset(avcodec_alloc_context3(codec));
+    if (!decoder_ || avcodec_parameters_to_context(decoder_.get(), stream().codecpar) < 0)
       refuse("holds video whose parameters cannot be understood; convert it");
     decoder_->thread_count = 1;
     decoder_->err_recognition = AV_EF_CRCCHECK;
     contain(*decoder_);
     ask_for_coding(*decoder_);
-    if (const int error = libav().avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
+    if (const int error = avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
       refuse("cannot be decoded: " + libav_error(error) + "; convert it");
     next_packet_ = 0;
     draining_ = false;
@@ -147,8 +142,8 @@ class LibavSource : public FrameSource {
   bool read_packet() {
     for (;;) {
       deadline_.start();
-      libav().av_packet_unref(packet_.get());
-      const int error = libav().av_read_frame(input_.get(), packet_.get());
+      av_packet_unref(packet_.get());
+      const int error = av_read_frame(input_.get(), packet_.get());
       if (error == AVERROR_EOF) return false;
       if (error == AVERROR_EXIT)
         refuse_late("packet " + std::to_string(next_packet_) + " takes longer to read");
@@ -177,8 +172,7 @@ class LibavSource : public FrameSource {
                           (packet_->flags & AV_PKT_FLAG_DISCARD) == 0});
       next_packet_ = packets_.size();
     }
-    const auto indexed =
-        static_cast<std::size_t>(std::max(0, libav().avformat_index_get_entries_count(&stream())));
+    const auto indexed = static_cast<std::size_t>(std::max(0, avformat_index_get_entries_count(&stream())));
     const auto stated =
         is_avi() ? static_cast<std::size_t>(std::max<std::int64_t>(0, stream().nb_frames)) : indexed;
     const std::size_t promised = std::max(indexed, stated);
@@ -223,7 +217,7 @@ class LibavSource : public FrameSource {
   bool next_frame() {
     take_libav_complaint();
     for (;;) {
-      const int error = libav().avcodec_receive_frame(decoder_.get(), frame_.get());
+      const int error = avcodec_receive_frame(decoder_.get(), frame_.get());
       if (error == 0) {
         // These codings hide damage (a wrong checksum) behind an old picture and only log it.
         const AVCodecID codec = decoder_->codec_id;
@@ -241,7 +235,7 @@ class LibavSource : public FrameSource {
       if (draining_) return false;
       if (!read_packet()) {
         draining_ = true;
-        libav().avcodec_send_packet(decoder_.get(), nullptr);
+        avcodec_send_packet(decoder_.get(), nullptr);
         continue;
       }
       if (after_seek_) place_after_seek();
@@ -253,7 +247,7 @@ class LibavSource : public FrameSource {
         table_steps_[next_packet_] = jpeg_step(*packet_);
       }
       ++next_packet_;
-      if (const int sent = libav().avcodec_send_packet(decoder_.get(), packet_.get()); sent < 0)
+      if (const int sent = avcodec_send_packet(decoder_.get(), packet_.get()); sent < 0)
         refuse_frame(libav_error(sent));
     }
   }
@@ -365,11 +359,11 @@ class LibavSource : public FrameSource {
     const PacketRecord& packet = packets_[key];
     const std::int64_t time = packet.dts != unknown_time ? packet.dts : packet.pts;
     if (key == 0 || time == unknown_time ||
-        libav().av_seek_frame(input_.get(), stream_index_, time, AVSEEK_FLAG_BACKWARD) < 0) {
+        av_seek_frame(input_.get(), stream_index_, time, AVSEEK_FLAG_BACKWARD) < 0) {
       open_input();
       return;
     }
-    libav().avcodec_flush_buffers(decoder_.get());
+    avcodec_flush_buffers(decoder_.get());
     draining_ = false;
     held_ = -1;
     after_seek_ = true;
@@ -381,7 +375,7 @@ class LibavSource : public FrameSource {
     for (std::size_t k = 0; k < shown_.size(); ++k) place_[shown_[k]] = static_cast<std::int64_t>(k);
     info_.format = input_->iformat->name;
     info_.decoded = true;
-    info_.codec = libav().avcodec_get_name(stream().codecpar->codec_id);
+    info_.codec = avcodec_get_name(stream().codecpar->codec_id);
     info_.frame_count = static_cast<std::int64_t>(shown_.size());
     if (!next_frame()) refuse("holds no frame that can be decoded; export the recording again");
     info_.width = frame_->width;
@@ -460,7 +454,7 @@ class LibavSource : public FrameSource {
   std::optional<TimeBaseCandidate> capture_tag() const {
     constexpr const char* name = "com.android.capture.fps";
     for (const AVDictionary* tags : {input_->metadata, stream().metadata}) {
-      const AVDictionaryEntry* tag = libav().av_dict_get(tags, name, nullptr, 0);
+      const AVDictionaryEntry* tag = av_dict_get(tags, name, nullptr, 0);
       if (!tag) continue;
       const double rate = std::strtod(tag->value, nullptr);
       if (rate > 0 && rate < 1e9)

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "vision/cine_by_hand.h"
-#include "vision/formats/cine/p10_table.h"
+#include "vision/formats/cine/p10.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {

@@ -1,4 +1,4 @@
-#include "vision/formats/libav/coder.h"
+#include "vision/formats/libav/frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,10 @@
-#include "vision/formats/libav/containment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
-#include "vision/formats/libav/handles.h"
-#include "vision/formats/libav/library.h"
+#include "vision/formats/libav/libav.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {
@@ -100,7 +98,7 @@ TEST_F(ContainmentTest, NothingIsWaitedForLongerThanTheDeadline) {
     silence_libav();
     deadline.start();
     AVFormatContext* input = contained_input(deadline);
-    const int error = libav().avformat_open_input(&input, url.c_str(), nullptr, nullptr);
+    const int error = avformat_open_input(&input, url.c_str(), nullptr, nullptr);
     const LibavInput closed(input);
     return error;
   };

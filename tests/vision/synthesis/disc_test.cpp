@@ -1,0 +1,133 @@
+#include "vision/synthesis/disc.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "vision/disc_by_definition.h"
+#include "vision/synthesis/texture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+TEST(BlurredCircle, IsASharpDiscConvolvedWithAGaussian) {
+  for (const double blur : {0.1, 0.8, 3.0})
+    for (const double radius : {2.5, 8.0, 30.0, 150.0}) {
+      const BlurredCircle circle{radius, blur};
+      for (double x = -4.4; x < 4.4; x += 0.13) {
+        const double rho = radius + x * blur;
+        if (rho < 0) continue;
+        EXPECT_NEAR(circle.coverage(0.6 * rho, -0.8 * rho), test::share_on_disc(rho, radius, blur), 5e-6)
+            << radius << " " << blur << " " << x;
+      }
+    }
+}
+
+TEST(RowBand, HoldsEveryTouchedPixelAndOnlyFilledOnes) {
+  const unsigned seed = 20;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-15, 45);
+  for (int trial = 0; trial < 200; ++trial) {
+    const BlurredCircle circle{std::abs(place(random)) / 2 + 0.5, 0.5};
+    const std::vector<Point> centres{{place(random), place(random)}, {place(random), place(random)}};
+    const int width = 31;
+    for (int row = 0; row < 23; ++row) {
+      const RowBand band = row_band(circle, centres, row, width);
+      for (int x = 0; x < width; ++x) {
+        bool touched = false, filled = true;
+        for (const Point& c : centres) {
+          for (double dy = -0.5; dy <= 0.5; dy += 0.125) {
+            for (double dx = -0.5; dx <= 0.5; dx += 0.125) {
+              const double coverage = circle.coverage(x + dx - c.x, row + dy - c.y);
+              touched = touched || coverage > 0;
+              filled = filled && coverage == 1;
+            }
+          }
+        }
+        if (touched) {
+          EXPECT_TRUE(x >= band.touched.first && x <= band.touched.last);
+        }
+        if (x >= band.filled.first && x <= band.filled.last) {
+          EXPECT_TRUE(filled);
+        }
+      }
+      if (!band.touched.empty()) {
+        EXPECT_TRUE(band.touched.first >= 0 && band.touched.last < width);
+      }
+      if (!band.filled.empty()) {
+        EXPECT_TRUE(band.filled.first >= 0 && band.filled.last < width);
+      }
+    }
+  }
+}
+
+TEST(RowBand, FarAwayCirclesTouchNothing) {
+  const Point far{1e12, -1e12};
+  const RowBand band = row_band({30, 0.8}, {&far, 1}, 5, 100);
+  EXPECT_TRUE(band.touched.empty());
+  EXPECT_TRUE(band.filled.empty());
+}
+
+PlatformAppearance brushed() {
+  PlatformAppearance p;
+  p.texture_rms = 8;
+  p.brush_angle_rad = 0.4;
+  p.texture_length_px = 30;
+  p.texture_width_px = 2.5;
+  return p;
+}
+
+TEST(PlatformTexture, HasTheNominalMeanSquare) {
+  const PlatformTexture texture(brushed(), 3);
+  double squares = 0;
+  for (const auto& wave : texture.waves()) squares += wave.amplitude * wave.amplitude / 2;
+  EXPECT_NEAR(std::sqrt(squares), 8, 1e-12);
+  // And a picture of it, here over many correlation lengths, is that rough about zero.
+  double sum = 0, sum2 = 0;
+  int n = 0;
+  for (double y = 0; y < 3000; y += 7.3) {
+    for (double x = 0; x < 3000; x += 7.1, ++n) {
+      const double b = texture.at(x, y);
+      sum += b;
+      sum2 += b * b;
+    }
+  }
+  EXPECT_NEAR(sum / n, 0, 0.2);
+  EXPECT_NEAR(std::sqrt(sum2 / n), 8, 0.2);
+}
+
+TEST(PlatformTexture, CorrelatesAlongAndAcrossTheBrushAsAsked) {
+  // The covariance of a random sum of waves is sum a^2/2 cos(k.d), averaged here over 200 seeds.
+  const double c = std::cos(0.4), s = std::sin(0.4);
+  const auto covariance = [&](double along, double across) {
+    const double dx = along * c + across * s;  // y down: the brush points to (cos, -sin)
+    const double dy = -along * s + across * c;
+    double sum = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      const PlatformTexture texture(brushed(), seed);
+      for (const auto& wave : texture.waves()) {
+        sum += wave.amplitude * wave.amplitude / 2 * std::cos(wave.kx * dx + wave.ky * dy);
+      }
+    }
+    return sum / 200;
+  };
+  for (const auto& [along, across] :
+       {std::pair{0.0, 2.5}, {0.0, 5.0}, {30.0, 0.0}, {60.0, 0.0}, {30.0, 2.5}}) {
+    const double expected = 64 * std::exp(-0.5 * (along * along / 900 + across * across / 6.25));
+    EXPECT_NEAR(covariance(along, across), expected, 0.02 * 64) << along << ", " << across;
+  }
+}
+
+TEST(PlatformTexture, IsFlatWithoutRoughnessAndFollowsTheSeed) {
+  PlatformAppearance flat = brushed();
+  flat.texture_rms = 0;
+  EXPECT_EQ(PlatformTexture(flat, 1).at(3, 4), 0);
+  EXPECT_EQ(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 1).at(3, 4));
+  EXPECT_NE(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 2).at(3, 4));
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

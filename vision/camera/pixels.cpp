@@ -1,0 +1,246 @@
+#include "vision/camera/pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "vision/kernels/median.h"
+#include "vision/kernels/vector_kernels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr int kBlock = 16;     ///< of a single picture
+constexpr int kPairBlock = 8;  ///< of a difference of two: small, so that few of them hold something moving
+/// Of a picture, at least: a variance's estimate from so many blocks scatters by less than half a percent.
+constexpr int kEnoughBlocks = 4000;
+constexpr double kRounding = 1.0 / 12;
+
+/// Mean over the blocks about the median that noise alone explains: what moves raises a block far beyond the
+/// scatter of such an estimate, and the median of all with it.
+double usual_of(std::vector<double>& blocks) {
+  constexpr double kScatter = 0.178;  // sqrt(2 / (64 - 1))
+  constexpr double kCut = 0.0177;     // phi(2.5) / Phi(2.5): the mean below 2.5 sd, in sd
+  double estimate = median(blocks);
+  for (int round = 0; round < 10; ++round) {
+    double sum = 0, count = 0;
+    for (const double b : blocks)
+      if (b < (1 + 2.5 * kScatter) * estimate && b > (1 - 4 * kScatter) * estimate) {
+        sum += b;
+        ++count;
+      }
+    if (count == 0) break;
+    estimate = sum / count / (1 - kCut * kScatter);
+  }
+  return estimate;
+}
+
+/// Sums of the differences and of their squares over 8 x 8 px blocks next to each other: first down the
+/// columns, which is exact for whole levels and goes eight columns at a time.
+TRIBOTRACK_CLONES void add_difference(const float* a, const float* b, std::size_t n, double* sums,
+                                      double* squares) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+    sums[i] += d;
+    squares[i] += d * d;
+  }
+}
+
+/// Squares of (1, -2, 1) down and across.
+TRIBOTRACK_CLONES void add_bends(const float* above, const float* here, const float* below, std::size_t n,
+                                 double* squares) {
+  const auto down = [&](std::size_t i) {
+    return static_cast<double>(above[i]) - 2.0 * static_cast<double>(here[i]) + static_cast<double>(below[i]);
+  };
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double d = down(i - 1) - 2 * down(i) + down(i + 1);
+    squares[i] += d * d;
+  }
+}
+
+double total(const double* from, int count) {
+  return std::accumulate(from, from + count, 0.0);
+}
+
+/// Of so many rows of blocks one is looked at: a large picture holds more than are needed.
+int row_stride(const Picture& picture, int block) {
+  return std::max(1, picture.width() / block * (picture.height() / block) / kEnoughBlocks);
+}
+
+}  // namespace
+
+void NoiseEstimate::add_pair(const Picture& a, const Picture& b) {
+  std::vector<double> blocks;
+  const auto width = static_cast<std::size_t>(a.width());
+  std::vector<double> sums(width), squares(width);
+  // Each pair looks at other rows.
+  const int stride = row_stride(a, kPairBlock);
+  for (int y0 = pairs_ % stride * kPairBlock; y0 + kPairBlock <= a.height(); y0 += stride * kPairBlock) {
+    std::ranges::fill(sums, 0.0);
+    std::ranges::fill(squares, 0.0);
+    for (int y = y0; y < y0 + kPairBlock; ++y)
+      add_difference(a.row(y).data(), b.row(y).data(), width, sums.data(), squares.data());
+    for (int x0 = 0; x0 + kPairBlock <= a.width(); x0 += kPairBlock) {
+      const double s = total(sums.data() + x0, kPairBlock), q = total(squares.data() + x0, kPairBlock);
+      constexpr double n = kPairBlock * kPairBlock;
+      const double variance = (q - s * s / n) / (n - 1) / 2;
+      if (variance > 0) blocks.push_back(variance);  // 0: black, clipped, or a repeated frame
+    }
+  }
+  if (blocks.empty()) return;
+  sum_ += usual_of(blocks);
+  ++pairs_;
+}
+
+double NoiseEstimate::variance(const Picture& first) const {
+  // A texture that moves everywhere inflates the differences, a standing one the single picture.
+  const double single = noise_variance(first);
+  return std::max(pairs_ > 0 ? std::min(sum_ / pairs_, 1.1 * single) : single, kRounding);
+}
+
+double noise_variance(const std::vector<Picture>& consecutive) {
+  if (consecutive.empty()) return kRounding;
+  NoiseEstimate estimate;
+  for (std::size_t k = 0; k + 1 < consecutive.size(); ++k)
+    estimate.add_pair(consecutive[k], consecutive[k + 1]);
+  return estimate.variance(consecutive.front());
+}
+
+double noise_variance(const Picture& picture) {
+  std::vector<double> blocks;
+  std::vector<double> squares(static_cast<std::size_t>(picture.width()));
+  const int stride = row_stride(picture, kBlock / 2);
+  for (int y0 = 1; y0 + kBlock < picture.height(); y0 += stride * kBlock) {
+    std::ranges::fill(squares, 0.0);
+    for (int y = y0; y < y0 + kBlock; ++y)
+      add_bends(picture.row(y - 1).data(), picture.row(y).data(), picture.row(y + 1).data(), squares.size(),
+                squares.data());
+    for (int x0 = 1; x0 + kBlock < picture.width(); x0 += kBlock)
+      if (const double q = total(squares.data() + x0, kBlock); q > 0)
+        blocks.push_back(q / (36.0 * kBlock * kBlock));
+  }
+  return std::max(median(blocks), kRounding);
+}
+
+namespace {
+
+constexpr double kNoises = 8;  ///< 1e6 pixels of Gaussian noise never stand out so far
+constexpr float kSpreads = 2;
+
+/// By how much the levels of a row exceed all their four neighbours but one (negative: fall short of all but
+/// one), its two ends left out. Whether any is further off than `least`.
+TRIBOTRACK_CLONES bool stand_out(const float* above, const float* here, const float* below, std::size_t width,
+                                 float least, float* steps) {
+  const auto low = [](float a, float b) { return a < b ? a : b; };
+  const auto high = [](float a, float b) { return a < b ? b : a; };
+  int any = 0;
+  for (std::size_t x = 1; x + 1 < width; ++x) {
+    const float a = above[x], b = below[x], c = here[x - 1], d = here[x + 1];
+    const float second_highest = high(low(high(a, b), high(c, d)), high(low(a, b), low(c, d)));
+    const float second_lowest = low(high(low(a, b), low(c, d)), low(high(a, b), high(c, d)));
+    const float step = high(here[x] - second_highest, 0.0F) + low(here[x] - second_lowest, 0.0F);
+    steps[x] = step;
+    any |= (step > least) | (step < -least);
+  }
+  return any != 0;
+}
+
+/// The eight neighbours, in order of their levels; fewer at the picture's edge.
+struct Neighbours {
+  std::array<float, 8> levels{};
+  std::size_t count = 0;
+  Neighbours(const Picture& picture, Pixel p) {
+    for (int y = std::max(0, p.y - 1); y <= std::min(picture.height() - 1, p.y + 1); ++y)
+      for (int x = std::max(0, p.x - 1); x <= std::min(picture.width() - 1, p.x + 1); ++x)
+        if (x != p.x || y != p.y) levels[count++] = picture.at(x, y);
+    std::sort(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  float low() const { return levels[1]; }
+  float high() const { return levels[count - 2]; }
+};
+
+/// +1 bright, -1 dark, 0 as its neighbours.
+int side_of(const Picture& picture, Pixel p, float least) {
+  const Neighbours around(picture, p);
+  const float here = picture.at(p.x, p.y);
+  const float step = least + kSpreads * (around.high() - around.low());
+  return here > around.high() + step ? 1 : here < around.low() - step ? -1 : 0;
+}
+
+/// A first look along the rows of one picture.
+std::vector<Pixel> candidates(const Picture& picture, float least) {
+  std::vector<Pixel> found;
+  const auto width = static_cast<std::size_t>(picture.width());
+  std::vector<float> steps(width);
+  for (int y = 1; y + 1 < picture.height(); ++y) {
+    if (!stand_out(picture.row(y - 1).data(), picture.row(y).data(), picture.row(y + 1).data(), width, least,
+                   steps.data()))
+      continue;
+    for (std::size_t x = 1; x + 1 < width; ++x)
+      if (std::abs(steps[x]) > least) found.push_back({static_cast<int>(x), y});
+  }
+  return found;
+}
+
+bool is_before(const Pixel& a, const Pixel& b) {
+  return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+}  // namespace
+
+BadPixelSearch::BadPixelSearch(const Picture& picture, double noise_variance)
+    : least_(static_cast<float>(kNoises * std::sqrt(noise_variance))) {
+  if (picture.width() < 3 || picture.height() < 3) return;
+  for (const Pixel& p : candidates(picture, least_))
+    if (const int side = side_of(picture, p, least_); side != 0) {
+      found_.push_back(p);
+      sides_.push_back(side);
+    }
+}
+
+void BadPixelSearch::look(const Picture& picture) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    if (side_of(picture, found_[k], least_) != sides_[k]) continue;
+    found_[kept] = found_[k];
+    sides_[kept++] = sides_[k];
+  }
+  found_.resize(kept);
+  sides_.resize(kept);
+  ++others_;
+}
+
+std::vector<Pixel> BadPixelSearch::found() const {
+  return others_ > 0 ? found_ : std::vector<Pixel>();
+}
+
+MendedSource::MendedSource(FrameSource& source, std::vector<Pixel> bad)
+    : source_(source), bad_(std::move(bad)) {
+  info_ = source.info();
+  std::sort(bad_.begin(), bad_.end(), is_before);
+  for (const Pixel& p : bad_) {
+    std::vector<Pixel>& around = healthy_.emplace_back();
+    for (int reach = 1; around.empty() && reach <= 3; ++reach)
+      for (int y = p.y - reach; y <= p.y + reach; ++y)
+        for (int x = p.x - reach; x <= p.x + reach; ++x)
+          if (bounds().contains({x, y, 1, 1}) &&
+              !std::binary_search(bad_.begin(), bad_.end(), Pixel{x, y}, is_before))
+            around.push_back({x, y});
+  }
+}
+
+void MendedSource::read(std::int64_t index, const Rect& window, Picture& picture) {
+  source_.read(index, window, picture);
+  const auto first = std::lower_bound(bad_.begin(), bad_.end(), Pixel{window.x, window.y}, is_before);
+  for (auto p = first; p != bad_.end() && p->y < window.y + window.height; ++p) {
+    if (p->x < window.x || p->x >= window.x + window.width) continue;
+    std::vector<float> levels;
+    for (const Pixel& q : healthy_[static_cast<std::size_t>(p - bad_.begin())])
+      if (window.contains({q.x, q.y, 1, 1})) levels.push_back(picture.at(q.x - window.x, q.y - window.y));
+    if (levels.empty()) continue;
+    picture.at(p->x - window.x, p->y - window.y) = median(levels);
+  }
+}
+
+}  // namespace tribotrack::vision

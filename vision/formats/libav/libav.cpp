@@ -1,0 +1,122 @@
+#include "vision/formats/libav/libav.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <mutex>
+#include <new>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "vision/io/files.h"
+
+namespace tribotrack::vision {
+namespace {
+
+thread_local std::string last_complaint;
+
+void keep_complaint(void*, int level, const char* format, va_list arguments) {
+  if (level > AV_LOG_ERROR) return;
+  char line[512];
+  std::vsnprintf(line, sizeof line, format, arguments);
+  std::string text = line;
+  while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+  if (!text.empty()) last_complaint = text;
+}
+
+}  // namespace
+
+void LibavDelete::operator()(AVCodecContext* context) const {
+  avcodec_free_context(&context);
+}
+void LibavDelete::operator()(AVFrame* frame) const {
+  av_frame_free(&frame);
+}
+void LibavDelete::operator()(AVPacket* packet) const {
+  av_packet_free(&packet);
+}
+void LibavCloseInput::operator()(AVFormatContext* context) const {
+  avformat_close_input(&context);
+}
+void LibavCloseOutput::operator()(AVFormatContext* context) const {
+  if (context->pb) avio_closep(&context->pb);
+  avformat_free_context(context);
+}
+
+LibavFrame make_libav_frame() {
+  LibavFrame frame(av_frame_alloc());
+  if (!frame) throw std::bad_alloc();
+  return frame;
+}
+
+LibavPacket make_libav_packet() {
+  LibavPacket packet(av_packet_alloc());
+  if (!packet) throw std::bad_alloc();
+  return packet;
+}
+
+void silence_libav() {
+  static std::once_flag once;
+  std::call_once(once, [] { av_log_set_callback(keep_complaint); });
+}
+
+std::string libav_error(int code) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = "";
+  av_strerror(code, text, sizeof text);
+  std::string message = code == AVERROR_INVALIDDATA ? "its content is damaged" : text;
+  if (const std::string complaint = take_libav_complaint(); !complaint.empty())
+    message += " (" + complaint + ")";
+  return message;
+}
+
+std::string take_libav_complaint() {
+  return std::exchange(last_complaint, {});
+}
+
+namespace {
+
+constexpr unsigned kMostStreams = 64;
+constexpr std::size_t kLargestAllocation = std::size_t{1} << 30;
+
+int interrupted(void* deadline) {
+  return static_cast<const Deadline*>(deadline)->passed() ? 1 : 0;
+}
+
+void limit_memory() {
+  static std::once_flag once;
+  std::call_once(once, [] { av_max_alloc(kLargestAllocation); });
+}
+
+}  // namespace
+
+bool is_coding_read(const std::string& decoder_name) {
+  return ("," + std::string(kCodings) + ",").find("," + decoder_name + ",") != std::string::npos;
+}
+
+AVFormatContext* contained_input(const Deadline& deadline) {
+  limit_memory();
+  AVFormatContext* input = avformat_alloc_context();
+  if (!input) throw std::bad_alloc();
+  av_opt_set(input, "protocol_whitelist", "file", 0);
+  av_opt_set(input, "format_whitelist", kContainers, 0);
+  av_opt_set(input, "codec_whitelist", kCodings, 0);
+  input->max_streams = kMostStreams;
+  input->interrupt_callback = {interrupted, const_cast<Deadline*>(&deadline)};
+  return input;
+}
+
+int find_contained_streams(AVFormatContext& input) {
+  std::vector<AVDictionary*> options(input.nb_streams, nullptr);
+  for (AVDictionary*& of_stream : options)
+    av_dict_set(&of_stream, "max_pixels", std::to_string(kMostPixels).c_str(), 0);
+  const int error = avformat_find_stream_info(&input, options.data());
+  for (AVDictionary*& of_stream : options) av_dict_free(&of_stream);
+  return error;
+}
+
+void contain(AVCodecContext& decoder) {
+  decoder.max_pixels = kMostPixels;
+  av_opt_set(&decoder, "codec_whitelist", kCodings, 0);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,101 @@
+// libav: its headers, ownership of its objects, its complaints, and what of it a recording can reach.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libavutil/pixdesc.h>
+}
+
+namespace tribotrack::vision {
+
+// Ownership, and complaints.
+
+struct LibavDelete {
+  void operator()(AVCodecContext* context) const;
+  void operator()(AVFrame* frame) const;
+  void operator()(AVPacket* packet) const;
+};
+struct LibavCloseInput {
+  void operator()(AVFormatContext* context) const;
+};
+struct LibavCloseOutput {
+  void operator()(AVFormatContext* context) const;
+};
+
+using LibavDecoder = std::unique_ptr<AVCodecContext, LibavDelete>;
+using LibavEncoder = std::unique_ptr<AVCodecContext, LibavDelete>;
+using LibavFrame = std::unique_ptr<AVFrame, LibavDelete>;
+using LibavPacket = std::unique_ptr<AVPacket, LibavDelete>;
+using LibavInput = std::unique_ptr<AVFormatContext, LibavCloseInput>;
+using LibavOutput = std::unique_ptr<AVFormatContext, LibavCloseOutput>;
+
+LibavFrame make_libav_frame();
+LibavPacket make_libav_packet();
+
+/// From now on libav prints nothing; the last error it would have printed on this thread is kept instead.
+void silence_libav();
+/// The last error libav complained of on this thread since the previous call of this or libav_error.
+std::string take_libav_complaint();
+/// libav's word for an error code, with the last complaint kept since the previous call.
+std::string libav_error(int code);
+
+// What of libav a recording can reach, and how much it may use there.
+
+/// libav has hundreds of demuxers and decoders, and a file's bytes choose among them. These are the ones that
+/// recordings to be measured come in; no other is run. In libav's names, separated by commas.
+/// MP4/MOV, AVI, Matroska/WebM, MPEG transport and program streams, WMV, Y4M, and the bare streams of three
+/// codings.
+inline constexpr const char* kContainers = "mov,avi,matroska,mpegts,mpeg,asf,yuv4mpegpipe,h264,hevc,mjpeg";
+/// What cameras and phones write; what editing programs write; what is lossless.
+inline constexpr const char* kCodings =
+    "h264,hevc,mjpeg,mpeg4,mpeg2video,mpeg1video,h263,msmpeg4,wmv1,wmv2,wmv3,vc1,dvvideo,vp8,vp9,libdav1d,"
+    "av1,"
+    "prores,dnxhd,cfhd,"
+    "rawvideo,ffv1,huffyuv,ffvhuff,utvideo,magicyuv,lagarith,v210,v410,png,qtrle";
+/// For messages.
+inline constexpr const char* kContainersInWords =
+    "MP4 and MOV, AVI, Matroska and WebM, MPEG, WMV, Y4M, bare H.264, HEVC and MJPEG";
+inline constexpr const char* kRemedyConvert = "convert it, for instance `ffmpeg -i IN -c:v ffv1 OUT.mkv`";
+
+/// Frames: hours at any rate; the list of them takes 40 bytes each.
+inline constexpr std::size_t kMostPackets = std::size_t{1} << 24;
+/// Bytes in all packets of a file of `file_bytes`. A demuxer that hands out many times what the file holds
+/// has been sent round in circles; edit lists show a part twice, no more.
+constexpr std::uint64_t most_packet_bytes(std::uint64_t file_bytes) {
+  return 4 * file_bytes + (std::uint64_t{16} << 20);
+}
+
+bool is_coding_read(const std::string& decoder_name);
+
+/// libav gives up waiting for the disk, or for a file that never ends, when this has passed.
+class Deadline {
+ public:
+  explicit Deadline(std::chrono::seconds limit = std::chrono::seconds(60)) : limit_(limit) {}
+  /// Of the call that follows.
+  void start() { end_ = std::chrono::steady_clock::now() + limit_; }
+  bool passed() const { return std::chrono::steady_clock::now() >= end_; }
+  std::int64_t seconds() const { return limit_.count(); }
+
+ private:
+  std::chrono::seconds limit_;
+  std::chrono::steady_clock::time_point end_ = std::chrono::steady_clock::time_point::max();
+};
+
+/// A new context for avformat_open_input that reads local files of kContainers only. `deadline` must outlive
+/// it. No single allocation of libav exceeds 1 GiB from then on, in the whole process.
+AVFormatContext* contained_input(const Deadline& deadline);
+
+/// avformat_find_stream_info, with pictures no larger than vision/io/files.h allows.
+int find_contained_streams(AVFormatContext& input);
+
+/// The same limit, and kCodings only. Before avcodec_open2.
+void contain(AVCodecContext& decoder);
+
+}  // namespace tribotrack::vision

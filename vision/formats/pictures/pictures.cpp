@@ -1,0 +1,261 @@
+#include "vision/formats/pictures/pictures.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <optional>
+
+#include "vision/formats/pictures/names.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
+#include "vision/io/picture_files.h"
+#include "vision/temporary_file.h"
+
+namespace tribotrack::vision {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// OpenCV reports errors on stderr; here they become one InputError.
+void silence_opencv() {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
+void require_supported(const cv::Mat& image, const std::string& name) {
+  if (image.empty())
+    throw InputError("'" + name +
+                     "' cannot be decoded as a picture: it is damaged, cut short or of another kind");
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw InputError(in_quotes(name) + " holds floating-point or signed levels; convert it to 8 or 16 bits");
+  if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4)
+    throw InputError(in_quotes(name) + " has " + std::to_string(image.channels()) +
+                     " channels; convert it to grey or RGB");
+}
+
+template <typename Level>
+void copy_window(const cv::Mat& image, const Rect& window, Picture& picture) {
+  const int channels = image.channels();
+  for (int y = 0; y < window.height; ++y) {
+    const Level* stored = image.ptr<Level>(window.y + y) + static_cast<std::ptrdiff_t>(window.x) * channels;
+    const std::span<float> row = picture.row(y);
+    if (channels == 1) {
+      for (std::size_t x = 0; x < row.size(); ++x) row[x] = static_cast<float>(stored[x]);
+    } else {
+      for (std::size_t x = 0; x < row.size(); ++x, stored += channels)
+        row[x] = luma(stored[2], stored[1], stored[0]);
+    }
+  }
+}
+
+/// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
+class DecodedPictures : public FrameSource {
+ public:
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    prepare_window(info_, index, window, picture);
+    const cv::Mat& image = decoded(index);
+    if (image.depth() == CV_8U)
+      copy_window<std::uint8_t>(image, window, picture);
+    else
+      copy_window<std::uint16_t>(image, window, picture);
+  }
+
+ protected:
+  /// Decodes a frame without checks.
+  virtual cv::Mat decode(std::int64_t index) = 0;
+  virtual std::string frame_name(std::int64_t index) const = 0;
+
+  void describe(const SourceOptions& options) {
+    const cv::Mat& first = decoded(0);
+    info_.decoded = true;
+    info_.width = first.cols;
+    info_.height = first.rows;
+    info_.bits = first.depth() == CV_8U ? 8 : 16;
+    info_.colour = first.channels() > 1;
+    info_.codec = std::to_string(info_.bits) + " bit " + (info_.colour ? "colour" : "grey");
+    if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
+    if (options.frame_rate_hz)
+      info_.time_base = choose_time_base({user_rate(*options.frame_rate_hz, options.frame_rate_reason)});
+  }
+
+ private:
+  const cv::Mat& decoded(std::int64_t index) {
+    if (index == kept_index_) return kept_;
+    kept_index_ = -1;
+    try {
+      kept_ = decode(index);
+    } catch (const cv::Exception&) {
+      kept_ = cv::Mat();
+    }
+    require_supported(kept_, frame_name(index));
+    const int bits = kept_.depth() == CV_8U ? 8 : 16;
+    if (info_.width != 0 && (kept_.cols != info_.width || kept_.rows != info_.height || bits != info_.bits))
+      throw InputError(in_quotes(frame_name(index)) + " has " + std::to_string(kept_.cols) + " x " +
+                       std::to_string(kept_.rows) + " pixels of " + std::to_string(bits) +
+                       " bits, but the first frame has " + std::to_string(info_.width) + " x " +
+                       std::to_string(info_.height) + " of " + std::to_string(info_.bits) +
+                       "; all frames of a recording must be alike");
+    kept_index_ = index;
+    return kept_;
+  }
+
+  cv::Mat kept_;
+  std::int64_t kept_index_ = -1;
+};
+
+class PictureSequence : public DecodedPictures {
+ public:
+  PictureSequence(const fs::path& path, PictureList pictures, const SourceOptions& options)
+      : files_(std::move(pictures.files)) {
+    info_.path = path;
+    info_.format = "image sequence";
+    info_.frame_count = static_cast<std::int64_t>(files_.size());
+    info_.first_number = pictures.first_number;
+    info_.notes = std::move(pictures.notes);
+    describe(options);
+  }
+
+ private:
+  cv::Mat decode(std::int64_t index) override {
+    const fs::path& file = files_[static_cast<std::size_t>(index)];
+    require_readable_file(file);
+    require_decodable_picture(file);
+    return read_picture(file.string());
+  }
+  std::string frame_name(std::int64_t index) const override {
+    return files_[static_cast<std::size_t>(index)].string();
+  }
+
+  std::vector<fs::path> files_;
+};
+
+/// Pages are decoded some at a time: finding page n walks past all before it.
+class PictureStack : public DecodedPictures {
+ public:
+  PictureStack(const fs::path& path, const SourceOptions& options) : path_(path) {
+    info_.path = path;
+    info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
+    info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
+    if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
+    require_decodable_picture(path);
+    describe(options);
+  }
+
+ private:
+  cv::Mat decode(std::int64_t index) override {
+    if (info_.frame_count == 1) return read_picture(path_.string());
+    constexpr std::int64_t pages_at_a_time = 16;
+    if (index < first_page_ || index >= first_page_ + static_cast<std::int64_t>(pages_.size())) {
+      pages_.clear();
+      first_page_ = index;
+      const auto count = std::min(pages_at_a_time, info_.frame_count - index);
+      pages_ = read_pages(path_.string(), static_cast<int>(index), static_cast<int>(count));
+    }
+    const auto slot = static_cast<std::size_t>(index - first_page_);
+    return slot < pages_.size() ? pages_[slot] : cv::Mat();
+  }
+  std::string frame_name(std::int64_t index) const override {
+    return path_.string() + (info_.frame_count > 1 ? "', page '" + std::to_string(index) : "");
+  }
+
+  fs::path path_;
+  std::vector<cv::Mat> pages_;
+  std::int64_t first_page_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_picture_sequence(const fs::path& path, PictureList pictures,
+                                                   const SourceOptions& options) {
+  silence_opencv();
+  return std::make_unique<PictureSequence>(path, std::move(pictures), options);
+}
+
+std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
+  silence_opencv();
+  require_readable_file(path);
+  return std::make_unique<PictureStack>(path, options);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class PictureSink : public FrameSink {
+ public:
+  PictureSink(const fs::path& path, const SinkOptions& options)
+      : path_(path), options_(options), pattern_(NumberPattern::parse(path)) {
+    if (options.bits < 8 || options.bits > 16)
+      throw InputError(in_quotes(path) + " cannot hold " + std::to_string(options.bits) +
+                       " bits: 8 to 16 can be written");
+    files_.emplace_back(name_of(0));  // an unwritable folder shows at once
+  }
+
+  void write(const Picture& picture) override {
+    require_size(options_, picture.width(), picture.height());
+    const float largest = largest_level(options_.bits);
+    cv::Mat image(picture.height(), picture.width(), options_.bits == 8 ? CV_8UC1 : CV_16UC1);
+    for (int y = 0; y < picture.height(); ++y) {
+      const std::span<const float> row = picture.row(y);
+      for (int x = 0; x < picture.width(); ++x) {
+        const std::uint16_t level = whole_level(row[static_cast<std::size_t>(x)], largest);
+        if (options_.bits == 8)
+          image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(level);
+        else
+          image.at<std::uint16_t>(y, x) = level;
+      }
+    }
+    save(image);
+  }
+
+  void write_rgb(int width, int height, const unsigned char* rgb) override {
+    require_size(options_, width, height);
+    cv::Mat image(height, width, CV_8UC3);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x, rgb += 3) image.at<cv::Vec3b>(y, x) = cv::Vec3b(rgb[2], rgb[1], rgb[0]);
+    save(image);
+  }
+
+  void close() override {
+    if (count_ == 0) throw InputError(in_quotes(path_) + " would hold no frames; nothing was written");
+    for (TemporaryFile& file : files_) file.commit();
+    if (pattern_) remove_leftovers();
+  }
+
+ private:
+  fs::path name_of(std::int64_t number) const { return pattern_ ? pattern_->file(number) : path_; }
+
+  void save(const cv::Mat& image) {
+    if (count_ > 0 && !pattern_)
+      throw InputError(in_quotes(path_) +
+                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
+                       path_.extension().string() + "'");
+    if (count_ > 0) files_.emplace_back(name_of(count_));
+    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
+    ++count_;
+  }
+
+  void remove_leftovers() const {
+    const fs::path folder = pattern_->folder().empty() ? fs::path(".") : pattern_->folder();
+    std::vector<fs::path> leftovers;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+      const auto number = pattern_->number_of(entry.path().filename().string());
+      if (number && *number >= count_) leftovers.push_back(entry.path());
+    }
+    std::error_code ignored;
+    for (const fs::path& file : leftovers) fs::remove(file, ignored);
+  }
+
+  fs::path path_;
+  SinkOptions options_;
+  std::optional<NumberPattern> pattern_;
+  std::vector<TemporaryFile> files_;
+  std::int64_t count_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> create_picture_sink(const fs::path& path, const SinkOptions& options) {
+  return std::make_unique<PictureSink>(path, options);
+}
+
+}  // namespace tribotrack::vision

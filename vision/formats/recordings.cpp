@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/version.hpp>
+#include <stdexcept>
+#include <string_view>
+
+#include "vision/formats/cine/sink.h"
+#include "vision/formats/cine/source.h"
+#include "vision/formats/libav/libav.h"
+#include "vision/formats/libav/sink.h"
+#include "vision/formats/libav/source.h"
+#include "vision/formats/pictures/pictures.h"
+#include "vision/frame_sink.h"
+#include "vision/frame_source.h"
+#include "vision/io/files.h"
+#include "vision/io/levels.h"
+#include "vision/libraries.h"
+#include "vision/timing/photron_sidecar.h"
+
+namespace tribotrack::vision {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The pictures of a folder or pattern; nothing where the path names a single file.
+std::optional<PictureList> pictures_at(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return pictures_in_folder(path);
+  if (fs::exists(path, ignored)) return std::nullopt;
+  const auto pattern = NumberPattern::parse(path);
+  return pattern ? std::optional(pictures_of_pattern(*pattern)) : std::nullopt;
+}
+
+bool is_cine(const fs::path& path) {
+  return looks_like_cine(path) || path.extension() == ".cine";
+}
+
+void refuse_bare_pixels(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".mraw" || extension == ".cih" || extension == ".cihx")
+    throw InputError(
+        in_quotes(path) +
+        " belongs to a Photron recording of bare pixels (.mraw), which is not read; save it from the "
+        "camera's program as AVI or TIFF and keep the .cih or .cihx beside it for the capture rate");
+}
+
+/// A table, a campaign, a list of other files: libav would say of it what it is not.
+void refuse_text(const fs::path& path) {
+  std::array<char, 512> begin;
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(begin.data(), begin.size());
+  const std::string_view head(begin.data(), static_cast<std::size_t>(stream.gcount()));
+  const auto is_print = [](char c) { return (c >= ' ' && c <= '~') || (c >= '\t' && c <= '\r'); };
+  if (head.empty() || head.starts_with("YUV4MPEG2") || !std::ranges::all_of(head, is_print)) return;
+  throw InputError(in_quotes(path) +
+                   " is no video that can be read but a text; name a recording, or check the file");
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptions& options) {
+  if (auto pictures = pictures_at(path)) return open_picture_sequence(path, std::move(*pictures), options);
+  require_readable_file(path);
+  refuse_bare_pixels(path);
+  if (is_cine(path)) return open_cine(path, options);
+  if (has_picture_extension(path)) return open_picture_stack(path, options);
+  refuse_text(path);
+  return open_libav(path, options);
+}
+
+std::vector<fs::path> files_of_recording(const fs::path& path) {
+  if (auto pictures = pictures_at(path)) return std::move(pictures->files);
+  require_readable_file(path);
+  std::vector<fs::path> files = {path};
+  if (!is_cine(path) && !has_picture_extension(path))
+    if (const auto sidecar = photron_sidecar(path)) files.push_back(*sidecar);
+  return files;
+}
+
+std::uint64_t bytes_before_pictures(const fs::path& path) {
+  return looks_like_cine(path) ? cine_head_bytes(path) : 0;
+}
+
+bool is_number_pattern(const fs::path& path) {
+  try {
+    return NumberPattern::parse(path).has_value();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void keep_to_calling_thread() {
+  cv::setNumThreads(1);
+}
+
+namespace {
+
+Codec codec_by_name(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".cine") return Codec::cine;
+  if (extension == ".mkv") return Codec::ffv1;
+  if (extension == ".avi") return Codec::mjpeg;
+  if (extension == ".mp4" || extension == ".mov") return Codec::h264;
+  if (extension == ".png") return Codec::png;
+  if (extension == ".tif" || extension == ".tiff") return Codec::tiff;
+  throw InputError(in_quotes(path) +
+                   " has no extension of a recording format: use .cine, .mkv, .avi, .mp4, "
+                   "%05d.png or %05d.tif");
+}
+
+}  // namespace
+
+void require_size(const SinkOptions& options, int width, int height) {
+  if (width != options.width || height != options.height)
+    throw std::invalid_argument("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                                " pixels for a recording of " + std::to_string(options.width) + " x " +
+                                std::to_string(options.height));
+}
+
+std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const SinkOptions& given) {
+  SinkOptions options = given;
+  if (options.codec == Codec::automatic) options.codec = codec_by_name(path);
+  if (options.width <= 0 || options.height <= 0)
+    throw InputError(in_quotes(path) + " cannot be written: a picture of " + std::to_string(options.width) +
+                     " x " + std::to_string(options.height) + " pixels has no area");
+  if (!(options.frame_rate_hz > 0) || !std::isfinite(options.frame_rate_hz))
+    throw InputError(in_quotes(path) + " cannot be written: the frame rate must be a positive number");
+  switch (options.codec) {
+    case Codec::cine:
+      return create_cine_sink(path, options);
+    case Codec::png:
+    case Codec::tiff:
+      return create_picture_sink(path, options);
+    default:
+      return create_libav_sink(path, options);
+  }
+}
+
+double CodedFrame::mean_step() const {
+  double sum = 0;
+  for (const CodedCell& cell : cells) sum += static_cast<double>(cell.step);
+  return cells.empty() ? 0 : sum / static_cast<double>(cells.size());
+}
+
+double CodedFrame::still_share() const {
+  const auto still = std::ranges::count(cells, CodedCell::Kind::still, &CodedCell::kind);
+  return cells.empty() ? 0 : static_cast<double>(still) / static_cast<double>(cells.size());
+}
+
+std::string libraries() {
+  return "OpenCV " CV_VERSION
+         ", libavformat " AV_STRINGIFY(LIBAVFORMAT_VERSION) ", libavcodec " AV_STRINGIFY(LIBAVCODEC_VERSION);
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,44 @@
+#include "vision/io/levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "vision/kernels/vector_kernels.h"
+
+namespace tribotrack::vision {
+
+void prepare_window(const SourceInfo& info, std::int64_t index, const Rect& window, Picture& picture) {
+  if (index < 0 || index >= info.frame_count)
+    throw std::out_of_range("frame " + std::to_string(index) + " of '" + info.path.string() +
+                            "', which has " + std::to_string(info.frame_count));
+  if (window.width <= 0 || window.height <= 0 || !Rect{0, 0, info.width, info.height}.contains(window))
+    throw std::invalid_argument("window " + std::to_string(window.width) + " x " +
+                                std::to_string(window.height) + " at (" + std::to_string(window.x) + ", " +
+                                std::to_string(window.y) + ") does not lie in the " +
+                                std::to_string(info.width) + " x " + std::to_string(info.height) +
+                                " picture of '" + info.path.string() + "'");
+  if (picture.width() != window.width || picture.height() != window.height)
+    picture = Picture(window.width, window.height);
+}
+
+Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& bounds) {
+  const int left = std::max(bounds.x, static_cast<int>(std::floor(x0)));
+  const int top = std::max(bounds.y, static_cast<int>(std::floor(y0)));
+  const int right = std::min(bounds.x + bounds.width, static_cast<int>(std::ceil(x1)) + 1);
+  const int bottom = std::min(bounds.y + bounds.height, static_cast<int>(std::ceil(y1)) + 1);
+  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
+}
+
+Rect window_about(const Point& centre, double reach, const Rect& bounds) {
+  return touched_pixels(centre.x - reach, centre.y - reach, centre.x + reach, centre.y + reach, bounds);
+}
+
+TRIBOTRACK_CLONES void copy_levels(const std::uint8_t* stored, std::span<float> levels) {
+  const std::size_t n = levels.size();
+  float* to = levels.data();
+  for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<float>(stored[i]);
+}
+
+}  // namespace tribotrack::vision

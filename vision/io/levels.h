@@ -1,0 +1,72 @@
+// Windows of frames and their grey levels, as sources fill them and sinks store them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "vision/frame_sink.h"
+#include "vision/frame_source.h"
+
+namespace tribotrack::vision {
+
+// What every source does before it fills a window.
+
+/// Checks frame index and window (std::out_of_range, std::invalid_argument: a caller's mistake) and gives the
+/// picture the window's size, keeping its memory where it fits.
+void prepare_window(const SourceInfo& info, std::int64_t index, const Rect& window, Picture& picture);
+
+/// The whole pixels that x0 .. x1, y0 .. y1 touch, and one beyond at the far ends, inside `bounds`.
+Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& bounds);
+
+/// Those within `reach` px of a centre, either way.
+Rect window_about(const Point& centre, double reach, const Rect& bounds);
+
+// Stored pixels to grey levels, a row at a time.
+
+/// Luma of ITU-R BT.601 in integers, so that a grey stored in colour comes back exactly.
+constexpr float luma(std::uint32_t red, std::uint32_t green, std::uint32_t blue) {
+  return static_cast<float>((19595.0 * red + 38470.0 * green + 7471.0 * blue) / 65536.0);
+}
+
+/// In the processor's widest vectors: most of what tracking in an uncompressed recording spends on reading.
+void copy_levels(const std::uint8_t* stored, std::span<float> levels);
+
+/// 16-bit little-endian words at any address.
+inline std::uint16_t word_at(const std::uint8_t* stored, std::size_t i) {
+  std::uint16_t word;
+  std::memcpy(&word, stored + 2 * i, sizeof word);
+  return word;
+}
+
+inline void copy_levels_16(const std::uint8_t* stored, std::span<float> levels) {
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = static_cast<float>(word_at(stored, i));
+}
+
+inline void luma_of_bgr(const std::uint8_t* stored, std::span<float> levels) {
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    levels[i] = luma(stored[3 * i + 2], stored[3 * i + 1], stored[3 * i]);
+}
+
+inline void luma_of_bgr_16(const std::uint8_t* stored, std::span<float> levels) {
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    levels[i] = luma(word_at(stored, 3 * i + 2), word_at(stored, 3 * i + 1), word_at(stored, 3 * i));
+}
+
+// What every sink does with a picture before it stores it.
+
+/// Whole level 0 .. largest; not a number gives 0.
+inline std::uint16_t whole_level(float level, float largest) {
+  if (!(level > 0)) return 0;
+  return static_cast<std::uint16_t>(std::nearbyint(level < largest ? level : largest));
+}
+
+inline float largest_level(int bits) {
+  return static_cast<float>((1 << bits) - 1);
+}
+
+/// Throws std::invalid_argument where the size is not the sink's (a caller's mistake).
+void require_size(const SinkOptions& options, int width, int height);
+
+}  // namespace tribotrack::vision

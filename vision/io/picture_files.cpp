@@ -1,0 +1,249 @@
+#include "vision/io/picture_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+
+#include "vision/io/files.h"
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+class TiffFile {
+ public:
+  explicit TiffFile(const std::filesystem::path& path) : file_(path) {
+    const auto head = file_.bytes(0, 8, "the TIFF header");
+    big_endian_ = head[0] == 'M';
+    const bool marked = head[0] == head[1] && (head[0] == 'I' || head[0] == 'M');
+    const std::uint64_t version = number(2, 2, "the TIFF header");
+    if (!marked || (version != 42 && version != 43))
+      throw InputError(in_quotes(path) + " is not a TIFF; check the file and its extension");
+    large_ = version == 43;
+  }
+
+  struct Size {
+    std::uint64_t width = 0, height = 0;
+  };
+
+  /// Calls `visit(place, entries)` with each page's directory; how many there are.
+  template <class Visit>
+  std::int64_t for_pages(const Visit& visit) const {
+    std::unordered_set<std::uint64_t> seen;
+    std::uint64_t walked = 0;
+    const std::uint64_t word = large_ ? 8 : 4, count_bytes = large_ ? 8 : 2;
+    std::uint64_t page = number(large_ ? 8 : 4, word, "the place of the first page");
+    while (page != 0) {
+      const std::string what = "the directory of page " + std::to_string(seen.size());
+      if (!seen.insert(page).second)
+        throw InputError(in_quotes(file_.path()) + " is damaged: its page list is circular; export it again");
+      const std::uint64_t entries = number(page, count_bytes, what);
+      if (entries > 65535)
+        throw InputError(in_quotes(file_.path()) + " is damaged: " + what + " is invalid; export it again");
+      walked += entries * entry_bytes();
+      if (walked > file_.size())
+        throw InputError(in_quotes(file_.path()) + " is damaged: " + what +
+                         " shares bytes with others; export it again");
+      const std::uint64_t next = number(page + count_bytes + entries * entry_bytes(), word, what);
+      visit(page + count_bytes, entries);
+      page = next;
+    }
+    return static_cast<std::int64_t>(seen.size());
+  }
+
+  /// The page's picture, and the tiles it is made of; 0 where it states none.
+  std::array<Size, 2> sizes(std::uint64_t directory, std::uint64_t entries) const {
+    constexpr std::uint64_t kWidth = 256, kHeight = 257, kTileWidth = 322, kTileHeight = 323;
+    std::array<Size, 2> found;
+    for (std::uint64_t k = 0; k < entries; ++k) {
+      const std::uint64_t entry = directory + k * entry_bytes();
+      switch (number(entry, 2, "a directory")) {
+        case kWidth:
+          found[0].width = value(entry);
+          break;
+        case kHeight:
+          found[0].height = value(entry);
+          break;
+        case kTileWidth:
+          found[1].width = value(entry);
+          break;
+        case kTileHeight:
+          found[1].height = value(entry);
+          break;
+        default:
+          break;
+      }
+    }
+    return found;
+  }
+
+ private:
+  std::uint64_t entry_bytes() const { return large_ ? 20 : 12; }
+  /// Of an entry that holds one whole number: of 2, 4 or 8 bytes.
+  std::uint64_t value(std::uint64_t entry) const {
+    constexpr std::uint64_t kShort = 3, kLong8 = 16;
+    const std::uint64_t type = number(entry + 2, 2, "a directory");
+    const std::uint64_t bytes = type == kShort ? 2 : type == kLong8 && large_ ? 8 : 4;
+    return number(entry + (large_ ? 12 : 8), bytes, "a directory");
+  }
+  std::uint64_t number(std::uint64_t offset, std::uint64_t count, const std::string& what) const {
+    const auto bytes = file_.bytes(offset, count, what);
+    std::uint64_t value = 0;
+    for (std::uint64_t i = 0; i < count; ++i) value = value << 8 | bytes[big_endian_ ? i : count - 1 - i];
+    return value;
+  }
+
+  MappedFile file_;
+  bool big_endian_ = false, large_ = false;
+};
+
+}  // namespace
+
+std::int64_t count_tiff_pages(const std::filesystem::path& path) {
+  return TiffFile(path).for_pages([](std::uint64_t, std::uint64_t) {});
+}
+
+void require_sensible_pages(const std::filesystem::path& path) {
+  const TiffFile file(path);
+  file.for_pages([&](std::uint64_t directory, std::uint64_t entries) {
+    for (const TiffFile::Size& size : file.sizes(directory, entries)) {
+      constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
+      if (size.width != 0 && size.height != 0)
+        require_sensible_size(path, static_cast<std::int64_t>(std::min(size.width, most)),
+                              static_cast<std::int64_t>(std::min(size.height, most)),
+                              std::filesystem::file_size(path));
+    }
+  });
+}
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+struct Size {
+  std::int64_t width = 0, height = 0;
+};
+
+bool begins_with(Bytes bytes, std::string_view mark) {
+  return bytes.size() >= mark.size() &&
+         std::equal(mark.begin(), mark.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+std::int64_t big_endian(Bytes bytes, std::size_t offset, std::size_t count) {
+  std::int64_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) value = value << 8 | bytes[offset + i];
+  return value;
+}
+
+std::optional<Size> png_size(Bytes bytes) {
+  if (bytes.size() < 24) return std::nullopt;
+  return Size{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
+}
+
+std::optional<Size> bmp_size(Bytes bytes) {
+  if (bytes.size() < 26) return std::nullopt;
+  if (load<std::uint32_t>(bytes, 14) == 12)  // the oldest kind
+    return Size{load<std::uint16_t>(bytes, 18), load<std::uint16_t>(bytes, 20)};
+  return Size{load<std::int32_t>(bytes, 18), std::abs(std::int64_t{load<std::int32_t>(bytes, 22)})};
+}
+
+/// Segments up to the one that begins a frame.
+std::optional<Size> jpeg_size(Bytes bytes) {
+  for (std::size_t at = 2; at + 9 <= bytes.size() && bytes[at] == 0xFF;) {
+    const std::uint8_t marker = bytes[at + 1];
+    if (marker == 0xFF) {  // padding
+      ++at;
+      continue;
+    }
+    const bool frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (frame) return Size{big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2)};
+    at += 2 + static_cast<std::size_t>(big_endian(bytes, at + 2, 2));
+  }
+  return std::nullopt;
+}
+
+/// "P5 # comment \n 320 240 255 ...".
+std::optional<Size> pgm_size(Bytes bytes) {
+  std::size_t at = 2;
+  const auto number = [&]() -> std::optional<std::int64_t> {
+    while (at < bytes.size() && (std::isspace(bytes[at]) != 0 || bytes[at] == '#'))
+      if (bytes[at++] == '#')
+        while (at < bytes.size() && bytes[at] != '\n') ++at;
+    std::int64_t value = 0;
+    const std::size_t begin = at;
+    for (; at < bytes.size() && std::isdigit(bytes[at]) != 0 && at - begin < 10; ++at)
+      value = 10 * value + (bytes[at] - '0');
+    return at > begin ? std::optional(value) : std::nullopt;
+  };
+  const auto width = number(), height = number();
+  return width && height ? std::optional(Size{*width, *height}) : std::nullopt;
+}
+
+}  // namespace
+
+void require_decodable_picture(const std::filesystem::path& path) {
+  const MappedFile file(path);
+  const Bytes bytes = file.bytes(0, file.size(), "the picture");
+  if (begins_with(bytes, "II") || begins_with(bytes, "MM")) return require_sensible_pages(path);
+  std::optional<Size> size;
+  if (begins_with(bytes, "\x89PNG\r\n\x1a\n"))
+    size = png_size(bytes);
+  else if (begins_with(bytes, "BM"))
+    size = bmp_size(bytes);
+  else if (begins_with(bytes, "\xFF\xD8\xFF"))
+    size = jpeg_size(bytes);
+  else if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6')
+    size = pgm_size(bytes);
+  else
+    throw InputError(in_quotes(path) +
+                     " cannot be decoded as a picture: it is neither PNG, TIFF, BMP, JPEG nor PGM; export it "
+                     "as one of these");
+  if (!size)
+    throw InputError(in_quotes(path) +
+                     " cannot be decoded as a picture: it ends before it states its size, "
+                     "so it is cut short or damaged; copy or export it again");
+  require_sensible_size(path, size->width, size->height, file.size());
+}
+
+namespace {
+
+std::vector<unsigned char> encoded(const char* extension, const cv::Mat& image,
+                                   const std::vector<int>& parameters) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(extension, image, bytes, parameters);
+  return bytes;
+}
+
+}  // namespace
+
+cv::Mat read_picture(const std::string& file) {
+  return cv::imread(file, cv::IMREAD_UNCHANGED);
+}
+
+std::vector<cv::Mat> read_pages(const std::string& file, int first, int count) {
+  std::vector<cv::Mat> pages;
+  cv::imreadmulti(file, pages, first, count, cv::IMREAD_UNCHANGED);
+  return pages;
+}
+
+std::vector<unsigned char> png_of(const cv::Mat& image) {
+  return encoded(".png", image, {});
+}
+
+std::vector<unsigned char> tiff_of(const cv::Mat& image) {
+  return encoded(".tif", image, {cv::IMWRITE_TIFF_COMPRESSION, 1});
+}
+
+std::vector<unsigned char> jpeg_of(const cv::Mat& image, int quality) {
+  return encoded(".jpg", image, {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1});
+}
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,41 @@
+// Picture files: what they state before anything decodes them, decoding, encoding.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace tribotrack::vision {
+
+// What a picture file says of its size, before anything decodes it.
+
+/// Reads the head of a PNG, TIFF (all pages), BMP, JPEG or PGM. Throws InputError where the size is beyond
+/// vision/io/files.h, or more than so few bytes can hold however they are packed, and for files of any
+/// other kind: OpenCV would choose among a dozen decoders by the file's own first bytes, whatever its name.
+void require_decodable_picture(const std::filesystem::path& file);
+
+// How many pages a TIFF has, and how large they are.
+
+/// Walks the chain of pages (classic and BigTIFF, either byte order). Decoders stop at a broken link and take
+/// what came before for the whole file; here it is an InputError, as is a file that is no TIFF.
+std::int64_t count_tiff_pages(const std::filesystem::path& path);
+
+/// Throws InputError where a page, or the tiles it is made of, are larger than vision/io/files.h
+/// allows.
+void require_sensible_pages(const std::filesystem::path& path);
+
+// Reading and writing picture files by OpenCV.
+
+/// As stored, whatever the depth; empty where it cannot be decoded.
+cv::Mat read_picture(const std::string& file);
+std::vector<cv::Mat> read_pages(const std::string& file, int first, int count);
+
+/// The bytes of a file that holds a CV_8UC1, CV_16UC1 or CV_8UC3 (B, G, R) picture; of a TIFF not compressed.
+std::vector<unsigned char> png_of(const cv::Mat& image);
+std::vector<unsigned char> tiff_of(const cv::Mat& image);
+/// `quality` 1 to 100 as libjpeg has it.
+std::vector<unsigned char> jpeg_of(const cv::Mat& image, int quality);
+
+}  // namespace tribotrack::vision
