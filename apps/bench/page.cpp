@@ -20,11 +20,6 @@ using apps::Series;
 
 namespace {
 
-constexpr const char* kClock =
-    "CPU time of the measuring thread, of whole commands that of their process; medians of repetitions in "
-    "which "
-    "the methods take turns";
-
 std::string cpu_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -124,28 +119,23 @@ long held_in(const std::vector<ExtremeRow>& rows) {
   return std::ranges::count(rows, true, &ExtremeRow::held);
 }
 
-std::string missing_text(const Circumstances& circumstances) {
-  return circumstances.missing.empty()
-             ? "none"
-             : fmt::format("this build was made without {}", fmt::join(circumstances.missing, ", "));
-}
-
 }  // namespace
 
-std::string load_average() {
-  double load[3];
-  return getloadavg(load, 3) == 3 ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
-                                  : "unknown";
-}
-
 Circumstances circumstances_here() {
-  return {"tribotrack " TRIBOTRACK_VERSION,
-          cpu_name(),
-          TRIBOTRACK_COMPILER,
-          TRIBOTRACK_COMPILER_FLAGS,
-          missing_libraries(),
-          load_average(),
-          ""};
+  const std::vector<std::string> missing = missing_libraries();
+  double load[3];
+  return {
+      {"program", "tribotrack " TRIBOTRACK_VERSION},
+      {"cpu", cpu_name()},
+      {"compiler", TRIBOTRACK_COMPILER},
+      {"compiler_flags", TRIBOTRACK_COMPILER_FLAGS},
+      {"clock",
+       "CPU time of the measuring thread, of whole commands that of their process; medians of repetitions "
+       "in which the methods take turns"},
+      {"peers_missing", missing.empty() ? "none" : fmt::format("{}", fmt::join(missing, ", "))},
+      {"load_average", getloadavg(load, 3) == 3
+                           ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
+                           : "unknown"}};
 }
 
 std::vector<SummaryLine> summary_of(const BenchResults& results) {
@@ -192,7 +182,6 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
   apps::Page page;
   page.name = "bench";
   page.title = "Error against run time";
-  page.subtitle = fmt::format("{}, {}, {}", circumstances.program, circumstances.cpu, circumstances.compiler);
   page.first =
       paragraph(
           "Errors are distances from a reference that was made in another way or is known because the data "
@@ -224,29 +213,15 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
                    "Pearson).") +
              table_of(results.coverage).html()});
   std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
-  for (const auto& [name, value] : {std::pair<const char*, std::string>{"program", circumstances.program},
-                                    {"machine", circumstances.cpu},
-                                    {"compiler", circumstances.compiler},
-                                    {"flags", circumstances.compiler_flags},
-                                    {"clock", kClock},
-                                    {"load before", circumstances.load_before},
-                                    {"load after", circumstances.load_after},
-                                    {"missing peers", missing_text(circumstances)}})
+  for (const auto& [name, value] : circumstances)
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, apps::escape_html(value));
   page.sections.push_back({"circumstances", "Circumstances", html + "</tbody></table></div>\n"});
   return apps::html_of(std::move(page));
 }
 
 apps::Json json_of(const BenchResults& results, const Circumstances& circumstances) {
-  apps::Json json = {{"program", circumstances.program},
-                     {"cpu", circumstances.cpu},
-                     {"compiler", circumstances.compiler},
-                     {"compiler_flags", circumstances.compiler_flags},
-                     {"threads", 1},
-                     {"clock", kClock},
-                     {"load_average_before", circumstances.load_before},
-                     {"load_average_after", circumstances.load_after},
-                     {"peers_missing", circumstances.missing}};
+  apps::Json json = apps::Json::object();
+  for (const auto& [name, value] : circumstances) json[name] = value;
   for (const Comparison& comparison : results.comparisons) {
     json["reference"][comparison.name] = comparison.reference;
     json["results"][comparison.name]["rows"] = comparison.rows.size();

@@ -2,9 +2,8 @@
 // part, then what the figures depend on.
 #pragma once
 
-#include <array>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/bench/tables.h"
@@ -13,15 +12,10 @@
 
 namespace tribotrack::bench {
 
-/// Machine, build and load, by name; the loads are those of the last 1, 5 and 15 minutes before and after.
-struct Circumstances {
-  std::string program, cpu, compiler, compiler_flags;
-  std::vector<std::string> missing;  ///< libraries this build was made without
-  std::string load_before, load_after;
-};
-/// Of this process now; the load afterwards is still to come.
+/// What the figures depend on, by the keys of bench.json: program, cpu, compiler, compiler_flags, clock,
+/// peers_missing, load_average (of the last 1, 5 and 15 minutes).
+using Circumstances = std::vector<std::pair<std::string, std::string>>;
 Circumstances circumstances_here();
-std::string load_average();
 
 /// The lines of the table on top: comparisons, extremes, coverage.
 std::vector<SummaryLine> summary_of(const BenchResults& results);

@@ -105,7 +105,7 @@ void run_bench(const BenchOptions& asked, const Context& context) {
     create_folder(asked.figures);
     require_writable(printed_files({}, asked.figures).front());
   }
-  bench::Circumstances here = bench::circumstances_here();
+  const bench::Circumstances here = bench::circumstances_here();
   bench::BenchResults results;
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
   if (wanted("model")) bench_of_model(asked, context, results);
@@ -117,7 +117,6 @@ void run_bench(const BenchOptions& asked, const Context& context) {
   }
   if (wanted("fit") || wanted("coverage")) bench_of_coverage(asked, context, results);
   for (bench::Comparison& comparison : results.comparisons) set_against_ours(comparison);
-  here.load_after = bench::load_average();
   write_results(asked, context, results, here);
 }
 
