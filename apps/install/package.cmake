@@ -32,8 +32,13 @@ foreach(name IN ITEMS Python3_VERSION_MAJOR Python3_VERSION_MINOR)
   get_directory_property(${name} DIRECTORY "${PROJECT_SOURCE_DIR}/apps/python" DEFINITION ${name})
 endforeach()
 
-# dpkg-shlibdeps finds what is linked.
+foreach(name IN ITEMS OpenCV_VERSION_MAJOR OpenCV_VERSION_MINOR)
+  get_directory_property(${name} DIRECTORY "${PROJECT_SOURCE_DIR}/vision" DEFINITION ${name})
+endforeach()
+# dpkg-shlibdeps finds what is linked. Loaded when a file needs it (vision/io/picture_files.cpp):
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+math(EXPR imgcodecs "100 * ${OpenCV_VERSION_MAJOR} + ${OpenCV_VERSION_MINOR}")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libopencv-imgcodecs${imgcodecs}")
 # Figures for print; the module, which is for one version of Python.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-matplotlib)
 if(TARGET tribotrack_python)

@@ -1,5 +1,8 @@
 #include "vision/io/picture_files.h"
 
+#include <dlfcn.h>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -215,22 +218,66 @@ void require_decodable_picture(const std::filesystem::path& path) {
 
 namespace {
 
+using Read = cv::Mat(const std::string&, int);
+using ReadPages = bool(const std::string&, std::vector<cv::Mat>&, int, int, int);
+using Encode = bool(const std::string&, cv::InputArray, std::vector<unsigned char>&, const std::vector<int>&);
+
+/// OpenCV has functions of these types under these names, whatever else it has under them.
+static_assert(requires {
+  static_cast<Read*>(&cv::imread);
+  static_cast<ReadPages*>(&cv::imreadmulti);
+  static_cast<Encode*>(&cv::imencode);
+});
+
+/// OpenCV's imgcodecs. With GDAL behind it, it takes every command a quarter of a second to load, and most
+/// touch no picture file: it is loaded by the first that does.
+class Imgcodecs {
+ public:
+  static const Imgcodecs& loaded() {
+    static const Imgcodecs functions;
+    return functions;
+  }
+  Read* read = nullptr;
+  ReadPages* read_pages = nullptr;
+  Encode* encode = nullptr;
+
+ private:
+  /// Names as the C++ ABI of GCC and Clang spells them.
+  Imgcodecs() {
+    const std::string text = "RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE";
+    find("_ZN2cv6imreadE" + text + "i", read);
+    find("_ZN2cv11imreadmultiE" + text + "RSt6vectorINS_3MatESaIS9_EEiii", read_pages);
+    find("_ZN2cv8imencodeE" + text + "RKNS_11_InputArrayERSt6vectorIhSaIhEERKSB_IiSaIiEE", encode);
+  }
+  template <class Function>
+  void find(const std::string& name, Function*& function) {
+    function = handle_ ? reinterpret_cast<Function*>(dlsym(handle_, name.c_str())) : nullptr;
+    if (!function)
+      throw InputError(fmt::format(
+          "picture files need OpenCV's imgcodecs, which cannot be used here ({}); install Debian's package "
+          "libopencv-imgcodecs{}",
+          dlerror(), version_));
+  }
+  std::string version_ = fmt::format("{}{:02}", CV_VERSION_MAJOR, CV_VERSION_MINOR);
+  void* handle_ = dlopen(("libopencv_imgcodecs.so." + version_).c_str(), RTLD_LAZY | RTLD_LOCAL);
+};
+
 std::vector<unsigned char> encoded(const char* extension, const cv::Mat& image,
                                    const std::vector<int>& parameters) {
   std::vector<unsigned char> bytes;
-  cv::imencode(extension, image, bytes, parameters);
+  Imgcodecs::loaded().encode(extension, image, bytes, parameters);
   return bytes;
 }
 
 }  // namespace
 
 cv::Mat read_picture(const std::string& file) {
-  return cv::imread(file, cv::IMREAD_UNCHANGED);
+  return Imgcodecs::loaded().read(file, cv::IMREAD_UNCHANGED);
 }
 
 std::vector<cv::Mat> read_pages(const std::string& file, int first, int count) {
   std::vector<cv::Mat> pages;
-  cv::imreadmulti(file, pages, first, count, cv::IMREAD_UNCHANGED);
+  Imgcodecs::loaded().read_pages(file, pages, first, count, cv::IMREAD_UNCHANGED);
   return pages;
 }
 

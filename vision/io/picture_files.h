@@ -26,7 +26,7 @@ std::int64_t count_tiff_pages(const std::filesystem::path& path);
 /// allows.
 void require_sensible_pages(const std::filesystem::path& path);
 
-// Reading and writing picture files by OpenCV.
+// Reading and writing picture files by OpenCV. All throw InputError where its library is not installed.
 
 /// As stored, whatever the depth; empty where it cannot be decoded.
 cv::Mat read_picture(const std::string& file);
