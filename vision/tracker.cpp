@@ -15,7 +15,7 @@
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
 #include "vision/layers/stage.h"
-#include "vision/rotation/rotation_stage.h"
+#include "vision/rotation/rotation_track.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/camera_check.h"
 #include "vision/tracking/first_pass.h"

@@ -15,7 +15,7 @@
 #include "vision/analytic_scene.h"
 #include "vision/camera/pixels.h"
 #include "vision/cramer_rao_bound.h"
-#include "vision/kernels/outlier_pixels.h"
+#include "vision/kernels/informative_pixels.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 

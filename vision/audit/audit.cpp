@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "vision/audit/frame_to_frame.h"
-#include "vision/audit/pixel_phase.h"
 
 namespace tribotrack::vision {
 namespace {

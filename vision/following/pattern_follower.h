@@ -17,8 +17,7 @@
 #include <vector>
 
 #include "vision/discs/rim_sectors.h"
-#include "vision/following/distractors.h"
-#include "vision/following/motion_prediction.h"
+#include "vision/following/prediction.h"
 #include "vision/frame_source.h"
 #include "vision/registration/pattern.h"
 #include "vision/registration/registration.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "vision/layers/model/standing_light.h"
+#include "vision/layers/model/light.h"
 #include "vision/layers/registration/registration.h"
 
 namespace tribotrack::vision {

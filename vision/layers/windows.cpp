@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "vision/io/levels.h"
-#include "vision/layers/model/median_ground.h"
+#include "vision/layers/model/ground.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "vision/kernels/dense.h"
-#include "vision/kernels/outlier_pixels.h"
+#include "vision/kernels/informative_pixels.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "vision/kernels/informative_pixels.h"
+#include "vision/kernels/median.h"
+
 namespace tribotrack::vision {
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
@@ -156,6 +159,101 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
   if (!take_picture(picture, x, y, whole_x, whole_y, pose.theta)) return 0;
   sample_template({pose.dx - whole_x, pose.dy - whole_y, pose.theta}, false);
   return correlation();
+}
+
+// TemplateRegistration, robustness: pixels that do not belong to the template (glare, a hand) are trimmed,
+// and what the template does not explain enters the covariance.
+
+namespace {
+
+constexpr double kOutlierEdge = 3;         ///< px about a covering object that are half covered
+constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
+constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
+
+}  // namespace
+
+/// Sets the weight of pixels to zero whose residual cannot be noise. Returns how many.
+std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, double offset, double noise_sd) {
+  const double least = std::max(6 * noise_sd, 0.5 * std::abs(gain) * contrast_);
+  if (sums.largest <= least) return 0;
+  residual_.resize(mask_.size());
+  // The usual residual matters where it is no small one: else it need not be known.
+  const ResidualCounts counts =
+      tile_kernels().residuals(arrays_, base_weight_, static_cast<float>(gain), static_cast<float>(offset),
+                               static_cast<float>(least / kUsual), residual_);
+  double limit = least;
+  if (counts.small <= counts.counted / 2) {
+    std::vector<float> sizes;
+    for (std::size_t i = 0; i < mask_.size(); ++i)
+      if (base_weight_[i] > 0) sizes.push_back(residual_[i]);
+    limit = std::max(least, kUsual * static_cast<double>(median(sizes)));
+  }
+  outliers_.resize(mask_.size());
+  tile_kernels().mark(residual_, static_cast<float>(limit), outliers_);
+  // A texture that has turned does not match anywhere until its angle is found.
+  if (!options_.rotation) spread_outliers(places_, kOutlierEdge, outliers_);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mask_.size(); i += kTile) {
+    if (!any_in_row(outliers_.data() + i)) continue;
+    for (std::size_t k = i; k < i + kTile; ++k) {
+      if (outliers_[k] == 0 || !(base_weight_[k] > 0)) continue;
+      arrays_.weight[k] = 0;
+      ++count;
+    }
+  }
+  trimmed_ = true;
+  if (static_cast<double>(count) > kMaxTrim * static_cast<double>(counts.counted)) {
+    arrays_.weight = base_weight_;
+    return 0;
+  }
+  return count;
+}
+
+/// Sandwich covariance of (dx, dy, theta) with the tiles as clusters.
+Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gain, double offset) {
+  scores_.resize(places_.size());
+  tile_kernels().scores(arrays_, static_cast<float>(gain), static_cast<float>(offset), scores_);
+  Eigen::Matrix<double, 5, 5> meat = Eigen::Matrix<double, 5, 5>::Zero();
+  for (const std::array<double, 5>& of_tile : scores_) {
+    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.data());
+    meat += score * score.transpose();
+  }
+  const Matrix covariance = inverse * meat.topLeftCorner(columns(), columns()) * inverse / (gain * gain);
+  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+  out.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
+  if (options_.rotation) out(2, 2) = covariance(4, 4);
+  return out;
+}
+
+// TemplateRegistration, audit: the sums of each tile at the pose found.
+
+std::vector<TileSums> TemplateRegistration::tile_sums() {
+  const std::size_t tiles = places_.size();
+  scores_.resize(tiles);
+  normals_.resize(tiles);
+  tile_kernels().scores(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), scores_);
+  tile_kernels().normals(arrays_, normals_);
+  const int n = columns();
+  double weight = 0;
+  for (const NormalSums& sums : normals_) weight += filled(sums)(3, 3);
+
+  // The kernels' slopes are those of the template, the picture's are gain times as steep.
+  Vector slope = Vector::Ones(n);
+  slope.head<2>().setConstant(found_.gain);
+  if (options_.rotation) slope(4) = found_.gain;
+  std::vector<TileSums> out(tiles);
+  for (std::size_t t = 0; t < tiles; ++t) {
+    const Matrix normal = filled(normals_[t]);
+    Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(scores_[t].data()).head(n);
+    // The known force of the template's noise: at the optimum it is what the scores add up to.
+    score.head<2>() -= normal(3, 3) / weight * found_.noise_force;
+    constexpr double kMiddle = 0.5 * (kTile - 1);
+    out[t].place = {pattern_.window.x + places_[t].x + kMiddle - pattern_.centre.x,
+                    pattern_.window.y + places_[t].y + kMiddle - pattern_.centre.y};
+    out[t].score = slope.cwiseProduct(score) / found_.noise;
+    out[t].normal = slope.asDiagonal() * normal * slope.asDiagonal() / found_.noise;
+  }
+  return out;
 }
 
 }  // namespace tribotrack::vision

@@ -59,9 +59,9 @@ struct RegistrationOptions {
   double tolerance_px = 1e-4;
 };
 
-/// Defined in six files: registration.cpp (the iteration), template.cpp (set-up; levels and slopes of the
-/// template at a pose), picture.cpp (the picture under it), noise.cpp (the template's own noise in the normal
-/// equations), outliers.cpp (trimming and the sandwich covariance), tile_sums.cpp (for the audit).
+/// Defined in two files: registration.cpp (the iteration, trimming and the sandwich covariance, the sums of
+/// each tile for the audit), template.cpp (set-up; levels and slopes of the template at a pose, the picture
+/// under it, the template's own noise in the normal equations).
 class TemplateRegistration {
  public:
   /// Copies what it needs of the first frame.
@@ -89,7 +89,7 @@ class TemplateRegistration {
 
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
-  /// Same for the rotation alone, see rotation_visibility.h.
+  /// Same for the rotation alone, see pattern.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   const RegistrationOptions& options() const { return options_; }

@@ -1,11 +1,13 @@
 // TemplateRegistration, template: set-up, which of its pixels take part, and its levels and slopes at any
 // pose.
+#include "vision/registration/registration.h"
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "vision/kernels/vector_kernels.h"
-#include "vision/registration/registration.h"
-#include "vision/registration/rotation_visibility.h"
+#include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -169,6 +171,114 @@ Picture TemplateRegistration::chosen() const {
       if (mask_[t * kTilePixels + k] > 0) out.at(x, y) = 1;
     }
   return out;
+}
+
+// TemplateRegistration, picture: grey levels and weights under the template at a pose.
+
+/// Weight of the template pixel that lies under pixel (x, y) of the window once the template is turned.
+float TemplateRegistration::turned_weight(int x, int y, double c, double s) const {
+  const Rect& w = pattern_.window;
+  const double rx = x + w.x - pattern_.centre.x;
+  const double ry = y + w.y - pattern_.centre.y;
+  const int u = static_cast<int>(std::lround(pattern_.centre.x + c * rx - s * ry)) - w.x;
+  const int v = static_cast<int>(std::lround(pattern_.centre.y + s * rx + c * ry)) - w.y;
+  const bool inside = u >= 0 && v >= 0 && u < w.width && v < w.height;
+  return inside ? std::min(pattern_.weights.at(u, v), pattern_.radius > 0 ? 1.0F : pattern_.weights.at(x, y))
+                : 0.0F;
+}
+
+/// Grey levels under the tiles moved by whole pixels; weight 0 outside the picture. False where less than
+/// half of the mask is covered.
+bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y,
+                                        double theta) {
+  const Rect& w = pattern_.window;
+  const bool turned = gaps_ && options_.rotation && theta != 0;
+  const double c = std::cos(theta);
+  const double s = std::sin(theta);
+  if (!whole_mask_) base_weight_ = mask_;
+  bool all_inside = true;
+  for (std::size_t t = 0; t < places_.size(); ++t) {
+    const int left = places_[t].x + w.x + whole_x - x;
+    const int top = places_[t].y + w.y + whole_y - y;
+    float* level = arrays_.level.data() + t * kTilePixels;
+    float* weight = base_weight_.data() + t * kTilePixels;
+    const bool inside =
+        left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
+    all_inside &= inside;
+    for (int j = 0; j < kTile; ++j, level += kTile, weight += kTile) {
+      if (inside) {
+        const float* from = picture.row(top + j).data() + left;
+        for (int i = 0; i < kTile; ++i) level[i] = from[i] - pivot_;
+      } else {
+        for (int i = 0; i < kTile; ++i) {
+          const bool seen =
+              left + i >= 0 && left + i < picture.width() && top + j >= 0 && top + j < picture.height();
+          level[i] = seen ? picture.at(left + i, top + j) - pivot_ : 0.0F;
+          if (!seen) weight[i] = 0;
+        }
+      }
+      if (turned)
+        for (int i = 0; i < kTile; ++i)
+          if (weight[i] > 0) weight[i] = turned_weight(places_[t].x + i, places_[t].y + j, c, s);
+    }
+  }
+  // What the frame before changed: mostly nothing.
+  const bool whole = all_inside && !turned;
+  if (trimmed_ || !whole || !whole_mask_) arrays_.weight = base_weight_;
+  trimmed_ = false;
+  whole_mask_ = whole;
+  if (whole) return true;
+  double covered = 0;
+  for (const float weight : base_weight_) covered += weight;
+  return covered > 0.5 * pixels_;
+}
+
+// TemplateRegistration, noise: what the template's own noise does to the normal equations.
+
+/// The noise of the template adds its own slopes to the derivatives: sum (g + e)^2 = sum g^2 + sum e^2.
+TemplateRegistration::Matrix TemplateRegistration::debiased(const Matrix& normal,
+                                                            const Pose& fraction) const {
+  const auto gain = [&](double f) {
+    const double t = (f - std::floor(f)) * kFractions;
+    return noise_gain_[static_cast<std::size_t>(std::lround(t))];
+  };
+  const InterpolationNoise nx = gain(-fraction.dx);
+  const InterpolationNoise ny = gain(-fraction.dy);
+  Matrix out = normal;
+  const double noise = template_noise() * normal(3, 3);  // sum of the weights
+  out(0, 0) -= std::min(0.7 * normal(0, 0), noise * nx.slope * ny.value);
+  out(1, 1) -= std::min(0.7 * normal(1, 1), noise * nx.value * ny.slope);
+  return out;
+}
+
+/// Noise variance that would explain the present residual, picture and template noisy alike.
+double TemplateRegistration::residual_noise(const ForceSums& sums, const Pose& at, double gain) const {
+  const auto value_gain = [&](double f) {  // continuous, or the iteration could swing between two entries
+    const double t = (f - std::floor(f)) * kFractions;
+    const auto k = std::min(static_cast<std::size_t>(t), static_cast<std::size_t>(kFractions - 1));
+    const double share = t - static_cast<double>(k);
+    return (1 - share) * noise_gain_[k].value + share * noise_gain_[k + 1].value;
+  };
+  return sums.squares / std::max(1.0, sums.weight - columns()) /
+         (1 + options_.template_noise_share * gain * gain * value_gain(at.dx) * value_gain(at.dy));
+}
+
+/// Expectation of sum w J r that is due to the template's noise alone: its slopes (in J, formed at one
+/// fraction) and its values (in r, at another) are correlated. A turned template mixes all fractions, which
+/// averages it out: 2 J1(z) / z for a disc.
+Eigen::Vector2d TemplateRegistration::noise_force(const ForceSums& sums, const Pose& formed, const Pose& at,
+                                                  double gain) const {
+  // The noise cannot be more than what the residual shows; from clearly less to within its scatter, a ramp.
+  const double shown = residual_noise(sums, at, gain);
+  const double share = std::clamp((shown / options_.noise_variance - 0.6) / 0.2, 0.0, 1.0);
+  const double noise =
+      share * options_.noise_variance + (1 - share) * std::min(shown, options_.noise_variance);
+  const InterpolationCovariance x = quintic_noise_covariance(-formed.dx, -at.dx);
+  const InterpolationCovariance y = quintic_noise_covariance(-formed.dy, -at.dy);
+  const double z = 2 * std::numbers::pi * pattern_.reach() * std::abs(at.theta);
+  const double mixing = z > 1e-3 ? (z < 30 ? 2 * std::cyl_bessel_j(1.0, z) / z : 0) : 1;
+  return mixing * gain * options_.template_noise_share * noise * sums.weight *
+         Eigen::Vector2d(x.slope_value * y.value_value, x.value_value * y.slope_value);
 }
 
 }  // namespace tribotrack::vision

@@ -1,5 +1,13 @@
 #include "vision/stages/stage_clock.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/stages/debug_pictures.h"
+#include "vision/stages/frame_range.h"
+
 namespace tribotrack::vision {
 
 const char* to_string(Stage stage) {
@@ -42,6 +50,83 @@ std::vector<StageTime> StageClock::times() {
   for (std::size_t k = 0; k < kStages; ++k)
     if (spent_[k] > Clock::duration::zero())
       out.push_back({to_string(static_cast<Stage>(k)), std::chrono::duration<double>(spent_[k]).count()});
+  return out;
+}
+
+FrameRange frames_to_analyse(const FrameSource& source, const TrackOptions& options) {
+  const SourceInfo& info = source.info();
+  const std::string name = info.path.string();
+  if (info.frame_count <= 0) throw InputError(name + " holds no frames");
+  const std::int64_t low = info.first_number;
+  const std::int64_t high = info.first_number + info.frame_count - 1;
+  const std::int64_t first = options.first_frame.value_or(low);
+  const std::int64_t last = options.last_frame.value_or(high);
+  if (first < low || first > high || last < low || last > high)
+    throw InputError(fmt::format("{}: frames {} to {} requested, but the recording holds {} to {}", name,
+                                 first, last, low, high));
+  if (last < first)
+    throw InputError(
+        fmt::format("{}: the last frame requested ({}) comes before the first ({})", name, last, first));
+  return {first - low, last - low};
+}
+
+namespace {
+
+void add(std::vector<ShownFrame>& shown, std::int64_t index, const char* why) {
+  const auto same = std::ranges::find(shown, index, &ShownFrame::index);
+  if (same == shown.end())
+    shown.push_back({index, why});
+  else
+    same->why += std::string(", ") + why;
+}
+
+std::size_t place_of(const Track& track, std::int64_t frame) {
+  const auto point = std::ranges::find(track.points, frame, &TrackPoint::frame);
+  if (point == track.points.end())
+    throw InputError(fmt::format(
+        "debug pictures of frame {} were requested, but frames {} to {} were analysed; choose among these",
+        frame, track.points.front().frame, track.points.back().frame));
+  return static_cast<std::size_t>(point - track.points.begin());
+}
+
+}  // namespace
+
+std::vector<ShownFrame> frames_to_show(const Track& track, std::int64_t first_index,
+                                       const std::vector<double>& residual, const TrackOptions& options) {
+  std::vector<ShownFrame> shown;
+  if (!options.debug || track.points.empty()) return shown;
+  std::vector<std::int64_t> seen;
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    if (track.points[k].status == TrackStatus::ok) seen.push_back(first_index + static_cast<std::int64_t>(k));
+  for (const std::int64_t frame : options.debug_frames) {
+    const std::size_t place = place_of(track, frame);
+    if (track.points[place].status == TrackStatus::ok)
+      add(shown, first_index + static_cast<std::int64_t>(place), "requested");
+  }
+  if (options.debug_frames.empty() && !seen.empty()) {
+    add(shown, seen.front(), "first");
+    add(shown, seen[seen.size() / 2], "middle");
+    add(shown, seen.back(), "last");
+    const auto worst = std::ranges::max_element(residual) - residual.begin();
+    if (residual[static_cast<std::size_t>(worst)] > 0) add(shown, first_index + worst, "largest residual");
+  }
+  std::ranges::sort(shown, {}, &ShownFrame::index);
+  return shown;
+}
+
+void share_range(StagePicture& from, StagePicture& with) {
+  std::vector<float> levels;
+  for (const float level : from.levels.levels())
+    if (std::isfinite(level)) levels.push_back(level);
+  if (levels.empty()) return;
+  const auto [low, high] = std::ranges::minmax(levels);
+  from.low = with.low = low;
+  from.high = with.high = high;
+}
+
+Picture difference(const Picture& a, const Picture& b) {
+  Picture out = a;
+  for (std::size_t k = 0; k < out.levels().size(); ++k) out.levels()[k] -= b.levels()[k];
   return out;
 }
 

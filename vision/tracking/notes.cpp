@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "vision/track.h"
+
 namespace tribotrack::vision {
 
 FrameCounts count(const Track& track, double max_lost_share) {
@@ -217,6 +219,44 @@ std::string TrackSummary::brief_report() const {
   else if (!gate_passed)
     text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
   return text;
+}
+
+const char* to_string(TrackStatus status) {
+  switch (status) {
+    case TrackStatus::ok:
+      return "ok";
+    case TrackStatus::edge:
+      return "edge";
+    case TrackStatus::lost:
+      break;
+  }
+  return "lost";
+}
+
+std::optional<double> Audit::halves() const {
+  if (!halves_x || !halves_y) return std::nullopt;
+  return std::hypot(*halves_x, *halves_y) / std::sqrt(2.0);
+}
+
+double TrackSummary::slow_sd() const {
+  double variance = 0;
+  for (const SlowPart& part : slow) variance += part.sd * part.sd;
+  return std::sqrt(variance);
+}
+
+double TrackSummary::slow_time() const {
+  double variance = 0, sum = 0;
+  for (const SlowPart& part : slow) {
+    variance += part.sd * part.sd;
+    sum += part.sd * part.sd * part.time;
+  }
+  return variance > 0 ? sum / variance : 0;
+}
+
+std::int64_t Track::first_seen() const {
+  const auto seen = std::find_if(points.begin(), points.end(),
+                                 [](const TrackPoint& p) { return p.status == TrackStatus::ok; });
+  return seen != points.end() ? seen->frame : points.front().frame;
 }
 
 }  // namespace tribotrack::vision

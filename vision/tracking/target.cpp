@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/discs/alike.h"
-#include "vision/discs/at_rest.h"
+#include "vision/discs/disc_detection.h"
 #include "vision/discs/first_appearance.h"
 #include "vision/tracker.h"
 

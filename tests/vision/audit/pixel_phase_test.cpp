@@ -1,4 +1,4 @@
-#include "vision/audit/pixel_phase.h"
+#include "vision/audit/frame_to_frame.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/discs/alike.h"
+#include "vision/discs/disc_detection.h"
 
 #include <gtest/gtest.h>
 

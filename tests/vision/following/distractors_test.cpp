@@ -1,4 +1,4 @@
-#include "vision/following/distractors.h"
+#include "vision/following/prediction.h"
 
 #include <gtest/gtest.h>
 

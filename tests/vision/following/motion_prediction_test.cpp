@@ -1,4 +1,4 @@
-#include "vision/following/motion_prediction.h"
+#include "vision/following/prediction.h"
 
 #include <gtest/gtest.h>
 

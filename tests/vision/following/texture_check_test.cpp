@@ -1,5 +1,5 @@
 // What a coder leaves in the first frame is not taken for the part's texture; scratches are.
-#include "vision/following/texture_check.h"
+#include "vision/following/template_average.h"
 
 #include <gtest/gtest.h>
 

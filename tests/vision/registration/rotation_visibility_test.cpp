@@ -1,4 +1,4 @@
-#include "vision/registration/rotation_visibility.h"
+#include "vision/registration/pattern.h"
 
 #include <gtest/gtest.h>
 

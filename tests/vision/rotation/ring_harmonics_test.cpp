@@ -1,5 +1,5 @@
 // Levels that are one harmonic of the angle about a centre: what the rings show is known exactly.
-#include "vision/rotation/ring_harmonics.h"
+#include "vision/rotation/rotation_follower.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/rotation/ring_harmonics.h"
+#include "vision/rotation/rotation_follower.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "vision/kernels/bspline.h"
 #include "vision/layers/model/state.h"
@@ -76,6 +77,23 @@ class GroundPicture {
   Picture sum_beside_, squares_beside_, count_beside_, frames_beside_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, known_share_ = 0;
   QuinticSpline spline_;
+};
+
+// The picture of ground at rest when something crosses it: a tool, a hand, the edge of a shadow.
+
+/// What a place shows in most of the frames, each brought to the light of the first.
+class UsualGround {
+ public:
+  explicit UsualGround(const Rect& region) : region_(region) {}
+  /// `picture` of the whole region; what lies in `hidden` is not the ground.
+  void add(Picture picture, const Circle& hidden);
+  /// Median over the frames, place by place; a place never uncovered has the median of all.
+  Picture median() const;
+
+ private:
+  Rect region_;
+  std::vector<Picture> pictures_;
+  std::vector<Circle> hidden_;
 };
 
 }  // namespace tribotrack::vision

@@ -9,7 +9,6 @@
 #include "vision/kernels/dense.h"
 #include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
-#include "vision/kernels/outlier_pixels.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "vision/audit/halves.h"
 #include "vision/layers/model/ground.h"
-#include "vision/layers/model/illumination_slope.h"
+#include "vision/layers/model/light.h"
 #include "vision/layers/model/part.h"
 #include "vision/layers/model/state.h"
 #include "vision/layers/model/texture.h"

@@ -1,4 +1,4 @@
-#include "vision/layers/model/illumination_slope.h"
+#include "vision/layers/model/light.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/layers/model/standing_light.h"
+#include "vision/layers/model/light.h"
 
 #include <gtest/gtest.h>
 
