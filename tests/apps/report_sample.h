@@ -2,9 +2,7 @@
 // = 0, one run measured elsewhere, one that failed, one free slide; with pictures.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <random>
 #include <string>
@@ -17,68 +15,12 @@ namespace tribotrack::apps::sample {
 
 inline constexpr double pi = std::numbers::pi;
 
-/// 8-bit grey PNG with stored (uncompressed) blocks: pictures for tests without a picture library.
-inline std::vector<unsigned char> grey_png(int width, int height, const std::vector<unsigned char>& pixels) {
-  const auto big_endian = [](std::uint32_t v) {
-    return std::string{static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
-                       static_cast<char>(v)};
-  };
-  const auto chunk = [&](const std::string& type, const std::string& content) {
-    std::uint32_t crc = 0xffffffffu;
-    for (const char c : type + content) {
-      crc ^= static_cast<unsigned char>(c);
-      for (int k = 0; k < 8; ++k) crc = crc & 1u ? 0xedb88320u ^ crc >> 1 : crc >> 1;
-    }
-    return big_endian(static_cast<std::uint32_t>(content.size())) + type + content + big_endian(~crc);
-  };
-  std::string raw;
-  for (int y = 0; y < height; ++y) {
-    raw += '\0';
-    raw.append(reinterpret_cast<const char*>(&pixels[static_cast<std::size_t>(y) * width]), width);
-  }
-  std::string zlib = "\x78\x01";
-  std::uint32_t a = 1, b = 0;
-  for (const char c : raw) {
-    a = (a + static_cast<unsigned char>(c)) % 65521;
-    b = (b + a) % 65521;
-  }
-  for (std::size_t at = 0; at < raw.size(); at += 65535) {
-    const std::size_t size = std::min<std::size_t>(65535, raw.size() - at);
-    const bool last = at + size == raw.size();
-    zlib += last ? '\1' : '\0';
-    zlib += static_cast<char>(size & 255);
-    zlib += static_cast<char>(size >> 8);
-    zlib += static_cast<char>(~size & 255);
-    zlib += static_cast<char>(~size >> 8 & 255);
-    zlib.append(raw, at, size);
-  }
-  zlib += big_endian(b << 16 | a);
-  const std::string png =
-      std::string("\x89PNG\r\n\x1a\n") +
-      chunk("IHDR", big_endian(static_cast<std::uint32_t>(width)) +
-                        big_endian(static_cast<std::uint32_t>(height)) + std::string("\x08\0\0\0\0", 5)) +
-      chunk("IDAT", zlib) + chunk("IEND", "");
-  return {png.begin(), png.end()};
-}
+/// Two pixels, black and white.
+inline const std::vector<unsigned char> kPng = {
+    137, 80, 78, 71, 13, 10, 26,  10, 0,   0,   0, 13, 73, 72, 68, 82, 0,  0,  0,   2,   0,  0,  0,
+    1,   8,  0,  0,  0,  0,  209, 73, 32,  86,  0, 0,  0,  11, 73, 68, 65, 84, 120, 218, 99, 96, 248,
+    15,  0,  1,  2,  1,  0,  209, 26, 203, 143, 0, 0,  0,  0,  73, 69, 78, 68, 174, 66,  96, 130};
 
-inline std::vector<unsigned char> picture_of_a_disc(int width, int height, double cx, double cy,
-                                                    double radius, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0, 6);
-  std::vector<unsigned char> pixels(static_cast<std::size_t>(width) * height);
-  for (int y = 0; y < height; ++y) {
-    const double brushed = 10 * std::sin(0.9 * y) + 6 * std::sin(2.3 * y + 1);
-    for (int x = 0; x < width; ++x) {
-      const double inside = std::clamp(radius - std::hypot(x - cx, y - cy) + 0.5, 0.0, 1.0);
-      const double value = (1 - inside) * (85 + brushed) + inside * (205 - 0.35 * (x - cx)) + noise(random);
-      pixels[static_cast<std::size_t>(y) * width + x] =
-          static_cast<unsigned char>(std::clamp(value, 0.0, 255.0));
-    }
-  }
-  return grey_png(width, height, pixels);
-}
-
-// Smooth stand-ins for the model: alpha turns with phi, v grows with dtau (paper, figs. 9 and 10).
 inline double alpha_of(double phi, double dtau) {
   const double alpha = phi + 5.4 - 0.35 * dtau;
   return alpha - 2 * pi * std::floor(alpha / (2 * pi));
@@ -119,7 +61,7 @@ inline ReportRun displacement_run(double phi, double dtau, std::mt19937& random)
 
   run.frame_width_px = 240;
   run.frame_height_px = 150;
-  run.first_frame = picture_of_a_disc(240, 150, 110, 80, 30, static_cast<unsigned>(random()));
+  run.first_frame = kPng;
   for (int i = 0; i <= 500; ++i) {
     const double time = i / 250.0, turn = 62.8 * time;
     const double radius_mm = 0.22;

@@ -71,7 +71,7 @@ TEST(RunSection, RemarksCarryTheRunsNumber) {
 TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   ReportData data = one_run();
   ReportRun& run = data.runs[0];
-  run.first_frame = sample::grey_png(2, 1, {0, 255});
+  run.first_frame = sample::kPng;
   run.frame_width_px = 64;
   run.frame_height_px = 48;
   run.x_px = {no_value, 10, 11, no_value, 13, no_value};
