@@ -10,9 +10,7 @@
 #include "apps/bench/page.h"
 #include "apps/bench/vision.h"
 #include "apps/commands/command.h"
-#include "apps/figures/printed.h"
 #include "apps/files/run_folder.h"
-#include "apps/page/assets/embedded_assets.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -26,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct BenchOptions {
-  std::string what, output, figures;
+  std::string what, output;
   bool quick = false, json = false;
   std::optional<int> campaigns;
 };
@@ -92,19 +90,11 @@ void write_results(const BenchOptions& asked, const Context& context, const benc
   write_file(folder / "bench.json", text_of(json));
   told(folder / "bench.json");
   if (asked.json) print_text(text_of(json));
-  if (asked.figures.empty()) return;
-  const auto figures = figures_of(results);
-  print_figures(figures, asked.figures, embedded_assets().figures_py);
-  say(context.quiet, fmt::format("{}: {} figures written", asked.figures, figures.size()));
 }
 
 void run_bench(const BenchOptions& asked, const Context& context) {
   create_folder(asked.output);
   require_writable({{fs::path(asked.output) / "bench.json"}, {fs::path(asked.output) / "bench.html"}});
-  if (!asked.figures.empty()) {
-    create_folder(asked.figures);
-    require_writable(printed_files({}, asked.figures).front());
-  }
   const bench::Circumstances here = bench::circumstances_here();
   bench::BenchResults results;
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
@@ -164,11 +154,6 @@ void add_bench(CLI::App& app, Context& context) {
           "fit, coverage: simulated campaigns of each design and noise level (default 200): 2000 tell a "
           "coverage to 1 %")
       ->check(whole_number(1, 1'000'000));
-  command
-      .add_option("--figures", options->figures,
-                  "Folder for the page's figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib "
-                  "(Debian's python3-matplotlib), with their numbers as CSV and the script that drew them")
-      ->type_name("DIR");
   command.add_flag("--quick", options->quick,
                    "Few and short cases, seconds in all: a check that it works, not a measurement");
   command.add_flag("--json", options->json, "Print bench.json instead of the names of the files");

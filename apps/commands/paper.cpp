@@ -5,13 +5,12 @@
 
 #include "apps/commands/command.h"
 #include "apps/figures/figure_csv.h"
-#include "apps/figures/printed.h"
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/paper/paper.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/text/content_hash.h"
+#include "apps/text/input_file.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {
@@ -34,19 +33,16 @@ MetaFile meta_of_paper() {
 
 Paper compute(const Context& context) {
   Progress progress("paper", context.quiet, "claims");
-  bench::ClaimOptions options;
-  options.threads = threads_to_use(context);
-  options.progress = [&progress](int done, int total) { progress.update(done, total); };
-  return paper_of(options);
+  return {paper_figures(context),
+          paper_claims(context, [&progress](int done, int total) { progress.update(done, total); })};
 }
 
-void run_paper(const fs::path& folder, const std::string& figures, bool json, const Context& context) {
+void run_paper(const fs::path& folder, bool json, const Context& context) {
   create_folder(folder);
   const fs::path page = folder / "paper.html", claims = folder / "claims.csv";
   std::vector<Output> outputs = {{page}, {claims}};
   for (const char* figure : kFigures) outputs.push_back({folder / fmt::format("{}.csv", figure)});
   require_writable(outputs);
-  if (!figures.empty()) create_folder(figures);
 
   const Paper paper = compute(context);
   const MetaFile meta = meta_of_paper();
@@ -56,25 +52,17 @@ void run_paper(const fs::path& folder, const std::string& figures, bool json, co
   write_result(page, page_of(paper), meta);
   say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),
                                  paper.claims.size(), verdicts_text(paper.claims)));
-  if (json) {
-    Json list = Json::array();
-    for (const auto& claim : paper.claims)
-      list.push_back({{"claim", claim.name}, {"verdict", to_string(claim.verdict)}});
-    print_text(text_of(Json{{"page", page.string()}, {"claims", list}}));
-  }
-  if (figures.empty()) return;
-  std::vector<Output> files;
-  for (const auto& file : printed_files(paper.figures, figures)) files.push_back({file});
-  require_writable(files);
-  print_figures(paper.figures, figures, embedded_assets().figures_py);
-  say(context.quiet, fmt::format("{}: {} figures written", figures, paper.figures.size()));
+  if (!json) return;
+  Json list = Json::array();
+  for (const Claim& claim : paper.claims)
+    list.push_back({{"claim", claim.name}, {"verdict", to_string(claim.verdict)}});
+  print_text(text_of(Json{{"page", page.string()}, {"claims", list}}));
 }
 
 }  // namespace
 
 void add_paper(CLI::App& app, Context& context) {
   auto output = std::make_shared<std::string>();
-  auto figures = std::make_shared<std::string>();
   CLI::App& command = *app.add_subcommand(
       "paper", "The source paper's figures and claims, computed again: one page with a verdict on each");
   command
@@ -84,15 +72,10 @@ void add_paper(CLI::App& app, Context& context) {
                   "figures' numbers, figure3.csv to figure11.csv")
       ->type_name("DIR")
       ->required();
-  command
-      .add_option("--figures", *figures,
-                  "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
-                  "python3-matplotlib), with their numbers as CSV and the script that drew them")
-      ->type_name("DIR");
   auto json = std::make_shared<bool>(false);
   command.add_flag("--json", *json, "Print claims and verdicts as one JSON object");
   add_common(command, context, "  tribotrack paper -o paper");
-  command.callback([output, figures, json, &context] { run_paper(*output, *figures, *json, context); });
+  command.callback([output, json, &context] { run_paper(*output, *json, context); });
 }
 
 }  // namespace tribotrack::apps

@@ -1,16 +1,397 @@
-#include "apps/paper/figures.h"
+// The paper's figures from the sweeps that data/figure*.toml state; the program carries these files.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
-#include <iterator>
+#include <numbers>
+#include <stdexcept>
+
+#include "apps/figures/axes.h"
+#include "apps/page/assets/embedded_assets.h"
+#include "apps/page/text.h"
+#include "apps/paper/paper.h"
+#include "apps/simulating/simulation.h"
+#include "apps/simulating/sweep.h"
+#include "model/alpha_v.h"
 
 namespace tribotrack::apps {
+namespace {
 
-std::vector<Figure> paper_figures(int threads) {
-  std::vector<Figure> figures = paper_trajectories();
-  std::ranges::move(paper_dependences(threads), std::back_inserter(figures));
-  std::ranges::sort(figures, {}, number_of);
-  return figures;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// A parameter of a scenario as the paper writes it.
+struct Symbol {
+  const char* parameter;
+  const char* symbol;
+  const char* unit;  ///< "": a pure number
+  const char* quantity;
+  bool is_angle() const { return std::string_view(unit) == "rad"; }
+};
+
+constexpr Symbol symbols[] = {
+    {"mu1", "μ₁", "", "friction coefficient μ₁"},
+    {"mu1_over_mu2", "μ₁/μ₂", "", "ratio μ₁/μ₂"},
+    {"gravity_m_s2", "g", "m/s²", "gravity g"},
+    {"amplitude_mm", "Aₑ", "mm", "amplitude Aₑ"},
+    {"omega_rad_s", "ω", "rad/s", "angular frequency ω"},
+    {"epsilon_rad", "ε", "rad", "phase shift ε of the axes"},
+    {"phi_rad", "φ", "rad", "phase shift φ"},
+    {"dtau_rad", "Δτ", "rad", "pulse width Δτ"},
+};
+
+const Symbol& symbol_of(const std::string& parameter) {
+  return *std::ranges::find(symbols, parameter, &Symbol::parameter);
+}
+
+/// "11π/9" for multiples of π/36 and of π/10, else as elsewhere on pages.
+std::string angle_text(double rad) {
+  for (const long n : {36, 10}) {
+    const double whole = std::round(rad * static_cast<double>(n) / std::numbers::pi);
+    if (std::abs(rad - whole * std::numbers::pi / static_cast<double>(n)) < 1e-9)
+      return multiple_of_pi(std::lround(whole), n);
+  }
+  return angle(rad);
+}
+
+/// "φ = π/4", "Aₑ = 0.28 mm": a parameter and its value in the unit of its name.
+std::string setting_text(const std::string& parameter, double value) {
+  const Symbol& symbol = symbol_of(parameter);
+  if (symbol.is_angle()) return fmt::format("{} = {}", symbol.symbol, angle_text(value));
+  return fmt::format("{} = {}{}{}", symbol.symbol, number(value), *symbol.unit ? " " : "", symbol.unit);
+}
+
+/// One of data/figure*.toml.
+struct Source {
+  ScenarioFile file;
+  Sweep sweep;  ///< its curves: the last axis runs along a curve, or tells trajectories apart
+
+  const SweepAxis& last() const { return sweep.axes().back(); }
+  model::Friction friction() const { return file.scenario.friction; }
+};
+
+Source source_of(const std::string& name) {
+  const auto carried = paper_scenarios();
+  StrictTable table = StrictTable::parse(std::ranges::find(carried, name, &EmbeddedScenario::name)->toml,
+                                         fmt::format("data/{}.toml", name));
+  const ScenarioFile file = read_scenario_tables(table);
+  table.finish();
+  return {file, Sweep(file, sweep_axes(file.over))};
+}
+
+/// "μ₁ = 0.1, μ₁/μ₂ = 8, g = 9.81 m/s², ...; 20 cycles from rest", plain text, without what is swept and what
+/// is `told` elsewhere.
+std::string conditions_text(const Source& source, const std::vector<std::string>& told = {}) {
+  const model::Scenario& s = source.file.scenario;
+  const double values[] = {s.friction.nominal,        s.friction.nominal / s.friction.reduced,
+                           s.drive.gravity,           1e3 * s.drive.amplitude,
+                           s.drive.angular_frequency, s.drive.phase_shift,
+                           s.friction.phase,          s.friction.pulse_width};
+  std::vector<std::string> fixed;
+  const std::vector<SweepAxis>& axes = source.sweep.axes();
+  for (std::size_t k = 0; k < std::size(symbols); ++k)
+    if (const char* parameter = symbols[k].parameter;
+        std::ranges::find(axes, parameter, &SweepAxis::name) == axes.end() &&
+        std::ranges::find(told, parameter) == told.end())
+      fixed.push_back(setting_text(parameter, values[k]));
+  return fmt::format("{}; {} cycles from {}", fmt::join(fixed, ", "), number(s.cycles),
+                     model::to_string(s.start));
+}
+
+FigureAxis axis_of(const SweepAxis& swept) {
+  const Symbol& symbol = symbol_of(swept.name());
+  const Range ends = padded({swept.value(0), swept.value(swept.count() - 1)}, 0.03);
+  const std::string title =
+      *symbol.unit ? fmt::format("{}, {}", symbol.quantity, symbol.unit) : symbol.quantity;
+  if (symbol.is_angle()) return angle_axis(title, ends.low, ends.high);
+  return {.title = title, .low = ends.low, .high = ends.high};
+}
+
+// Figures 3, 4, 5 and 11: trajectories in millimetres, both axes to the same scale.
+
+constexpr double kLabelBeyondEnd = 0.06;  // of the panel's reach
+
+struct Path {
+  std::vector<double> time_s, x_mm, y_mm;
+};
+
+Path path_of(const Source& source, std::size_t index) {
+  Path path;
+  for_each_row(model::integrate(source.sweep.scenario(index)), source.file.samples_per_cycle,
+               [&path](const SimulatedRow& row) {
+                 path.time_s.push_back(row.time_s);
+                 path.x_mm.push_back(row.x_mm);
+                 path.y_mm.push_back(row.y_mm);
+               });
+  return path;
+}
+
+FigurePanel path_panel(const std::string& title) {
+  return {.x = {.title = "x, mm"}, .y = {.title = "y, mm"}, .title = title, .equal_scale = true};
+}
+
+/// The numbers of the paths at their ends, a little further out.
+Series end_numbers(const std::vector<Series>& paths) {
+  std::vector<double> all;
+  for (const Series& path : paths) {
+    all.insert(all.end(), path.x.begin(), path.x.end());
+    all.insert(all.end(), path.y.begin(), path.y.end());
+  }
+  const double reach = range_of(all).size();
+  Series numbers{.mark = Mark::text, .colour = kInk};
+  for (const Series& path : paths) {
+    const double x = path.x.back(), y = path.y.back(), length = std::hypot(x, y);
+    const double out = length > 0 ? 1 + kLabelBeyondEnd * reach / length : 1;
+    numbers.x.push_back(out * x);
+    numbers.y.push_back(out * y);
+    numbers.notes.push_back(fmt::format("{}", numbers.x.size()));
+  }
+  return numbers;
+}
+
+/// A panel for each file, or for each value of its first axis of two.
+void add_paths(Figure& figure, const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    const Source source = source_of(file);
+    const std::size_t count = source.last().count();
+    const bool alone = source.sweep.axes().size() == 1;
+    for (std::size_t first = 0; first < source.sweep.count(); first += count) {
+      const std::string setting =
+          alone ? fmt::format("{}, {}", setting_text("phi_rad", source.friction().phase),
+                              setting_text("dtau_rad", source.friction().pulse_width))
+                : setting_text(source.sweep.axes()[0].name(), source.sweep.value(first, 0));
+      FigurePanel panel =
+          path_panel(fmt::format("{}: {}", static_cast<char>('a' + figure.panels.size()), setting));
+      for (std::size_t k = 0; k < count; ++k) {
+        const Path path = path_of(source, first + k);
+        panel.series.push_back(
+            {.mark = Mark::line,
+             .name =
+                 fmt::format("({}) {}", k + 1, setting_text(source.last().name(), source.last().value(k))),
+             .x = path.x_mm,
+             .y = path.y_mm,
+             .colour = static_cast<int>(k),
+             .in_legend = figure.panels.empty(),
+             .small = true});
+      }
+      panel.series.push_back(end_numbers(panel.series));
+      figure.panels.push_back(panel);
+    }
+    figure.caption = conditions_text(source, alone ? std::vector<std::string>{"phi_rad", "dtau_rad"}
+                                                   : std::vector<std::string>{}) +
+                     ".";
+  }
+}
+
+/// The friction coefficient over the run's time, with upright edges.
+Series steps_of_friction(const model::Scenario& scenario) {
+  const model::Friction& friction = scenario.friction;
+  const double w = scenario.drive.angular_frequency, end = w * scenario.end_time();
+  std::vector<double> edges = {0};
+  for (double pulse = friction.phase; pulse < end; pulse += kTurn)
+    for (const double edge : {pulse, pulse + friction.pulse_width})
+      if (edge > edges.back() && edge < end) edges.push_back(edge);
+  edges.push_back(end);
+  Series steps{.mark = Mark::line};
+  for (std::size_t k = 1; k < edges.size(); ++k) {
+    const double mu = friction.coefficient((edges[k - 1] + edges[k]) / 2);
+    steps.x.insert(steps.x.end(), {edges[k - 1] / w, edges[k] / w});
+    steps.y.insert(steps.y.end(), {mu, mu});
+  }
+  return steps;
+}
+
+/// Displacement and friction over time, and the trajectory, at constant and at pulsed friction.
+void add_displacement(Figure& figure, const std::vector<std::string>& files) {
+  constexpr double kClearOfCircle = 0.15;  // of the covered distance: P₁ stands outside of the circle
+  const Source source = source_of(files.front());
+  FigurePanel displacement{.x = {.title = "time, s", .shown = false},
+                           .y = {.title = "displacement, mm"},
+                           .title = "a: displacement and friction over time",
+                           .height = 1.3};
+  FigurePanel friction{.x = {.title = "time, s"}, .y = {.title = "μ", .low = 0}, .height = 0.55};
+  FigurePanel paths = path_panel("b: trajectory");
+  paths.height = 2.1;
+  for (std::size_t k = 0; k < source.sweep.count(); ++k) {
+    const model::Scenario s = source.sweep.scenario(k);
+    const Path path = path_of(source, k);
+    const bool pulsed = s.friction.pulse_width > 0;
+    Series line = steps_of_friction(s);
+    line.name = pulsed ? "μ ≠ const" : "μ = const";
+    line.colour = static_cast<int>(k);
+    friction.series.push_back(line);
+    line.x = path.time_s;
+    line.y = path.x_mm;
+    displacement.series.push_back(line);
+    line.y = path.y_mm;
+    displacement.series.push_back(line);
+    displacement.series.back().dashed = true;
+    line.x = path.x_mm;
+    line.in_legend = true;
+    paths.series.push_back(line);
+    if (!pulsed) continue;
+    const Eigen::Vector2d end{path.x_mm.back(), path.y_mm.back()};
+    paths.series.push_back({.mark = Mark::line,
+                            .name = "covered distance",
+                            .x = {0, end.x()},
+                            .y = {0, end.y()},
+                            .colour = kInk,
+                            .in_legend = true,
+                            .dashed = true});
+    paths.series.push_back({.mark = Mark::text,
+                            .x = {-kClearOfCircle * end.x(), (1 + kLabelBeyondEnd) * end.x()},
+                            .y = {-kClearOfCircle * end.y(), (1 + kLabelBeyondEnd) * end.y()},
+                            .notes = {"P₁", "P₂"},
+                            .colour = kInk});
+    figure.caption =
+        fmt::format("{}. Solid x, dashed y. P₁P₂ = {} mm at α = {} rad.", conditions_text(source),
+                    number(end.norm()), number(model::displacement_angle(end)));
+  }
+  figure.panels = {displacement, friction, paths};
+}
+
+// Figures 6, 7, 9 and 10: alpha or v along a parameter.
+
+/// A point of a curve of angles in [0, 2 pi), which breaks where it starts again at the other end.
+void add_angle(Series& curve, double x, double alpha) {
+  if (!std::isfinite(alpha)) return;
+  if (!curve.y.empty() && std::abs(alpha - curve.y.back()) > std::numbers::pi) {
+    const bool upwards = alpha < curve.y.back();
+    const double to = alpha + (upwards ? kTurn : -kTurn), edge = upwards ? kTurn : 0;
+    const double share = (edge - curve.y.back()) / (to - curve.y.back());
+    const double at = curve.x.back() + share * (x - curve.x.back());
+    curve.x.insert(curve.x.end(), {at, at, at});
+    curve.y.insert(curve.y.end(), {edge, kNone, kTurn - edge});
+  }
+  curve.x.push_back(x);
+  curve.y.push_back(alpha);
+}
+
+/// The names of a sweep's curves: by its first axis, or by mu1 where there is one axis only.
+std::vector<std::string> curve_names(const Source& source) {
+  const SweepAxis& first = source.sweep.axes().front();
+  if (source.sweep.axes().size() == 1) return {setting_text("mu1", source.friction().nominal)};
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < first.count(); ++k) names.push_back(setting_text(first.name(), first.value(k)));
+  return names;
+}
+
+/// One panel: alpha or v along the sweep's last axis. `names`: the figure's curves.
+FigurePanel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha,
+                        const std::vector<std::string>& names) {
+  FigurePanel panel{.x = axis_of(source.last()), .y = {.title = "velocity v, mm/s", .low = 0}};
+  constexpr double kSpare = 0.12;  // rad, above and below the full circle
+  if (of_alpha) panel.y = angle_axis("angle α, rad", -kSpare, kTurn + kSpare);
+  std::size_t begin = 0;
+  for (const std::string& name : curve_names(source)) {
+    const auto colour = static_cast<int>(std::ranges::find(names, name) - names.begin());
+    for (const bool steady : {false, true}) {
+      Series curve{.mark = Mark::line, .name = name, .colour = colour, .dashed = steady, .small = steady};
+      for (std::size_t k = 0; k < source.last().count(); ++k) {
+        const double x = source.last().value(k);
+        if (of_alpha) {
+          add_angle(curve, x, (steady ? solved.steady_alpha_rad : solved.alpha_rad)[begin + k]);
+        } else {
+          curve.x.push_back(x);
+          curve.y.push_back((steady ? solved.steady_v_mm_s : solved.v_mm_s)[begin + k]);
+        }
+      }
+      panel.series.push_back(curve);
+    }
+    begin += source.last().count();
+  }
+  return panel;
+}
+
+/// Where v is greatest along each curve from rest, and where the paper has it: figure 6a.
+void mark_greatest(FigurePanel& panel) {
+  constexpr double kGreatestInPaper = 0.75 * kTurn;  // "increases up to 3 pi/2"
+  Series greatest{.mark = Mark::points, .name = "greatest v", .colour = kInk, .in_legend = true};
+  for (const Series& curve : panel.series) {
+    if (curve.dashed) continue;
+    const auto at = static_cast<std::size_t>(std::ranges::max_element(curve.y) - curve.y.begin());
+    greatest.x.push_back(curve.x[at]);
+    greatest.y.push_back(curve.y[at]);
+  }
+  panel.series.push_back({.mark = Mark::line,
+                          .name = "3π/2, the paper’s",
+                          .x = {kGreatestInPaper, kGreatestInPaper},
+                          .y = {0, *std::ranges::max_element(greatest.y)},
+                          .colour = kGrey,
+                          .in_legend = true});
+  panel.series.push_back(greatest);
+}
+
+/// A panel for each file; the one of most curves names them.
+void add_curves(Figure& figure, const std::vector<std::string>& files, bool of_alpha,
+                const Context& context) {
+  std::vector<Source> sources;
+  for (const std::string& file : files) sources.push_back(source_of(file));
+  const auto& most =
+      *std::ranges::max_element(sources, {}, [](const Source& s) { return curve_names(s).size(); });
+  for (const Source& source : sources) {
+    FigurePanel panel = curve_panel(source, solve(source.sweep, context), of_alpha, curve_names(most));
+    if (sources.size() > 1) panel.title = std::string(1, static_cast<char>('a' + figure.panels.size()));
+    for (Series& series : panel.series) series.in_legend = &source == &most && !series.dashed;
+    figure.caption +=
+        fmt::format("{}{}. ", panel.title.empty() ? "" : panel.title + ": ", conditions_text(source));
+    figure.panels.push_back(panel);
+  }
+  figure.caption += "Solid: from rest, as the paper counts; dashed: the steady motion.";
+  figure.alternative = fmt::format("{}: {} panel{} of curves from rest and of the steady motion.",
+                                   figure.title, sources.size(), sources.size() == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::vector<Figure> paper_figures(const Context& given) {
+  Context context = given;
+  context.quiet = true;
+  Figure figure3{.id = "figure3",
+                 .title = "Displacement of the part",
+                 .caption = "",
+                 .alternative =
+                     "Displacement over time at constant and at pulsed friction, and the two trajectories: "
+                     "one ends on a circle, the other walks on.",
+                 .height = 1.3};
+  add_displacement(figure3, {"figure3"});
+  Figure figure4{.id = "figure4",
+                 .title = "Trajectories at three amplitudes",
+                 .caption = "",
+                 .alternative = "Four panels of three trajectories each.",
+                 .columns = 2,
+                 .height = 1};
+  add_paths(figure4, {"figure4a", "figure4b", "figure4c", "figure4d"});
+  Figure figure5{
+      .id = "figure5",
+      .title = "Trajectories at eight phase shifts",
+      .caption = "",
+      .alternative = "Eight trajectories in all directions from one point, at a narrow and at a wide pulse.",
+      .columns = 2};
+  add_paths(figure5, {"figure5"});
+  Figure figure6{
+      .id = "figure6", .title = "Mean displacement velocity", .caption = "", .columns = 2, .height = 0.9};
+  add_curves(figure6, {"figure6a", "figure6b", "figure6c", "figure6d"}, false, context);
+  mark_greatest(figure6.panels.front());
+  Figure figure7{.id = "figure7", .title = "Displacement angle", .caption = "", .columns = 2, .height = 0.9};
+  add_curves(figure7, {"figure7a", "figure7b", "figure6c", "figure6d"}, true, context);  // 7c, 7d: as 6c, 6d
+  Figure figure9{.id = "figure9",
+                 .title = "Displacement angle, the model’s side",
+                 .caption = "",
+                 .columns = 2,
+                 .height = 0.5};
+  add_curves(figure9, {"figure9a", "figure9b"}, true, context);
+  Figure figure10{.id = "figure10", .title = "Mean displacement velocity, the model’s side", .caption = ""};
+  add_curves(figure10, {"figure10"}, false, context);
+  Figure figure11{.id = "figure11",
+                  .title = "Trajectories, the model’s side",
+                  .caption = "",
+                  .alternative = "Trajectories of the model in four directions at three pulse widths.",
+                  .columns = 3,
+                  .height = 0.42};
+  add_paths(figure11, {"figure11"});
+  return {figure3, figure4, figure5, figure6, figure7, figure9, figure10, figure11};
 }
 
 int number_of(const Figure& figure) {

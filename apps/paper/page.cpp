@@ -1,22 +1,18 @@
-// The page of paper.h.
-#include "apps/page/page.h"
-
+// The page of paper.h, and its table for other programs.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <iterator>
 
+#include "apps/page/page.h"
 #include "apps/page/text.h"
-#include "apps/paper/figures.h"
 #include "apps/paper/paper.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 namespace {
-
-using bench::ClaimFigure;
-using bench::PaperClaim;
-using bench::Verdict;
 
 constexpr const char* kPaper =
     "S. Kilikevičius, K. Liutkauskienė, A. Fedaravičius: Nonprehensile Manipulation of Parts on a Horizontal "
@@ -57,32 +53,19 @@ constexpr FigureText texts[] = {
 
 /// The style of a verdict (page.css).
 const char* style_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::exact:
-    case Verdict::holds:
-      return "good";
-    case Verdict::holds_in_part:
-      return "care";
-    case Verdict::refuted:
-      return "bad";
-  }
-  return "none";
-}
-
-std::string value_text(const ClaimFigure& figure) {
-  const std::string unit = figure.unit.empty() ? "" : " " + escape_html(figure.unit);
-  constexpr double kRounding = 1e-9;  // below it the size matters, not the digits
-  return number(figure.value, std::abs(figure.value) < kRounding ? 1 : 4) + unit;
+  constexpr const char* kStyles[] = {"good", "good", "care", "bad"};
+  return kStyles[static_cast<int>(verdict)];
 }
 
 /// "<b>5.169 rad</b> dtau of the greatest v; mu1 = 0.1".
-std::string deciding_html(const PaperClaim& claim) {
-  const ClaimFigure& found = claim.deciding;
-  return fmt::format("<b>{}</b> {}{}", value_text(found), sentence_html(found.quantity),
-                     found.conditions.empty() ? "" : "; " + sentence_html(found.conditions));
+std::string deciding_html(const Claim& claim) {
+  constexpr double kRounding = 1e-9;  // below it the size matters, not the digits
+  return fmt::format("<b>{}{}{}</b> {}{}", number(claim.value, std::abs(claim.value) < kRounding ? 1 : 4),
+                     claim.unit.empty() ? "" : " ", escape_html(claim.unit), sentence_html(claim.quantity),
+                     claim.conditions.empty() ? "" : "; " + sentence_html(claim.conditions));
 }
 
-std::string anchor_of(const PaperClaim& claim, const Paper& paper) {
+std::string anchor_of(const Claim& claim, const Paper& paper) {
   return fmt::format("claim-{}", &claim - paper.claims.data() + 1);
 }
 
@@ -90,12 +73,12 @@ std::string claim_table(const Paper& paper) {
   std::string html =
       "<div class=\"wide\"><table id=\"claims\" class=\"compact claims\"><thead><tr><th "
       "class=\"n\">Figure</th><th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
-  for (const PaperClaim& claim : paper.claims)
+  for (const Claim& claim : paper.claims)
     html += fmt::format(
         "<tr><td class=\"n\"><a href=\"#figure{0}\">{0}</a></td><td><a href=\"#{1}\">{2}</a></td><td "
         "class=\"judged {3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
         claim.figure, anchor_of(claim, paper), sentence_html(claim.name), style_of(claim.verdict),
-        to_string(claim.verdict), fmt::format("{}", claim.deciding.value), deciding_html(claim));
+        to_string(claim.verdict), fmt::format("{}", claim.value), deciding_html(claim));
   return html + "</tbody></table></div>\n";
 }
 
@@ -109,33 +92,19 @@ std::string first_screen(const Paper& paper) {
          claim_table(paper);
 }
 
-/// All that the finding sums up.
-std::string numbers_table(const PaperClaim& claim) {
-  std::string html = fmt::format(
-      "<details><summary>{} number{}</summary><div class=\"wide\"><table "
-      "class=\"compact\"><thead><tr><th>Conditions</th><th>Quantity</th><th "
-      "class=\"n\">Value</th></tr></thead><tbody>\n",
-      claim.figures.size(), claim.figures.size() == 1 ? "" : "s");
-  for (const ClaimFigure& figure : claim.figures)
-    html += "<tr>" + cell(sentence_html(figure.conditions)) + cell(sentence_html(figure.quantity)) +
-            number_cell(value_text(figure)) + "</tr>\n";
-  return html + "</tbody></table></div></details>";
-}
-
-std::string claim_box(const PaperClaim& claim, const Paper& paper) {
+std::string claim_box(const Claim& claim, const Paper& paper) {
   return fmt::format(
       "<div class=\"verdict {}\" id=\"{}\"><h3>{}: {}</h3>\n<p><q>{}</q> <span class=\"small\">(section "
-      "{})</span></p>\n<p>{}</p>\n<p>{}</p>\n{}</div>\n",
+      "{})</span></p>\n<p>{}</p>\n<p>{}</p>\n</div>\n",
       style_of(claim.verdict), anchor_of(claim, paper), sentence_html(claim.name), to_string(claim.verdict),
       sentence_html(claim.statement), sentence_html(claim.place), sentence_html(claim.finding),
-      deciding_html(claim), numbers_table(claim));
+      deciding_html(claim));
 }
 
 PageSection section_of(const Figure& figure, const Paper& paper) {
   const auto* text = std::ranges::find(texts, number_of(figure), &FigureText::number);
-  if (text == std::end(texts)) throw std::logic_error("no text for " + figure.id);
   PageSection section{figure.id, text->heading, "<div class=\"claim\">\n" + figure_box(figure) + "<div>\n"};
-  for (const PaperClaim& claim : paper.claims)
+  for (const Claim& claim : paper.claims)
     if (claim.figure == text->number) section.html += claim_box(claim, paper);
   if (*text->agreement)
     section.html += fmt::format(
@@ -157,8 +126,8 @@ PageSection sources_section() {
           "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
           "10<sup>−13</sup> of the path.</p>\n<p>The numbers of each figure are in <code>figure3.csv</code> "
           "to <code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
-          "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one panel, "
-          "<code>tribotrack bench model -o bench</code> the verdicts with every number.</p>\n",
+          "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one "
+          "panel.</p>\n",
           kPaper)};
 }
 
@@ -173,6 +142,24 @@ std::string page_of(const Paper& paper) {
   for (const Figure& figure : paper.figures) page.sections.push_back(section_of(figure, paper));
   page.sections.push_back(sources_section());
   return html_of(std::move(page));
+}
+
+std::string claims_csv(const Paper& paper) {
+  std::string csv = "figure,place,claim,verdict,quantity,conditions,value,unit,statement,finding\n";
+  for (const Claim& claim : paper.claims)
+    csv += fmt::format("{},\"{}\",\"{}\",{},\"{}\",\"{}\",{},{},\"{}\",\"{}\"\n", claim.figure, claim.place,
+                       claim.name, to_string(claim.verdict), claim.quantity, claim.conditions,
+                       exact(claim.value), claim.unit, claim.statement, claim.finding);
+  return csv;
+}
+
+std::string verdicts_text(const std::vector<Claim>& claims) {
+  constexpr const char* kWords[] = {"exact", "hold", "hold in part", "refuted"};
+  std::vector<std::string> parts;
+  for (int k = 0; k < 4; ++k)
+    parts.push_back(fmt::format("{} {}", std::ranges::count(claims, static_cast<Verdict>(k), &Claim::verdict),
+                                kWords[k]));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 }  // namespace tribotrack::apps

@@ -81,6 +81,10 @@ const std::vector<Left>& all_that_left() {
       {"bench",
        {"--frames", "--diameters", "--keep", "--full"},
        "`bench vision` times whole commands on recordings of its own"},
+      {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
+      {"paper",
+       {"--figures"},
+       "paper.html saves each figure as SVG; its numbers are in figure3.csv to figure11.csv"},
   };
   return all;
 }

@@ -16,11 +16,13 @@ chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1
 "$tribotrack" track out/quickstart/recordings/phi000_dtau120.cine --disc-diameter-mm 6 --marker 40,40,14 \
   -o "$work/track.csv" --debug "$work/debug" -q
 
-"$tribotrack" bench model -o "$work/bench" --figures "$work/bench_figures" -q >/dev/null
+"$tribotrack" bench model -o "$work/bench" -q >/dev/null
+chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1180 --virtual-time-budget=15000 \
+  --screenshot="$work/bench.png" "file://$work/bench/bench.html#model-error-time" 2>/dev/null
 
 png() { pdftoppm -r 150 -png -singlefile "$1" "${2%.png}"; }  # PDF, picture
 cp "$work/report.png" data/example/report.png
 png "$work/figures/alpha-phi-84mm.pdf" data/example/figure.png
-png "$work/bench_figures/model-error-time-174mm.pdf" data/example/bench.png
+cp "$work/bench.png" data/example/bench.png
 cp "$work/debug/layers_part.png" data/example/debug.png
 ls -l data/example/*.png

@@ -1,26 +1,202 @@
-// The page and the table of claims, and the command that writes them.
+// The source paper's figures follow data/figure*.toml, and their points are what a single run of the model
+// gives; its claims; the page and tables that show both, and the command that writes them.
 #include "apps/paper/paper.h"
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <sstream>
 
+#include "apps/files/scenario_file.h"
+#include "apps/page/assets/embedded_assets.h"
 #include "apps/page/text.h"
-#include "apps/paper/figures.h"
 #include "apps/program.h"
+#include "model/alpha_v.h"
+#include "model/steady_orbit.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::apps {
 namespace {
 
 using testing::HasSubstr;
+namespace fs = std::filesystem;
+using std::numbers::pi;
 
-const Paper& quick_paper() {
-  static const Paper paper = [] {
-    bench::ClaimOptions options;
-    options.quick = true;
-    return paper_of(options);
+const Paper& paper() {
+  static const Paper made = [] {
+    Context context;
+    context.quiet = true;
+    return Paper{paper_figures(context), paper_claims(context)};
   }();
-  return paper;
+  return made;
+}
+
+const Figure& figure(int number) {
+  return *std::ranges::find(paper().figures, number, number_of);
+}
+
+const Claim& claim(std::string_view name) {
+  return *std::ranges::find(paper().claims, name, &Claim::name);
+}
+
+model::Scenario conditions_of(const std::string& name) {
+  return read_scenario_file(fs::path(TRIBOTRACK_SOURCE_DIR) / "data" / (name + ".toml")).scenario;
+}
+
+const Series& series(const Figure& figure, std::size_t panel, const std::string& name, bool dashed = false) {
+  for (const Series& s : figure.panels.at(panel).series)
+    if (s.mark == Mark::line && s.name == name && s.dashed == dashed) return s;
+  throw std::runtime_error(figure.id + " has no series " + name);
+}
+
+/// The y of the point nearest to x, which must lie there.
+double y_at(const Series& series, double x) {
+  const auto nearest = std::ranges::min_element(series.x, {}, [x](double at) { return std::abs(at - x); });
+  EXPECT_NEAR(*nearest, x, 1e-12) << series.name;
+  return series.y[static_cast<std::size_t>(nearest - series.x.begin())];
+}
+
+void expect_ends_like(const Series& path, const model::Scenario& scenario) {
+  const Eigen::Vector2d end = 1e3 * model::integrate(scenario).end().position;
+  EXPECT_NEAR(path.x.back(), end.x(), 1e-9) << path.name;
+  EXPECT_NEAR(path.y.back(), end.y(), 1e-9) << path.name;
+  EXPECT_EQ(path.x.front(), 0);
+}
+
+TEST(PaperFigures, FollowTheFilesOfTheRepository) {
+  for (const EmbeddedScenario& scenario : paper_scenarios())
+    EXPECT_EQ(scenario.toml,
+              content_of(fs::path(TRIBOTRACK_SOURCE_DIR) / "data" / (std::string(scenario.name) + ".toml")));
+  const std::string conditions =
+      "μ₁ = 0.1, g = 9.81 m/s², Aₑ = 0.28 mm, ω = 62.8 rad/s, ε = π/2, φ = 0, Δτ = π/6";
+  EXPECT_THAT(figure(6).caption, HasSubstr("b: " + conditions + "; 20 cycles from rest. "));
+  EXPECT_EQ(figure(4).panels[2].title, "c: φ = 11π/9, Δτ = π/4");
+}
+
+TEST(PaperFigures, EachHasItsPanelsAndCurves) {
+  std::vector<std::string> ids;
+  std::vector<std::size_t> panels;
+  for (const Figure& f : paper().figures) {
+    ids.push_back(f.id);
+    panels.push_back(f.panels.size());
+    for (const FigurePanel& panel : f.panels)
+      for (const Series& s : panel.series) {
+        EXPECT_EQ(s.x.size(), s.y.size()) << f.id;
+        EXPECT_FALSE(s.x.empty()) << f.id;
+      }
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"figure3", "figure4", "figure5", "figure6", "figure7", "figure9",
+                                           "figure10", "figure11"}));
+  EXPECT_EQ(panels, (std::vector<std::size_t>{3, 4, 2, 4, 4, 2, 1, 3}));
+  for (const int number : {4, 5, 11})
+    for (const FigurePanel& panel : figure(number).panels) EXPECT_TRUE(panel.equal_scale);
+  for (const FigurePanel& panel : figure(5).panels)
+    EXPECT_EQ(panel.series.size(), 9u) << "eight and their numbers";
+}
+
+TEST(PaperFigures, TrajectoriesEndWhereARunEnds) {
+  model::Scenario s = conditions_of("figure3");
+  expect_ends_like(series(figure(3), 2, "μ ≠ const"), s);
+  s.friction.pulse_width = 0;
+  expect_ends_like(series(figure(3), 2, "μ = const"), s);
+  s = conditions_of("figure4c");
+  expect_ends_like(series(figure(4), 2, "(2) Aₑ = 0.31 mm"), s);
+  s.drive.amplitude = s.drive.amplitude_y = 0.32e-3;
+  expect_ends_like(series(figure(4), 2, "(3) Aₑ = 0.32 mm"), s);
+  s = conditions_of("figure5");
+  s.friction.pulse_width = pi;
+  s.friction.phase = 5 * pi / 4;
+  expect_ends_like(series(figure(5), 1, "(6) φ = 5π/4"), s);
+  s = conditions_of("figure11");
+  s.friction.phase = pi / 2;
+  expect_ends_like(series(figure(11), 1, "(2) φ = π/2"), s);
+}
+
+TEST(PaperFigures, FrictionOfFigure3IsThatOfEquation6) {
+  const model::Scenario s = conditions_of("figure3");
+  const Series& mu = series(figure(3), 1, "μ ≠ const");
+  double reduced = 0;  // time
+  for (std::size_t k = 1; k < mu.x.size(); ++k)
+    if (mu.y[k] == s.friction.reduced) reduced += mu.x[k] - mu.x[k - 1];
+  EXPECT_NEAR(reduced, 3 * s.friction.pulse_width / s.drive.angular_frequency, 1e-12);
+  EXPECT_NEAR(mu.x.back(), s.end_time(), 1e-12);
+}
+
+TEST(PaperFigures, CurvesAreWhatARunGives) {
+  model::Scenario s = conditions_of("figure6a");
+  s.friction = {0.12, 0.12 / 8, 0, pi / 2, 0};
+  EXPECT_NEAR(y_at(series(figure(6), 0, "μ₁ = 0.12"), pi / 2),
+              1e3 * model::integrate(s).end().position.norm() / s.end_time(), 1e-9);
+  EXPECT_NEAR(y_at(series(figure(6), 0, "μ₁ = 0.12", true), pi / 2),
+              1e3 * model::steady_orbit(s)->mean_velocity(s.drive.angular_frequency), 1e-9);
+  s = conditions_of("figure6c");
+  s.drive.amplitude = s.drive.amplitude_y = 1e-3;
+  EXPECT_NEAR(y_at(series(figure(7), 2, "μ₁ = 0.1"), 1),
+              model::displacement_angle(model::integrate(s).end().position), 1e-9);
+  s = conditions_of("figure9a");
+  s.friction.phase = 2 * pi * 18 / 72;
+  EXPECT_NEAR(y_at(series(figure(9), 0, "μ₁ = 0.1"), s.friction.phase),
+              model::displacement_angle(model::integrate(s).end().position), 1e-9);
+  s = conditions_of("figure10");
+  s.friction.pulse_width = pi;
+  EXPECT_NEAR(y_at(series(figure(10), 0, "μ₁ = 0.1"), pi),
+              1e3 * model::integrate(s).end().position.norm() / s.end_time(), 1e-9);
+}
+
+TEST(PaperFigures, AnglesBreakWhereTheyStartAgain) {
+  const Series& alpha = series(figure(7), 0, "μ₁ = 0.1");
+  EXPECT_EQ(std::ranges::count_if(alpha.y, [](double y) { return std::isnan(y); }), 1);
+  for (std::size_t k = 1; k < alpha.y.size(); ++k) {
+    const double step = std::abs(alpha.y[k] - alpha.y[k - 1]);
+    EXPECT_FALSE(step > 0.2) << "at phi = " << alpha.x[k];  // NaN at the break
+  }
+}
+
+TEST(PaperClaims, EachHasItsVerdictAndNumber) {
+  const std::pair<const char*, Verdict> verdicts[] = {{"circular end state", Verdict::exact},
+                                                      {"keeps moving", Verdict::holds},
+                                                      {"displacement over dtau", Verdict::holds_in_part},
+                                                      {"alpha mostly by phi", Verdict::holds},
+                                                      {"full circle", Verdict::holds},
+                                                      {"less stretched", Verdict::refuted},
+                                                      {"v over dtau", Verdict::holds_in_part},
+                                                      {"v over mu1/mu2", Verdict::holds},
+                                                      {"v over A_e", Verdict::holds},
+                                                      {"v over omega", Verdict::holds_in_part},
+                                                      {"v over mu1", Verdict::holds_in_part},
+                                                      {"v over phi", Verdict::exact},
+                                                      {"alpha linear in phi", Verdict::exact},
+                                                      {"alpha over dtau", Verdict::holds_in_part},
+                                                      {"alpha over A_e", Verdict::holds_in_part},
+                                                      {"alpha over omega", Verdict::exact},
+                                                      {"alpha over mu1/mu2", Verdict::holds_in_part},
+                                                      {"tilt", Verdict::holds_in_part},
+                                                      {"v over dtau, measured", Verdict::holds},
+                                                      {"further at wider dtau", Verdict::holds}};
+  ASSERT_EQ(paper().claims.size(), std::size(verdicts));
+  for (std::size_t k = 0; k < std::size(verdicts); ++k) {
+    const Claim& c = paper().claims[k];
+    EXPECT_STREQ(c.name, verdicts[k].first);
+    EXPECT_EQ(c.verdict, verdicts[k].second) << c.name << ": " << c.finding;
+    EXPECT_TRUE(std::isfinite(c.value) && !c.quantity.empty() && !c.finding.empty()) << c.name;
+  }
+}
+
+/// Values of data/README.md.
+TEST(PaperClaims, NumbersAreThoseKnown) {
+  EXPECT_LT(claim("circular end state").value, 1e-11);
+  EXPECT_NEAR(claim("full circle").value, -1, 1e-12);
+  EXPECT_NEAR(claim("v over dtau").value, 5.169, 5e-4);
+  EXPECT_NEAR(claim("keeps moving").value, 2.9, 0.05);
+  EXPECT_NEAR(claim("less stretched").value, 0.73, 0.01);
+  EXPECT_NEAR(claim("alpha over mu1/mu2").value, 12, 0.5);
+  EXPECT_NEAR(claim("alpha over A_e").value, 9.5, 0.1);
+  EXPECT_NEAR(claim("alpha over dtau").value, -0.46, 0.005);
+  EXPECT_NEAR(claim("tilt").value, 32, 1);
+  EXPECT_THAT(claim("alpha linear in phi").finding, HasSubstr("mu1 = 0.02, dtau = 0.524 rad"));
+  EXPECT_THAT(claim("displacement over dtau").finding, HasSubstr("grows 2.5 to 3.9 times"));
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -31,8 +207,8 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
-  const std::string page = page_of(quick_paper());
-  for (const bench::PaperClaim& claim : quick_paper().claims) {
+  const std::string page = page_of(paper());
+  for (const Claim& claim : paper().claims) {
     const std::string name = sentence_html(claim.name), verdict = to_string(claim.verdict);
     EXPECT_EQ(count(page, "<q>" + sentence_html(claim.statement) + "</q>"), 1u) << claim.name;
     EXPECT_EQ(count(page, "<h3>" + name + ": " + verdict + "</h3>"), 1u) << claim.name;
@@ -42,33 +218,29 @@ TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
 }
 
 TEST(PaperPage, EveryFigureHasASectionWithItsClaims) {
-  const std::string page = page_of(quick_paper());
-  for (const Figure& figure : quick_paper().figures) {
+  const std::string page = page_of(paper());
+  for (const Figure& figure : paper().figures) {
     const std::size_t begin = page.find("<section id=\"" + figure.id + "\"");
     ASSERT_NE(begin, std::string::npos) << figure.id;
     const std::string section = page.substr(begin, page.find("</section>", begin) - begin);
     EXPECT_EQ(count(section, "id=\"plot-" + figure.id + "\""), 1u);
     std::size_t claims = 0;
-    for (const bench::PaperClaim& claim : quick_paper().claims) claims += claim.figure == number_of(figure);
+    for (const Claim& claim : paper().claims) claims += claim.figure == number_of(figure);
     EXPECT_GE(claims, 1u) << figure.id;
     EXPECT_EQ(count(section, "<h3>"), claims) << figure.id;
     EXPECT_EQ(count(section, "side only"), number_of(figure) >= 9 ? 1u : 0u) << figure.id;
   }
 }
 
-TEST(PaperPage, TheSameBytesTwice) {
-  EXPECT_TRUE(page_of(quick_paper()) == page_of(quick_paper()));
-}
-
 TEST(PaperTable, HasARowForEachClaim) {
-  std::istringstream csv(claims_csv(quick_paper()));
+  std::istringstream csv(claims_csv(paper()));
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line, "figure,place,claim,verdict,quantity,conditions,value,unit,statement,finding");
-  for (const bench::PaperClaim& claim : quick_paper().claims) {
+  for (const Claim& claim : paper().claims) {
     ASSERT_TRUE(std::getline(csv, line));
-    EXPECT_THAT(line, HasSubstr("\"" + claim.name + "\"," + to_string(claim.verdict)));
-    EXPECT_EQ(claim.statement.find('"'), std::string::npos);
+    EXPECT_THAT(line, HasSubstr("\"" + std::string(claim.name) + "\"," + to_string(claim.verdict)));
+    EXPECT_EQ(std::string_view(claim.statement).find('"'), std::string_view::npos);
   }
   EXPECT_FALSE(std::getline(csv, line));
 }
@@ -81,7 +253,7 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, HasSubstr("8 figures, 20 claims"));
   std::vector<std::string> names = {"paper.html", "claims.csv"};
-  for (const Figure& figure : quick_paper().figures) {
+  for (const Figure& figure : paper().figures) {
     names.push_back(figure.id + ".csv");
     EXPECT_THAT(content_of(in_folder("out") / names.back()), testing::StartsWith("panel,series,"))
         << figure.id;
@@ -97,6 +269,7 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
 TEST_F(PaperCommand, SaysWhatIsWrongBeforeTheWork) {
   expect_refused(run("paper"), 2, {"--output"});
   expect_refused(run("paper -o out --fast"), 2, {"--fast"});
+  expect_refused(run("paper -o out --figures print"), 2, {"--figures", "SVG"});
   put(in_folder("file"), "");
   expect_refused(run("paper -o file"), 3, {"file"});
   std::filesystem::create_directories(in_folder("out/claims.csv"));
