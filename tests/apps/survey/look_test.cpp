@@ -55,7 +55,9 @@ TEST_F(Look, TheSurveyStandsInTheJson) {
       << "only where it is asked for";
 }
 
-TEST_F(Look, ThePageWorksInABrowser) {
+using LookInChromium = Look;
+
+TEST_F(LookInChromium, ThePageWorks) {
   const auto browser = test::chromium();
   if (!browser) GTEST_SKIP() << "no Chromium";
   film("a.cine");
