@@ -273,16 +273,18 @@ TEST_P(TrackerLaws, TwiceTheSizeIsTwiceThePlace) {
 }
 
 using Kind = Target::Kind;
-INSTANTIATE_TEST_SUITE_P(EveryMethod, TrackerLaws,
+std::string name_of(const testing::TestParamInfo<Method>& method) {
+  return method.param.name;
+}
+INSTANTIATE_TEST_SUITE_P(SomeMethods, TrackerLaws,
+                         testing::Values(Method{"textured_disc", Kind::disc, Layers::off, 8}), name_of);
+INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, TrackerLaws,
                          testing::Values(Method{"disc"}, Method{"disc_found", Kind::find_disc},
                                          Method{"rectangle", Kind::rectangle, Layers::off, 8},
-                                         Method{"textured_disc", Kind::disc, Layers::off, 8},
                                          Method{"turning_disc", Kind::disc, Layers::off, 8, 0.01},
                                          Method{"rim", Kind::disc, Layers::off, 20, 0, 0, true},
                                          Method{"layers", Kind::disc, Layers::on, 8, 0.01, 5}),
-                         [](const testing::TestParamInfo<Method>& method) {
-                           return std::string(method.param.name);
-                         });
+                         name_of);
 
 }  // namespace
 }  // namespace tribotrack::vision

@@ -197,7 +197,10 @@ TEST_P(Robustness, Saturation) {
   expect_at_the_limit(followed("saturated disc", r), r.frames);
 }
 
-TEST_P(Robustness, HotAndDeadPixels) {
+/// Those that every change is tested by; the others wait for a campaign.
+class EverydayRobustness : public Robustness {};
+
+TEST_P(EverydayRobustness, HotAndDeadPixels) {
   Recording r = recording();
   std::mt19937 random(5);
   std::vector<Pixel> bad;
@@ -332,17 +335,17 @@ std::string spot_name(const testing::TestParamInfo<std::tuple<double, GlareSpot>
 }
 
 INSTANTIATE_TEST_SUITE_P(Standing, FaintGlare,
-                         testing::Combine(testing::Values(0.0, 8.0),
+                         testing::Combine(testing::Values(8.0),
                                           testing::Values(GlareSpot{"FaintNarrow", 10, 20})),
                          spot_name);
-INSTANTIATE_TEST_SUITE_P(Standing, BrightGlare,
+INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, BrightGlare,
                          testing::Combine(testing::Values(0.0, 8.0),
                                           testing::Values(GlareSpot{"BrightNarrow", 10, 60},
                                                           GlareSpot{"Middling", 25, 40},
                                                           GlareSpot{"BrightWide", 60, 80})),
                          spot_name);
 
-TEST_P(Robustness, RecordingThatStartsBeforeThePartIsThere) {
+TEST_P(EverydayRobustness, RecordingThatStartsBeforeThePartIsThere) {
   Recording r = recording();
   r.pose = [](double k) { return ScenePose{{-60.3 + 1.6 * k, 60.2 + 3 * std::sin(0.11 * k)}, 0, {0, 0}}; };
   RenderedSource source = r.source();
@@ -389,8 +392,12 @@ TEST_P(Robustness, DiscsOf8And400Pixels) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PlatformTexture, Robustness, testing::Values(0.0, 8.0),
-                         [](const auto& texture) { return texture.param > 0 ? "Brushed" : "Plain"; });
+std::string texture_name(const testing::TestParamInfo<double>& texture) {
+  return texture.param > 0 ? "Brushed" : "Plain";
+}
+
+INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, Robustness, testing::Values(0.0, 8.0), texture_name);
+INSTANTIATE_TEST_SUITE_P(PlatformTexture, EverydayRobustness, testing::Values(8.0), texture_name);
 
 TEST(OutlierPixels, SpreadFromWhatLiesTogetherOnly) {
   const std::vector<TilePlace> places{{0, 0}, {8, 0}};
@@ -411,22 +418,6 @@ TEST(OutlierPixels, SpreadFromWhatLiesTogetherOnly) {
       expected += is;
     }
   EXPECT_EQ(count, expected);
-}
-
-TEST(FoundByItself, AndNeverMovingIsSaid) {
-  for (const bool moves : {false, true}) {
-    Recording r;
-    r.frames = 40;
-    if (!moves) r.pose = [](double) { return ScenePose{{60.3, 60.2}, 0, {0, 0}}; };
-    RenderedSource source = r.source();
-    const TrackSummary summary = track(source, {}).summary;
-    const auto& warnings = summary.warnings;
-    EXPECT_EQ(summary.gate_passed, moves);
-    const bool said = std::any_of(warnings.begin(), warnings.end(), [](const std::string& w) {
-      return w.find("stays within") != std::string::npos;
-    });
-    EXPECT_EQ(said, !moves);
-  }
 }
 
 TEST(BadPixels, AreFoundAndNothingElseIs) {

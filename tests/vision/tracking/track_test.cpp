@@ -67,11 +67,5 @@ TEST(Track, MarkersMotionIsSubtractedAndItsSigmaAdded) {
   EXPECT_NEAR(mm[2]->sigma_y_mm, std::hypot(0.01, 0.04), 1e-15);
 }
 
-TEST(Track, StatusNamesAreThoseOfTheTable) {
-  EXPECT_STREQ(to_string(TrackStatus::ok), "ok");
-  EXPECT_STREQ(to_string(TrackStatus::lost), "lost");
-  EXPECT_STREQ(to_string(TrackStatus::edge), "edge");
-}
-
 }  // namespace
 }  // namespace tribotrack::vision
