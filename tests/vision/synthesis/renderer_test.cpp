@@ -1,3 +1,222 @@
+// The renderer against brute force: the scene evaluated at 32 x 32 points per pixel and 64 times per
+// exposure.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include "vision/disc_by_definition.h"
+#include "vision/scene.h"
+#include "vision/synthesis/disc.h"
+#include "vision/synthesis/texture.h"
+
+namespace tribotrack::vision {
+namespace {
+
+using Pose = std::function<ScenePose(double)>;
+
+/// The scene at a point and a time, written down once more from the header's formulas.
+class BruteForce {
+ public:
+  explicit BruteForce(const Scene& scene)
+      : scene_(scene), disc_(scene.disc, scene.seed), texture_(scene.platform, scene.seed) {}
+
+  double pixel(int x, int y, double time_s, double exposure_s, const Pose& pose, double lamp_on) const {
+    const int points = 32;
+    const int times = exposure_s > 0 ? 64 : 1;
+    double sum = 0;
+    for (int k = 0; k < times; ++k) {
+      const ScenePose p = pose(time_s + exposure_s * ((k + 0.5) / times - 0.5));
+      for (int j = 0; j < points; ++j) {
+        for (int i = 0; i < points; ++i) {
+          sum += point(x + (i + 0.5) / points - 0.5, y + (j + 0.5) / points - 0.5, p, lamp_on);
+        }
+      }
+    }
+    return sum / (points * points * times);
+  }
+
+ private:
+  double edge(double dx, double dy, double radius) const {
+    return discs_.share(std::hypot(dx, dy), radius, scene_.disc.edge_blur_px);
+  }
+  double point(double x, double y, const ScenePose& pose, double lamp_on) const {
+    double level = scene_.platform.level;
+    const double alpha =
+        scene_.disc.visible ? edge(x - pose.disc.x, y - pose.disc.y, scene_.disc.radius_px) : 0;
+    if (alpha < 1 - 1e-7) level += texture_.at(x - pose.platform.x, y - pose.platform.y);
+    if (scene_.marker) {
+      const double dx = x - scene_.marker->position.x - pose.platform.x;
+      const double dy = y - scene_.marker->position.y - pose.platform.y;
+      const double dot = edge(dx, dy, scene_.marker->radius_px / 2);
+      const double ring = edge(dx, dy, scene_.marker->radius_px);
+      level =
+          (1 - ring) * level + ring * ((1 - dot) * scene_.marker->ring_level + dot * scene_.marker->level);
+    }
+    if (alpha > 1e-9) {
+      level = (1 - alpha) * level + alpha * disc_.colour(x - pose.disc.x, y - pose.disc.y,
+                                                         std::cos(pose.theta), std::sin(pose.theta));
+    }
+    if (scene_.lamp) {
+      const double share =
+          edge(x - scene_.lamp->position.x, y - scene_.lamp->position.y, scene_.lamp->radius_px);
+      const double light =
+          scene_.lamp->off_level + lamp_on * (scene_.lamp->on_level - scene_.lamp->off_level);
+      level = (1 - share) * level + share * light;
+    }
+    return level;
+  }
+
+  Scene scene_;
+  DiscLayer disc_;
+  PlatformTexture texture_;
+  mutable test::TabulatedDiscs discs_;
+};
+
+Scene plain(int width, int height, double radius) {
+  Scene scene;
+  scene.width = width;
+  scene.height = height;
+  scene.disc.radius_px = radius;
+  scene.disc.level = 170;
+  scene.disc.scratches = 0;
+  scene.disc.highlight = 0;
+  scene.platform.level = 80;
+  scene.platform.texture_rms = 0;
+  scene.read_noise = 0;
+  return scene;
+}
+
+Pose at_rest(Point disc, double theta = 0, Point platform = {}) {
+  return [=](double) { return ScenePose{disc, theta, platform}; };
+}
+
+/// The largest difference from brute force over `count` pixels drawn from those within `reach` of `centre`.
+double worst_difference(const Scene& scene, double time_s, double exposure_s, const Pose& pose, Point centre,
+                        double inner, double outer, int count, double lamp_on = 0) {
+  const SceneRenderer renderer(scene);
+  const Picture picture = renderer.render_exact(time_s, exposure_s, pose, lamp_on);
+  const BruteForce reference(scene);
+  std::mt19937 random(99);
+  std::uniform_int_distribution<int> any_x(0, scene.width - 1), any_y(0, scene.height - 1);
+  double worst = 0;
+  for (int tries = 0; count > 0 && tries < 1000000; ++tries) {
+    const int x = any_x(random), y = any_y(random);
+    const double rho = std::hypot(x - centre.x, y - centre.y);
+    if (rho < inner || rho > outer) continue;
+    --count;
+    const double expected = reference.pixel(x, y, time_s, exposure_s, pose, lamp_on);
+    worst = std::max(worst, std::abs(picture.at(x, y) - expected));
+  }
+  EXPECT_EQ(count, 0) << "no pixels to compare";
+  return worst;
+}
+
+constexpr double kContrast = 90;
+
+TEST(SceneRenderer, DiscRimAgreesWithBruteForce) {
+  for (const double blur : {0.25, 0.5, 0.8, 1.5}) {
+    Scene scene = plain(41, 33, 11.3);
+    scene.disc.edge_blur_px = blur;
+    // Brute force itself errs by h^2/24 times the curvature, most for the sharpest edge.
+    const double own = kContrast * 0.25 / (blur * blur) / (24 * 32 * 32) * 2;
+    EXPECT_LT(worst_difference(scene, 0, 0, at_rest({19.37, 15.81}), {19.37, 15.81}, 9, 14, 400),
+              1e-4 * kContrast + own)
+        << blur;
+  }
+}
+
+TEST(SceneRenderer, ScratchesAndHighlightAgreeWithBruteForce) {
+  Scene scene = plain(41, 33, 12);
+  scene.disc.scratches = 12;
+  scene.disc.highlight = 25;
+  EXPECT_LT(worst_difference(scene, 0, 0, at_rest({19.37, 15.81}, 0.7), {19.37, 15.81}, 0, 13, 300), 0.005);
+}
+
+TEST(SceneRenderer, DiscOnBrushedPlatformAgreesWithBruteForce) {
+  Scene scene = plain(61, 45, 13);
+  scene.disc.scratches = 12;
+  scene.disc.highlight = 25;
+  scene.platform.texture_rms = 10;
+  EXPECT_LT(worst_difference(scene, 0, 0, at_rest({29.2, 20.6}, -1.1, {2.3, -0.7}), {29.2, 20.6}, 8, 20, 300),
+            0.01);
+}
+
+TEST(SceneRenderer, MotionBlurAgreesWithBruteForce) {
+  // Disc, rotation and platform all move, the disc along a curve, by up to three pixels in the exposure.
+  Scene scene = plain(61, 45, 13);
+  scene.disc.scratches = 12;
+  scene.disc.highlight = 25;
+  scene.platform.texture_rms = 10;
+  for (const double path : {0.05, 0.7, 3.0}) {
+    const Pose pose = [path](double t) {
+      const double u = t - 0.5;  // the exposure is [0, 1] s
+      return ScenePose{{29.2 + path * u, 20.6 + 0.4 * path * u * u},
+                       0.3 + 0.05 * path * u,
+                       {-0.6 * path * u, 0.3 * path * u}};
+    };
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 10, 17, 25), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 0, 9, 25), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 20, 30, 8), 0.005) << path;
+  }
+}
+
+TEST(SceneRenderer, MarkerAgreesWithBruteForce) {
+  Scene scene = plain(61, 45, 10);
+  scene.platform.texture_rms = 8;
+  scene.disc.visible = false;
+  scene.marker = MarkerAppearance{{20.4, 21.3}, 11, 20, 220};
+  const Pose pose = [](double t) { return ScenePose{{0, 0}, 0, {1.3 + 1.0 * t, -0.8 * t}}; };
+  EXPECT_LT(worst_difference(scene, 0, 1, pose, {21.7, 21.3}, 0, 16, 25), 0.006);
+  EXPECT_LT(worst_difference(scene, 0, 0, pose, {21.7, 21.3}, 0, 16, 100), 0.006);
+}
+
+TEST(SceneRenderer, DiscHidesMarkerAndLampLiesOnTop) {
+  Scene scene = plain(61, 45, 10);
+  scene.platform.texture_rms = 8;
+  scene.disc.scratches = 3;
+  scene.marker = MarkerAppearance{{20.4, 21.3}, 8, 20, 220};
+  scene.lamp = Lamp{{37, 22}, 5, 230, 20};
+  const Pose pose = at_rest({29.7, 22.4}, 0.2, {0.4, 0.3});
+  EXPECT_LT(worst_difference(scene, 0, 0, pose, {29.7, 22.4}, 0, 20, 150, 0.35), 0.005);
+}
+
+TEST(SceneRenderer, LightOfTheDiscIsItsAreaTimesItsContrast) {
+  // Blur and pixels move light about but keep it: the integral is the sharp disc's own area, pi R^2.
+  for (const double radius : {5.0, 12.0, 30.0}) {
+    for (const double x : {50.0, 50.25, 50.5, 49.87}) {
+      const Scene scene = plain(101, 97, radius);
+      const Picture picture = SceneRenderer(scene).render_exact(0, 0, at_rest({x, 47.3}));
+      double light = 0;
+      for (const float level : picture.levels()) light += level - 80.0;
+      const double area = M_PI * radius * radius;
+      EXPECT_NEAR(light / kContrast, area, 2e-5 * area) << radius;
+    }
+  }
+}
+
+TEST(SceneRenderer, GreyCentroidOfAPlainDiscIsItsCentre) {
+  const Scene scene = plain(61, 57, 14);
+  for (const Point c : {Point{30, 28}, {30.5, 28.25}, {29.913, 27.631}}) {
+    for (const double path : {0.0, 2.0}) {
+      const Pose pose = [&](double t) { return ScenePose{{c.x + path * t, c.y - path * t}, 0, {}}; };
+      const Picture picture = SceneRenderer(scene).render_exact(0, 1, pose);
+      double sum = 0, sx = 0, sy = 0;
+      for (int y = 0; y < 57; ++y) {
+        for (int x = 0; x < 61; ++x) {
+          const double light = picture.at(x, y) - 80.0;
+          sum += light;
+          sx += light * x;
+          sy += light * y;
+        }
+      }
+      EXPECT_NEAR(sx / sum, c.x, 2e-5);
+      EXPECT_NEAR(sy / sum, c.y, 2e-5);
+    }
+  }
+}
+
 TEST(SceneRenderer, ScratchesTurnAndTheHighlightStays) {
   // A quarter turn counter-clockwise seen with y up: what was right of the centre comes to lie above it.
   Scene scene = plain(61, 61, 20);

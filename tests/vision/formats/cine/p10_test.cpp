@@ -9,6 +9,54 @@
 namespace tribotrack::vision {
 namespace {
 
+/// Bit by bit, most significant first.
+std::uint32_t bits_at(const std::vector<std::uint8_t>& bytes, std::size_t first, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t bit = first; bit < first + count; ++bit)
+    value = value << 1 | (bytes[bit / 8] >> (7 - bit % 8) & 1U);
+  return value;
+}
+
+std::vector<std::uint8_t> random_bytes(std::size_t count) {
+  constexpr unsigned seed = 20210401;
+  std::mt19937 random(seed);
+  std::vector<std::uint8_t> bytes(count);
+  for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random() & 0xFF);
+  return bytes;
+}
+
+TEST(P10, UnpacksEveryRunLikeBitByBitReading) {
+  constexpr std::size_t pixels = 43;
+  const auto packed = random_bytes(p10_bytes(pixels));
+  for (std::size_t first = 0; first < pixels; ++first)
+    for (std::size_t count = 0; first + count <= pixels; ++count) {
+      std::vector<float> levels(count);
+      unpack_p10(packed, first, levels);
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_EQ(levels[i], p10_linear_levels[bits_at(packed, (first + i) * 10, 10)])
+            << first << " " << count;
+    }
+}
+
+TEST(P12L, UnpacksEveryRunLikeBitByBitReading) {
+  constexpr std::size_t pixels = 21;
+  const auto packed = random_bytes(p12l_bytes(pixels));
+  for (std::size_t first = 0; first < pixels; ++first) {
+    std::vector<float> levels(pixels - first);
+    unpack_p12l(packed, first, levels);
+    for (std::size_t i = 0; i < levels.size(); ++i)
+      ASSERT_EQ(levels[i], static_cast<float>(bits_at(packed, (first + i) * 12, 12)));
+  }
+}
+
+TEST(P10, PacksWhatUnpackingReads) {
+  std::vector<std::uint16_t> codes(1023);
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<std::uint16_t>((i * 389) % 1024);
+  std::vector<std::uint8_t> packed(p10_bytes(codes.size()));
+  pack_p10(codes, packed);
+  for (std::size_t i = 0; i < codes.size(); ++i) ASSERT_EQ(bits_at(packed, i * 10, 10), codes[i]);
+}
+
 TEST(P10, CurveHasItsPublishedPoints) {
   EXPECT_EQ(p10_linear_levels[0], 2);
   EXPECT_EQ(p10_linear_levels[64], 64);      // black

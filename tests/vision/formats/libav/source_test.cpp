@@ -23,6 +23,133 @@ class LibavSourceTest : public RecordingTest {
   static SinkOptions options() { return {.width = 48, .height = 32, .frame_rate_hz = 240}; }
 };
 
+/// Frames read in a scattered order are those read one after the other, level by level.
+void expect_exact_random_access(const std::filesystem::path& path, int reads) {
+  const auto straight = open_source(path);
+  const auto scattered = open_source(path);
+  const auto count = static_cast<int>(straight->info().frame_count);
+  std::vector<Picture> frames;
+  for (int k = 0; k < count; ++k) frames.push_back(straight->read(k));
+  constexpr unsigned seed = 17;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int i = 0; i < reads; ++i) {
+    const int k = static_cast<int>(random() % static_cast<unsigned>(count));
+    const Picture frame = scattered->read(k);
+    ASSERT_TRUE(std::equal(frame.levels().begin(), frame.levels().end(),
+                           frames[static_cast<std::size_t>(k)].levels().begin()))
+        << "frame " << k;
+  }
+}
+
+TEST_F(LibavSourceTest, AnyFrameAtAnyTime) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    SCOPED_TRACE(name);
+    write_recording(file(name), options(), 60);
+    expect_exact_random_access(file(name), 40);
+  }
+}
+
+TEST_F(LibavSourceTest, AnyFrameOfVideosThatStoreFramesOutOfOrder) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  // In AVI and raw H.264 the stamps do not tell the order; in MP4 and MPEG-TS they do.
+  for (const char* name : {"a.mp4", "a.avi", "a.mkv", "a.ts", "a.h264"}) {
+    SCOPED_TRACE(name);
+    const std::string command =
+        "ffmpeg -v error -y -f lavfi -i \"color=black:s=64x48:r=240:d=0.25,"
+        "geq=lum='2*N+16':cb=128:cr=128\" -c:v libx264 -bf 3 -g 12 -qp 8 " +
+        file(name).string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const auto source = open_source(file(name));
+    ASSERT_EQ(source->info().frame_count, 60);
+    for (const int k : {0, 1, 2, 59, 13, 12, 11, 30})
+      EXPECT_NEAR(source->read(k).at(20, 20), 2 * k + 16, 0.8) << k;
+    expect_exact_random_access(file(name), 40);
+  }
+}
+
+/// Luma of a lamp of 40 x 40 px that is lit in every second frame, in H.264 of the given range.
+void write_lamp(const std::filesystem::path& path, int lit, const std::string& range) {
+  const std::string command =
+      "ffmpeg -v error -y -f lavfi -i \"color=black:s=96x96:r=240:d=0.05,"
+      "geq=lum='if(mod(N,2)*lt(abs(X-48),20)*lt(abs(Y-48),20)," +
+      std::to_string(lit) + ",60)':cb=128:cr=128\" -c:v libx264 -qp 10 -color_range " + range + " " +
+      path.string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(LibavSourceTest, LimitedRangeClipsAtWhite) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  const Circle lamp{48, 48, 12};
+  const auto clipped_share = [&](int lit, const std::string& range) {
+    write_lamp(file("a.mp4"), lit, range);
+    const auto source = open_source(file("a.mp4"));
+    EXPECT_EQ(source->info().clipping_level(), range == "tv" ? 235 : 255);
+    return GateLamp(lamp, *source).sample(*source, 1).clipped_share;
+  };
+  EXPECT_EQ(clipped_share(235, "tv"), 1);
+  EXPECT_EQ(clipped_share(220, "tv"), 0);
+  EXPECT_EQ(clipped_share(235, "pc"), 0);
+  EXPECT_EQ(clipped_share(255, "pc"), 1);
+}
+
+TEST_F(LibavSourceTest, LevelsAboveWhiteDoNotClipAtWhite) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no ffmpeg to write such videos with";
+  const std::string command =
+      "ffmpeg -v error -y -f lavfi -i \"color=black:s=96x96:r=240:d=0.05,"
+      "geq=lum='if(lt(abs(X-48),20)*lt(abs(Y-48),20),248,60)':cb=128:cr=128\" -c:v libx264 -qp 10 "
+      "-color_range tv " +
+      file("a.mp4").string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const auto source = open_source(file("a.mp4"));
+  EXPECT_EQ(source->info().clipping_level(), 255);
+  EXPECT_THAT(source->info().notes, Contains(HasSubstr("above white")));
+}
+
+TEST_F(LibavSourceTest, FramesWhoseStampsTieAreStillApart) {
+  // 7 frames to the millisecond of Matroska.
+  SinkOptions fast = options();
+  fast.frame_rate_hz = 7000;
+  write_recording(file("a.mkv"), fast, 50);
+  const auto source = open_source(file("a.mkv"));
+  ASSERT_EQ(source->info().frame_count, 50);
+  for (const int k : {49, 3, 4, 31, 30}) EXPECT_EQ(source->read(k).at(5, 6), test_level(k, 5, 6, 8));
+}
+
+TEST_F(LibavSourceTest, AVideoCutShortNeverLosesFramesInSilence) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    write_recording(file(name), options(), 40);
+    const FileBytes whole = read_bytes(file(name));
+    ASSERT_EQ(input_error(file(name)), "");
+    for (const double share : {0.999, 0.9, 0.5, 0.2, 0.02}) {
+      write_bytes(file(name),
+                  FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(
+                                                               share * static_cast<double>(whole.size()))));
+      EXPECT_THAT(input_error(file(name)),
+                  AllOf(HasSubstr(name), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
+          << share;
+    }
+  }
+}
+
+TEST_F(LibavSourceTest, AFileThatShrinksWhileReadIsAnError) {
+  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
+    write_recording(file(name), options(), 400);
+    const auto source = open_source(file(name));
+    source->read(2);
+    std::filesystem::resize_file(file(name), std::filesystem::file_size(file(name)) / 2);
+    try {
+      for (std::int64_t k = 3; k < 400; ++k) source->read(k);
+      FAIL() << name << ": half of the frames are gone";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+}
+
 TEST_F(LibavSourceTest, WhatIsNoVideo) {
   const std::string text = "alpha and v\nare not in here\n";
   write_bytes(file("a.mp4"), FileBytes(text.begin(), text.end()));
