@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/campaign/problem.h"
-#include "apps/campaign/repeated.h"
+#include "apps/campaign/compared_runs.h"
+#include "apps/campaign/fit_stage.h"
 #include "apps/files/scenario_file.h"
-#include "apps/measuring/measure_slide.h"
+#include "apps/measuring/measure_track.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {

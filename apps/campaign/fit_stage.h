@@ -1,4 +1,4 @@
-// What `run` and `fit` share: every run of a campaign side by side, then one fit to all of them.
+// Last: all runs as one least-squares problem.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,27 @@
 #include <string>
 #include <vector>
 
+#include "apps/campaign/compared_runs.h"
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_conditions.h"
-#include "apps/campaign/shared_scale.h"
 #include "apps/files/campaign/campaign.h"
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/program/context.h"
 #include "apps/text/json.h"
 #include "fit/estimate.h"
+#include "fit/problem.h"
 
 namespace tribotrack::apps {
+
+/// The least-squares problem of all runs that did not fail.
+fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+                        const SharedConditions& shared);
+
+/// mm/px that the fit parameter `scale` is a factor on: the mean over the runs with a video; 1 where there is
+/// none.
+double reference_mm_per_px(const std::vector<AnalysedRun>& runs);
+
+// What `run` and `fit` share: every run of a campaign side by side, then one fit to all of them.
 
 /// What is done for a run: `frames_done` is told of the frames of its recording that have been worked on, and
 /// of all.

@@ -9,7 +9,7 @@
 
 #include "apps/campaign/own_errors.h"
 #include "apps/campaign/shared_errors.h"
-#include "apps/measuring/unit_slip.h"
+#include "apps/measuring/condition_table.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 #include "fit/pooling.h"

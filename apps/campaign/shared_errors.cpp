@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "apps/campaign/own_errors.h"
-#include "apps/files/calibration_file.h"
+#include "apps/files/camera.h"
 
 namespace tribotrack::apps {
 

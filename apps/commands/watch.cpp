@@ -14,7 +14,6 @@
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 #include "apps/watch/arrivals.h"
-#include "apps/watch/goal.h"
 #include "apps/watch/growing_campaign.h"
 
 namespace tribotrack::apps {

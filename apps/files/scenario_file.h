@@ -1,4 +1,4 @@
-// SCENARIO.toml: one run of the friction model, and what to sweep it over.
+// SCENARIO.toml, and how it is told from the other TOML files that commands read.
 #pragma once
 
 #include <filesystem>
@@ -6,12 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "apps/text/given_sd.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"
 
 namespace tribotrack::apps {
+
+// The TOML files that the commands read, told from each other by their tables.
+
+enum class TomlKind { campaign, scenario, scene };
+
+/// Throws InvalidInput where the file is of another kind than `wanted`, naming the command that takes it.
+void require_kind(const StrictTable& top, TomlKind wanted, const std::string& file);
+
+// SCENARIO.toml: one run of the friction model, and what to sweep it over.
 
 /// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured. The
 /// standard deviations are a campaign's; a value without one is exact.

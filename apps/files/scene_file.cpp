@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/files/kinds/toml_kind.h"
+#include "apps/files/scenario_file.h"
 #include "apps/program/errors.h"
 
 namespace tribotrack::apps {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/measuring/unit_slip.h"
+#include "apps/measuring/condition_table.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 

@@ -3,8 +3,10 @@
 
 #include <string>
 
+#include "apps/files/traces/scope_file.h"
 #include "apps/measuring/measure_run.h"
-#include "apps/measuring/measure_slide.h"
+#include "apps/measuring/measure_track.h"
+#include "apps/text/json.h"
 
 namespace tribotrack::apps {
 
@@ -14,5 +16,12 @@ std::string measurement_text(const RunMeasurement& measurement, const TrackFile&
 
 /// What `measure` prints for people.
 std::string slide_measurement_text(const SlideMeasurement& measurement, const TrackFile& track);
+
+// What an oscilloscope's file holds, and what to write into [scope].
+
+/// Layout, sampling and channels, each with what it looks like, and the lines of [scope] that say so: what
+/// `probe trace.csv` prints.
+std::string trace_text(const ScopeFile& trace);
+Json trace_json(const ScopeFile& trace);
 
 }  // namespace tribotrack::apps

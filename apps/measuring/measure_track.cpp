@@ -2,15 +2,112 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "apps/measuring/measure_run.h"
-#include "apps/measuring/measure_slide.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/program/errors.h"
+#include "fit/estimate.h"
 
 namespace tribotrack::apps {
+
+namespace {
+
+/// sd of the curvature of a track of length `time` whose errors of sd `sd` last for `correlation` each: that
+/// of a parabola through as many independent points, 720/n sd^2/time^4.
+double slow_curvature_sd(double sd, double correlation, double time) {
+  if (!(sd > 0) || !(time > 0)) return 0;
+  const double independent = std::max(3.0, correlation > 0 ? time / correlation : 3.0);
+  return sd * std::sqrt(720 / independent) / (time * time);
+}
+
+}  // namespace
+
+SlideMeasurement measure_slide(const std::string& name, const TrackFile& track, double gravity) {
+  fit::Problem problem;
+  problem.free = {fit::FitParameter::mu1};
+  fit::TrajectoryRun run;
+  run.name = name;
+  run.free_slide = true;
+  run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0;
+  run.scenario.drive.gravity = gravity;
+  run.track = track.table;
+  problem.trajectory_runs = {run};
+  fit::FitOptions options;
+  options.profiles = options.next_experiment = false;
+  const fit::FitResult fit = fit::estimate(problem, options);
+
+  SlideMeasurement m;
+  m.slide = fit.slides.front();
+  m.gravity = gravity;
+  const double scale = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
+  const double deceleration = m.slide.mu1.value * gravity;
+  m.deceleration = {deceleration, std::hypot(m.slide.mu1.sd * gravity, scale * deceleration)};
+  m.stop_seen = m.slide.stop_time < track.table.time.back();
+  const double start = fit.runs.front().nuisance.at("onset_time_s");
+  const double seen = std::min(m.slide.stop_time, fit.runs.front().nuisance.at("end_time_s")) - start;
+  for (const fit::SlowError& slow : track.table.slow)
+    m.deceleration_slow_sd = std::hypot(m.deceleration_slow_sd, slow_curvature_sd(slow.sd, slow.time, seen));
+  m.warnings = fit.warnings;
+  if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
+    m.warnings.push_back(
+        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at "
+                    "{} degrees of freedom); the sd counts the scatter",
+                    name, m.slide.chi2, m.slide.dof));
+  return m;
+}
+
+Json slide_result_json(const fit::SlideResult& slide) {
+  Json json = {{"name", slide.run},
+               {"mu1", finite_json(slide.mu1.value)},
+               {"mu1_sd", finite_json(slide.mu1.sd)},
+               {"ci95", Json::array({finite_json(slide.ci95.low), finite_json(slide.ci95.high)})},
+               {"chi2", finite_json(slide.chi2)},
+               {"dof", slide.dof},
+               {"p_value", finite_json(slide.p_value)},
+               {"scatter_mm", slide.scatter * 1e3},
+               {"points", slide.points},
+               {"first_frame", slide.first_frame},
+               {"last_frame", slide.last_frame},
+               {"speed_mm_s", finite_json(slide.speed * 1e3)},
+               {"stop_time_s", finite_json(slide.stop_time)},
+               {"spin_seen", slide.spin_seen}};
+  if (slide.slope != 0) json["slope_rad"] = slide.slope;
+  if (slide.spin_seen) {
+    json["spin_rad_s"] = finite_json(slide.spin.value);
+    json["spin_rad_s_sd"] = finite_json(slide.spin.sd);
+    json["spin_ratio"] = finite_json(slide.spin_ratio.value);
+    json["spin_ratio_sd"] = finite_json(slide.spin_ratio.sd);
+    json["bearing_over_radius"] = finite_json(slide.bearing.value);
+    json["bearing_over_radius_sd"] = finite_json(slide.bearing.sd);
+  } else if (slide.slope == 0) {
+    json["mu1_change_by_half_spin"] = finite_json(slide.change_by_half_spin);
+  }
+  json["blows"] = Json::array();
+  for (const fit::Blow& blow : slide.blows)
+    json["blows"].push_back({{"frame", blow.frame},
+                             {"time_s", blow.time},
+                             {"jump_mm_s", blow.jump * 1e3},
+                             {"speed_before_mm_s", blow.speed_before * 1e3},
+                             {"speed_after_mm_s", blow.speed_after * 1e3}});
+  json["sentence"] = slide.sentence;
+  return json;
+}
+
+Json slide_measurement_json(const SlideMeasurement& m, const TrackFile& track) {
+  Json json = slide_result_json(m.slide);
+  json.erase("name");
+  json["kind"] = "free_slide";
+  json["deceleration_mm_s2"] = finite_json(m.deceleration.value * 1e3);
+  json["deceleration_mm_s2_sd"] = finite_json(m.deceleration.sd * 1e3);
+  json["deceleration_mm_s2_slow_sd"] = finite_json(m.deceleration_slow_sd * 1e3);
+  json["gravity_m_s2"] = m.gravity;
+  json["stop_seen"] = m.stop_seen;
+  put_recording(json, track, m.warnings);
+  return json;
+}
 
 namespace {
 

@@ -1,5 +1,5 @@
 // From a campaign's recordings to its report: every run tracked and measured, one fit, the results in a
-// folder. What is there already and current is kept.
+// folder. What is there already and current is kept. Of several parts each has its own tracks, fit and report.
 #pragma once
 
 #include <chrono>
@@ -83,5 +83,13 @@ class CampaignRunner {
   SharedFindings shared_;
   FitStage fit_;
 };
+
+/// Of one part. With `plan_only` nothing is done but said.
+void run_campaign(const Campaign& campaign, const RunnerOptions& options, bool plan_only, Context& context);
+
+/// Each part into a folder of its name, and DIR/parts.csv with the parameters of all. A part that cannot be
+/// fitted is named and left out, with exit code 4; throws InvalidInput where that is all of them.
+void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bool plan_only,
+                      Context& context);
 
 }  // namespace tribotrack::apps

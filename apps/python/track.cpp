@@ -7,14 +7,12 @@
 #include <memory>
 #include <utility>
 
-#include "apps/files/marker_word.h"
+#include "apps/files/camera.h"
 #include "apps/files/track_rows.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"
 #include "apps/python/doors.h"
-#include "apps/python/errors.h"
 #include "apps/python/released.h"
-#include "apps/python/tables.h"
 #include "apps/python/values.h"
 #include "apps/recording/track_choices.h"
 #include "apps/recording/track_recording.h"

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/track_rows.h"
 #include "apps/text/json.h"
 #include "vision/picture.h"
 
@@ -41,5 +42,14 @@ std::string path_of(const pybind11::handle& value);
 
 /// A NumPy array of one dimension.
 pybind11::array_t<double> array_of(const std::vector<double>& values);
+
+// Tracks as dicts of NumPy arrays, one for each column of their table, and back.
+
+/// NaN for an empty cell; `status` holds texts.
+pybind11::dict columns_of(const apps::TrackRows& rows);
+
+/// The text of the CSV with these columns: arrays, lists or a pandas DataFrame's, the key `meta` left out.
+/// Throws InvalidInput, `name` beginning its message.
+std::string csv_of(const pybind11::object& table, const std::string& name);
 
 }  // namespace tribotrack::python

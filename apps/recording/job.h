@@ -1,7 +1,7 @@
 // First: how a run's recording is to be tracked.
 #pragma once
 
-#include "apps/files/camera_section.h"
+#include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/recording/track_recording.h"
 

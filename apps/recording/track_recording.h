@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/track_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/input_file.h"

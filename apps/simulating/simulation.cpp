@@ -2,13 +2,50 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "apps/program/errors.h"
+#include "apps/program/progress.h"
+#include "apps/simulating/sweep.h"
+#include "apps/text/angle.h"
 #include "model/alpha_v.h"
 #include "model/steady_orbit.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::apps {
+
+ScenarioFile base_of(const GivenScenario& given) {
+  const auto is_given = [&](const char* name) {
+    return std::ranges::any_of(given.values, [&](const auto& entry) { return entry.first == name; });
+  };
+  if (is_given("mu2") && is_given("mu1_over_mu2"))
+    throw UsageError("--mu2 and --mu1-over-mu2 mean the same; give one of them");
+  ScenarioFile file = given.file.empty() ? ScenarioFile{} : read_scenario_file(given.file);
+  // amplitude_mm sets both axes, amplitude_y_mm the second: in this order, whatever the order they came in.
+  for (const bool of_y : {false, true})
+    for (const auto& [name, value] : given.values)
+      if ((name == "amplitude_y_mm") == of_y) set_scenario_parameter(file, name, value);
+  if (!given.start.empty()) file.scenario.start = parse_start(given.start);
+  if (given.samples_per_cycle) {
+    if (!(*given.samples_per_cycle >= 1 && *given.samples_per_cycle <= 1e6))
+      throw UsageError("--samples-per-cycle must be between 1 and 1000000");
+    file.samples_per_cycle = static_cast<int>(*given.samples_per_cycle);
+  }
+  return file;
+}
+
+ScenarioFile scenario_of(const GivenScenario& given) {
+  ScenarioFile file = base_of(given);
+  file.settle();
+  file.scenario.validate();
+  return file;
+}
 
 namespace {
 
@@ -62,6 +99,177 @@ void require_sensible_table(const std::string& name, const model::Scenario& scen
       fmt::format("{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
                   "lower --cycles or --samples-per-cycle",
                   name, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest));
+}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& text) {
+  throw UsageError(fmt::format(
+      "--over {}: must read NAME=FROM:TO:COUNT, such as phi_rad=0:2pi:73, or NAME=VALUE,VALUE,...", text));
+}
+
+void refuse_degrees(const std::string& text, const std::string& name, double value) {
+  if (!name.ends_with("_rad")) return;
+  if (const std::string slip = angle_slip(value); !slip.empty())
+    throw UsageError(fmt::format("--over {}: {} {}", text, name, slip));
+}
+
+std::vector<double> listed_values(const std::string& text, std::string_view list) {
+  std::vector<double> values;
+  while (true) {
+    const auto comma = list.find(',');
+    const auto value = parse_angle(list.substr(0, comma));
+    if (!value) refuse(text);
+    values.push_back(*value);
+    if (comma == std::string_view::npos) return values;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+SweepAxis::SweepAxis(std::string name, std::vector<double> values)
+    : name_(std::move(name)), text_(name_), count_(values.size()), listed_(std::move(values)) {
+  if (listed_.empty()) throw UsageError(fmt::format("--over {}: has no values", name_));
+  for (const double value : listed_) {
+    if (!std::isfinite(value)) throw UsageError(fmt::format("--over {}: {} is no value", name_, value));
+    refuse_degrees(text_, name_, value);
+  }
+}
+
+SweepAxis::SweepAxis(const std::string& text) : text_(text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) refuse(text);
+  name_ = text.substr(0, equals);
+  const auto first = text.find(':', equals);
+  if (first == std::string::npos && text.find(',', equals) != std::string::npos) {
+    listed_ = listed_values(text, std::string_view(text).substr(equals + 1));
+    count_ = listed_.size();
+    for (const double value : listed_) refuse_degrees(text, name_, value);
+    return;
+  }
+  const auto second = first == std::string::npos ? first : text.find(':', first + 1);
+  if (second == std::string::npos) refuse(text);
+  const auto from = parse_angle(text.substr(equals + 1, first - equals - 1));
+  const auto to = parse_angle(text.substr(first + 1, second - first - 1));
+  const auto count = parse_number(text.substr(second + 1));
+  if (!from || !to || !count) refuse(text);
+  if (*count < 1 || *count > kMostScenarios || *count != std::floor(*count))
+    throw UsageError(
+        fmt::format("--over {}: the count, its last number, must be a whole number, 1 to {:.0f}, not {}",
+                    text, kMostScenarios, *count));
+  for (const double end : {*from, *to}) refuse_degrees(text, name_, end);
+  from_ = *from;
+  to_ = *to;
+  count_ = static_cast<std::size_t>(*count);
+}
+
+double SweepAxis::value(std::size_t k) const {
+  if (!listed_.empty()) return listed_[k];
+  if (count_ == 1) return from_;
+  return from_ + (to_ - from_) * static_cast<double>(k) / static_cast<double>(count_ - 1);
+}
+
+void require_sweepable(const std::vector<SweepAxis>& axes) {
+  if (axes.empty() || axes.size() > 2)
+    throw UsageError(
+        "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
+  if (axes.size() == 1) return;
+  if (axes[0].name() == axes[1].name())
+    throw UsageError(
+        fmt::format("--over names {} twice; give another parameter for the second axis", axes[0].name()));
+  const auto is_mu2 = [](const SweepAxis& axis) {
+    return axis.name() == "mu2" || axis.name() == "mu1_over_mu2";
+  };
+  if (is_mu2(axes[0]) && is_mu2(axes[1]))
+    throw UsageError("--over names mu2 and mu1_over_mu2, which mean the same; give one of them");
+  const double total = static_cast<double>(axes[0].count()) * static_cast<double>(axes[1].count());
+  if (total > kMostScenarios)
+    throw UsageError(fmt::format(
+        "--over {} --over {}: {:.0f} scenarios, at most {:.0f} are solved at once; lower the counts",
+        axes[0].text(), axes[1].text(), total, kMostScenarios));
+}
+
+std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
+  std::vector<SweepAxis> axes;
+  for (const auto& text : texts) axes.emplace_back(text);
+  require_sweepable(axes);
+  return axes;
+}
+
+Sweep::Sweep(ScenarioFile base, std::vector<SweepAxis> axes)
+    : base_(std::move(base)), axes_(std::move(axes)) {
+  base_.over.clear();  // copied with each scenario
+  for (const SweepAxis& axis : axes_) count_ *= axis.count();
+}
+
+double Sweep::value(std::size_t index, std::size_t axis) const {
+  const std::size_t inner = axes_.back().count();
+  return axes_[axis].value(axis + 1 == axes_.size() ? index % inner : index / inner);
+}
+
+model::Scenario Sweep::scenario(std::size_t index) const {
+  ScenarioFile file = base_;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    set_scenario_parameter(file, axes_[axis].name(), value(index, axis));
+  file.settle();
+  return file.scenario;
+}
+
+namespace {
+
+void require_valid(const Sweep& sweep, const Context& context) {
+  constexpr std::size_t now_and_then = 4096;
+  try {
+    for (std::size_t index = 0; index < sweep.count(); ++index) {
+      if (index % now_and_then == 0) context.tell("sweep", 0, 2 * static_cast<std::int64_t>(sweep.count()));
+      sweep.scenario(index).validate();
+    }
+  } catch (const model::InvalidParameter& error) {
+    std::string axes;
+    for (const SweepAxis& axis : sweep.axes())
+      axes += fmt::format("{}--over {}", axes.empty() ? "" : " ", axis.text());
+    throw InvalidInput(fmt::format("{}: {}", axes, error.what()));
+  }
+}
+
+template <class Solution>
+void put(const std::vector<Solution>& solutions, std::vector<double>& alpha, std::vector<double>& v) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (const Solution& solution : solutions) {
+    const bool done = solution.status == model::BatchStatus::done;
+    alpha.push_back(done ? solution.alpha : none);
+    v.push_back(done ? solution.v * 1e3 : none);
+  }
+}
+
+}  // namespace
+
+SweptModel solve(const Sweep& sweep, const Context& context) {
+  require_valid(sweep, context);
+  Progress progress("sweep", context.quiet);
+  model::BatchOptions options;
+  options.steady = true;
+  options.threads = threads_to_use(context);
+  options.progress = [&](std::size_t done, std::size_t total) {
+    progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
+    context.tell("sweep", static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
+  };
+  const model::BatchOutcome outcome = model::solve_batch(
+      sweep.count(), [&sweep](std::size_t index) { return sweep.scenario(index); }, options);
+  for (std::size_t k = 0; k < outcome.ends.size(); ++k) {
+    const model::BatchStatus status = outcome.ends[k].status;
+    if (status == model::BatchStatus::done) continue;
+    const std::string& reason = outcome.reasons.at(k);
+    if (status == model::BatchStatus::failed) throw std::runtime_error(reason);
+    if (status == model::BatchStatus::too_long) throw model::StepLimitExceeded(reason);
+    throw model::InvalidParameter(reason);
+  }
+  SweptModel solved;
+  put(outcome.ends, solved.alpha_rad, solved.v_mm_s);
+  put(outcome.steady, solved.steady_alpha_rad, solved.steady_v_mm_s);
+  solved.summary = outcome.summary;
+  return solved;
 }
 
 }  // namespace tribotrack::apps

@@ -10,7 +10,6 @@
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/survey/campaign_keys.h"
-#include "apps/survey/name_guess.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
 #include "model/parallel.h"

@@ -38,7 +38,7 @@ struct DraftOptions {
   std::vector<std::string> other_names = {};
 };
 
-/// Looks into every recording (vision/survey.h) and at its name (name_guess.h), with all threads. Throws
+/// Looks into every recording (vision/survey.h) and at its name (survey_text.h), with all threads. Throws
 /// InvalidInput where none of them can be read.
 CampaignDraft draft_of(const std::vector<std::filesystem::path>& recordings, const DraftOptions& options,
                        const Context& context);

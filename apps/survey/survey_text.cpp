@@ -2,7 +2,129 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <regex>
+#include <set>
+
+#include "apps/page/assets/embedded_assets.h"
+#include "apps/page/filling.h"
+#include "apps/page/text.h"
+#include "apps/text/angle.h"
+#include "vision/overlay.h"
+
 namespace tribotrack::apps {
+
+namespace {
+
+enum class Unit { unknown, degrees, radians };
+
+/// A number of a name: "045", "0.79rad", "60p5deg".
+struct Written {
+  std::string digits;  ///< with a decimal point
+  Unit unit = Unit::unknown;
+  double value() const { return std::stod(digits); }
+};
+
+const std::string kNumber = R"(([+-]?[0-9]+(?:[.][0-9]+|p[0-9]+(?=[^0-9a-z]|$|deg|rad))?))";
+const std::string kUnit = R"([ _]?(deg(?:rees)?|rad)?(?![a-z]))";
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+Written written(const std::string& number, const std::string& unit) {
+  Written result{number, Unit::unknown};
+  std::ranges::replace(result.digits, 'p', '.');
+  if (unit.starts_with("rad"))
+    result.unit = Unit::radians;
+  else if (!unit.empty())
+    result.unit = Unit::degrees;
+  return result;
+}
+
+/// The number after one of some words, which stand at the beginning or after something that is no letter.
+std::optional<Written> named(const std::string& name, const std::string& words) {
+  const std::regex pattern("(?:^|[^a-z])(?:" + words + ")(?:[ _]?-?_?| ?= ?)" + kNumber + kUnit);
+  std::smatch match;
+  if (!std::regex_search(name, match, pattern)) return std::nullopt;
+  return written(match[1], match[2]);
+}
+
+std::vector<Written> with_unit(const std::string& name) {
+  const std::regex pattern("(?:^|[^0-9a-z.])" + kNumber + R"([ _]?(deg(?:rees)?|rad)(?![a-z]))");
+  std::vector<Written> all;
+  for (std::sregex_iterator at(name.begin(), name.end(), pattern), end; at != end; ++at)
+    all.push_back(written((*at)[1], (*at)[2]));
+  return all;
+}
+
+struct Angles {
+  std::optional<Written> phi, dtau;
+};
+
+Angles angles_in(const std::string& name) {
+  Angles angles{named(name, "phi|phase|ph|p"), named(name, "dtau|deltatau|delta_tau|tau|dt|width|d|w")};
+  if (angles.phi || angles.dtau) return angles;
+  const std::vector<Written> numbers = with_unit(name);
+  if (!numbers.empty()) angles.phi = numbers[0];
+  if (numbers.size() > 1) angles.dtau = numbers[1];
+  return angles;
+}
+
+/// That of the numbers whose names state none.
+Unit unit_of(const std::vector<Angles>& all) {
+  bool fraction = false;
+  for (const Angles& angles : all)
+    for (const auto* number : {&angles.phi, &angles.dtau}) {
+      if (!*number || (*number)->unit != Unit::unknown) continue;
+      const std::string& digits = (*number)->digits;
+      const bool leading_zero = digits.size() > 1 && digits[0] == '0' && digits[1] != '.';
+      if (leading_zero || std::abs((*number)->value()) > 2 * std::numbers::pi + 0.01) return Unit::degrees;
+      fraction = fraction || digits.find('.') != std::string::npos;
+    }
+  return fraction ? Unit::radians : Unit::unknown;
+}
+
+void settle(const std::optional<Written>& number, Unit common, std::optional<double>& radians,
+            std::string& text) {
+  if (!number) return;
+  const Unit unit = number->unit == Unit::unknown ? common : number->unit;
+  if (unit == Unit::unknown) return;
+  const std::string plain = fmt::format("{}", number->value());
+  text = unit == Unit::degrees ? plain + "deg" : plain;
+  radians = parse_angle(text);
+}
+
+std::optional<double> frame_rate_in(const std::string& name) {
+  static const std::regex pattern(R"((?:^|[^0-9.a-z])([0-9]+(?:\.[0-9]+)?)[ _]?(?:fps|hz)(?![a-z]))");
+  std::smatch match;
+  if (!std::regex_search(name, match, pattern)) return std::nullopt;
+  const double rate = std::stod(match[1]);
+  return rate > 0 ? std::optional(rate) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<NameGuess> guesses_from(const std::vector<std::string>& names) {
+  std::vector<Angles> angles;
+  for (const std::string& name : names) angles.push_back(angles_in(lower(name)));
+  const Unit common = unit_of(angles);
+  std::vector<NameGuess> guesses;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::string name = lower(names[k]);
+    NameGuess guess;
+    settle(angles[k].phi, common, guess.phi_rad, guess.phi_text);
+    settle(angles[k].dtau, common, guess.dtau_rad, guess.dtau_text);
+    guess.frame_rate_hz = frame_rate_in(name);
+    guess.free_slide = name.find("slide") != std::string::npos || name.find("incline") != std::string::npos;
+    guesses.push_back(guess);
+  }
+  return guesses;
+}
 
 namespace {
 
@@ -107,6 +229,74 @@ Json json_of(const vision::Survey& seen) {
                      {"lit_share", lamp.lit_share}});
   return {
       {"frame", seen.frame}, {"frames_looked_at", seen.frames_looked_at}, {"discs", discs}, {"lamps", lamps}};
+}
+
+namespace {
+
+constexpr int kFrames = 40;
+constexpr int kLargestSide = 1280;
+
+Json numbers(const vision::Circle& c) {
+  return Json::array({c.x, c.y, c.radius});
+}
+
+Json targets(const vision::Survey& seen) {
+  const auto target = [](const char* key, const char* name, const char* colour, Json values) {
+    return Json{{"key", key},
+                {"name", name},
+                {"colour", colour},
+                {"values", std::move(values)},
+                {"rectangle", false}};
+  };
+  Json list = Json::array();
+  list.push_back(
+      target("disc_px", "The part, a disc", "#50ff50", seen.part() ? numbers(seen.part()->circle) : Json()));
+  list.push_back(target("marker_px", "A mark on the platform", "#33bbff",
+                        seen.mark() ? numbers(seen.mark()->circle) : Json()));
+  list.push_back(target("gate_px", "The actuator's lamp", "#ff6060",
+                        seen.lamps.empty() ? Json() : numbers(seen.lamps.front().circle)));
+  Json rectangle = target("template_px", "A part that is no disc", "#ffd040", Json());
+  rectangle["rectangle"] = true;
+  list.push_back(rectangle);
+  return list;
+}
+
+/// Evenly spread, the survey's own among them.
+std::set<std::int64_t> frames_to_show(const vision::SourceInfo& info, std::int64_t own) {
+  std::set<std::int64_t> frames = {own};
+  const std::int64_t count = std::min<std::int64_t>(kFrames, info.frame_count);
+  for (std::int64_t k = 0; k < count; ++k)
+    frames.insert(info.first_number + (count > 1 ? k * (info.frame_count - 1) / (count - 1) : 0));
+  return frames;
+}
+
+}  // namespace
+
+std::string survey_page(vision::FrameSource& source, const vision::Survey& seen) {
+  const vision::SourceInfo& info = source.info();
+  Json data = {{"width", info.width},     {"height", info.height},    {"targets", targets(seen)},
+               {"frames", Json::array()}, {"numbers", Json::array()}, {"start", 0}};
+  std::string head = camera_section({}, info);
+  data["head"] = head;
+  for (const std::int64_t frame : frames_to_show(info, seen.frame)) {
+    if (frame == seen.frame) data["start"] = data["numbers"].size();
+    data["frames"].push_back(base64(vision::first_frame_jpeg(source, frame, kLargestSide)));
+    data["numbers"].push_back(frame);
+  }
+  const std::string title = escape_html(info.path.filename().string());
+  const std::string subtitle =
+      escape_html(fmt::format("{} x {} pixels, {} frames, numbers {} to {}", info.width, info.height,
+                              info.frame_count, info.first_number, info.first_number + info.frame_count - 1));
+  const std::string notes =
+      fmt::format("<h2>What was found in frame {}</h2>\n{}", seen.frame, html_list(descriptions(seen)));
+  const std::string json = json_for_script(data);
+  const EmbeddedAssets& assets = embedded_assets();
+  return fill_template(assets.frames_template, {{"title", title},
+                                                {"subtitle", subtitle},
+                                                {"style", assets.page_css},
+                                                {"notes", notes},
+                                                {"data", json},
+                                                {"script", assets.frames_js}});
 }
 
 }  // namespace tribotrack::apps

@@ -80,4 +80,13 @@ std::string read_text(const std::filesystem::path& file);
 /// The nearest of `words` to `word` by edit distance; empty when none is near.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& words);
 
+// The key `NAME_sd` beside a given quantity `NAME`.
+
+/// Does a reader act on the sds that only a fit can count? Where it does not, their keys are unknown to it.
+enum class WithSd { no, yes };
+
+/// The sd in the unit of the quantity; an angle's may be a text as the angle itself. Fails where the quantity
+/// itself is not given in this table, or the sd is not above 0: an exact value has none.
+std::optional<double> read_sd(StrictTable& table, const std::string& quantity);
+
 }  // namespace tribotrack::apps

@@ -9,7 +9,7 @@
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/errors.h"
 #include "apps/recording/job.h"
-#include "apps/text/content_hash.h"
+#include "apps/text/input_file.h"
 #include "apps/text/json.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"

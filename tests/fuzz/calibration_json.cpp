@@ -1,5 +1,5 @@
 // What `calibrate` found out about a camera.
-#include "apps/files/calibration_file.h"
+#include "apps/files/camera.h"
 #include "fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/camera_section.h"
+#include "apps/files/camera.h"
 #include "apps/files/campaign/data_section.h"
 #include "apps/files/scenario_file.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
+#include "apps/text/strict_toml.h"
 #include "fit/problem.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
@@ -122,5 +123,13 @@ std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
 
 /// Factor from campaign units (mm) to SI (m).
 double si_per_campaign_unit(fit::FitParameter parameter);
+
+// Several parts in one campaign: each has its own runs, fit and results.
+
+/// [part], or [[part]] for several. One [[part]] is a [part]. Throws InvalidInput.
+void read_part_or_parts(StrictTable& top, Campaign& campaign);
+
+/// Refuses runs whose part is not known, or where it is not known where a part lies.
+void check_parts(const Campaign& campaign);
 
 }  // namespace tribotrack::apps

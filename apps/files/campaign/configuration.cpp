@@ -1,6 +1,6 @@
+#include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
-#include "apps/files/marker_word.h"
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 
 namespace tribotrack::apps {
 

@@ -11,8 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "apps/files/campaign/alpha_v_table.h"
 #include "apps/files/campaign/campaign.h"
-#include "apps/files/tables/alpha_v_table.h"
 #include "apps/program/errors.h"
 #include "fit/pooling.h"
 

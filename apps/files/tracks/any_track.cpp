@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <regex>
+#include <utility>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/tracks/foreign_track.h"
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
@@ -111,6 +115,187 @@ TrackFile import_track(const fs::path& path, const TrackReading& reading, const 
   TrackFile file = track_file_of(track.rows, track.facts, path);
   file.inputs = {hashed_input(csv, table)};
   return file;
+}
+
+const char* const kTrackLayouts =
+    "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
+    "y, "
+    "particle), DICe and tribotrack are read, and of any other program a table with the columns t_s, x_mm, "
+    "y_mm";
+
+namespace {
+
+using Cells = std::vector<std::string_view>;
+
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// "trajectory_1_x" -> 'x' and "trajectory_1"; no axis: 0.
+std::pair<char, std::string> axis_of(const std::string& quantity) {
+  if (quantity == "x" || quantity == "y") return {quantity[0], ""};
+  if (quantity.size() > 2 && quantity[quantity.size() - 2] == '_' &&
+      is_one_of(quantity.substr(quantity.size() - 1), {"x", "y"}))
+    return {quantity.back(), quantity.substr(0, quantity.size() - 2)};
+  if (quantity.size() > 2 && quantity[1] == '_' && is_one_of(quantity.substr(0, 1), {"x", "y"}))
+    return {quantity.front(), quantity.substr(2)};
+  return {0, ""};
+}
+
+/// Points as they come: x and y of one name find each other.
+class Points {
+ public:
+  /// `column` holds an axis of the point; another of the same is the next point of that name.
+  void add(char axis, bool sd, const std::string& name, const std::string& unit, std::size_t column) {
+    for (Half& half : halves_) {
+      std::size_t& place = half.at(axis, sd);
+      if (half.name != name || half.unit != unit || place != kNowhere) continue;
+      place = column;
+      return;
+    }
+    halves_.push_back({name, unit});
+    halves_.back().at(axis, sd) = column;
+  }
+
+  std::vector<PointColumns> whole() const {
+    std::vector<PointColumns> points;
+    for (const Half& half : halves_) {
+      if (half.x == kNowhere || half.y == kNowhere) continue;
+      PointColumns point{half.name, half.x, half.y, {}, {}, half.unit};
+      if (half.x_sd != kNowhere && half.y_sd != kNowhere) {
+        point.x_sd = half.x_sd;
+        point.y_sd = half.y_sd;
+      }
+      // One point in two units: a length needs no scale, but the mark must be in it too.
+      const auto same = std::ranges::find(points, half.name, &PointColumns::name);
+      if (same != points.end() && same->unit != point.unit && !point.unit.empty() && !same->unit.empty()) {
+        if ((same->unit == "px") != mark_in_pixels_alone()) *same = point;
+        continue;
+      }
+      points.push_back(point);
+    }
+    return points;
+  }
+
+ private:
+  struct Half {
+    std::string name, unit;
+    std::size_t x = kNowhere, y = kNowhere, x_sd = kNowhere, y_sd = kNowhere;
+    std::size_t& at(char axis, bool sd) { return axis == 'x' ? (sd ? x_sd : x) : (sd ? y_sd : y); }
+  };
+
+  bool mark_in_pixels_alone() const {
+    bool pixels = false, length = false;
+    for (const Half& half : halves_)
+      if (half.name == "marker" || half.name == "mark") (half.unit == "px" ? pixels : length) = true;
+    return pixels && !length;
+  }
+
+  std::vector<Half> halves_;
+};
+
+/// pt1_cam1_X; nothing where the cell is none.
+bool take_dltdv(const std::string& cell, std::size_t column, Points& points) {
+  static const std::regex form(R"(pt(\d+)(_cam(\d+))?_([XYZ]))", std::regex::icase);
+  std::smatch match;
+  if (cell.size() > 40 || !std::regex_match(cell, match, form)) return false;
+  const std::string camera = match[3].matched && match[3].str() != "1" ? "_cam" + match[3].str() : "";
+  const char axis = match[4].str()[0];
+  if (axis != 'Z' && axis != 'z')
+    points.add(axis == 'X' || axis == 'x' ? 'x' : 'y', false, "pt" + match[1].str() + camera, "px", column);
+  return true;
+}
+
+/// The name that stands above a column, or above one to the left of it.
+std::string name_above(const std::vector<std::string>& above, std::size_t column) {
+  for (std::size_t k = std::min(column + 1, above.size()); k > 0; --k)
+    if (!above[k - 1].empty() && !above[k - 1].starts_with('#')) return above[k - 1];
+  return "";
+}
+
+/// A subset's displacement and its sd, of both axes alike.
+bool take_dice(const Cells& cells, TrackColumns& columns) {
+  const auto point = std::ranges::find(columns.points, "displacement", &PointColumns::name);
+  const auto sigma = std::ranges::find(cells, "SIGMA");
+  if (!columns.frame || point == columns.points.end() || sigma == cells.end()) return false;
+  PointColumns subset = *point;
+  subset.name.clear();
+  subset.unit = "px";
+  subset.x_sd = subset.y_sd = static_cast<std::size_t>(sigma - cells.begin());
+  columns.points = {subset};
+  columns.layout = "DICe";
+  columns.y = TrackReading::YAxis::down;
+  columns.no_sd_is_lost = true;
+  return true;
+}
+
+/// The header if this line is one: it names a point.
+std::optional<TrackColumns> header(const Cells& cells, const std::vector<std::string>& above) {
+  TrackColumns columns;
+  Points points;
+  bool dltdv = false, milliseconds = false;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    std::string_view cell = cells[k];
+    if (k == 0 && cell.starts_with('#')) cell.remove_prefix(1);
+    if (take_dltdv(std::string(cell), k, points)) {
+      dltdv = true;
+      continue;
+    }
+    const Heading heading = heading_of(cell);
+    const auto [axis, name] = axis_of(heading.quantity);
+    const bool place = heading.unit.empty() || si_per(heading.unit, Dimension::length) ||
+                       si_per(heading.unit, Dimension::pixels);
+    if (axis != 0 && place) {
+      points.add(axis, heading.sd, name.empty() ? name_above(above, k) : name, heading.unit, k);
+    } else if (!columns.time && is_one_of(heading.quantity, {"t", "time", "elapsed_time"}) &&
+               (heading.unit.empty() || si_per(heading.unit, Dimension::time))) {
+      columns.time = k;
+      columns.second = heading.unit.empty() ? 1 : *si_per(heading.unit, Dimension::time);
+      milliseconds = heading.unit == "ms";
+    } else if (!columns.frame && is_one_of(heading.quantity, {"frame", "frames", "frame_number", "image"})) {
+      columns.frame = k;
+    } else if (!columns.particle && is_one_of(heading.quantity, {"particle", "track_id", "trajectory"})) {
+      columns.particle = k;
+    }
+  }
+  columns.points = points.whole();
+  if (columns.points.empty()) return std::nullopt;
+  const bool named_above = std::ranges::any_of(above, [](const std::string& cell) { return !cell.empty(); });
+  if (take_dice(cells, columns)) return columns;
+  if (dltdv) {
+    columns.layout = "DLTdv";
+  } else if (columns.particle && columns.frame) {
+    columns.layout = "trackpy";
+    columns.y = TrackReading::YAxis::down;
+    columns.usual_unit = "px";
+  } else if (columns.time && milliseconds) {
+    columns.layout = "Kinovea";
+    columns.y = TrackReading::YAxis::up;
+  } else if (columns.time && named_above) {
+    columns.layout = "Tracker";
+    columns.y = TrackReading::YAxis::up;
+  } else {
+    columns.layout = "t, x, y";
+  }
+  return columns;
+}
+
+}  // namespace
+
+TrackColumns read_track_columns(CsvTable& table) {
+  constexpr int kLinesLookedAt = 30;
+  std::vector<std::string> above;
+  for (int line = 0; line < kLinesLookedAt && table.next(); ++line) {
+    if (const auto columns = header(table.cells(), above)) return *columns;
+    if (parse_number(table.with_point(table.cells().front())))
+      table.fail(
+          fmt::format("is not a track: no line above its numbers names an x and a y; {}", kTrackLayouts));
+    above.assign(table.cells().begin(), table.cells().end());
+  }
+  throw InvalidInput(fmt::format("{}: is not a track: no line names an x and a y; {}", table.path().string(),
+                                 kTrackLayouts));
 }
 
 }  // namespace tribotrack::apps

@@ -1,10 +1,15 @@
 // A finished track, ours or another program's.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/files/campaign/data_section.h"
 #include "apps/files/track_file.h"
+#include "apps/text/csv_table.h"
 
 namespace tribotrack::apps {
 
@@ -16,5 +21,41 @@ TrackFile read_any_track(const std::filesystem::path& path, const TrackReading& 
 /// `inputs` of the result is the file written.
 TrackFile import_track(const std::filesystem::path& path, const TrackReading& reading,
                        const std::filesystem::path& csv);
+
+// Which column of another program's track is what.
+
+/// The columns of one tracked point.
+struct PointColumns {
+  std::string name;  ///< as the file has it: "mass_A", "pt2", "Trajectory 1"; may be empty
+  std::size_t x = 0, y = 0;
+  std::optional<std::size_t> x_sd, y_sd;
+  std::string unit;  ///< of all four: "px", "mm", ...; empty: its column does not say
+};
+
+struct TrackColumns {
+  std::string layout;  ///< "Tracker", "Kinovea", "DLTdv", "trackpy", "DICe" or "t, x, y"
+  std::optional<std::size_t> frame, time, particle;
+  double second = 1;  ///< of the time column
+  std::vector<PointColumns> points;
+  std::string usual_unit;                ///< of a layout whose columns never say; empty: none is usual
+  std::optional<TrackReading::YAxis> y;  ///< where the layout tells
+  bool no_sd_is_lost = false;            ///< a frame whose sd is not above 0 was not measured
+};
+
+/// What the program knows to read, for messages.
+extern const char* const kTrackLayouts;
+
+/// Goes to the header line and reads it: the first that names an x and a y. Layouts, as their programs write
+/// them:
+///   Tracker   a line with the track's name, then `t x y` (several tracks: `#multi:`, a line of names above
+///             their columns); world coordinates, y up, in a unit that the file does not name
+///   Kinovea   `Time (ms)`, then `NAME X`, `NAME Y`; y up
+///   DLTdv     `pt1_cam1_X,pt1_cam1_Y,...`, a line a frame, pixels; y up to version 5, down from version 8 on
+///   trackpy   a line for each particle and frame: `y,x,...,frame,particle`, pixels, y down
+///   DICe      `FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,...,SIGMA,...`, pixels, y down
+///   others    a time or frame and x, y, with units in the names: `t_s,x_mm,y_mm`, `time (s),x (px),y (px)`;
+///             more points as `NAME_x_mm`, the platform's mark as `marker_x_mm`; sds as `x_sd_mm`
+/// Throws InvalidInput where there is none.
+TrackColumns read_track_columns(CsvTable& table);
 
 }  // namespace tribotrack::apps

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/files/tracks/any_track.h"
 #include "apps/files/tracks/point_samples.h"
-#include "apps/files/tracks/track_columns.h"
 #include "apps/program/errors.h"
-#include "apps/text/heading.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 #include "fit/measurement.h"
 

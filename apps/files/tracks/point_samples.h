@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/files/tracks/track_columns.h"
+#include "apps/files/tracks/any_track.h"
 
 namespace tribotrack::apps {
 

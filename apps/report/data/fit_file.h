@@ -1,8 +1,8 @@
 // The part of the report that comes out of fit.json.
 #pragma once
 
-#include "apps/json/json_place.h"
 #include "apps/report/data/data.h"
+#include "apps/text/json.h"
 
 namespace tribotrack::apps {
 

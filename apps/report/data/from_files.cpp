@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "apps/campaign/shared_scale.h"
-#include "apps/files/meta_file.h"
+#include "apps/campaign/compared_runs.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/scenario_file.h"
 #include "apps/files/track_file.h"
 #include "apps/report/data/curves.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "apps/campaign/fit_json.h"
-#include "apps/campaign/problem.h"
+#include "apps/campaign/fit_stage.h"
 #include "apps/files/scenario_file.h"
 #include "apps/report/data/curves.h"
 #include "apps/report/data/fit_file.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/json/json_place.h"
 #include "apps/program/errors.h"
 #include "apps/report/data/data.h"
+#include "apps/text/json.h"
 
 namespace tribotrack::apps {
 

@@ -10,8 +10,8 @@
 #include <random>
 #include <set>
 
+#include "apps/campaign/fit_stage.h"
 #include "apps/campaign/own_errors.h"
-#include "apps/campaign/problem.h"
 #include "apps/program.h"
 #include "apps/recording/job.h"
 

@@ -6,7 +6,7 @@
 #include <regex>
 #include <string>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {

@@ -1,6 +1,6 @@
 // What a damaged calibration is refused with. What a whole one does:
 // tests/apps/commands/calibration_test.cpp.
-#include "apps/files/calibration_file.h"
+#include "apps/files/camera.h"
 
 #include <gmock/gmock.h>
 

@@ -1,11 +1,16 @@
 // Progress says how far the work is, how fast, and how long it still takes.
-#include "apps/program/progress.h"
-
 #include <gmock/gmock.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <functional>
+
+#include "apps/program.h"
+#include "apps/program/progress.h"
+#include "apps/program/streams.h"
 
 namespace tribotrack::apps {
+
 namespace {
 
 TEST(ProgressText, TellsShareRateAndTimeLeft) {
@@ -55,5 +60,69 @@ TEST(ProgressLine, APlainLineHasNoControlCharacters) {
   std::free(text);
 }
 
+// Several recordings at once, of different length, some of them done long ago.
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string last_line(const std::vector<std::uintmax_t>& sizes,
+                      const std::function<void(RunsProgress&)>& work) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* to = ::open_memstream(&text, &size);
+  {
+    RunsProgress progress(sizes, ProgressStyle::rewritten, to);
+    work(progress);
+  }
+  std::fclose(to);
+  std::string lines(text, size);
+  std::free(text);
+  const std::string clear = "\r\033[K";
+  lines.resize(lines.size() - clear.size());
+  return lines.substr(lines.rfind(clear) + clear.size());
+}
+
+TEST(RunsProgress, TheShareDoneIsOfTheRecordingsSizes) {
+  EXPECT_THAT(last_line({300, 100}, [](RunsProgress& progress) { progress.update(0, 500, 1000); }),
+              HasSubstr("runs: 0/2 (37 %), "));
+  EXPECT_THAT(last_line({300, 100},
+                        [](RunsProgress& progress) {
+                          progress.update(0, 500, 1000);
+                          progress.update(1, 100, 100);
+                          progress.finish(0);
+                          progress.finish(1);
+                        }),
+              HasSubstr("runs: 2/2 (100 %), "));
+}
+
+TEST(RunsProgress, WhatWasCurrentTellsNothingOfTheTimeLeft) {
+  const std::string line = last_line({1000, 300, 100}, [](RunsProgress& progress) {
+    for (int k = 0; k < 3; ++k) progress.finish(0);
+  });
+  EXPECT_THAT(line, HasSubstr("(0 %)"));
+  EXPECT_THAT(line, Not(HasSubstr("left")));
+}
+
+class Streams : public ProgramTest {
+ protected:
+  /// With redirections of one's own; `err` is what went to err.txt.
+  Outcome redirected(const std::string& command) const {
+    run(command + "; echo $? >code; :");
+    return {std::stoi(content_of(folder_ / "code")), "", content_of(folder_ / "err.txt")};
+  }
+};
+
+TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
+  put(in_folder("t.csv"), "frame,\x1b]0;gone\x07\x1b[2J\n1,2\n");
+  put(in_folder("c.toml"), "[camera]\nmarker = \"\\u001b[2J\"\n");
+  for (const char* command : {"measure t.csv", "fit c.toml -o f.json"}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos) << command;
+  }
+  EXPECT_NE(run("fit c.toml -o f.json").err.find("?[2J"), std::string::npos);
+}
+
 }  // namespace
+
 }  // namespace tribotrack::apps

@@ -1,4 +1,4 @@
-#include "apps/survey/name_guess.h"
+#include "apps/survey/survey_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "apps/text/content_hash.h"
+#include "apps/text/input_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,6 @@
 #include <set>
 
 #include "apps/program.h"
-#include "apps/text/input_file.h"
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
 

@@ -1,26 +1,18 @@
-#include "apps/text/strict_toml.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "apps/program.h"
 #include "apps/program/errors.h"
+#include "apps/text/strict_toml.h"
+#include "apps/text/toml_slips.h"
 
 namespace tribotrack::apps {
+
 namespace {
 
 using ::testing::HasSubstr;
-
-template <class Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "no complaint";
-}
 
 TEST(StrictToml, HandsOutWhatIsThere) {
   StrictTable t = StrictTable::parse(
@@ -40,7 +32,7 @@ TEST(StrictToml, HandsOutWhatIsThere) {
 
 TEST(StrictToml, ErrorsNameFileLineColumnAndRemedy) {
   StrictTable t = StrictTable::parse("\namplitude_mm = \"x\"\n", "t.toml");
-  const std::string text = complaint([&] { t.number("amplitude_mm"); });
+  const std::string text = complaint_of([&] { t.number("amplitude_mm"); });
   EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
   EXPECT_THAT(text, HasSubstr("`amplitude_mm`"));
   EXPECT_THAT(text, HasSubstr("number"));
@@ -51,7 +43,7 @@ TEST(StrictToml, AnUnknownKeyIsNamedWithTheNearestOne) {
   StrictTable fit = *t.table("fit");
   fit.integer("cycles");
   fit.text("start");
-  const std::string text = complaint([&] { fit.finish(); });
+  const std::string text = complaint_of([&] { fit.finish(); });
   EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
   EXPECT_THAT(text, HasSubstr("cycels"));
   EXPECT_THAT(text, HasSubstr("did you mean `cycles`"));
@@ -67,32 +59,32 @@ TEST(StrictToml, AKeyOfAnotherTableIsSentThere) {
                                  {"run", "mu1", "number"}};
   });
   StrictTable camera = *t.table("camera"), fit = *t.table("fit");
-  EXPECT_EQ(complaint([&] { camera.finish(); }),
+  EXPECT_EQ(complaint_of([&] { camera.finish(); }),
             "t.toml:2:1: `diameter_mm` in [camera] does not belong here but in [part]");
-  EXPECT_EQ(complaint([&] { fit.finish(); }),
+  EXPECT_EQ(complaint_of([&] { fit.finish(); }),
             "t.toml:4:1: `mu1` in [fit] does not belong here but in [fit.guess] or in [[run]]");
   fit.number("mu1");
-  EXPECT_THAT(complaint([&] { fit.finish(); }),
+  EXPECT_THAT(complaint_of([&] { fit.finish(); }),
               HasSubstr("at the top of the file, before the first [table]"));
 }
 
 TEST(StrictToml, DuplicateKeysAndBrokenSyntaxHaveAPlace) {
-  EXPECT_THAT(complaint([] { StrictTable::parse("a = 1\na = 2\n", "t.toml"); }), HasSubstr("t.toml:2:"));
-  EXPECT_THAT(complaint([] { StrictTable::parse("a = \n", "t.toml"); }), HasSubstr("t.toml:1:"));
+  EXPECT_THAT(complaint_of([] { StrictTable::parse("a = 1\na = 2\n", "t.toml"); }), HasSubstr("t.toml:2:"));
+  EXPECT_THAT(complaint_of([] { StrictTable::parse("a = \n", "t.toml"); }), HasSubstr("t.toml:1:"));
 }
 
 TEST(StrictToml, NumbersMustBeFiniteAndInRange) {
   StrictTable t = StrictTable::parse("a = nan\nb = inf\nc = 0\nd = -1\ne = [1, nan]\n", "t.toml");
-  EXPECT_THAT(complaint([&] { t.angle("a"); }), HasSubstr("finite"));
-  EXPECT_THAT(complaint([&] { t.number("b"); }), HasSubstr("finite"));
-  EXPECT_THAT(complaint([&] { t.positive("c"); }), HasSubstr("greater than 0"));
-  EXPECT_THAT(complaint([&] { t.not_negative("d"); }), HasSubstr("0 or more"));
-  EXPECT_THAT(complaint([&] { t.numbers("e", 2); }), HasSubstr("2 numbers"));
+  EXPECT_THAT(complaint_of([&] { t.angle("a"); }), HasSubstr("finite"));
+  EXPECT_THAT(complaint_of([&] { t.number("b"); }), HasSubstr("finite"));
+  EXPECT_THAT(complaint_of([&] { t.positive("c"); }), HasSubstr("greater than 0"));
+  EXPECT_THAT(complaint_of([&] { t.not_negative("d"); }), HasSubstr("0 or more"));
+  EXPECT_THAT(complaint_of([&] { t.numbers("e", 2); }), HasSubstr("2 numbers"));
 }
 
 TEST(StrictToml, AChoiceListsItsWords) {
   StrictTable t = StrictTable::parse("start = \"circlin\"\n", "t.toml");
-  const std::string text = complaint([&] { t.choice("start", {"rest", "circling", "steady"}); });
+  const std::string text = complaint_of([&] { t.choice("start", {"rest", "circling", "steady"}); });
   EXPECT_THAT(text, HasSubstr("rest, circling, steady"));
   EXPECT_THAT(text, HasSubstr("did you mean \"circling\""));
 }
@@ -112,22 +104,115 @@ TEST(StrictToml, AnObjectStandsInPlaceOfAFile) {
   EXPECT_EQ(*t.numbers("disc", 3), (std::vector<double>{1, 2.5, 3}));
   StrictTable fit = *t.table("fit");
   EXPECT_EQ(*fit.number("mu1"), 0.5);
-  EXPECT_EQ(complaint([&] { fit.integer("mu1"); }),
+  EXPECT_EQ(complaint_of([&] { fit.integer("mu1"); }),
             "campaign: `mu1` in [fit] must be a whole number, not 0.5");
   std::vector<StrictTable> runs = t.tables("run");
   ASSERT_EQ(runs.size(), 2u);
-  EXPECT_EQ(complaint([&] { runs[1].number("a"); }),
+  EXPECT_EQ(complaint_of([&] { runs[1].number("a"); }),
             "campaign, run 2: `a` in [[run]] must be a number, not the text \"b\"");
 }
 
 TEST(StrictToml, AnObjectHoldsWhatAFileCould) {
-  EXPECT_EQ(complaint([] { StrictTable::of(Json::parse(R"({"a": [1, null]})"), "c"); }),
+  EXPECT_EQ(complaint_of([] { StrictTable::of(Json::parse(R"({"a": [1, null]})"), "c"); }),
             "c: `a` must be a number, a text, a list or a table");
   std::string deep = "1";
   for (int k = 0; k < 40; ++k) deep = "[" + deep + "]";
-  EXPECT_EQ(complaint([&] { StrictTable::of(Json::parse("{\"a\": " + deep + "}"), "c"); }),
+  EXPECT_EQ(complaint_of([&] { StrictTable::of(Json::parse("{\"a\": " + deep + "}"), "c"); }),
             "c: `a` is nested too deeply");
 }
 
+TEST(TomlSlips, AnEncodingIsNamedWithThePlaceThatShowsIt) {
+  EXPECT_EQ(encoding_slip("a = 1 # \u00b5m, \u4e2d, \U0001f600\n"), "");
+  EXPECT_EQ(encoding_slip("\xef\xbb\xbf"
+                          "a = 1\n"),
+            "");
+  EXPECT_THAT(encoding_slip("a = 1\n# Gr\xf6\xdf"
+                            "e\n"),
+              testing::StartsWith(":2:5: "));
+  EXPECT_THAT(encoding_slip("# \u00e4 \xe4\n"), testing::StartsWith(":1:5: "));  // columns are characters
+  EXPECT_THAT(encoding_slip("\xc0\xaf"), HasSubstr("UTF-8"));                    // overlong
+  EXPECT_THAT(encoding_slip("\xe2\x82"), HasSubstr("UTF-8"));                    // cut short
+  for (const std::string_view bom : {"\xff\xfe", "\xfe\xff"})
+    EXPECT_THAT(encoding_slip(bom), HasSubstr("UTF-16"));
+}
+
+TEST(TomlSlips, ABinaryFileIsNamedForWhatItIs) {
+  using namespace std::string_literals;
+  for (const std::string& recording :
+       {"CI,\0"s, "\0\0\0 ftypisom"s, "RIFF\0\0\0\0AVI "s, "\x1a\x45\xdf\xa3\0"s})
+    EXPECT_THAT(encoding_slip(recording), HasSubstr("is a recording"));
+  EXPECT_THAT(encoding_slip("PK\x03\x04\0\0"s), HasSubstr("no text file"));
+}
+
+TEST(TomlSlips, WhatIsWrongWithALine) {
+  for (const auto& [line, words] : std::vector<std::pair<std::string, std::string>>{
+           {"a = 0,28", "decimal point, 0.28"},
+           {"a = -1,5  # comment", "decimal point, -1.5"},
+           {"video = \"rec/a.cine", "closing quote"},
+           {"video = 'rec/a.cine", "closing quote"},
+           {"a = 0.28 mm", "`mm` stands behind the number"},
+           {"f = 1e3Hz", "`Hz` stands behind the number"},
+           {"video = rec/a.cine", "a text stands in quotes, \"rec/a.cine\""},
+           {"a =", "`a` has no value"},
+           {"[platform", "bracket"},
+           {"marker_px = [1, 2, 3", "bracket"},
+           {"mu1 = { mean = 0.1, sd = 0.01", "brace"},
+           {"video = \"C:\\rec\\a.cine\"", "backslash"},
+           {"amplitude 0.28", "KEY = VALUE"},
+           {"a = 1 = 2", "cannot be read"}})
+    EXPECT_THAT(toml_slip("# first\n" + line + "\r\nb = 1\n", 2, 1, "library words"), HasSubstr(words))
+        << line;
+  EXPECT_THAT(toml_slip("a = 1\na = 2", 2, 1, "cannot redefine existing integer 'a'"),
+              HasSubstr("`a` is given twice"));
+}
+
+TEST(TomlSlips, ALineOfAnyLengthAndAnyPlaceAreTaken) {
+  EXPECT_FALSE(toml_slip("a = " + std::string(1'000'000, 'x'), 1, 5, "").empty());
+  EXPECT_FALSE(toml_slip("a = 1", 17, 1, "").empty());
+  EXPECT_FALSE(toml_slip("", 0, 0, "redefine").empty());
+}
+
+using testing::StartsWith;
+
+std::string dotted(const std::string& part, int parts) {
+  std::string key = part;
+  for (int k = 1; k < parts; ++k) key += "." + part;
+  return key;
+}
+
+std::string complaint(const std::string& text) {
+  return complaint_of([&] { StrictTable::parse(text, "c.toml"); });
+}
+
+TEST(KeyDepth, ThousandsOfTablesInTablesAreRefused) {
+  for (const char* part : {"a", "\"a b\"", "'a'", "a "}) {
+    EXPECT_THAT(complaint(dotted(part, 200000) + " = 1"),
+                StartsWith("c.toml:1:1: a key of more than 32 parts"));
+    EXPECT_THAT(complaint("x = 1\n[" + dotted(part, 200000) + "]"), StartsWith("c.toml:2:2: a key of more"));
+    EXPECT_THAT(complaint("x = { " + dotted(part, 200000) + " = 1 }"), StartsWith("c.toml:1:6"));
+  }
+}
+
+TEST(KeyDepth, ValuesInValuesAreRefusedByTheParser) {
+  for (const char* open : {"[", "{a="})
+    EXPECT_NE(complaint("x = " +
+                        [&] {
+                          std::string text;
+                          for (int k = 0; k < 100000; ++k) text += open;
+                          return text;
+                        }()),
+              "no complaint");
+}
+
+TEST(KeyDepth, WhatPeopleWriteIsRead) {
+  EXPECT_EQ(complaint("fit.prior.mu1 = { mean = 0.1, sd = 0.01 }\nlist = [1.5, 2.5, 3.5]\n"), "no complaint");
+  EXPECT_EQ(complaint("# wait ........................................................ done\n"),
+            "no complaint");
+  std::string numbers = "x = [0.5";
+  for (int k = 0; k < 1000; ++k) numbers += ", 0.5";
+  EXPECT_EQ(complaint(numbers + "]"), "no complaint");
+}
+
 }  // namespace
+
 }  // namespace tribotrack::apps

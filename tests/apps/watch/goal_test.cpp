@@ -1,4 +1,4 @@
-#include "apps/watch/goal.h"
+#include "apps/watch/growing_campaign.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "apps/files/sweeps/sweep_axis.h"
+#include "apps/simulating/sweep.h"
 
 #include <gtest/gtest.h>
 

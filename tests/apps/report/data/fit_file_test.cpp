@@ -7,7 +7,7 @@
 #include <cmath>
 #include <functional>
 
-#include "apps/files/meta_file.h"
+#include "apps/files/run_folder.h"
 #include "apps/program.h"
 #include "apps/report/data/json.h"
 #include "apps/report/findings/verdict.h"

@@ -1,0 +1,262 @@
+// tribotrack run: from a campaign's recordings to its report, every stage, resuming what is there.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "apps/campaign/fit_json.h"
+#include "apps/campaign/fit_stage.h"
+#include "apps/commands/command.h"
+#include "apps/figures/printed.h"
+#include "apps/files/run_folder.h"
+#include "apps/fitting/fit_campaign.h"
+#include "apps/page/assets/embedded_assets.h"
+#include "apps/pipeline/campaign_runner.h"
+#include "apps/program/progress.h"
+#include "apps/program/streams.h"
+#include "apps/report/report.h"
+#include "apps/text/output_file.h"
+#include "apps/usage/wrong_usage.h"
+#include "apps/workflow/workflow.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+struct RunOptions {
+  std::string campaign, output, part, emit;
+  bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
+};
+
+/// Jobs for a workflow engine instead of doing the work here.
+void emit_workflow(const RunOptions& options, const Context& context) {
+  const WorkflowOptions workflow = {options.campaign, options.output, std::max(1, context.threads)};
+  write_workflow(workflow, campaign_of_part(read_campaign(campaign_file(options.campaign)), ""));
+  print_text(workflow_commands(workflow));
+}
+
+void run_command(const RunOptions& options, Context& context) {
+  if (!options.emit.empty()) return emit_workflow(options, context);
+  const RunnerOptions runner_options = {.campaign = options.campaign,
+                                        .output = options.output,
+                                        .overlay_videos = options.overlay_videos,
+                                        .explain = options.explain,
+                                        .json = options.json,
+                                        .wait = options.wait};
+  const Campaign campaign = read_campaign(campaign_file(options.campaign));
+  if (!options.part.empty() || campaign.parts.empty())
+    return run_campaign(campaign_of_part(campaign, options.part), runner_options, options.dry_run, context);
+  run_part_by_part(campaign, runner_options, options.dry_run, context);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Context& context) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App& command = *app.add_subcommand(
+      "run", "Run the whole pipeline on a campaign: track, measure, fit, report; resumes");
+  command.add_option("CAMPAIGN", options->campaign, "The campaign file")
+      ->type_name("CAMPAIGN.toml")
+      ->required();
+  command.add_option("-o,--output", options->output, "Folder for tracks, fit.json and report.html")
+      ->type_name("DIR")
+      ->required();
+  command
+      .add_option("--part", options->part,
+                  "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
+      ->type_name("NAME");
+  command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
+  command.add_flag("--overlay-videos", options->overlay_videos,
+                   "Also write a labelled video of every run (tracks/NAME.mp4)");
+  command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
+  command
+      .add_option("--emit", options->emit,
+                  "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads "
+                  "them over a cluster: a Snakefile, and a profile for Slurm")
+      ->check(one_of({"snakemake"}))
+      ->type_name("snakemake");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
+  add_common(command, context,
+             "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
+             "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
+             "intervals count it. Values without one are taken as exact and listed in fit.json.");
+  command.callback([options, &context] { run_command(*options, context); });
+}
+
+// tribotrack fit: friction parameters from the runs of a campaign.
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct FitCommandOptions {
+  std::string campaign, output, tracks, measurements, part;
+  bool require_all = false, json = false, explain = false;
+  FitChoices choices;
+};
+
+/// Refuses to write over what is read, and into the folder of a `run` that is under way.
+void check_output(const Campaign& campaign, const FitCommandOptions& options) {
+  if (is_standard_output(options.output)) {
+    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
+    return;
+  }
+  std::vector<fs::path> inputs = campaign.input_files();
+  if (!options.tracks.empty())
+    for (const CampaignRun& run : campaign.runs) {
+      inputs.push_back(RunFolder::track_in(options.tracks, run.name));
+      inputs.push_back(inputs.back().string() + ".meta.json");
+    }
+  require_writable({{options.output}}, inputs);
+  const RunFolder folder{fs::path(options.output).parent_path()};
+  if (const auto writer = writer_of(folder))
+    throw InvalidInput(fmt::format(
+        "{}: a run is writing into its folder: {}; wait until it has finished, or give another output",
+        options.output, *writer));
+}
+
+void fit_command(const FitCommandOptions& options, Context& context) {
+  if (options.require_all && options.choices.allow_missing > 0)
+    throw UsageError("give --require-all or --allow-missing, not both");
+  const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), options.part);
+  check_output(campaign, options);
+  FitChoices choices = options.choices;
+  choices.tracks = options.tracks;
+  choices.measurements = options.measurements;
+  choices.result = options.output;
+  const auto [runs, stage] = fit_campaign(campaign, choices, context);
+  write_fit(options.output, stage, meta_of_fit(campaign, runs));
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(stage.json) : parameter_table(stage.json) + slide_table(stage.json));
+  report_fit(campaign, stage, options.explain, "identifiability and next_experiment in " + options.output,
+             context);
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, Context& context) {
+  auto options = std::make_shared<FitCommandOptions>();
+  CLI::App& command = *app.add_subcommand("fit", "Fit mu1, mu2 and the phase lag to the runs of a campaign");
+  command.add_option("CAMPAIGN", options->campaign, "The campaign file")
+      ->type_name("CAMPAIGN.toml")
+      ->required();
+  command.add_option("-o,--output", options->output, "The result")->type_name("fit.json")->required();
+  command
+      .add_option("--tracks", options->tracks,
+                  "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
+                  "tracked now")
+      ->type_name("DIR");
+  command.add_option("--part", options->part, "Which of the campaign's several [[part]]")->type_name("NAME");
+  command
+      .add_option("--measurements", options->measurements,
+                  "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)")
+      ->type_name("DIR");
+  command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
+  command
+      .add_option("--allow-missing", options->choices.allow_missing, "Go on when up to N runs are not usable")
+      ->type_name("N")
+      ->check(whole_number(0));
+  command
+      .add_option("--bootstrap", options->choices.fit.bootstrap,
+                  "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
+      ->type_name("N")
+      ->check(whole_number(20, 1'000'000));
+  command
+      .add_option("--seed", options->choices.fit.bootstrap_seed,
+                  "Seed of the bootstrap; recorded in the result")
+      ->type_name("N");
+  command
+      .add_option("--loss", options->choices.loss,
+                  "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
+                  "means for the intervals is printed with them")
+      ->check(one_of(losses()))
+      ->type_name("LOSS");
+  command.add_flag("--compare-models", options->choices.fit.rivals,
+                   "Compare tilt and alternative friction laws even where the residuals give no reason to");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.add_flag("--explain", options->explain,
+                   "Print the whole report: residuals, correlations, what was left out");
+  add_common(command, context,
+             "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
+             "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
+             "gravity_m_s2_sd, phi_rad_sd, ...): the "
+             "intervals count it. Values without one are taken as exact and listed in fit.json.");
+  command.callback([options, &context] { fit_command(*options, context); });
+}
+
+// tribotrack report: the page of a folder that `run` has filled.
+
+void add_report(CLI::App& app, Context& context) {
+  auto folder = std::make_shared<std::string>();
+  auto output = std::make_shared<std::string>();
+  auto figures = std::make_shared<std::string>();
+  auto tables = std::make_shared<std::string>();
+  auto json = std::make_shared<bool>(false);
+  CLI::App& command =
+      *app.add_subcommand("report", "One self-contained HTML page from the folder of a `run`");
+  command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
+  command
+      .add_option("-o,--output", *output, "The page; it is self-contained and loads nothing from elsewhere")
+      ->type_name("report.html");
+  command
+      .add_option("--figures", *figures,
+                  "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
+                  "python3-matplotlib), with their numbers as CSV and the script that drew them")
+      ->type_name("DIR");
+  command
+      .add_option("--tables", *tables,
+                  "Folder for runs.csv, parameters.csv and report.txt (DIR itself: where `run` has them)")
+      ->type_name("DIR");
+  command.add_flag("--json", *json, "Print what was written as one JSON object");
+  add_common(command, context,
+             "  tribotrack report out -o report.html\n  tribotrack report out --figures figures");
+  command.callback([folder, output, figures, tables, json, &context] {
+    const RunFolder run_folder{*folder};
+    if (output->empty() && figures->empty() && tables->empty())
+      throw CLI::RequiredError("--output report.html, --figures DIR or --tables DIR");
+    std::vector<Output> outputs;
+    if (!output->empty()) outputs.push_back({*output});
+    if (!tables->empty()) {
+      create_folder(*tables);
+      const RunFolder to{*tables};
+      for (const auto& file : {to.runs_table(), to.parameter_table(), to.text()}) outputs.push_back({file});
+    }
+    require_writable(outputs, run_folder.files_of_report());
+    if (const auto writer = writer_of(run_folder))
+      say(context.quiet,
+          fmt::format("note: {} is being written by {}: the page shows what is there now", *folder, *writer));
+    const Report report = report_of(run_folder);
+    for (const std::string& file : report.missing) say(context.quiet, "warning: " + file);
+    if (!output->empty()) {
+      write_file(*output, report.page);
+      say(context.quiet, *output + ": written");
+    }
+    if (!tables->empty()) {
+      const RunFolder to{*tables};
+      write_file(to.runs_table(), report.runs_csv);
+      write_file(to.parameter_table(), report.parameters_csv);
+      write_file(to.text(), report.text);
+      say(context.quiet, fmt::format("{}: runs.csv, parameters.csv, report.txt written", *tables));
+    }
+    if (!figures->empty()) {
+      std::vector<Output> files;
+      create_folder(*figures);
+      for (const auto& file : printed_files(report.figures, *figures)) files.push_back({file});
+      require_writable(files, run_folder.files_of_report());
+      print_figures(report.figures, *figures, embedded_assets().figures_py);
+      say(context.quiet, fmt::format("{}: {} figures written", *figures, report.figures.size()));
+    }
+    if (!*json) return;
+    Json ids = Json::array();
+    for (const Figure& figure : report.figures) ids.push_back(figure.id);
+    print_text(text_of(Json{{"page", output->empty() ? Json() : Json(*output)},
+                            {"figures_folder", figures->empty() ? Json() : Json(*figures)},
+                            {"figures", ids},
+                            {"tables_folder", tables->empty() ? Json() : Json(*tables)},
+                            {"missing", report.missing}}));
+  });
+}
+
+}  // namespace tribotrack::apps

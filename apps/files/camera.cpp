@@ -1,0 +1,274 @@
+#include "apps/files/camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+
+#include "apps/program/errors.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+using Kind = vision::MarkerChoice::Kind;
+
+vision::MarkerChoice tag_named(const std::string& name) {
+  vision::MarkerChoice marker{Kind::tag, {}};
+  const auto colon = name.find(':');
+  marker.dictionary = name.substr(0, colon);
+  vision::require_tag_family(marker.dictionary);
+  if (colon == std::string::npos) return marker;
+  const std::string number = name.substr(colon + 1);
+  const bool whole = !number.empty() && number.size() < 5 &&
+                     std::ranges::all_of(number, [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!whole)
+    throw std::invalid_argument(fmt::format("a tag's number is a whole number, not \"{}\"", number));
+  marker.id = std::stoi(number);
+  return marker;
+}
+
+}  // namespace
+
+std::optional<vision::MarkerChoice> marker_named(const std::string& word) {
+  if (word == "auto") return vision::MarkerChoice{Kind::find, {}};
+  if (word == "texture") return vision::MarkerChoice{Kind::texture, {}};
+  if (word == "none") return vision::MarkerChoice{Kind::none, {}};
+  if (word.starts_with("tag:")) return tag_named(word.substr(4));
+  return std::nullopt;
+}
+
+std::string tag_word(const vision::MarkerChoice& marker) {
+  return "tag:" + marker.dictionary + (marker.id ? fmt::format(":{}", *marker.id) : "");
+}
+
+namespace fs = std::filesystem;
+
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
+  const auto values = table.numbers(key, 3);
+  if (!values) return std::nullopt;
+  if (!((*values)[2] > 0))
+    table.fail(key, fmt::format("must have a radius greater than 0, not {}", (*values)[2]));
+  return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+namespace {
+
+vision::Rect rect_of(const StrictTable& table, const char* key, const std::vector<std::int64_t>& values) {
+  for (const std::int64_t value : values)
+    if (value < 0 || value > 65535) table.fail(key, fmt::format("must lie in the picture, not at {}", value));
+  const vision::Rect rect{static_cast<int>(values[0]), static_cast<int>(values[1]),
+                          static_cast<int>(values[2]), static_cast<int>(values[3])};
+  if (rect.width < 8 || rect.height < 8)
+    table.fail(key, fmt::format("is [x, y, width, height], at least 8 x 8 pixels, not {} x {}", rect.width,
+                                rect.height));
+  return rect;
+}
+
+}  // namespace
+
+std::optional<vision::Rect> read_template(StrictTable& table) {
+  const auto values = table.integers("template_px", 4);
+  if (!values) return std::nullopt;
+  if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
+  return rect_of(table, "template_px", *values);
+}
+
+PartPlace read_place(StrictTable& table, const char* key) {
+  if (table.count(key) == 4) return {{}, rect_of(table, key, *table.integers(key, 4))};
+  return {read_circle(table, key), {}};
+}
+
+namespace {
+
+/// A tag of known size sets the scale.
+void read_tag_size(StrictTable& table, CameraSection& camera) {
+  if (camera.marker_px && camera.marker.kind == vision::MarkerChoice::Kind::tag)
+    table.fail("marker_px", "and a tag are two marks of the platform; give one of them");
+  camera.tag_mm = table.positive("tag_mm");
+  camera.tag_mm_sd = read_sd(table, "tag_mm").value_or(0);
+  if (!camera.tag_mm) return;
+  if (camera.marker.kind != vision::MarkerChoice::Kind::tag)
+    table.fail("tag_mm", "is the size of a tag; say which: marker = \"tag:apriltag_36h11\"");
+  if (camera.mm_per_px || camera.calibration)
+    table.fail("tag_mm", fmt::format("gives the scale, and so does {}: leave one out",
+                                     camera.mm_per_px ? "mm_per_px" : "calibration"));
+}
+
+}  // namespace
+
+CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
+  CameraSection camera;
+  camera.frame_rate_hz = table.positive("frame_rate_hz");
+  camera.frame_rate_reason = table.text("frame_rate_reason").value_or("");
+  if (!camera.frame_rate_reason.empty() && !camera.frame_rate_hz)
+    table.fail("frame_rate_reason", "needs frame_rate_hz");
+  camera.mm_per_px = table.positive("mm_per_px");
+  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (const auto file = table.text("calibration")) {
+    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+    camera.calibration = folder / *file;
+    if (!fs::exists(*camera.calibration))
+      table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
+                                            "`tribotrack calibrate`",
+                                            camera.calibration->string()));
+  }
+  camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
+  if (table.has("rehearse"))
+    table.fail("rehearse",
+               "has left: standard deviations count what the coder may have done; leave the key out, and for "
+               "smaller ones film uncompressed or FFV1");
+  camera.row_time_s = table.number("row_time_s").value_or(0);
+  camera.working_distance_mm = table.positive("working_distance_mm");
+  if (with_sd == WithSd::yes) {
+    camera.frame_rate_sd_hz = read_sd(table, "frame_rate_hz");
+    camera.xi_axis_sd_rad = read_sd(table, "xi_axis_rad");
+    camera.working_distance_sd_mm = read_sd(table, "working_distance_mm");
+  }
+  camera.disc_px = read_circle(table, "disc_px");
+  camera.template_px = read_template(table);
+  camera.marker_px = read_circle(table, "marker_px");
+  camera.gate_px = read_circle(table, "gate_px");
+  if (const auto word = table.text("marker")) {
+    try {
+      const auto marker = marker_named(*word);
+      if (!marker) table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
+      camera.marker = *marker;
+    } catch (const std::invalid_argument& error) {
+      table.fail("marker", fmt::format("names no tag: {}", error.what()));
+    }
+  }
+  read_tag_size(table, camera);
+  table.finish();
+  return camera;
+}
+
+PartSection read_part(StrictTable& table, WithSd with_sd) {
+  PartSection part;
+  part.name = table.text("name").value_or("");
+  part.disc_px = read_circle(table, "disc_px");
+  part.template_px = read_template(table);
+  part.diameter_mm = table.positive("diameter_mm");
+  const auto earlier_name = table.not_negative("diameter_sd_mm");
+  const auto diameter_sd = read_sd(table, "diameter_mm");
+  if (earlier_name && diameter_sd)
+    table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
+  if (earlier_name.value_or(0) > 0 && !part.diameter_mm)
+    table.fail("diameter_sd_mm",
+               "is the sd of `diameter_mm`, which is not given here: give both, or neither");
+  part.diameter_sd_mm = diameter_sd.value_or(earlier_name.value_or(0));
+  part.height_mm = table.positive("height_mm");
+  if (with_sd == WithSd::yes) part.height_sd_mm = read_sd(table, "height_mm");
+  table.finish();
+  return part;
+}
+
+namespace {
+
+template <class Matrix>
+Json matrix_json(const Matrix& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json pictures_json(const std::vector<vision::PictureResult>& pictures) {
+  Json rows = Json::array();
+  for (const auto& p : pictures)
+    rows.push_back({{"picture", p.name},
+                    {"corners", p.corners},
+                    {"rms_px", p.rms_px},
+                    {"worst_px", p.worst_px},
+                    {"tilt_rad", p.tilt_rad}});
+  return rows;
+}
+
+}  // namespace
+
+Json calibration_json(const vision::CalibrationResult& result) {
+  const vision::CameraCalibration& c = result.calibration;
+  const vision::LensModel& lens = c.lens;
+  return {
+      {"schema", "tribotrack calibration 1"},
+      {"width_px", c.width},
+      {"height_px", c.height},
+      {"mm_per_px", c.mm_per_px},
+      {"mm_per_px_sd", c.mm_per_px_sd},
+      {"distance_mm", c.distance_mm()},
+      {"camera_matrix", Json::array({{lens.fx, 0.0, lens.cx}, {0.0, lens.fy, lens.cy}, {0.0, 0.0, 1.0}})},
+      {"distortion", {{"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}}},
+      {"model", result.model},
+      {"models_tried", result.tried},
+      {"plane",
+       {{"rotation", matrix_json(c.plane.rotation)},
+        {"translation_mm", {c.plane.translation.x(), c.plane.translation.y(), c.plane.translation.z()}},
+        {"homography_from_undistorted_px", matrix_json(vision::plane_homography(c))}}},
+      {"rms_px", result.rms_px},
+      {"pictures", pictures_json(result.pictures)},
+      {"left_out", result.left_out},
+      {"covariance_of", result.covariance_of},
+      {"covariance", matrix_json(result.covariance)}};
+}
+
+namespace {
+
+vision::CameraCalibration calibration_from(const JsonPlace& json) {
+  vision::CameraCalibration c;
+  c.width = json.at("width_px").integer();
+  c.height = json.at("height_px").integer();
+  c.mm_per_px = json.at("mm_per_px").number();
+  c.mm_per_px_sd = json.at("mm_per_px_sd").number();
+  const JsonPlace camera = json.at("camera_matrix");
+  c.lens.fx = camera.at(0).at(0).number();
+  c.lens.fy = camera.at(1).at(1).number();
+  c.lens.cx = camera.at(0).at(2).number();
+  c.lens.cy = camera.at(1).at(2).number();
+  const JsonPlace d = json.at("distortion");
+  c.lens.k1 = d.at("k1").number();
+  c.lens.k2 = d.at("k2").number();
+  c.lens.p1 = d.at("p1").number();
+  c.lens.p2 = d.at("p2").number();
+  c.lens.k3 = d.at("k3").number();
+  const JsonPlace translation = json.at("plane").at("translation_mm");
+  const JsonPlace rotation = json.at("plane").at("rotation");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    c.plane.translation(row) = translation.at(i).number();
+    for (std::size_t j = 0; j < 3; ++j)
+      c.plane.rotation(row, static_cast<Eigen::Index>(j)) = rotation.at(i).at(j).number();
+  }
+  const Eigen::Matrix3d& r = c.plane.rotation;
+  constexpr double rounding = 1e-6;
+  if (!((r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < rounding))
+    rotation.refuse("a rotation, whose rows are of length 1 and at right angles");
+  return c;
+}
+
+}  // namespace
+
+vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  vision::CameraCalibration c;
+  try {
+    c = calibration_from({json, ""});
+  } catch (const WrongContent& error) {
+    throw InvalidInput(fmt::format("{}: is no calibration: {}; make one with `tribotrack calibrate`",
+                                   path.string(), error.what()));
+  }
+  if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
+        c.distance_mm() > 0))
+    throw InvalidInput(
+        fmt::format("{}: is no calibration: its sizes must be greater than 0; make a new one with "
+                    "`tribotrack calibrate`",
+                    path.string()));
+  return c;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,85 @@
+// The camera, the part and its mark as files and command lines tell of them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/text/json.h"
+#include "apps/text/strict_toml.h"
+#include "vision/calibration.h"
+#include "vision/picture.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::apps {
+
+// How the platform's mark is named in campaigns, on the command line and in Python.
+
+/// "auto", "texture", "none", "tag:FAMILY" or "tag:FAMILY:NUMBER"; nothing for other words. Throws
+/// std::invalid_argument for a family of tags that is none.
+std::optional<vision::MarkerChoice> marker_named(const std::string& word);
+
+/// What may be written, for messages.
+inline constexpr const char* kMarkerWords =
+    "auto, texture, none or tag:FAMILY[:NUMBER], as tag:apriltag_36h11:3";
+
+/// "tag:FAMILY[:NUMBER]" of a tag.
+std::string tag_word(const vision::MarkerChoice& marker);
+
+// [camera] and [part]: the picture and the part in it, in a campaign and in the file of `track --config`.
+
+struct PartSection {
+  std::string name;  ///< empty: the campaign's only one, without a name
+  std::optional<double> diameter_mm, height_mm;
+  double diameter_sd_mm = 0;  ///< 0: exact
+  std::optional<double> height_sd_mm;
+  std::optional<vision::Circle> disc_px;    ///< where it lies at first, in every run that does not say
+  std::optional<vision::Rect> template_px;  ///< instead of a disc
+};
+
+struct CameraSection {
+  std::optional<double> frame_rate_hz;
+  std::string frame_rate_reason;  ///< how the user knows it
+  std::optional<double> mm_per_px;
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< resolved against the file's folder
+  double xi_axis_rad = 0;
+  std::optional<double> tag_mm;  ///< side of the tag's black square, where the marker is one: sets the scale
+  double tag_mm_sd = 0;
+  double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below
+  std::optional<double> working_distance_mm;
+  std::optional<double> frame_rate_sd_hz, xi_axis_sd_rad, working_distance_sd_mm;
+  std::optional<vision::Circle> disc_px, marker_px, gate_px;
+  std::optional<vision::Rect> template_px;  ///< instead of a disc
+  /// Without marker_px: how the platform's motion is seen.
+  vision::MarkerChoice marker = {};
+};
+
+/// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit
+/// can count. Throw InvalidInput with file, line and column.
+PartSection read_part(StrictTable& table, WithSd with_sd);
+CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder, WithSd with_sd);
+
+/// [x, y, radius] under a key, the radius above 0.
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
+
+/// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
+std::optional<vision::Rect> read_template(StrictTable& table);
+
+/// Where a part lies in the first analysed frame: a disc, or a rectangle about a part of any shape.
+struct PartPlace {
+  std::optional<vision::Circle> disc_px;
+  std::optional<vision::Rect> template_px;
+};
+/// [x, y, radius] or [x, y, width, height].
+PartPlace read_place(StrictTable& table, const char* key);
+
+// calibration.json: what `calibrate` found out about a camera.
+
+/// Camera matrix, distortion, the platform's plane and its homography, scale, table of pictures, covariance.
+Json calibration_json(const vision::CalibrationResult& result);
+
+/// What tracking needs of it. Throws InvalidInput naming the file and the key that is missing or wrong.
+vision::CameraCalibration read_calibration(const std::filesystem::path& path);
+
+}  // namespace tribotrack::apps

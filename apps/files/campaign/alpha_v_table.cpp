@@ -1,0 +1,302 @@
+#include "apps/files/campaign/alpha_v_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "apps/program/errors.h"
+#include "apps/text/angle.h"
+#include "apps/text/csv_table.h"
+#include "apps/text/strict_toml.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+/// No speed, length or frequency of a lab is larger, and its square can be added up.
+constexpr double kBeyondAll = 1e12;
+/// rad, m/s: what is called better known than that is no measurement.
+constexpr double kLeastSd = 1e-15;
+
+constexpr const char* kWanted =
+    "a table of alpha and v has the columns phi_deg, dtau_deg, alpha_deg and v_mm_s (angles also as _rad), "
+    "with alpha_sd_deg and v_sd_mm_s where they are known";
+
+/// A quantity that a column may hold, the dimensions its unit may have, and how its unit may be written.
+struct Quantity {
+  std::string_view name;
+  std::vector<Dimension> dimensions;
+  const char* write;
+};
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = {
+      {"phi", {Dimension::angle}, "phi_rad or phi_deg"},
+      {"dtau", {Dimension::angle}, "dtau_rad or dtau_deg"},
+      {"alpha", {Dimension::angle}, "alpha_rad or alpha_deg"},
+      {"v", {Dimension::velocity}, "v_mm_s or v_m_s"},
+      {"amplitude", {Dimension::length}, "amplitude_mm"},
+      {"angular_frequency",
+       {Dimension::angular_frequency, Dimension::frequency},
+       "angular_frequency_rad_s or frequency_hz"},
+      {"start_phase", {Dimension::angle}, "start_phase_rad or start_phase_deg"},
+      {"dx", {Dimension::length}, "dx_mm"},
+      {"dy", {Dimension::length}, "dy_mm"}};
+  return all;
+}
+
+/// Other names of the same.
+std::string known_name(const std::string& name) {
+  static const std::vector<std::pair<std::string, std::string>> aliases = {{"w", "angular_frequency"},
+                                                                           {"omega", "angular_frequency"},
+                                                                           {"frequency", "angular_frequency"},
+                                                                           {"f", "angular_frequency"},
+                                                                           {"d_tau", "dtau"},
+                                                                           {"delta_tau", "dtau"},
+                                                                           {"velocity", "v"},
+                                                                           {"speed", "v"}};
+  for (const auto& [alias, meant] : aliases)
+    if (name == alias) return meant;
+  return name;
+}
+
+/// Where a quantity stands, and what its numbers are multiplied by.
+struct Place {
+  std::size_t column = 0;
+  double si = 1;
+  bool angle = false;
+};
+
+/// The header line.
+class Columns {
+ public:
+  explicit Columns(const CsvTable& table) : count_(table.filled()) {
+    for (std::size_t k = 0; k < count_; ++k) {
+      const std::string_view cell = table.cells()[k];
+      Heading heading = heading_of(cell);
+      heading.quantity = known_name(heading.quantity);
+      if (take_text(table, k, heading)) continue;
+      const auto quantity = std::ranges::find(quantities(), heading.quantity, &Quantity::name);
+      if (quantity == quantities().end()) {
+        if (!cell.empty()) unused_.emplace_back(cell);
+        continue;
+      }
+      take(table, cell, k, heading, *quantity);
+    }
+    for (const char* needed : {"phi", "dtau", "alpha", "v"})
+      if (!find(needed)) refuse_without(table, needed);
+  }
+
+  const Place* find(std::string_view quantity, bool sd = false) const {
+    for (const auto& [key, place] : places_)
+      if (key.first == quantity && key.second == sd) return &place;
+    return nullptr;
+  }
+  std::optional<std::size_t> name, cycles, kind, failure;
+  std::size_t count() const { return count_; }
+  const std::vector<std::string>& unused() const { return unused_; }
+
+ private:
+  bool take_text(const CsvTable& table, std::size_t k, const Heading& heading) {
+    for (const auto& [word, column] : {std::pair<const char*, std::optional<std::size_t>*>{"name", &name},
+                                       {"run", &name},
+                                       {"cycles", &cycles},
+                                       {"kind", &kind},
+                                       {"failure", &failure}}) {
+      if (heading.quantity != word || heading.sd || !heading.unit.empty()) continue;
+      if (*column) table.fail(table.cells()[k], fmt::format("the column `{}` is there twice", word));
+      *column = k;
+      return true;
+    }
+    return false;
+  }
+
+  void take(const CsvTable& table, std::string_view cell, std::size_t k, const Heading& heading,
+            const Quantity& quantity) {
+    if (heading.unit.empty())
+      table.fail(cell, fmt::format("the column `{}` has no unit that is known in its name; write {}{}", cell,
+                                   quantity.write, heading.sd ? ", with sd in it" : ""));
+    Place place{k, 0, quantity.dimensions.front() == Dimension::angle};
+    for (const Dimension dimension : quantity.dimensions)
+      if (const auto si = si_per(heading.unit, dimension))
+        place.si = dimension == Dimension::frequency ? kTurn * *si : *si;
+    if (place.si == 0)
+      table.fail(cell, fmt::format("the column `{}` is in `{}`, which is no unit of {}; write {}", cell,
+                                   heading.unit, quantity.name, quantity.write));
+    if (find(quantity.name, heading.sd))
+      table.fail(cell, fmt::format("the column `{}` is there twice: one of {}{} is enough", cell,
+                                   heading.sd ? "the sd of " : "", quantity.name));
+    places_.emplace_back(std::pair(std::string(quantity.name), heading.sd), place);
+  }
+
+  [[noreturn]] void refuse_without(const CsvTable& table, const std::string& needed) const {
+    std::vector<std::string> words;
+    for (const std::string& column : unused_) words.push_back(heading_of(column).quantity);
+    const std::string near = nearest_word(needed, words);
+    const auto meant = std::ranges::find(words, near);
+    table.fail(fmt::format(
+        "has no column {}{}; {}", needed,
+        near.empty()
+            ? ""
+            : fmt::format(" (is it `{}`?)", unused_[static_cast<std::size_t>(meant - words.begin())]),
+        kWanted));
+  }
+
+  std::size_t count_ = 0;
+  std::vector<std::pair<std::pair<std::string, bool>, Place>> places_;
+  std::vector<std::string> unused_;
+};
+
+/// The cells of one line.
+class Cells {
+ public:
+  Cells(const CsvTable& table, const Columns& columns) : table_(table), columns_(columns) {
+    if (table.filled() > columns.count())
+      table.fail(
+          table.cells()[columns.count()],
+          fmt::format("has {} cells under {} columns; is a decimal comma among them? then separate the "
+                      "cells by semicolons",
+                      table.filled(), columns.count()));
+  }
+
+  std::string_view text(const std::optional<std::size_t>& column) const {
+    return column && *column < table_.cells().size() ? table_.cells()[*column] : std::string_view();
+  }
+
+  /// SI; nothing for an empty cell.
+  std::optional<double> value(const char* name, bool sd = false) const {
+    const Place* place = columns_.find(name, sd);
+    const std::string_view cell = place == nullptr ? std::string_view() : text(place->column);
+    if (cell.empty()) return std::nullopt;
+    const double value = place->angle ? angle(cell, place->si) : place->si * table_.number(cell);
+    if (std::abs(value) > kBeyondAll)
+      table_.fail(cell, fmt::format("`{}` is out of range for {}", cell, name));
+    return value;
+  }
+  double required(const char* name) const {
+    if (const auto found = value(name)) return *found;
+    table_.fail(fmt::format("has no {}; fill in the cell, or take the line out", name));
+  }
+  /// Of a condition: 0 is an exact one, as none is.
+  std::optional<double> sd_of_condition(const char* name) const {
+    const auto found = value(name, true);
+    return found && *found == 0 ? std::nullopt : sd(name);
+  }
+  std::optional<double> sd(const char* name) const {
+    const auto found = value(name, true);
+    if (found && !(*found > kLeastSd))
+      table_.fail(
+          text(columns_.find(name, true)->column),
+          fmt::format("the sd of {} must be greater than 0; leave the cell empty where it is not known",
+                      name));
+    return found;
+  }
+  [[noreturn]] void fail(const char* name, const std::string& what) const {
+    table_.fail(text(columns_.find(name)->column), what);
+  }
+
+ private:
+  double angle(std::string_view cell, double si) const {
+    const std::string written = table_.with_point(cell);
+    const auto number = parse_number(written);
+    const auto radians = number ? std::optional(*number * si) : parse_angle(written);
+    if (!radians)
+      table_.fail(cell, fmt::format("`{}` is no angle; write a number, \"pi/3\" or \"60deg\"", cell));
+    if (std::abs(*radians) > 2 * kTurn)
+      table_.fail(cell, fmt::format("`{}` is more than two turns{}", cell,
+                                    number && si == 1 ? ": degrees? then name the column with _deg" : ""));
+    return *radians;
+  }
+
+  const CsvTable& table_;
+  const Columns& columns_;
+};
+
+/// Direction and its sd from the displacement, where a run of runs.csv has no alpha; false where it has none.
+bool direction_from_displacement(const Cells& cells, AlphaVLine& line) {
+  const auto dx = cells.value("dx"), dy = cells.value("dy");
+  if (!dx || !dy || !line.v_sd) return false;
+  line.alpha = std::atan2(*dy, *dx);
+  line.alpha_sd = line.v > 0 ? *line.v_sd / line.v : 1;
+  return true;
+}
+
+AlphaVLine read_line(const CsvTable& table, const Columns& columns) {
+  const Cells cells(table, columns);
+  AlphaVLine line;
+  line.place = table.place();
+  line.name = cells.text(columns.name);
+  line.phi = cells.required("phi");
+  line.dtau = cells.required("dtau");
+  if (!(line.dtau >= 0 && line.dtau <= kTurn * (1 + 1e-9)))
+    cells.fail("dtau", "dtau must lie between 0 and a whole turn");
+  line.v = cells.required("v");
+  if (line.v < 0) cells.fail("v", "v must be 0 or more: its direction is alpha");
+  line.v_sd = cells.sd("v");
+  line.alpha_sd = cells.sd("alpha");
+  if (const auto alpha = cells.value("alpha"))
+    line.alpha = *alpha;
+  else if (line.v > 0 && !direction_from_displacement(cells, line))
+    cells.required("alpha");
+  line.phi_sd = cells.sd_of_condition("phi");
+  line.dtau_sd = cells.sd_of_condition("dtau");
+  line.amplitude = cells.value("amplitude");
+  if (line.amplitude && *line.amplitude < 0) cells.fail("amplitude", "amplitude must be 0 or more");
+  line.angular_frequency = cells.value("angular_frequency");
+  if (line.angular_frequency && !(*line.angular_frequency > 0))
+    cells.fail("angular_frequency", "the frequency must be greater than 0");
+  line.amplitude_sd = cells.sd_of_condition("amplitude");
+  line.angular_frequency_sd = cells.sd_of_condition("angular_frequency");
+  line.start_phase = cells.value("start_phase");
+  line.start_phase_sd = cells.sd_of_condition("start_phase");
+  if (const std::string_view cell = cells.text(columns.cycles); !cell.empty()) {
+    constexpr double kMostCycles = 1e6;
+    const double count = table.number(cell);
+    if (!(count >= 1 && count <= kMostCycles) || count != std::floor(count))
+      table.fail(cell, fmt::format("`{}` is no number of cycles; it must be whole, 1 to 1000000", cell));
+    line.cycles = static_cast<int>(count);
+  }
+  return line;
+}
+
+/// Failed runs and free slides of a runs.csv.
+bool is_left_out(const CsvTable& table, const Columns& columns, std::vector<std::string>& notes) {
+  const Cells cells(table, columns);
+  const bool failed = !cells.text(columns.failure).empty(), slide = cells.text(columns.kind) == "free_slide";
+  if (failed || slide)
+    notes.push_back(
+        fmt::format("{}: left out: {}", table.place(),
+                    failed ? "the run failed" : "a free slide has no alpha and v; give its track"));
+  return failed || slide;
+}
+
+}  // namespace
+
+AlphaVTable read_alpha_v_table(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw InvalidInput(fmt::format("{}: there is no such table; check `table` in [data]", path.string()));
+  std::string text = read_text(path);
+  if (text.find('\0') != std::string::npos || text.starts_with("PK"))
+    throw InvalidInput(fmt::format("{}: is no text but a spreadsheet or another binary file; save it as CSV",
+                                   path.string()));
+  AlphaVTable result;
+  result.input = hashed_input(path, text);
+  CsvTable table(path, std::move(text));
+  if (!table.next()) throw InvalidInput(fmt::format("{}: is empty; {}", path.string(), kWanted));
+  const Columns columns(table);
+  while (table.next())
+    if (!is_left_out(table, columns, result.notes)) result.lines.push_back(read_line(table, columns));
+  if (result.lines.empty())
+    throw InvalidInput(fmt::format("{}: has no line of numbers under its header", path.string()));
+  if (!columns.unused().empty())
+    result.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(columns.unused(), ", ")));
+  return result;
+}
+
+}  // namespace tribotrack::apps

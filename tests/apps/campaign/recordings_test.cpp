@@ -1,0 +1,200 @@
+// Free slides of a campaign: on an incline, and where the part does not slide at all.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "apps/campaign/compared_runs.h"
+#include "apps/program.h"
+#include "apps/recording/track_recording.h"
+#include "apps/text/json.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+using testing::HasSubstr;
+
+class Slides : public ProgramTest {
+ protected:
+  /// Positions by a closed form at 250 Hz with an error of 0.02 mm.
+  template <class Way>
+  void write_track(const std::string& name, const Way& way_mm) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 0.02);
+    std::string text = "t_s,x_mm,y_mm,sigma_x_mm,sigma_y_mm\n";
+    for (int k = 0; k < 200; ++k)
+      text += fmt::format("{:.4f},{:.5f},{:.5f},0.02,0.02\n", 0.004 * k,
+                          0.8 * way_mm(0.004 * k) + noise(random), -0.6 * way_mm(0.004 * k) + noise(random));
+    put(in_folder(name), text);
+  }
+};
+
+TEST_F(Slides, DownAnInclineGiveMu1WithTheSlopesError) {
+  constexpr double kSlope = 0.4, kMu = 0.25, kSlopeSd = 0.003;
+  write_track("down.csv", [](double t) {
+    return 1e3 * (0.05 * t + 0.5 * 9.81 * (std::sin(kSlope) - kMu * std::cos(kSlope)) * t * t);
+  });
+  put(in_folder("c.toml"),
+      "[[run]]\ntrack = \"down.csv\"\nkind = \"free_slide\"\nslope_rad = 0.4\nslope_rad_sd = 0.003\n");
+  const Outcome done = run("run c.toml -o out");
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const Json fit = Json::parse(content_of(in_folder("out/fit.json")));
+  const Json& mu1 = fit["parameters"]["mu1"];
+  const double of_slope = (1 + kMu * std::tan(kSlope)) * kSlopeSd;
+  EXPECT_NEAR(mu1["estimate"].get<double>(), kMu, 2e-3);
+  EXPECT_NEAR(mu1["sd"].get<double>(), of_slope, 0.1 * of_slope);
+  EXPECT_EQ(fit["runs"][0]["slope_rad"].get<double>(), kSlope);
+  EXPECT_THAT(done.out, HasSubstr("incline"));
+  EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("incline of 0.4 rad"));
+}
+
+TEST_F(Slides, OfAPartThatRestsAreNone) {
+  write_track("rest.csv", [](double) { return 0.0; });
+  put(in_folder("c.toml"), "[[run]]\ntrack = \"rest.csv\"\nkind = \"free_slide\"\n");
+  const Outcome none = run("run c.toml -o out");
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_THAT(none.err, HasSubstr("does not slide"));
+}
+
+// A part of any shape in a campaign: the same track as `track --template`.
+
+const std::string kSlide =
+    "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 150\n"
+    "[video]\nwidth = 200\nheight = 100\nframe_rate_hz = 500\nexposure_s = 0.2e-3\nframes = 60\n"
+    "[camera]\nmm_per_px = 0.1\n[disc]\ndiameter_mm = 4\nstart_px = [40, 50]\n";
+
+std::string campaign(const std::string& camera, const std::string& run = "") {
+  return "[platform]\namplitude_mm = 0\n[camera]\n" + camera +
+         "[fit]\nparameters = [\"mu1\"]\n[[run]]\nvideo = \"a.cine\"\nkind = \"free_slide\"\n" + run;
+}
+
+class TemplatePx : public ProgramTest {
+ protected:
+  Outcome run_campaign(const std::string& text) {
+    put(in_folder("c.toml"), text);
+    return run("run c.toml -q -o out");
+  }
+};
+
+TEST_F(TemplatePx, IsFollowedAsByTheCommandLine) {
+  put(in_folder("scene.toml"), kSlide);
+  ASSERT_EQ(run("synth scene.toml -q -o a.cine").exit_code, 0);
+  ASSERT_EQ(run("track a.cine --template 18,28,45,45 --mm-per-px 0.1 --marker none -q -o t.csv").exit_code,
+            0);
+  for (const auto& text :
+       {campaign("mm_per_px = 0.1\ntemplate_px = [18, 28, 45, 45]\n"),
+        campaign("mm_per_px = 0.1\ndisc_px = [40, 50, 20]\n", "template_px = [18, 28, 45, 45]\n")}) {
+    const Outcome outcome = run_campaign(text);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(content_of(in_folder("out/tracks/a.csv")), content_of(in_folder("t.csv")));
+  }
+}
+
+namespace fs = std::filesystem;
+
+class TrackRecording : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    put(in_folder("scene.toml"),
+        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\n[video]\nwidth = "
+        "160\nheight = 120\nframe_rate_hz = 1000\nframes = 20\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px "
+        "= "
+        "12\nscratches = 0\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
+    ASSERT_EQ(run("synth scene.toml -o a.cine -q").exit_code, 0);
+    job_.video = in_folder("a.cine");
+    job_.mm_per_px = 0.05;
+  }
+  RecordingJob job_;
+};
+
+// A recording that is still being copied must not be recorded as the one that was tracked.
+TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
+  job_.track.progress = [&](std::int64_t, std::int64_t) {
+    std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
+  };
+  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_), "t.csv"); }),
+              HasSubstr("a.cine: changed while"));
+}
+
+TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
+  const PreparedJob prepared = prepare(job_);
+  const TrackedRecording recording = track_recording(prepared, "t.csv");
+  std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
+  write_track(in_folder("a.csv"), prepared, recording);
+  EXPECT_TRUE(is_current(in_folder("a.csv"), prepared.key));
+  EXPECT_FALSE(is_current(in_folder("a.csv"), prepare(job_).key));
+}
+
+// Whatever lies beside the pictures of a recording is not part of it.
+TEST_F(TrackRecording, ANoteBesideThePicturesChangesNothing) {
+  fs::create_directory(in_folder("p"));
+  ASSERT_EQ(run("synth scene.toml -o p/%04d.png -q").exit_code, 0);
+  fs::remove(in_folder("p/%04d.png.meta.json"));
+  for (const char* video : {"p", "p/%04d.png"}) {
+    job_.video = in_folder(video);
+    const std::string key = prepare(job_).key;
+    put(in_folder("p/notes.txt"), video);
+    put(in_folder("p/plot.png.txt"), video);
+    EXPECT_EQ(prepare(job_).key, key) << video;
+  }
+}
+
+using ::testing::AllOf;
+using ::testing::IsEmpty;
+
+/// Runs scaled by a part said to be 6 mm across. They hold no track: one that is measured again fails.
+class SharedScales : public testing::Test {
+ protected:
+  SharedScales() { campaign_.part.diameter_mm = 6; }
+  /// `size`: of the part that lies there, over 6 mm; `zoom`: px per mm over the others'.
+  void add(double size, double zoom = 1) {
+    CampaignRun run;
+    run.name = "run" + std::to_string(campaign_.runs.size());
+    run.place = "c.toml:1:1";
+    campaign_.runs.push_back(run);
+    AnalysedRun analysed;
+    analysed.track.emplace();
+    analysed.track->mm_per_px = 0.1 / (size * zoom);
+    analysed.track->mm_per_px_sd = 1e-5;
+    analysed.track->facts.scale_source = "part's diameter";
+    analysed.track->table.time = {static_cast<double>(runs_.size())};  // none is another's repetition
+    analysed.track->table.position = {{0, 0}};
+    analysed.measurement.emplace();
+    analysed.measurement->platform.emplace();
+    analysed.measurement->platform->amplitude.value = 0.28e-3 / size;
+    runs_.push_back(std::move(analysed));
+  }
+  std::string failure_of_first() {
+    for (std::size_t k = 0; k < runs_.size(); ++k) runs_[k].run = &campaign_.runs[k];
+    share_scale(campaign_, runs_);
+    return runs_.front().failure;
+  }
+  Campaign campaign_;
+  std::vector<AnalysedRun> runs_;
+};
+
+TEST_F(SharedScales, ARunWithAnotherPartIsNamedWithItsSize) {
+  add(2.0 / 3);
+  for (int k = 0; k < 3; ++k) add(1);
+  EXPECT_THAT(failure_of_first(),
+              AllOf(HasSubstr("run0"), HasSubstr("4 mm across, not 6 mm"), HasSubstr("mm_per_px")));
+}
+
+TEST_F(SharedScales, ACameraThatWasMovedIsNoOtherPart) {
+  add(1, 1.5);
+  for (int k = 0; k < 3; ++k) add(1);
+  EXPECT_THAT(failure_of_first(), IsEmpty());
+}
+
+TEST_F(SharedScales, OfTwoPartsNobodyKnowsWhichIsTheOther) {
+  add(2.0 / 3);
+  add(1);
+  EXPECT_THAT(failure_of_first(), testing::Not(HasSubstr("another part")));
+}
+
+}  // namespace
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "apps/measuring/condition_table.h"
+#include "apps/measuring/measure_run.h"
+#include "apps/measuring/measure_text.h"
+#include "apps/program.h"
+#include "apps/text/json.h"
+#include "fit/free_slides.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+RunMeasurement measured() {
+  RunMeasurement m;
+  fit::Displacement d;
+  d.vector = {-3.02329123e-3, 1.2e-3};
+  d.covariance << 4e-14, 0, 0, 9e-14;
+  d.cycles = 20;
+  d.duration = 2;
+  d.alpha = fit::Estimate{};  // from the vector
+  m.displacement = d;
+  fit::PlatformMotion p;
+  p.amplitude = {0.28e-3, 2.9e-8};
+  p.amplitude_y = {0.27e-3, 2.9e-8};
+  p.angular_frequency = {62.8, 6e-5};
+  p.phase_shift = {std::numbers::pi / 2, 8e-5};
+  p.clockwise = true;
+  p.harmonics = {{2, {4e-7, 1e-8}, {1e-9, 1e-8}}, {3, {1e-9, 1e-8}, {1e-9, 2e-8}}};
+  m.platform = p;
+  m.phase_source = "marker";
+  m.phase_at_start = -std::numbers::pi / 2;
+  return m;
+}
+
+TEST(MeasureText, RoundsWhereTheStandardDeviationSays) {
+  TrackFile track;
+  track.frames = 505;
+  const std::string text = measurement_text(measured(), track);
+  EXPECT_THAT(text, HasSubstr("(-3.02329(20), 1.20000(30)) mm in 20 cycles"));
+  EXPECT_THAT(text, HasSubstr("2.763746(89) rad (158.35 deg)"));
+  EXPECT_THAT(text, HasSubstr("1.62637(11) mm/s"));
+  EXPECT_THAT(text, HasSubstr("turns clockwise"));
+  EXPECT_THAT(text, HasSubstr("2w: 0.000400(10) mm in x"));
+  EXPECT_THAT(text, HasSubstr("3w: none above 4e-05 mm"));
+  EXPECT_THAT(text, HasSubstr("4.71239 rad (marker)"));
+  EXPECT_THAT(text, Not(HasSubstr("gate")));
+}
+
+TEST(MeasureText, TellsTheGateAndWhatPhiCountsFrom) {
+  RunMeasurement m = measured();
+  fit::GateTiming gate;
+  gate.phi = {1.0, 1e-3};
+  gate.dtau = {0.5, 2e-3};
+  gate.bracket = 0.02;
+  gate.source = "lamp";
+  m.gate = gate;
+  m.gate_reference = "camera";
+  const std::string text = measurement_text(m, {});
+  EXPECT_THAT(text, HasSubstr("phi counts from the platform's phase in the picture"));
+  EXPECT_THAT(text, HasSubstr("1.0000(10) rad (57.30 deg)"));
+  EXPECT_THAT(text, HasSubstr("0.02 rad: no frame decides"));
+  m.gate_reference = "sensor";
+  EXPECT_THAT(measurement_text(m, {}), HasSubstr("phi counts from the reference sensor"));
+}
+
+TEST(MeasureText, SaysWhatIsNotSeen) {
+  RunMeasurement m = measured();
+  m.platform.reset();
+  m.displacement->alpha.reset();
+  m.displacement->covariance = 1e-4 * Eigen::Matrix2d::Identity();
+  m.angular_frequency = fit::Estimate{62.8, 0};
+  const std::string text = measurement_text(m, {});
+  EXPECT_THAT(text, HasSubstr("not seen; w = 62.8 rad/s as given"));
+  EXPECT_THAT(text, HasSubstr("none: the part stays within its uncertainty"));
+}
+
+TEST(UnitSlip, NamesTheUsualOnes) {
+  EXPECT_EQ(likely_slip("angular_frequency_rad_s", 9.995, 62.8), "9.995 is 62.8 rad/s in Hz");
+  EXPECT_EQ(likely_slip("angular_frequency_rad_s", 394.6, 62.8), "394.6 is 62.8 rad/s times 2 pi");
+  EXPECT_EQ(likely_slip("angular_frequency_rad_s", 100, 62.8), "100 ms is the period of 62.83 rad/s");
+  EXPECT_EQ(likely_slip("amplitude_mm", 0.198, 0.28), "0.198 is 0.28 mm as its root mean square");
+  EXPECT_EQ(likely_slip("amplitude_y_mm", 0.028, 0.28), "0.028 is 0.28 mm in cm");
+  EXPECT_EQ(likely_slip("diameter_mm", 0.006, 6.02), "0.006 is 6 mm in metres");
+  EXPECT_EQ(likely_slip("phase_shift_rad", 0.25, std::numbers::pi / 2), "0.25 is 1.571 rad in turns");
+  EXPECT_EQ(likely_slip("phase_shift_rad", 270, -std::numbers::pi / 2), "270 is 4.712 rad in degrees");
+}
+
+TEST(UnitSlip, NamesNoneWhereNoneFits) {
+  EXPECT_EQ(likely_slip("amplitude_mm", 0.4, 0.28), "");
+  EXPECT_EQ(likely_slip("angular_frequency_rad_s", 50, 62.8), "");
+  EXPECT_EQ(likely_slip("angular_frequency_rad_s", 0, 62.8), "");
+}
+
+// `measure` on the track of a part that slides freely.
+
+class MeasureSlide : public ProgramTest {
+ protected:
+  void put_track(double ratio, bool with_angle) const {
+    std::mt19937 random(3);
+    const fit::TrajectoryRun run = test::slide_track(test::UnitSlide(ratio), ratio, {}, random, with_angle);
+    std::string csv = "frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n";
+    for (std::size_t i = 0; i < run.track.time.size(); ++i) {
+      csv += fmt::format("{},{},ok,{},{},0.03,0.03,", run.track.frame[i], run.track.time[i],
+                         1e3 * run.track.position[i].x(), 1e3 * run.track.position[i].y());
+      csv += with_angle ? fmt::format("{},0.01\n", run.track.angle[i]) : ",\n";
+    }
+    put(in_folder("slide.csv"), csv);
+    put(in_folder("slide.csv.meta.json"),
+        R"({"scale": {"mm_per_px": 0.5, "mm_per_px_sd": 0.0005}, "summary": {"disc_px": [10, 10, 31]}})");
+  }
+};
+
+TEST_F(MeasureSlide, DecelerationStopAndSpin) {
+  put_track(1.0, true);
+  const Outcome outcome = run("measure slide.csv --json -o m.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json m = Json::parse(outcome.out);
+  EXPECT_EQ(m["kind"], "free_slide");
+  const double sd = m["deceleration_mm_s2_sd"];
+  EXPECT_NEAR(m["deceleration_mm_s2"], 0.17 * 9810, 4 * sd);
+  EXPECT_GT(sd, 0.9e-3 * 0.17 * 9810) << "the scale's 0.1 % is counted";
+  EXPECT_NEAR(m["speed_mm_s"], 600, 3);
+  EXPECT_NEAR(m["spin_ratio"], 1, 0.02);
+  EXPECT_TRUE(m["stop_seen"].get<bool>());
+  EXPECT_NEAR(m["stop_time_s"], 0.7 + test::UnitSlide(1.0).stop_time() * 0.6 / (0.17 * 9.81), 0.003);
+  EXPECT_EQ(m["blows"].size(), 0u);
+  EXPECT_TRUE(std::filesystem::exists(in_folder("m.json.meta.json")));
+}
+
+TEST_F(MeasureSlide, SpinNotSeenIsSaid) {
+  put_track(0.0, false);
+  const Outcome outcome = run("measure slide.csv --free-slide --gravity-m-s2 9.80");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("deceleration    166"));
+  EXPECT_THAT(outcome.out, HasSubstr("g = 9.8 m/s^2"));
+  EXPECT_THAT(outcome.out, HasSubstr("not seen; a rim speed of half the slide's would make mu1"));
+}
+
+// What a coder does to the platform's motion, as measured.
+
+constexpr double kW = 62.8, kA = 0.28e-3, kPhase = 1.1, kNoise = 1e-6;
+
+TrackFile circling(std::optional<CodingFacts> coding) {
+  TrackFile track;
+  track.mm_per_px = 0.1;
+  track.mm_per_px_sd = 0;
+  track.facts.coding = std::move(coding);
+  track.table.platform_frame = true;
+  track.table.exposure = 1e-5;
+  std::mt19937 random(3);
+  std::normal_distribution<> noise(0, kNoise);
+  for (int k = 0; k < 400; ++k) {
+    const double t = 2e-3 * k, phase = kW * t + kPhase;
+    track.table.frame.push_back(k);
+    track.table.time.push_back(t);
+    track.table.position.emplace_back(1e-3 * t, 0);
+    track.table.covariance.push_back(kNoise * kNoise * Eigen::Matrix2d::Identity());
+    track.table.marker.emplace_back(kA * std::cos(phase) + noise(random),
+                                    -kA * std::sin(phase) + noise(random));
+    track.table.marker_sigma.push_back(kNoise);
+  }
+  return track;
+}
+
+/// Nobody knows how much of it there was: the values stay, and all of it stands in their standard deviations.
+TEST(CodedMotion, UnknownCoderIsCountedInFull) {
+  CodingFacts facts;
+  facts.coder = "h264";
+  facts.mark_play_px = 0.05;
+  const RunMeasurement plain = measure_run("plain", circling({}), {}),
+                       coded = measure_run("coded", circling(facts), {});
+  EXPECT_FALSE(plain.coded);
+  ASSERT_TRUE(coded.coded);
+  const double amplitude = std::max(plain.platform->amplitude.value, plain.platform->amplitude_y.value);
+  const fit::SeenThroughPlay play = fit::seen_through_play(amplitude, 0.05 * 0.1e-3);
+  EXPECT_DOUBLE_EQ(coded.coded->delay, play.delay);
+  EXPECT_DOUBLE_EQ(coded.platform->phase_at_zero.value, plain.platform->phase_at_zero.value);
+  EXPECT_NEAR(coded.platform->phase_at_zero.sd, std::hypot(plain.platform->phase_at_zero.sd, play.delay),
+              1e-12);
+  const double attenuation = std::max(play.attenuation, 0.5 * 0.05 * 0.1e-3 / amplitude);
+  EXPECT_NEAR(coded.platform->amplitude.sd,
+              std::hypot(plain.platform->amplitude.sd, attenuation * plain.platform->amplitude.value), 1e-15);
+  EXPECT_EQ(coded.coded->exceeds,
+            play.delay > 1.96 * plain.platform->phase_at_middle.sd ||
+                attenuation * plain.platform->amplitude.value > 1.96 * plain.platform->amplitude.sd);
+  EXPECT_TRUE(coded.coded->exceeds) << "0.02 rad against a phase known to 0.001";
+  EXPECT_THAT(coded.warnings, testing::Contains(testing::HasSubstr("coder (h264)")));
+}
+
+}  // namespace
+
+}  // namespace tribotrack::apps
