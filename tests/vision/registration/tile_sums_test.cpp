@@ -64,29 +64,6 @@ TEST(TileSums, ScoresAddUpToNothingAndNormalsToTheCovariance) {
   }
 }
 
-/// Against the sandwich of the same scores, whatever the noise: it is their sum of squares.
-TEST(TileSums, HalvesOfWhiteNoiseAreAsLargeAsTheCovarianceSays) {
-  std::mt19937 random(4);
-  TemplateRegistration registration = registration_of(scene_at(28, 28).render());
-  std::uniform_real_distribution<double> place(-0.5, 0.5);
-  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-  constexpr int kFrames = 600;
-  for (int k = 0; k < kFrames; ++k) {
-    const Picture picture =
-        test::noisy(scene_at(28 + place(random), 28 + place(random)).render(), kSigma, random);
-    ASSERT_TRUE(registration.refine(picture, 0, 0, {}).converged);
-    const std::vector<TileSums> tiles = registration.tile_sums();
-    const Eigen::Matrix2d& covariance = registration.model_covariance();
-    const auto halves = halves_error(tiles, sum(tiles).normal, covariance);
-    ASSERT_TRUE(halves);
-    const Eigen::Matrix2d information = covariance.inverse();
-    const auto square = [&](const Eigen::Vector2d& e) { return e.dot(information * e) / (2 * kFrames); };
-    squares +=
-        Eigen::Vector3d(square(halves->left_right), square(halves->top_bottom), square(halves->checkerboard));
-  }
-  for (const double ratio : squares) EXPECT_NEAR(ratio, 1, 0.13);  // three standard deviations
-}
-
 TEST(TileSums, KernelsOfEveryTileAddUpToTheWhole) {
   std::mt19937 random(5);
   std::normal_distribution<float> number;

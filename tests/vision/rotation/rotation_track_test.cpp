@@ -4,12 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <functional>
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/rotation/rotation_follower.h"
 #include "vision/scene.h"
 #include "vision/tracker.h"
 
@@ -79,15 +77,6 @@ TEST(RotationTrack, FollowsASpinThroughSeveralTurnsToItsSd) {
   }
 }
 
-TEST(RotationTrack, OfADiscThatDoesNotTurnDoesNotDrift) {
-  Spinning s;
-  s.theta = [](double) { return 0.4; };
-  RenderedSource source = s.source();
-  const auto seen = follow_rotation(source, s.placed(), 22, 0.8);
-  EXPECT_LT(standardised(s, seen), 2);
-  EXPECT_LT(seen.back()->sigma, 0.01);
-}
-
 TEST(RotationTrack, ScattersFromFrameToFrameAsItsSdSays) {
   Spinning s;
   s.frames = 200;
@@ -130,24 +119,6 @@ TEST(RotationTrack, StandsInTheTrackWhereATextureShowsIt) {
     if (scratches > 0) {
       EXPECT_NEAR(track.points.back().rotation->theta, -0.03 * 59, 0.03);
     }
-  }
-}
-
-/// P_m of cos(m0 (phi - theta)) is exp(-i m0 theta) / 2 at m0 and 0 elsewhere.
-TEST(RingHarmonics, ARotationIsAPhase) {
-  RingHarmonics rings(20, 0.8);
-  const auto drawn = [](double theta) {
-    Picture p(64, 64);
-    for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x)
-        p.at(x, y) = static_cast<float>(std::cos(5 * (std::atan2(31.4 - y, x - 30.8) - theta)));
-    return p;
-  };
-  const Harmonics still = rings.of(drawn(0), {30.8, 31.4}), turned = rings.of(drawn(0.3), {30.8, 31.4});
-  for (Eigen::Index ring = 6; ring < still.rings(); ++ring) {
-    EXPECT_NEAR(std::abs(still(ring, 5) - 0.5), 0, 2e-3) << ring;
-    EXPECT_NEAR(std::abs(turned(ring, 5) - 0.5 * std::polar(1.0, -1.5)), 0, 2e-3) << ring;
-    EXPECT_NEAR(std::abs(still(ring, 4)), 0, 2e-3);
   }
 }
 
