@@ -229,14 +229,6 @@ TEST_F(SharedConditionsTest, SlipsAreRefusedByName) {
   EXPECT_EQ(shared_.warnings.size(), 1u);
 }
 
-TEST_F(SharedConditionsTest, ASlipInOneRunNamesTheRun) {
-  const std::string text = complaint_of([&] {
-    campaign("amplitude_mm = 0.28", {{}, {}, {}}, "", {"", "amplitude_mm = 0.56", ""});
-  });
-  EXPECT_THAT(text, HasSubstr("run \"r1\": amplitude_mm = 0.56"));
-  EXPECT_THAT(text, HasSubstr("c.toml:"));
-}
-
 TEST_F(SharedConditionsTest, ADiameterChecksAGivenScale) {
   std::vector<AnalysedRun> runs;
   campaign("", {{}, {}}, "", {}, "diameter_mm = 3");

@@ -72,27 +72,6 @@ TEST_F(Commands, SimulateReachesTheKnownEndPoint) {
   EXPECT_THAT(content_of(in_folder("t.csv.meta.json")), HasSubstr("\"schema\": 1"));
 }
 
-TEST_F(Commands, SimulateTellsOfNoSteadyMotion) {
-  const Json json = Json::parse(run("simulate --mu1 0 --mu2 0 --json").out);
-  EXPECT_TRUE(json["steady"].is_null());
-}
-
-TEST_F(Commands, EveryScenarioOfThePapersFiguresRuns) {
-  int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(source("data"))) {
-    if (entry.path().extension() != ".toml") continue;
-    ++count;
-    const std::string file = "'" + entry.path().string() + "'";
-    for (const std::string command : {"simulate ", "sweep "}) {
-      const Outcome outcome = run(command + file + " -o out.csv -q");
-      EXPECT_EQ(outcome.exit_code, 0) << file << outcome.err;
-      const std::string table = content_of(in_folder("out.csv"));
-      EXPECT_GE(std::count(table.begin(), table.end(), '\n'), 3) << command << file;
-    }
-  }
-  EXPECT_GE(count, 13);
-}
-
 TEST_F(Commands, ARenderedSlideIsTrackedOntoItsTruth) {
   render_slide("slide.cine");
   const Outcome outcome = run("track slide.cine --mm-per-px 0.05 -o t.csv --overlay t.png --json -q");
@@ -166,25 +145,6 @@ TEST_F(Commands, AFreeSlideGivesMuAndAReport) {
   ASSERT_EQ(run("fit campaign.toml -o f2.json -q").exit_code, 0);
   EXPECT_EQ(content_of(in_folder("f1.json")), first);
   EXPECT_EQ(content_of(in_folder("f2.json")), first);
-}
-
-TEST_F(Commands, ABadRunIsLeftOutAndSaid) {
-  render_slide("slide.cine");
-  const std::string head =
-      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n";
-  const std::string good = "[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n",
-                    bad = "[[run]]\nvideo = \"gone.cine\"\nkind = \"free_slide\"\n";
-  put(in_folder("one_bad.toml"), head + good + bad);
-  const Outcome run_outcome = run("run one_bad.toml -o out -q");
-  EXPECT_EQ(run_outcome.exit_code, 4);
-  EXPECT_THAT(run_outcome.err, HasSubstr("gone.cine"));
-  EXPECT_TRUE(std::filesystem::exists(in_folder("out/report.html")));
-  expect_refused(run("fit one_bad.toml -o f.json -q"), 3, {"gone.cine"});
-  EXPECT_EQ(run("fit one_bad.toml --allow-missing 1 -o f.json -q").exit_code, 0);
-
-  put(in_folder("all_bad.toml"), head + bad);
-  expect_refused(run("run all_bad.toml -o out2 -q"), 3, {"gone.cine"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("out2")));
 }
 
 TEST_F(Commands, AnUnusableFitIsExit5AndSaysWhatCanBeTold) {

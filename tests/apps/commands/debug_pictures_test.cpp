@@ -81,22 +81,6 @@ TEST_F(DebugPictures, ChosenFramesAreShownAndOtherFilesLeftAlone) {
   EXPECT_FALSE(std::filesystem::exists(in_folder("pictures/frame000000_window.png")));
 }
 
-TEST_F(DebugPictures, BadFoldersAndFramesAreRefused) {
-  render_slide("slide.cine");
-  put(in_folder("file"), "no folder");
-  expect_refused(run("track slide.cine -o t.csv --debug file -q"), 3, {"file", "choose another"});
-  expect_refused(run("track slide.cine -o t.csv --debug file/below -q"), 3, {"file/below", "choose another"});
-  expect_refused(run("track slide.cine -o t.csv --debug p --debug-frames 99 -q"), 3, {"99", "0 to 39"});
-  expect_refused(run("track slide.cine -o t.csv --debug p --debug-frames 1.5 -q"), 2, {"--debug-frames"});
-  expect_refused(run("track slide.cine -o t.csv --debug-frames 3 -q"), 2, {"--debug DIR"});
-  std::filesystem::create_directory(in_folder("images"));
-  render_slide("images/f%03d.png");
-  expect_refused(run("track images --fps 1000 -o t.csv --debug images -q"), 3, {"images", "another folder"});
-  expect_refused(run("track images/f%03d.png --fps 1000 -o t.csv --debug ./images -q"), 3,
-                 {"another folder"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("t.csv")));
-}
-
 TEST_F(DebugPictures, LookingChangesNoResult) {
   render_slide("slide.cine");
   ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o t.csv --debug pictures -q").exit_code, 0);

@@ -72,17 +72,6 @@ TEST_F(RealRecordings, ItsFrictionComesWithAnIntervalAndAReport) {
   EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("Free slides"));
 }
 
-TEST_F(RealRecordings, AFileThatDoesNotProveItsRateIsRefusedWithTheReason) {
-  expect_refused(run("track " + real("carrom/HeadOn.MP4") +
-                     " --disc 151,87,9 --disc-diameter-mm 31 --frames 188: -o head.csv"),
-                 3, {"29.97", "--fps"});
-  EXPECT_FALSE(std::filesystem::exists(in_folder("head.csv")));
-  const Outcome probe = run("probe " + real("carrom/HeadOn.MP4"));
-  EXPECT_EQ(probe.exit_code, 0);
-  EXPECT_THAT(probe.out, HasSubstr("unknown rate"));
-  EXPECT_THAT(probe.out, HasSubstr("29.97"));
-}
-
 TEST_F(RealRecordings, CineFilesTellSizeDepthRateAndStamps) {
   struct Expected {
     const char* file;

@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/file.h>
 
-#include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "apps/program.h"
 
@@ -14,7 +12,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 const std::string kHead =
@@ -33,20 +30,6 @@ class RunFolders : public ProgramTest {
             "0.2e-3\nframes = 40\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\n"
             "highlight = 0\n[surface]\ntexture_rms = 0\n");
     ASSERT_EQ(run("synth scene.toml -o " + name + ".cine -q").exit_code, 0);
-  }
-  Json meta_of(const std::string& result) const {
-    return Json::parse(content_of(in_folder(result + ".meta.json")));
-  }
-  void change_meta(const std::string& result, const std::function<void(Json&)>& change) {
-    Json meta = meta_of(result);
-    change(meta);
-    put(in_folder(result + ".meta.json"), meta.dump(2));
-  }
-  static std::vector<std::string> names_of_inputs(const Json& meta) {
-    std::vector<std::string> names;
-    for (const Json& input : meta.at("inputs"))
-      names.push_back(fs::path(input.at("path").get<std::string>()).filename().string());
-    return names;
   }
 };
 
@@ -84,36 +67,6 @@ TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
   const Outcome waited = run("--version >version; bash wait.sh");
   EXPECT_THAT(waited.out, HasSubstr("exit 0\n")) << waited.err;
   EXPECT_THAT(waited.out, Not(HasSubstr("early")));
-}
-
-TEST_F(RunFolders, FitAndRunRefuseTheSameTracks) {
-  render("a");
-  render("b", "90");
-  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  change_meta("out/tracks/b.csv", [](Json& meta) {
-    meta["summary"]["gate_passed"] = false;
-    meta["summary"]["lost_counted"] = 17;
-  });
-  const Outcome again = run("run c.toml -o out -q");
-  EXPECT_EQ(again.exit_code, 4);
-  EXPECT_THAT(again.err, HasSubstr("lost in 17 of 40 frames"));
-  const std::string fit = content_of(in_folder("out/fit.json"));
-  expect_refused(run("fit c.toml --tracks out/tracks -o f.json -q"), 3, {"lost in 17 of 40 frames"});
-  EXPECT_EQ(run("fit c.toml --tracks out/tracks -o f.json --allow-missing 1 -q").exit_code, 0);
-  EXPECT_EQ(content_of(in_folder("f.json")), fit);
-}
-
-TEST_F(RunFolders, TheFitNamesWhatWasRead) {
-  render("a");
-  put(in_folder("c.toml"), kHead + slide("a"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  ASSERT_EQ(run("fit c.toml --tracks out/tracks -o tracks.json -q").exit_code, 0);
-  ASSERT_EQ(run("fit c.toml -o videos.json -q").exit_code, 0);
-  using Names = std::vector<std::string>;
-  EXPECT_EQ(names_of_inputs(meta_of("out/fit.json")), (Names{"c.toml", "a.csv"}));
-  EXPECT_EQ(meta_of("out/fit.json")["inputs"], meta_of("tracks.json")["inputs"]);
-  EXPECT_EQ(names_of_inputs(meta_of("videos.json")), (Names{"c.toml", "a.cine"}));
 }
 
 // A fresh campaign is fitted from memory, a resumed one from its files.

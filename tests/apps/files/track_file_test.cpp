@@ -208,19 +208,5 @@ TEST_F(TrackFiles, AnglesAreReadWhereTheyAre) {
   EXPECT_THAT(complaint(with + "7,0,ok,1,2,0.1,0.1,0.5,\n"), HasSubstr("frame 7 has theta_rad"));
 }
 
-TEST_F(TrackFiles, AnglesAreWrittenBehindThePositions) {
-  TrackRows rows = track_rows(noisy_track(false), std::nullopt, 0);
-  EXPECT_THAT(track_csv(rows), Not(HasSubstr("theta")));
-  rows.has_rotation = true;
-  rows.rows[1].theta_rad = 0.25;
-  rows.rows[1].sigma_theta_rad = 0.002;
-  const std::string csv = track_csv(rows);
-  EXPECT_THAT(csv, HasSubstr("sigma_y_mm,theta_rad,sigma_theta_rad,gate"));
-  const TrackRows again = read_track_rows("t.csv", csv);
-  EXPECT_TRUE(again.has_rotation);
-  EXPECT_EQ(again.rows[1].theta_rad, 0.25);
-  EXPECT_EQ(track_csv(again), csv);
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

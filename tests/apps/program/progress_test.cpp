@@ -47,19 +47,6 @@ TEST(ProgressLine, ElsewhereShortWorkSaysNothing) {
   EXPECT_EQ(shown(ProgressStyle::none, true), "");
 }
 
-TEST(ProgressLine, APlainLineHasNoControlCharacters) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* to = ::open_memstream(&text, &size);
-  {
-    ProgressLine line(ProgressStyle::plain, to);
-    line.show("work: 1/2");
-  }
-  std::fclose(to);
-  EXPECT_EQ(std::string(text, size), "work: 1/2\n");
-  std::free(text);
-}
-
 // Several recordings at once, of different length, some of them done long ago.
 
 using ::testing::HasSubstr;

@@ -43,18 +43,6 @@ TEST_F(Look, ProbeWritesPicturePageAndTheLinesToPaste) {
   EXPECT_THAT(content_of(in_folder("first.html")), Not(HasSubstr("http://"))) << "the page asks nobody";
 }
 
-TEST_F(Look, TheSurveyStandsInTheJson) {
-  film("a.cine");
-  const Json json = Json::parse(run("probe a.cine --json --picture first.png").out);
-  const Json& discs = json.at("survey").at("discs");
-  ASSERT_GE(discs.size(), 2U);
-  EXPECT_EQ(discs[0].at("role"), "part");
-  EXPECT_NEAR(discs[0].at("circle_px")[2].get<double>(), 20, 0.5);
-  EXPECT_EQ(discs[1].at("role"), "mark");
-  EXPECT_FALSE(Json::parse(run("probe a.cine --json").out).contains("survey"))
-      << "only where it is asked for";
-}
-
 using LookInChromium = Look;
 
 TEST_F(LookInChromium, ThePageWorks) {

@@ -68,19 +68,6 @@ TEST_F(ContentHashTest, OfALargeFileBothEndsAndEveryBlockCount) {
   EXPECT_EQ(hash(bytes).xxh3_128, hash(bytes).xxh3_128);
 }
 
-TEST_F(ContentHashTest, SizeCounts) {
-  EXPECT_NE(hash(std::string(200, '0')).xxh3_128, hash(std::string(201, '0')).xxh3_128);
-}
-
-TEST_F(ContentHashTest, WhatIsSmallerThanItsSampleIsReadWhole) {
-  Sampling sampling = kSmall;
-  sampling.blocks = 30;
-  const std::string bytes = example(200);
-  EXPECT_EQ(seen(bytes, [&](const std::string& b) { return hash(b, sampling); }).size(), 200);
-  sampling.ends = 150;
-  EXPECT_EQ(seen(bytes, [&](const std::string& b) { return hash(b, sampling); }).size(), 200);
-}
-
 TEST_F(ContentHashTest, TheTimesOfAllPicturesCount) {
   const auto path = in_folder("a.cine");
   const auto sink = vision::create_sink(path, {.width = 8, .height = 8, .frame_rate_hz = 1000});
@@ -97,11 +84,6 @@ TEST_F(ContentHashTest, TheTimesOfAllPicturesCount) {
     other[at] ^= 1;
     ASSERT_NE(hash(other, few).xxh3_128, before) << at;
   }
-}
-
-TEST_F(ContentHashTest, AMissingFileIsNamed) {
-  EXPECT_THAT(complaint_of([] { hash_of_files({"/no/such.cine"}, kSmall); }),
-              ::testing::HasSubstr("/no/such.cine: cannot be read"));
 }
 
 TEST_F(ContentHashTest, AnInputSaysWhatOfItWasHashed) {

@@ -12,13 +12,6 @@ using ::testing::ElementsAre;
 
 class OutputFile : public ProgramTest {};
 
-TEST_F(OutputFile, AppearsWholeAndReplacesWhatWasThere) {
-  write_file(in_folder("a.txt"), "one");
-  write_file(in_folder("a.txt"), "two");
-  EXPECT_EQ(content_of(in_folder("a.txt")), "two");
-  EXPECT_THAT(left_behind(), ElementsAre("a.txt"));
-}
-
 TEST_F(OutputFile, WhatCannotBeWrittenIsSaidBeforeTheWork) {
   EXPECT_THROW(require_writable(in_folder("nowhere/a.csv")), InvalidInput);
   EXPECT_THROW(require_writable(folder_), InvalidInput);

@@ -65,13 +65,6 @@ TEST_F(ArrivalsTest, ARecordingThatIsStillOpenIsNotTaken) {
   EXPECT_THAT(arrivals.next(10), ElementsAre(in("a.cine")));
 }
 
-TEST_F(ArrivalsTest, WhatWasThereBeforeIsTakenWhenItRests) {
-  write("a.cine", whole_.size());
-  Arrivals arrivals(folder_.path(), {.settled_s = 0.2, .give_up_s = 1000, .poll_s = 0.01});
-  EXPECT_THAT(arrivals.next(0), IsEmpty());
-  EXPECT_THAT(arrivals.next(10), ElementsAre(in("a.cine")));
-}
-
 TEST_F(ArrivalsTest, OneThatWillNeverOpenIsHandedOutInTheEnd) {
   write("a.cine", whole_.size() / 2);
   Arrivals arrivals(folder_.path(), {.settled_s = 0.05, .give_up_s = 0.3, .poll_s = 0.01});
@@ -94,11 +87,6 @@ TEST_F(ArrivalsTest, NotesAndHiddenFilesAreNoRecordings) {
   Arrivals arrivals(folder_.path(), {.settled_s = 0, .give_up_s = 0, .poll_s = 0.01});
   EXPECT_THAT(arrivals.next(0.1), IsEmpty());
   EXPECT_THAT(arrivals.unfinished(), IsEmpty());
-}
-
-TEST_F(ArrivalsTest, AFileIsNoFolder) {
-  std::ofstream(in("notes.txt")) << "x";
-  EXPECT_THROW(Arrivals(in("notes.txt"), {}), InvalidInput);
 }
 
 }  // namespace

@@ -146,14 +146,6 @@ TEST_F(CampaignTest, TheOldTableOfGuessesIsRefusedWithTheNewName) {
   }
 }
 
-TEST_F(CampaignTest, RunsWithoutANameGetOneOfTheirOwn) {
-  const std::string run = "[[run]]\nvideo = \"a/slide.mp4\"\nkind = \"free_slide\"\n";
-  const Campaign c = read("[part]\ndiameter_mm = 6\n" + run + run + kRun);
-  EXPECT_EQ(c.runs[0].name, "slide");
-  EXPECT_EQ(c.runs[1].name, "slide_2");
-  EXPECT_EQ(c.runs[2].name, "run03");
-}
-
 TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
   const Campaign c = read(
       "[platform]\namplitude_mm = 0.28\namplitude_mm_sd = 0.001\nphase_shift_rad = 1.5\n"
@@ -235,12 +227,6 @@ TEST_F(CampaignTest, SeveralPartsHaveCampaignsOfTheirOwn) {
   EXPECT_EQ(campaign_of_part(c, "steel").runs.size(), 2U);
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, ""); }), HasSubstr("silver, steel"));
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, "copper"); }), HasSubstr("silver, steel"));
-}
-
-TEST_F(CampaignTest, OnePartInAListIsThePart) {
-  const Campaign c = read("[[part]]\nname = \"disc\"\ndiameter_mm = 6\n" + kRun);
-  EXPECT_TRUE(c.parts.empty());
-  EXPECT_EQ(*c.part.diameter_mm, 6);
 }
 
 TEST_F(CampaignTest, MistakesAboutPartsAreNamed) {
