@@ -8,7 +8,8 @@ folder=${3:?folder}
 PATH=$(dirname "$program"):$PATH
 mkdir -p "$folder"
 page() {  # name of the page, what it is about, command
-  help2man --no-info --version-string "$version" --name "$2" --output "$folder/$1.1" "$3"
+  help2man --no-info --version-string "$version" --name "$2" "$3" |
+    sed "1,5{s/^$3 /$1 /; s/^\.TH TRIBOTRACK /.TH ${1^^} /}" >"$folder/$1.1"
 }
 page tribotrack 'friction parameters from high-speed video' tribotrack
 tribotrack --help | sed '1,/^Subcommands:/d' | while read -r command meaning; do
