@@ -1,6 +1,7 @@
 // Ranges and ticks of a figure's axes.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,23 @@ Range hull(const Range& a, const Range& b);
 /// Ends that the data decide: those of all series of a panel, of its column where the x axis is shared, with
 /// a twentieth to spare, or whole decades. Equal scales take what room the drawer has.
 void settle_axes(Figure& figure);
+
+// Fewer points of long recordings: as many as an eye tells apart.
+
+struct DrawnPath {
+  std::vector<double> x, y;  ///< NaN where the pen is lifted
+};
+
+/// At most `most` points and the breaks between them: every n-th point, and a break wherever the path is
+/// interrupted in between, so that no line crosses a gap. NaN: not measured.
+DrawnPath thinned(const std::vector<double>& x, const std::vector<double>& y, std::size_t most);
+
+/// Which points of a series in time are drawn: of each of most/2 equal stretches the lowest and the highest,
+/// so that no outlier is lost; all where there are no more than `most`. A stretch without a finite value
+/// gives its first point.
+std::vector<std::size_t> envelope(const std::vector<double>& y, std::size_t most);
+
+/// The values at these places.
+std::vector<double> picked(const std::vector<double>& values, const std::vector<std::size_t>& places);
 
 }  // namespace tribotrack::apps

@@ -9,7 +9,6 @@
 #include <cstring>
 
 #include "apps/figures/figure_csv.h"
-#include "apps/figures/figure_json.h"
 #include "apps/program/errors.h"
 #include "apps/text/json.h"
 #include "apps/text/output_file.h"

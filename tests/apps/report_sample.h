@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/data/curves.h"
 #include "apps/report/data/data.h"
-#include "apps/report/data/groups.h"
 
 namespace tribotrack::apps::sample {
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "apps/files/track_file.h"
 #include "apps/report/data/data.h"
 #include "model/scenario.h"
 
@@ -17,5 +18,43 @@ inline constexpr long kMostCurveSteps = 5'000'000;
 /// to nothing takes thousands of cycles to settle.
 void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data,
                 long most_steps = kMostCurveSteps);
+
+// Which runs belong in one curve of the report's figures, and where to evaluate the model for it.
+
+/// phi brought into one turn, [-tolerance, 2 pi - tolerance): a measured 0 that came out as 6.28 stays a 0.
+double phi_in_one_turn(double phi_rad, double tolerance = 0.02);
+
+/// Groups of runs that share dtau and hold at least two different phi (paper, fig. 9a), ordered by dtau; the
+/// runs of a group are ordered by phi. Runs that failed, slid freely or lack phi, dtau or v are left out.
+/// Angles closer than `tolerance` rad count as equal (measured angles scatter).
+std::vector<ReportGroup> group_over_phi(const std::vector<ReportRun>& runs, double tolerance = 0.02);
+
+/// The same with the parts exchanged: shared phi, at least two different dtau (figs. 9b and 10).
+std::vector<ReportGroup> group_over_dtau(const std::vector<ReportRun>& runs, double tolerance = 0.02);
+
+/// Where to evaluate the model for a group's curve, rad: a full turn for phi when the runs span at least half
+/// of one, else their range with a tenth to spare; never below 0 or above 2 pi.
+std::vector<double> curve_phis(const ReportGroup& group, const std::vector<ReportRun>& runs, int count = 121);
+std::vector<double> curve_dtaus(const ReportGroup& group, const std::vector<ReportRun>& runs, int count = 61);
+
+// The model's path of a run beside the measured one, and where the part was after each whole cycle.
+
+/// All steps of a path are kept in memory, some hundred MB of these.
+inline constexpr long kMostPathSteps = 1'000'000;
+
+/// Fills ReportRun::model_x_mm .. cycle_y_mm from the run's scenario at the fitted values, whose time 0 is
+/// the first frame in which the part was measured. Nothing for a free slide, a run without a path, or a path
+/// in the camera's frame, which holds the platform's motion too.
+/// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
+bool add_model_path(const model::Scenario& scenario, bool in_camera_frame, ReportRun& run,
+                    long most_steps = kMostPathSteps);
+void note_no_model_path(const ReportRun& run, ReportData& data);
+
+// The platform's and the lamp's points for drawing: orbit, phase residual over time, brightness over phase.
+
+/// Adds the drawings' points to a platform whose measured numbers are filled in; nothing where it was not
+/// seen to move. The lines drawn are those numbers, not a new measurement: `track` must have the scale they
+/// were measured at.
+void add_drawings(const TrackFile& track, ReportPlatform& platform);
 
 }  // namespace tribotrack::apps

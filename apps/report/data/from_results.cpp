@@ -8,8 +8,6 @@
 #include "apps/report/data/curves.h"
 #include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
-#include "apps/report/data/model_path.h"
-#include "apps/report/data/platform_drawing.h"
 #include "apps/report/data/sources.h"
 
 namespace tribotrack::apps {

@@ -19,4 +19,8 @@ std::vector<Figure> run_figures(const ReportData& data, std::size_t index);
 /// "3 phi045": as the runs are called in figures and tables.
 std::string run_label(const ReportData& data, std::size_t index);
 
+// alpha and v against phi and dtau: the paper's figures 9a, 9b and 10.
+
+std::vector<Figure> dependence_figures(const ReportData& data);
+
 }  // namespace tribotrack::apps

@@ -10,4 +10,8 @@ namespace tribotrack::apps {
 
 std::vector<Figure> parameter_figures(const ReportData& data);
 
+// Measured minus modelled, run by run.
+
+std::vector<Figure> residual_figures(const ReportData& data);
+
 }  // namespace tribotrack::apps

@@ -1,11 +1,20 @@
-// The estimates and whether to trust them, in one paragraph.
+// How the findings are quoted: the same words on the page and in text.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
+
+/// "0.09952 to 0.10073", or "... or ..." where the interval is in pieces.
+std::string quoted_interval(const ReportParameter& parameter);
+
+/// "Part 6 × 0.8 mm; 14 runs; filmed 2021-03-04; tribotrack VERSION": what is known of it.
+std::string subtitle_of(const ReportData& data);
+
+// The estimates and whether to trust them, in one paragraph.
 
 enum class Trust { usable, with_care, do_not_use, no_fit };
 
@@ -21,5 +30,12 @@ Verdict verdict_of(const ReportData& data);
 /// Where chi-squared per degree of freedom lies with probability 0.99 under the model
 /// (fit::expected_reduced_chi2), as "0.42 to 1.88", rounded to its width.
 std::string expected_chi2_text(int dof);
+
+// The sentence of methods that a paper needs, and what to cite, as plain text.
+
+/// What was done to how many runs, with the program's version; only what was done here.
+std::string methods_text(const ReportData& data);
+
+std::vector<std::string> sources_to_cite(const ReportData& data);
 
 }  // namespace tribotrack::apps

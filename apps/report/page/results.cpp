@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/page/pictures.h"
+#include "apps/report/findings/verdict.h"
+#include "apps/report/page/runs.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -98,6 +101,157 @@ PageSection slide_section(const ReportData& data, const std::vector<Figure>& fig
     boxes += box_unless(figures, fmt::format("slide-{}", i + 1), shown);
   if (data.slides.empty()) return section;
   section.html = slide_table(data) + boxes;
+  return section;
+}
+
+namespace {
+
+/// One way to an interval, shown where any parameter has it.
+struct IntervalColumn {
+  const char* heading;
+  ReportInterval ReportParameter::*interval;
+};
+
+std::vector<IntervalColumn> interval_columns(const ReportData& data) {
+  std::vector<IntervalColumn> columns = {{"95 % interval", &ReportParameter::ci95},
+                                         {"by covariance", &ReportParameter::covariance_ci95},
+                                         {"by profile", &ReportParameter::profile_ci95},
+                                         {"by bootstrap", &ReportParameter::bootstrap_ci95}};
+  std::erase_if(columns, [&](const IntervalColumn& column) {
+    return std::all_of(data.parameters.begin(), data.parameters.end(), [&](const ReportParameter& p) {
+      return std::isnan((p.*column.interval).low) || std::isnan((p.*column.interval).high);
+    });
+  });
+  return columns;
+}
+
+bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval ReportParameter::*interval) {
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const IntervalColumn& column) { return column.interval == interval; });
+}
+
+/// What each interval shown is, and which covariance stands behind the first.
+std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
+  const bool profile = has_column(columns, &ReportParameter::profile_ci95);
+  std::string html =
+      profile
+          ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from "
+            "the "
+            "covariance’s by more than a tenth, over all minima that the data allow. The covariance interval "
+            "assumes that χ² is a parabola about its minimum; the profile follows χ² itself, with all other "
+            "parameters fitted again at every step"
+          : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
+            "parabola about its minimum";
+  if (has_column(columns, &ReportParameter::bootstrap_ci95))
+    html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
+                        data.bootstrap_refits, data.bootstrap_seed);
+  html += ".</p>\n";
+  if (!data.covariance_meaning.empty())
+    html += "<p class=\"note\"><b>Which covariance this is:</b> " + sentence_html(data.covariance_meaning) +
+            "</p>\n";
+  return html;
+}
+
+}  // namespace
+
+std::string interval_table(const ReportData& data) {
+  const std::vector<IntervalColumn> columns = interval_columns(data);
+  std::string html = fmt::format(
+      "<div class=\"wide\"><table id=\"parameter-table\" "
+      "class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
+      "class=\"n\">Value (sd of the last digits)</th>",
+      columns.size() > 2 ? " many" : "");
+  for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
+  html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
+  for (const ReportParameter& p : data.parameters) {
+    const ParameterText shown = parameter_text(p.name);
+    html += "<tr><th>" + shown.symbol + "</th>" +
+            (std::isfinite(p.sd) ? quoted_cell(p.estimate, p.sd) : number_cell("not determined"));
+    for (const IntervalColumn& column : columns)
+      html += "<td class=\"n ends\">" +
+              (column.interval == &ReportParameter::ci95
+                   ? quoted_interval(p)
+                   : interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd)) +
+              "</td>";
+    html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n" + interval_note(data, columns);
+}
+
+namespace {
+
+/// Runs that are the same but for their aim stand in one row.
+struct Row {
+  ReportNextRun run;
+  std::string aims;  ///< HTML
+};
+
+bool same(const ReportNextRun& a, const ReportNextRun& b) {
+  const auto alike = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return alike(a.phi_rad, b.phi_rad) && alike(a.dtau_rad, b.dtau_rad) &&
+         alike(a.amplitude_mm, b.amplitude_mm) && alike(a.w_rad_s, b.w_rad_s);
+}
+
+std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
+  std::vector<Row> rows;
+  for (const ReportNextRun& run : runs) {
+    const std::string aim = run.aim.empty() ? "all together" : parameter_text(run.aim).symbol + " alone";
+    const auto known = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return same(r.run, run); });
+    if (known == rows.end())
+      rows.push_back({run, aim});
+    else
+      known->aims += ", " + aim;
+  }
+  return rows;
+}
+
+/// Rounded to its own width: a quarter of it is about one sd.
+std::string interval(const ReportInterval& range) {
+  return interval_text(range.low, range.high, (range.high - range.low) / 4);
+}
+
+std::string next_table(const ReportData& data) {
+  std::string html =
+      "<div class=\"wide\"><table id=\"next-runs\" class=\"next\"><thead><tr><th>Best for</th><th "
+      "class=\"n\">φ</th><th "
+      "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
+  for (const ReportParameter& parameter : data.parameters) {
+    const ParameterText shown = parameter_text(parameter.name);
+    html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
+                        shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
+  }
+  html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
+  for (const ReportParameter& parameter : data.parameters) html += number_cell(interval(parameter.ci95));
+  html += "</tr>\n";
+  for (const Row& row : rows_of(data.next_runs)) {
+    html += "<tr>" + cell("<b>" + row.aims + "</b>") + number_cell(angle(row.run.phi_rad)) +
+            number_cell(angle(row.run.dtau_rad)) + number_cell(number(row.run.amplitude_mm)) +
+            number_cell(number(row.run.w_rad_s));
+    for (std::size_t i = 0; i < data.parameters.size(); ++i)
+      html += number_cell(i < row.run.predicted_ci95.size() ? interval(row.run.predicted_ci95[i]) : "–");
+    html += "</tr>\n";
+  }
+  html +=
+      "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
+      "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
+      "so.";
+  if (data.identifiability == ReportVerdict::not_identifiable)
+    html +=
+        " The prediction assumes the values above, which these runs do not determine: the widths of the "
+        "intervals are meaningful, their places are not.";
+  return html + "</p>\n";
+}
+
+}  // namespace
+
+PageSection next_section(const ReportData& data) {
+  PageSection section{"next", "What to film next", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  if (data.next_experiment.empty() && data.next_runs.empty()) return section;
+  const std::string sentence =
+      data.next_experiment.empty() ? data.next_runs.front().sentence : data.next_experiment;
+  section.html = "<p>" + sentence_html(sentence) + "</p>\n";
+  if (!data.next_runs.empty()) section.html += next_table(data);
   return section;
 }
 

@@ -12,8 +12,8 @@
 #include "apps/report/data/json.h"
 #include "apps/report/findings/verdict.h"
 #include "apps/report/page/check.h"
-#include "apps/report/page/parameters/next.h"
-#include "apps/report/page/sections.h"
+#include "apps/report/page/page.h"
+#include "apps/report/page/results.h"
 
 namespace tribotrack::apps {
 namespace {

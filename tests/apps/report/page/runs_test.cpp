@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/report/page/pictures.h"
 #include "apps/report_sample.h"
 
 namespace tribotrack::apps {

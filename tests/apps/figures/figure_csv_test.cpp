@@ -1,10 +1,9 @@
-#include "apps/figures/figure_json.h"
+#include "apps/figures/figure_csv.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "apps/figures/axes.h"
-#include "apps/figures/figure_csv.h"
 
 namespace tribotrack::apps {
 namespace {
