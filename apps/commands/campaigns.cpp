@@ -202,8 +202,9 @@ void add_report(CLI::App& app, Context& context) {
       ->type_name("report.html");
   command
       .add_option("--figures", *figures,
-                  "Folder for the figures as SVG and PDF, 84 and 174 mm wide, drawn by matplotlib (Debian's "
-                  "python3-matplotlib), with their numbers as CSV and the script that drew them")
+                  "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
+                  "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
+                  "that drew them from it")
       ->type_name("DIR");
   command
       .add_option("--tables", *tables,
@@ -243,10 +244,10 @@ void add_report(CLI::App& app, Context& context) {
     if (!figures->empty()) {
       std::vector<Output> files;
       create_folder(*figures);
-      for (const auto& file : printed_files(report.figures, *figures)) files.push_back({file});
+      for (const auto& file : printed_files(*figures)) files.push_back({file});
       require_writable(files, run_folder.files_of_report());
-      print_figures(report.figures, *figures, embedded_assets().figures_py);
-      say(context.quiet, fmt::format("{}: {} figures written", *figures, report.figures.size()));
+      print_figures(*figures, report.runs_csv, embedded_assets().figures_py);
+      say(context.quiet, *figures + ": figures written");
     }
     if (!*json) return;
     Json ids = Json::array();

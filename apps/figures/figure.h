@@ -1,6 +1,6 @@
 // A figure as data: what it shows, whoever draws it. The page draws it with plotly.js
-// (page/assets/figures.js), files for print come from matplotlib (figures.py), its numbers leave as CSV
-// (figure_csv.h); all from this one description.
+// (page/assets/figures.js), its numbers leave as CSV (figure_csv.h); both from this one
+// description.
 #pragma once
 
 #include <limits>

@@ -73,7 +73,7 @@ Json axis_json(const FigureAxis& axis) {
   return json;
 }
 
-Json series_json(const Series& series, const FigurePanel& panel, Numbers numbers) {
+Json series_json(const Series& series, const FigurePanel& panel) {
   Json json = {{"mark", word_for(series.mark)}, {"name", series.name}};
   if (std::isnan(series.value))
     json["colour"] = series.colour;
@@ -83,7 +83,6 @@ Json series_json(const Series& series, const FigurePanel& panel, Numbers numbers
   if (series.dashed) json["dashed"] = true;
   if (series.small) json["small"] = true;
   if (series.large) json["large"] = true;
-  if (numbers == Numbers::left_out) return json;
   json["x"] = places(series.x, panel.x);
   json["y"] = places(series.y, panel.y);
   if (!series.sd.empty()) json["sd"] = short_numbers(series.sd, 3);
@@ -92,7 +91,7 @@ Json series_json(const Series& series, const FigurePanel& panel, Numbers numbers
   return json;
 }
 
-Json panel_json(const FigurePanel& panel, Numbers numbers) {
+Json panel_json(const FigurePanel& panel) {
   Json json = {{"x", axis_json(panel.x)}, {"y", axis_json(panel.y)}};
   if (!panel.title.empty()) json["title"] = panel.title;
   if (panel.height != 1) json["height"] = panel.height;
@@ -102,7 +101,7 @@ Json panel_json(const FigurePanel& panel, Numbers numbers) {
   for (const Stripe& span : panel.spans)
     json["spans"].push_back({short_number(span.low), short_number(span.high)});
   json["series"] = Json::array();
-  for (const Series& series : panel.series) json["series"].push_back(series_json(series, panel, numbers));
+  for (const Series& series : panel.series) json["series"].push_back(series_json(series, panel));
   return json;
 }
 
@@ -124,7 +123,7 @@ const char* word_for(Mark mark) {
   return "";
 }
 
-Json json_of(const Figure& figure, Numbers numbers) {
+Json json_of(const Figure& figure) {
   Json json = {{"id", figure.id},
                {"title", figure.title},
                {"columns", figure.columns},
@@ -138,7 +137,7 @@ Json json_of(const Figure& figure, Numbers numbers) {
     add_ticks(figure.colours->ticks, figure.colours->labels, json["colours"]);
   }
   json["panels"] = Json::array();
-  for (const FigurePanel& panel : figure.panels) json["panels"].push_back(panel_json(panel, numbers));
+  for (const FigurePanel& panel : figure.panels) json["panels"].push_back(panel_json(panel));
   return json;
 }
 

@@ -16,12 +16,8 @@ std::string csv_of(const Figure& figure);
 
 const char* word_for(Mark mark);  ///< "points", "line", "band", "bars", "text"
 
-enum class Numbers {
-  as_drawn,  ///< to a tenth of a pixel: a third of the bytes
-  left_out,  ///< they stand in the CSV
-};
-
-/// Keys are the names in figure.h; what has its default is left out. Axes must be settled.
-Json json_of(const Figure& figure, Numbers numbers);
+/// Keys are the names in figure.h; what has its default is left out, numbers are good to a tenth of a
+/// pixel. Axes must be settled.
+Json json_of(const Figure& figure);
 
 }  // namespace tribotrack::apps

@@ -1,17 +1,17 @@
 #include "apps/figures/printed.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <stdlib.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstring>
+#include <string>
 
-#include "apps/figures/figure_csv.h"
 #include "apps/program/errors.h"
-#include "apps/text/json.h"
 #include "apps/text/output_file.h"
+#include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
 
@@ -19,100 +19,79 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kScript = "figures.py";
 constexpr const char* kInterpreter = "/usr/bin/python3";  // Debian's, whose packages hold matplotlib
 
-/// Runs Debian's python3 with these arguments; what it says.
-std::string run_python(const std::vector<std::string>& given, int& status) {
-  // Isolated: a json.py that lies in the folder is not what a script imports.
-  std::vector<std::string> words = {kInterpreter, "-I", "-B"};
-  words.insert(words.end(), given.begin(), given.end());
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  std::array<int, 2> pipe{};
-  if (::pipe(pipe.data()) != 0)
-    throw InvalidInput(fmt::format("no pipe to {}: {}", kInterpreter, std::strerror(errno)));
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::dup2(pipe[1], STDERR_FILENO);
-    ::dup2(pipe[1], STDOUT_FILENO);
-    ::close(pipe[0]);
-    ::close(pipe[1]);
-    ::execv(kInterpreter, arguments.data());
-    ::_exit(127);
+/// A folder for what matplotlib keeps, gone with this object.
+struct Scratch {
+  std::string path = (fs::temp_directory_path() / "tribotrack_XXXXXX").string();
+  Scratch() {
+    if (::mkdtemp(path.data()) == nullptr) throw InvalidInput(path + ": the folder cannot be made");
   }
-  ::close(pipe[1]);
-  std::string said;
-  std::array<char, 4096> buffer{};
-  for (ssize_t count = 0;
-       (count = ::read(pipe[0], buffer.data(), buffer.size())) > 0 || (count < 0 && errno == EINTR);)
-    if (count > 0) said.append(buffer.data(), static_cast<std::size_t>(count));
-  ::close(pipe[0]);
-  if (child < 0)
-    throw InvalidInput(fmt::format("{} cannot be started: {}", kInterpreter, std::strerror(errno)));
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+};
+
+/// Runs the script as Debian's python3 does, with nothing of the user's settings, of the current folder or of
+/// the script's own: a json.py or matplotlibrc that lies there is not what it reads. What it says; its
+/// status, 127 where there is no python3.
+std::string run_script(std::string script, int& status) {
+  const Scratch scratch;
+  const std::string said = scratch.path + "/said";
+  std::string interpreter = kInterpreter, isolated = "-I", no_cache = "-B", home = "HOME=" + scratch.path,
+              settings = "MPLCONFIGDIR=" + scratch.path, letters = "LC_ALL=C.UTF-8";
+  char* const arguments[] = {interpreter.data(), isolated.data(), no_cache.data(), script.data(), nullptr};
+  char* const environment[] = {home.data(), settings.data(), letters.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 1, said.c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  posix_spawn_file_actions_addchdir_np(&actions, scratch.path.c_str());
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, kInterpreter, &actions, nullptr, arguments, environment);
+  posix_spawn_file_actions_destroy(&actions);
+  status = 127;
+  if (failed != 0) return fmt::format("{} cannot be started", kInterpreter);
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  return said;
-}
-
-bool ended_well(int status) {
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-bool has_no_python(int status) {
-  return WIFEXITED(status) && WEXITSTATUS(status) == 127;
+  status = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  return fs::exists(said) ? read_text(said) : "";
 }
 
 /// The last line that says something.
 std::string last_line(const std::string& text) {
   const auto end = text.find_last_not_of(" \n");
-  if (end == std::string::npos) return "";
-  const auto begin = text.find_last_of('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  if (end == std::string::npos) return "the plotting program failed";
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
 }
 
 }  // namespace
 
-std::vector<fs::path> printed_files(const std::vector<Figure>& figures, const fs::path& folder) {
-  std::vector<fs::path> files = {folder / kScript};
-  for (const Figure& figure : figures)
-    for (const char* ending : {".csv", ".json", "-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
-      files.push_back(folder / (figure.id + ending));
+std::vector<fs::path> printed_files(const fs::path& folder) {
+  std::vector<fs::path> files = {folder / "figures.py", folder / "runs.csv"};
+  for (const char* name : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "residuals"})
+    for (const char* ending : {"-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
+      files.push_back(folder / (std::string(name) + ending));
   return files;
 }
 
-std::string why_not_printed() {
-  int status = 0;
-  const std::string said = run_python({"-c", "import matplotlib"}, status);
-  if (ended_well(status)) return "";
-  return has_no_python(status) ? fmt::format("there is no {}", kInterpreter) : last_line(said);
-}
-
-void print_figures(const std::vector<Figure>& figures, const fs::path& folder, std::string_view script) {
+void print_figures(const fs::path& folder, std::string_view runs_csv, std::string_view script) {
   create_folder(folder);
-  write_file(folder / kScript, script);
-  for (const Figure& figure : figures) {
-    write_file(folder / (figure.id + ".csv"), csv_of(figure));
-    write_file(folder / (figure.id + ".json"), text_of(json_of(figure, Numbers::left_out)));
-  }
-  if (figures.empty()) return;
+  const std::string path = fs::absolute(folder / "figures.py").string();
+  write_file(path, script);
+  write_file(folder / "runs.csv", runs_csv);
   int status = 0;
-  std::vector<std::string> words = {(folder / kScript).string()};
-  for (const Figure& figure : figures) words.push_back(figure.id);
-  const std::string said = run_python(words, status);
-  if (ended_well(status)) return;
-  const bool missing = has_no_python(status) || said.find("ModuleNotFoundError") != std::string::npos;
-  const std::string reason =
-      has_no_python(status) ? fmt::format("there is no {}", kInterpreter) : last_line(said);
-  throw InvalidInput(
-      fmt::format("{}: the figures were not drawn: {}; {} (numbers and script are there)", folder.string(),
-                  reason.empty() ? "the plotting program failed" : reason,
-                  missing ? fmt::format("install Debian's python3-matplotlib, then `python3 {}` draws them",
-                                        (folder / kScript).string())
-                          : fmt::format("`python3 {}` says more", (folder / kScript).string())));
+  const std::string said = run_script(path, status);
+  if (status == 0) return;
+  const bool missing = status == 127 || said.find("ModuleNotFoundError") != std::string::npos;
+  throw InvalidInput(fmt::format(
+      "{}: the figures were not drawn: {}; {} (table and script are there)", folder.string(), last_line(said),
+      missing ? fmt::format("install Debian's python3-matplotlib, then `python3 {}` draws them", path)
+              : fmt::format("`python3 {}` says more", path)));
 }
 
 }  // namespace tribotrack::apps

@@ -50,7 +50,7 @@ constexpr int kNarrowest = 480;  // px, of a figure that is narrower than the te
 /// JSON inside a script element.
 std::string figures_json(const std::vector<Figure>& figures) {
   Json list = Json::array();
-  for (const Figure& figure : figures) list.push_back(json_of(figure, Numbers::as_drawn));
+  for (const Figure& figure : figures) list.push_back(json_of(figure));
   return json_for_script(list);
 }
 

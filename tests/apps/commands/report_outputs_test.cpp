@@ -37,13 +37,6 @@ class ReportOutputs : public ProgramTest {
     put(in_folder("c.toml"), campaign);
     ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
   }
-
-  std::vector<std::string> figures() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(in_folder("figures")))
-      if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
-    return names;
-  }
 };
 
 TEST_F(ReportOutputs, TablesHoldTheNumbersOfTheFit) {
@@ -60,10 +53,8 @@ TEST_F(ReportOutputs, TablesHoldTheNumbersOfTheFit) {
 
 TEST_F(ReportOutputs, FiguresForPrintComeWithNumbersScriptAndFonts) {
   ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
-  const std::vector<std::string> names = figures();
-  EXPECT_THAT(names, testing::IsSupersetOf(
-                         {"alpha-phi", "v-phi", "corner", "budget-shares", "influence", "residuals"}));
-  for (const std::string& name : names)
+  EXPECT_TRUE(content_of(in_folder("figures/runs.csv")) == content_of(in_folder("out/runs.csv")));
+  for (const std::string name : {"alpha-phi", "v-phi", "residuals"})
     for (const char* width : {"-84mm", "-174mm"}) {
       const std::string stem = in_folder("figures").string() + "/" + name + width;
       EXPECT_EQ(output_of("xmllint --noout '" + stem + ".svg' 2>&1"), "");
@@ -93,8 +84,9 @@ TEST_F(ReportOutputs, FiguresForPrintComeWithNumbersScriptAndFonts) {
 // A folder may come from a stranger: what lies in it is not run.
 TEST_F(ReportOutputs, NothingThatLiesInTheFolderIsRun) {
   fs::create_directory(in_folder("figures"));
-  for (const char* module : {"json.py", "csv.py", "matplotlib.py"})
+  for (const char* module : {"fractions.py", "csv.py", "matplotlib.py"})
     put(in_folder("figures") / module, "open('" + in_folder("ran").string() + "', 'w')\n");
+  put(in_folder("matplotlibrc"), "text.usetex: True\n");
   ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
   EXPECT_FALSE(fs::exists(in_folder("ran")));
 }

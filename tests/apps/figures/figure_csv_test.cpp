@@ -28,18 +28,12 @@ Figure narrow() {
 // No more than a tenth of a pixel is lost, whatever part of the number that is.
 TEST(FigureJson, PlacesAreAsFineAsTheAxisShows) {
   const Figure figure = narrow();
-  const Json json = json_of(figure, Numbers::as_drawn);
+  const Json json = json_of(figure);
   const FigureAxis& axis = figure.panels[0].x;
   const Json& x = json["panels"][0]["series"][0]["x"];
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(x[i].get<double>(), figure.panels[0].series[0].x[i], 1e-4 * (axis.high - axis.low));
   EXPECT_TRUE(json["panels"][0]["series"][0]["y"][1].is_null());
-}
-
-TEST(FigureJson, WithoutNumbersItIsTheLookAlone) {
-  const Json json = json_of(narrow(), Numbers::left_out);
-  EXPECT_FALSE(json["panels"][0]["series"][0].contains("x"));
-  EXPECT_EQ(json["panels"][0]["series"][0]["mark"], "points");
 }
 
 TEST(FigureCsv, HoldsAllDigitsARowAPoint) {
