@@ -23,7 +23,7 @@ fi
 
 # What cppcheck cannot tell, and the compiler, clang-tidy or a sanitizer can.
 suppressed=$(printf -- '--suppress=%s ' missingIncludeSystem missingReturn zerodiv containerOutOfBounds invalidContainerReference \
-  uninitvar uninitMemberVar unknownMacro compareBoolExpressionWithInt)
+  uninitvar uninitMemberVar passedByValue unknownMacro compareBoolExpressionWithInt)
 # shellcheck disable=SC2086  # one option a word
 cppcheck --enable=warning,performance,portability --std=c++20 --quiet --error-exitcode=1 -I . -j "$(nproc)" $suppressed "${files[@]}"
 
