@@ -1,6 +1,7 @@
 #include "vision/temporary_file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -65,8 +66,8 @@ TemporaryFile::TemporaryFile(const std::filesystem::path& target) : target_(end_
     throw OutputError(in_quotes(target_) + " cannot be written: it is a folder; give a file name");
   // A name that is there already is somebody else's file, or a link that leads to one.
   for (;;) {
-    temporary_ = target_.parent_path() / ("." + target_.filename().string() + std::string(kMark) +
-                                          std::to_string(::getpid()) + "-" + std::to_string(++serial));
+    temporary_ = target_.parent_path() /
+                 fmt::format(".{}{}{}-{}", target_.filename().string(), kMark, ::getpid(), ++serial);
     PartialFiles::of_this_process().add(temporary_);
     const int descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
