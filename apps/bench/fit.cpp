@@ -1,5 +1,6 @@
 #include "apps/bench/fit.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,9 +1,10 @@
 #include "fit/checks/rivals.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "fit/tools/dense.h"
 
 #include "model/parallel.h"
 
@@ -48,8 +49,8 @@ class RivalProblem {
         const auto applied = unknowns_.apply_summary(values, run, false);
         const Eigen::Vector2d end = model::rival_displacement(applied.scenario, {kind_, strength(step)}) *
                                     (applied.stretch / applied.scale);
-        const Eigen::LLT<Eigen::Matrix2d> factor(residuals_.covariance(i));
-        r.segment<2>(2 * static_cast<Eigen::Index>(i)) = factor.matrixL().solve(run.measured.vector - end);
+        r.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+            Factor2(residuals_.covariance(i)).whitened(run.measured.vector - end);
       }
       for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
         r.segment(residuals_.trajectory_row(i), 2 * static_cast<Eigen::Index>(residuals_.point_count(i))) =
@@ -144,7 +145,7 @@ RivalFit fit_rival(const Residuals& residuals, const Minimum& best, Kind law, in
     for (int attempt = 0; attempt < 8; ++attempt) {
       Eigen::MatrixXd damped = normal;
       damped.diagonal() += damping * normal.diagonal().cwiseMax(1e-12 * normal.diagonal().maxCoeff());
-      const Eigen::VectorXd change = -damped.ldlt().solve(gradient);
+      const Eigen::VectorXd change = -solve_symmetric(damped, gradient);
       const double promised = -(2 * gradient.dot(change) + change.dot(normal * change));
       if (promised < 1e-3) {  // a thirtieth of a standard deviation
         fit.converged = true;
@@ -169,8 +170,7 @@ RivalFit fit_rival(const Residuals& residuals, const Minimum& best, Kind law, in
     fit.strength = 0;
   }
   if (law != Kind::coulomb) {
-    const Eigen::MatrixXd covariance =
-        (j->transpose() * *j).ldlt().solve(Eigen::MatrixXd::Identity(rival.size(), rival.size()));
+    const Eigen::MatrixXd covariance = inverse_symmetric(j->transpose() * *j);
     fit.sd = std::abs(rival.strength_slope(step)) *
              std::sqrt(std::max(0.0, covariance(rival.size() - 1, rival.size() - 1)));
   }

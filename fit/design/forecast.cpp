@@ -1,12 +1,12 @@
 #include "fit/design/forecast.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "fit/residuals/end_point.h"
 #include "fit/residuals/point_whitening.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
@@ -125,9 +125,9 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
                                  column_variances(correlated, variances).cwiseSqrt().asDiagonal();
   Eigen::MatrixXd information = rows.transpose() * rows;
   if (errors.cols() > 0) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd::Identity(errors.cols(), errors.cols()) +
-                                             errors.transpose() * errors);
-    const Eigen::MatrixXd hidden = factor.matrixL().solve(errors.transpose() * rows);
+    const Factor factor(Eigen::MatrixXd::Identity(errors.cols(), errors.cols()) +
+                        errors.transpose() * errors);
+    const Eigen::MatrixXd hidden = factor.whitened(errors.transpose() * rows);
     information -= hidden.transpose() * hidden;
   }
   if (like.start_phase_sd > 0) {

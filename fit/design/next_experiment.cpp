@@ -1,12 +1,12 @@
 #include "fit/design/next_experiment.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "fit/design/forecast.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/intervals.h"
@@ -24,15 +24,12 @@ constexpr double kForecastTolerance = 1e-3;  ///< of the forecasts: derivatives 
 
 /// Covariance of the reported parameters from the information on all.
 Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
-  return information.ldlt()
-      .solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()))
-      .topLeftCorner(reported, reported);
+  return inverse_symmetric(information).topLeftCorner(reported, reported);
 }
 
 double log_determinant(const Eigen::MatrixXd& covariance) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return 2 * Eigen::MatrixXd(factor.matrixL()).diagonal().array().log().sum();
+  const Factor factor(covariance);
+  return factor.positive() ? 2 * factor.log_determinant_of_root() : std::numeric_limits<double>::infinity();
 }
 
 /// What is to become small: the log-determinant, or the log-variance of one parameter.

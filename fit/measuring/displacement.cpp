@@ -1,5 +1,4 @@
 // Displacement over whole cycles, interpolated between frames with its error estimated from the track itself.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +8,7 @@
 
 #include "fit/measurement.h"
 #include "fit/measuring/local_polynomial.h"
+#include "fit/tools/dense.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
@@ -57,12 +57,6 @@ struct Interpolated {
   Eigen::Matrix2d interpolation;  ///< mean square error of interpolating
 };
 
-Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(matrix);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-         eigen.eigenvectors().transpose();
-}
-
 /// What interpolating between `left` and `right` costs at `time`: each frame of the same platform phase is
 /// left out and predicted from its neighbours, as friction switches come back at the same phase. Where the
 /// acceleration jumps, the error goes with the product of the distances to both neighbours.
@@ -88,7 +82,7 @@ LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t
     weights += 1;
   }
   if (weights > 0) {
-    result.mean_square = without_negative_eigenvalues(result.mean_square / weights);
+    result.mean_square = internal::without_negative_eigenvalues(result.mean_square / weights);
     result.score /= weights;
   }
   return result;
@@ -125,8 +119,7 @@ Interpolated interpolate(const TrackTable& track, double time, double w, std::si
 void derive_alpha_and_v(Displacement& displacement) {
   const Eigen::Vector2d& d = displacement.vector;
   const double length = d.norm();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(displacement.covariance, Eigen::EigenvaluesOnly);
-  const double widest = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+  const double widest = std::sqrt(std::max(0.0, internal::eigenvalues(displacement.covariance)(1)));
   displacement.alpha.reset();
   if (length > 0) {
     const Eigen::Vector2d along = d / length;

@@ -1,7 +1,6 @@
 #include "fit/measuring/sine_fit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

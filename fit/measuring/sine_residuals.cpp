@@ -1,7 +1,7 @@
 #include "fit/measuring/sine_residuals.h"
 #include "fit/tools/angles.h"
+#include "fit/tools/dense.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -61,11 +61,9 @@ struct Linear {
 Linear solved(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scaled);
   const Eigen::VectorXd scaled_right = scale.asDiagonal() * right;
-  return {scale.asDiagonal() * factor.solve(scaled_right),
-          scale.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(scale.size(), scale.size())) *
-              scale.asDiagonal()};
+  return {scale.asDiagonal() * solve_symmetric(scaled, scaled_right),
+          scale.asDiagonal() * inverse_symmetric(scaled) * scale.asDiagonal()};
 }
 
 /// The residuals' own constant, drift and multiples of w, axis by axis.

@@ -1,8 +1,10 @@
 #include "fit/minimum/compress.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <utility>
 #include <vector>
+
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -36,8 +38,7 @@ Rows compress(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals)
       block.col(k) = jacobian.col(used[static_cast<std::size_t>(k)]).segment(first, n);
     block.col(width) = residuals.segment(first, n);
     const Eigen::Index kept = std::min(n, width + 1);
-    const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(block);
-    const Eigen::MatrixXd triangle = qr.matrixQR().topRows(kept).triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd triangle = triangle_of(std::move(block));
     for (Eigen::Index k = 0; k < width; ++k)
       result.jacobian.col(used[static_cast<std::size_t>(k)]).segment(next, kept) = triangle.col(k);
     result.residuals.segment(next, kept) = triangle.col(width);

@@ -3,13 +3,13 @@
 #include <ceres/ceres.h>
 #include <glog/logging.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "fit/estimate.h"
 #include "fit/minimum/compress.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit {
@@ -116,13 +116,11 @@ class WholeProblem final : public ceres::CostFunction {
 double newton_decrement(const Eigen::VectorXd& r, const Eigen::MatrixXd& jacobian) {
   const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * normal *
-                                                             scale.asDiagonal());
-  const Eigen::VectorXd along =
-      eigen.eigenvectors().transpose() * (scale.asDiagonal() * (jacobian.transpose() * r));
+  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * normal * scale.asDiagonal());
+  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * (jacobian.transpose() * r));
   double sum = 0;
   for (Eigen::Index i = 0; i < along.size(); ++i)
-    if (eigen.eigenvalues()(i) > 1e-13) sum += along(i) * along(i) / eigen.eigenvalues()(i);
+    if (eigen.values(i) > 1e-13) sum += along(i) * along(i) / eigen.values(i);
   return sum;
 }
 

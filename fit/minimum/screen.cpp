@@ -1,6 +1,5 @@
 #include "fit/minimum/screen.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include <optional>
 #include <span>
 #include <utility>
+
+#include "fit/tools/dense.h"
 
 #include "model/batch.h"
 #include "model/parallel.h"
@@ -84,9 +85,9 @@ struct Look {
 
 Look look_at(const model::Scenario& scenario, bool amplitude_from_track, const Eigen::Vector2d& measured,
              const Eigen::Matrix2d& covariance) {
-  const Eigen::LLT<Eigen::Matrix2d> factor(covariance + kAccuracy * kAccuracy * measured.squaredNorm() *
-                                                            Eigen::Matrix2d::Identity());
-  return {scenario, amplitude_from_track, measured, factor.matrixL().solve(Eigen::Matrix2d::Identity())};
+  const Factor2 factor(covariance +
+                       kAccuracy * kAccuracy * measured.squaredNorm() * Eigen::Matrix2d::Identity());
+  return {scenario, amplitude_from_track, measured, factor.inverse_lower()};
 }
 
 /// A trajectory's displacement over its whole cycles, in which the platform's own motion cancels.

@@ -1,11 +1,11 @@
 // The residuals of every run as observables with units.
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
 #include "fit/report/fill_result.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/track_errors.h"
 #include "model/alpha_v.h"
@@ -32,8 +32,7 @@ RunResult summary_result(const Residuals& residuals, const Minimum& best, std::s
   RunResult result;
   result.name = run.name;
   result.fitted = residuals.unknowns().apply(values, run.scenario, run.amplitude_from_track, false).scenario;
-  const Eigen::LLT<Eigen::Matrix2d> factor(measured.covariance);
-  const Eigen::Vector2d whitened = factor.matrixL().solve(difference);
+  const Eigen::Vector2d whitened = Factor2(measured.covariance).whitened(difference);
   for (int axis = 0; axis < 2; ++axis)
     result.residuals.push_back({kAxes[axis], 1e3 * measured.vector(axis), 1e3 * modelled.vector(axis),
                                 1e3 * std::sqrt(measured.covariance(axis, axis)), whitened(axis)});

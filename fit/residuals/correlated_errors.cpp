@@ -1,9 +1,9 @@
 #include "fit/residuals/correlated_errors.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
+
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -72,11 +72,6 @@ Eigen::MatrixXd whitened_columns(Eigen::MatrixXd columns, const PointWhitening& 
   return columns;
 }
 
-Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& white) {
-  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(white);
-  return qr.householderQ() * Eigen::MatrixX2d::Identity(white.rows(), 2);
-}
-
 Eigen::VectorXd column_variances(const ErrorShapes& shapes, const CorrelatedVariances& variances) {
   Eigen::VectorXd result(2 * static_cast<Eigen::Index>(shapes.count()));
   for (std::size_t j = 0; j < shapes.count(); ++j)
@@ -88,10 +83,10 @@ CorrelatedWhitening::CorrelatedWhitening(Eigen::MatrixXd shapes, const Eigen::Ve
     : shapes_(std::move(shapes)) {
   const Eigen::VectorXd roots = variances.cwiseSqrt();
   shapes_ = (shapes_ * roots.asDiagonal()).eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shapes_.transpose() * shapes_);
-  const Eigen::ArrayXd l = eigen.eigenvalues().array().max(0);
-  shapes_ = (shapes_ * eigen.eigenvectors()).eval();
-  turned_ = roots.asDiagonal() * eigen.eigenvectors();
+  const EigenSystem eigen = eigen_symmetric(shapes_.transpose() * shapes_);
+  const Eigen::ArrayXd l = eigen.values.array().max(0);
+  shapes_ = (shapes_ * eigen.vectors).eval();
+  turned_ = roots.asDiagonal() * eigen.vectors;
   // (1 - 1/s)/(s^2 - 1) with s^2 = 1 + l, without its cancellation.
   const Eigen::ArrayXd s = (1 + l).sqrt();
   root_ = (1 / (s * (s + 1))).matrix();

@@ -60,9 +60,6 @@ Eigen::MatrixXd error_columns(const ErrorShapes& shapes);
 Eigen::MatrixXd whitened_columns(Eigen::MatrixXd columns, const PointWhitening& points,
                                  const Eigen::MatrixX2d& start);
 
-/// Orthonormal columns that span those of `white`.
-Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& white);
-
 /// (I + U G U')^(-1/2), G diagonal, through the eigenvalues l of G^(1/2) U'U G^(1/2) = R diag(l) R':
 /// I - U G^(1/2) R diag((1 - (1 + l)^(-1/2)) / l) R' G^(1/2) U' (Woodbury's identity for a root).
 class CorrelatedWhitening {

@@ -1,6 +1,5 @@
 #include "fit/residuals/free_slide.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 

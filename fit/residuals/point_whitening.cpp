@@ -1,18 +1,14 @@
 #include "fit/residuals/point_whitening.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "fit/tools/dense.h"
+
 namespace tribotrack::fit::internal {
 namespace {
-
-Eigen::Matrix2d inverse_root(const Eigen::Matrix2d& covariance) {
-  const Eigen::LLT<Eigen::Matrix2d> factor(covariance);
-  return factor.matrixL().solve(Eigen::Matrix2d::Identity());
-}
 
 /// The state: two coordinates of every slow error, one error after the other.
 Eigen::MatrixXd repeated(double share, Eigen::Index processes) {
@@ -38,10 +34,10 @@ PointWhitening::PointWhitening(const std::vector<double>& times, const std::vect
     point.share = slow_share[i];
     point.predicted = seen * covariance * seen.transpose();
     const Eigen::Matrix2d whole = own[i] + point.predicted;
-    point.white = factor * inverse_root(whole);
-    point.own = Eigen::Matrix2d(own[i].llt().matrixL()) / factor;
+    point.white = factor * Factor2(whole).inverse_lower();
+    point.own = Factor2(own[i]).lower() / factor;
     if (slow_ == 0) continue;
-    const Eigen::MatrixXd gain = whole.ldlt().solve(seen * covariance).transpose();
+    const Eigen::MatrixXd gain = solve_symmetric2(whole, seen * covariance).transpose();
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(size, size) - gain * seen;
     // Joseph's form, which stays positive.
     covariance = (left * covariance * left.transpose() + gain * own[i] * gain.transpose()).eval();

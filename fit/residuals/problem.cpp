@@ -1,6 +1,6 @@
 #include "fit/problem.h"
+#include "fit/tools/dense.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -35,8 +35,7 @@ void check_run(const SummaryRun& run) {
   run.scenario.validate();
   if (!run.measured.vector.allFinite() || !run.measured.covariance.allFinite())
     throw DataError("Run '" + run.name + "': the displacement holds a value that is not a number.");
-  const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-  if (factor.info() != Eigen::Success)
+  if (!internal::Factor2(run.measured.covariance).positive())
     throw DataError(
         "Run '" + run.name +
         "': the displacement's covariance is not positive definite: give alpha_sd_rad and v_sd_mm_s "
@@ -52,11 +51,10 @@ void check_run(const TrajectoryRun& run) {
     throw DataError("Run '" + run.name + "': the sd of the platform's phase must not be negative.");
   const auto errors = static_cast<Eigen::Index>(run.own.parameters.size());
   if (run.own.covariance.rows() != errors || run.own.covariance.cols() != errors ||
-      (errors > 0 && Eigen::LLT<Eigen::MatrixXd>(run.own.covariance).info() != Eigen::Success))
+      (errors > 0 && !internal::Factor(run.own.covariance).positive()))
     throw DataError("Run '" + run.name + "': the covariance of its own errors is not positive definite.");
   if (run.spin && (!run.free_slide || !(run.track.radius > 0) || !std::isfinite(run.spin->rate) ||
-                   !std::isfinite(run.spin->bearing) ||
-                   Eigen::LLT<Eigen::Matrix2d>(run.spin->covariance).info() != Eigen::Success))
+                   !std::isfinite(run.spin->bearing) || !internal::Factor2(run.spin->covariance).positive()))
     throw DataError("Run '" + run.name +
                     "': a spin belongs to a free slide, with its covariance and the part's radius.");
   if (run.slope != 0 && !run.free_slide)

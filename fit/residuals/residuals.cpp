@@ -1,11 +1,11 @@
 #include "fit/residuals/residuals.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "fit/residuals/free_slide.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "model/parallel.h"
 #include "model/trajectory.h"
@@ -27,9 +27,8 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
       priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
   const auto know = [&](Eigen::Index unknown, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
                         Nuisance kind) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-    joint_.push_back(
-        {unknown, mean, factor.matrixL().solve(Eigen::MatrixXd::Identity(mean.size(), mean.size())), kind});
+    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(mean.size(), mean.size());
+    joint_.push_back({unknown, mean, Factor(covariance).whitened(one), kind});
   };
   for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run) {
     if (const Eigen::Index own = unknowns.own_index(run); own >= 0) {

@@ -1,9 +1,9 @@
 #include "fit/residuals/sticking.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/thresholds.h"
 
@@ -22,7 +22,7 @@ double hardest(const model::Drive& drive) {
 const double kMoved = -2 * std::log(kSurprise);
 
 bool moved(const Eigen::Vector2d& displacement, const Eigen::Matrix2d& covariance) {
-  return displacement.dot(covariance.llt().solve(displacement)) > kMoved;
+  return displacement.dot(Factor2(covariance).solved(displacement)) > kMoved;
 }
 
 }  // namespace

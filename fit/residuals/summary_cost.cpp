@@ -1,10 +1,10 @@
 // Displacement vectors: two whitened residuals a run.
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "fit/estimate.h"
 #include "fit/residuals/end_point.h"
 #include "fit/residuals/residuals.h"
+#include "fit/tools/dense.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
@@ -41,8 +41,7 @@ Eigen::Matrix2d Residuals::own_error(std::size_t index) const {
 }
 
 Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {
-  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
-  return factor.matrixL() * whitened.segment<2>(2 * static_cast<Eigen::Index>(index)) /
+  return Factor2(covariance(index)).lower() * whitened.segment<2>(2 * static_cast<Eigen::Index>(index)) /
          std::sqrt(run_weight(index));
 }
 
@@ -51,13 +50,13 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
                         Eigen::Index row) const {
   const SummaryRun& run = problem_->summary_runs[index];
   const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
-  const Eigen::LLT<Eigen::Matrix2d> factor(covariance(index));
+  const Factor2 factor(covariance(index));
   const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
   const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
   const double root = std::sqrt(run_weight(index));
-  residuals = root * factor.matrixL().solve(run.measured.vector - position);
+  residuals = root * factor.whitened(run.measured.vector - position);
   if (!jacobian) return;
   Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
   if (!applied.wanted.empty())
@@ -66,7 +65,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
     by_unknowns.col(*scale) += position / applied.scale;
   if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.given_as_velocity)
     by_unknowns.col(*w) -= position / values(*w);
-  jacobian->middleRows(row, 2) = root * factor.matrixL().solve(by_unknowns);
+  jacobian->middleRows(row, 2) = root * factor.whiten_columns(by_unknowns);
 }
 
 }  // namespace tribotrack::fit::internal

@@ -1,10 +1,10 @@
 // Every tracked point against the model's dense trajectory. The start point is linear: it is projected out,
 // so that it costs no unknown and is counted exactly.
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <utility>
 
 #include "fit/residuals/residuals.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/track_errors.h"
 #include "model/parallel.h"
 
@@ -168,7 +168,7 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
   const std::size_t first = first_point_[index], n = point_count(index);
   const Eigen::Matrix2Xd positions = modelled_points(values, index, false).positions;
   const Eigen::MatrixX2d& start = prepared.white;
-  const auto normal = (start.transpose() * start).eval().ldlt();
+  const Eigen::Matrix2d normal = start.transpose() * start;
   PointResiduals result;
   Eigen::VectorXd white(start.rows());
   for (std::size_t i = 0; i < n; ++i) {
@@ -178,14 +178,14 @@ PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t inde
     white.segment<2>(2 * k) = result.residual.back();
   }
   prepared.points.apply(Eigen::Ref<Eigen::VectorXd>(white));
-  result.start_point = normal.solve(start.transpose() * white);
+  result.start_point = solve_symmetric2(normal, start.transpose() * white);
   white -= start * result.start_point;
   // What the points share, less what a start point takes of it: as it is and whitened.
   Eigen::VectorXd shared = Eigen::VectorXd::Zero(white.size());
   const auto subtract = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
     Eigen::VectorXd errors = columns * coefficients, whitened_errors = errors;
     prepared.points.apply(Eigen::Ref<Eigen::VectorXd>(whitened_errors));
-    const Eigen::Vector2d taken = normal.solve(start.transpose() * whitened_errors);
+    const Eigen::Vector2d taken = solve_symmetric2(normal, start.transpose() * whitened_errors);
     shared += errors - taken.replicate(static_cast<Eigen::Index>(n), 1);
     white -= whitened_errors - start * taken;
   };

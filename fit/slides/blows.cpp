@@ -1,6 +1,6 @@
 #include "fit/slides/blows.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -1,12 +1,13 @@
 #include "fit/slides/slide_spin.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
 
 #include "fit/residuals/free_slide.h"
+#include "fit/tools/dense.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
@@ -49,7 +50,7 @@ double first_rate(const Angles& seen) {
     a.row(i) << 1, seen.time[static_cast<std::size_t>(i)];
     b(i) = seen.angle[static_cast<std::size_t>(i)];
   }
-  return a.colPivHouseholderQr().solve(b)(1);
+  return least_squares(a, b)(1);
 }
 
 struct Linearised {
@@ -97,7 +98,7 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
   Eigen::Vector3d at(seen.angle.front(), first_rate(seen), kWholeFace);
   Linearised here = residuals_at(seen, scenario, at);
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::Vector3d step = here.jacobian.colPivHouseholderQr().solve(-here.residuals);
+    const Eigen::Vector3d step = least_squares(here.jacobian, -here.residuals);
     double share = 1;
     Linearised there = residuals_at(seen, scenario, at + step);
     while (!(there.residuals.squaredNorm() <= here.residuals.squaredNorm()) && share > 1e-4) {

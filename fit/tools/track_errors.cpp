@@ -1,17 +1,12 @@
 #include "fit/tools/track_errors.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "fit/tools/dense.h"
+
 namespace tribotrack::fit::internal {
 namespace {
-
-double narrowest(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::max(0.0, eigen.eigenvalues()(0));
-}
 
 double slow_variance(const TrackTable& track, double apart) {
   double sum = 0;
@@ -26,7 +21,7 @@ PointErrors point_errors(const TrackTable& track, std::size_t i) {
   if (!track.shared.empty()) {
     point.all = track.shared[i];
     // At most what the point has: with C = L L', L^-1 F F' L^-T has no eigenvalue above 1.
-    const Eigen::Matrix2Xd white = point.own.llt().matrixL().solve(point.all);
+    const Eigen::Matrix2Xd white = Factor2(point.own).whiten_columns(point.all);
     const Eigen::Matrix2d share = white * white.transpose();
     const double most = 0.5 * share.trace() + std::hypot(0.5 * (share(0, 0) - share(1, 1)), share(0, 1));
     point.all /= std::sqrt(std::max(1.0, most));
@@ -34,7 +29,7 @@ PointErrors point_errors(const TrackTable& track, std::size_t i) {
   }
   const double slow = slow_variance(track, 0);
   if (!(slow > 0)) return point;
-  point.slow = std::sqrt(std::min(1.0, narrowest(point.own) / slow));
+  point.slow = std::sqrt(std::min(1.0, std::max(0.0, eigenvalues(point.own)(0)) / slow));
   point.own -= point.slow * point.slow * slow * Eigen::Matrix2d::Identity();
   return point;
 }

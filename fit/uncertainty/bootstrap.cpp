@@ -1,11 +1,11 @@
 #include "fit/uncertainty/bootstrap.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/track_errors.h"
 #include "fit/variances/reweighted_fit.h"
@@ -52,9 +52,8 @@ class Draw {
 
   void summary(std::size_t i) {
     auto& measured = problem_.summary_runs[i].measured;
-    const Eigen::LLT<Eigen::Matrix2d> factor(residuals_.covariance(i));
     measured.vector -= residuals_.difference(best_.residuals, i);
-    measured.vector += noise_ * Eigen::Vector2d(factor.matrixL() * pair());
+    measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * pair());
   }
 
   /// What the tracker tells of errors that points share.
@@ -83,17 +82,15 @@ class Draw {
     if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
       run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
     if (const Eigen::Index own = residuals_.unknowns().own_index(i); own >= 0) {
-      const Eigen::LLT<Eigen::MatrixXd> factor(run.own.covariance);
       Eigen::VectorXd drawn(run.own.covariance.rows());
       for (double& value : drawn) value = normal_(random_);
-      drawn = values.segment(own, drawn.size()) + factor.matrixL() * drawn;
+      drawn = values.segment(own, drawn.size()) + Factor(run.own.covariance).lower() * drawn;
       for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
         run.scenario.set(run.own.parameters[k],
                          run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
     }
     if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
-      const Eigen::LLT<Eigen::Matrix2d> factor(run.spin->covariance);
-      const Eigen::Vector2d drawn = values.segment<2>(spin) + factor.matrixL() * pair();
+      const Eigen::Vector2d drawn = values.segment<2>(spin) + Factor2(run.spin->covariance).lower() * pair();
       run.spin->rate = drawn.x();
       run.spin->bearing = drawn.y();
     }
@@ -109,7 +106,7 @@ class Draw {
           scatter.between_points * scatter.between_points * Eigen::Matrix2d::Identity();
       if (k > 0) wander = rho * wander + std::sqrt(1 - rho * rho) * pair();
       track.position[points.row[k]] +=
-          noise_ * Eigen::Vector2d(covariance.llt().matrixL() * wander) + told[k] - points.residual[k];
+          noise_ * (Factor2(covariance).lower() * wander) + told[k] - points.residual[k];
     }
     const ErrorShapes correlated = residuals_.shapes(i, kAllParts);
     std::size_t shared = 0;

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 
 namespace tribotrack::fit::internal {
@@ -204,11 +204,10 @@ class Sources {
     for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) {
       const auto row = 2 * static_cast<Eigen::Index>(i);
       const Eigen::Matrix2d all = residuals_.covariance(i);
-      const Eigen::LLT<Eigen::Matrix2d> factor(all);
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
           std::sqrt(residuals_.run_weight(i)) *
-          (factor.matrixU().solve(by_rows_.middleCols(row, 2).transpose())).transpose();
+          Factor2(all).by_upper(by_rows_.middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
       };

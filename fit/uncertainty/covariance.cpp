@@ -1,7 +1,6 @@
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
 #include "fit/uncertainty/covariance.h"
+
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -19,15 +18,10 @@ Pseudo pseudo_inverse(const Eigen::MatrixXd& sensitivity) {
   Pseudo result;
   const Eigen::Index n = sensitivity.cols();
   // The triangle of a QR decomposition has the same singular values and directions at a fraction of the cost.
-  Eigen::MatrixXd triangle = sensitivity;
-  if (sensitivity.rows() > n) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(sensitivity);
-    triangle = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
+  const SingularValues svd = singular_values(sensitivity.rows() > n ? triangle_of(sensitivity) : sensitivity);
   result.singular_values = Eigen::VectorXd::Zero(n);
-  result.singular_values.head(svd.singularValues().size()) = svd.singularValues();
-  result.directions = svd.matrixV();
+  result.singular_values.head(svd.values.size()) = svd.values;
+  result.directions = svd.directions;
   const double strongest = n > 0 ? result.singular_values(0) : 0;
   result.rank = (result.singular_values.array() > kFlat * strongest).count();
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
@@ -50,10 +44,7 @@ Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values,
   Eigen::MatrixXd own = sensitivity.leftCols(n);
   if (nuisances > 0) {
     // What the nuisances can imitate is no information.
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(sensitivity.rightCols(nuisances));
-    const Eigen::Index rank = qr.rank();
-    const Eigen::MatrixXd q =
-        qr.householderQ() * Eigen::MatrixXd::Identity(sensitivity.rows(), std::min(sensitivity.rows(), rank));
+    const Eigen::MatrixXd q = orthonormal_basis(sensitivity.rightCols(nuisances));
     own -= q * (q.transpose() * own).eval();
   }
   const Pseudo reported = pseudo_inverse(own);

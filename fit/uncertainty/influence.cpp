@@ -1,9 +1,10 @@
 #include "fit/uncertainty/influence.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -22,14 +23,12 @@ Eigen::VectorXd change(const Eigen::MatrixXd& all, const Eigen::MatrixXd& rows, 
   Eigen::VectorXd result = Eigen::VectorXd::Constant(n, kUnknown);
   if (kept.empty()) return result;
   const Eigen::VectorXd scale = others(kept, kept).diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * others(kept, kept) *
-                                                             scale.asDiagonal());
-  if (!(eigen.eigenvalues()(0) > kUndetermined * eigen.eigenvalues().maxCoeff())) return result;
+  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * others(kept, kept) * scale.asDiagonal());
+  if (!(eigen.values(0) > kUndetermined * eigen.values.maxCoeff())) return result;
   const Eigen::VectorXd gradient = (rows.transpose() * r)(kept);
   const Eigen::VectorXd step =
-      scale.asDiagonal() *
-      (eigen.eigenvectors() * (eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                               (eigen.eigenvectors().transpose() * (scale.asDiagonal() * gradient))));
+      scale.asDiagonal() * (eigen.vectors * (eigen.values.cwiseInverse().asDiagonal() *
+                                             (eigen.vectors.transpose() * (scale.asDiagonal() * gradient))));
   for (std::size_t k = 0; k < kept.size(); ++k) result(kept[k]) = step(static_cast<Eigen::Index>(k));
   return result;
 }

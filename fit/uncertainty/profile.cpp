@@ -1,10 +1,10 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "fit/minimum/multi_start.h"
+#include "fit/tools/dense.h"
 #include "fit/uncertainty/profile.h"
 #include "model/parallel.h"
 
@@ -47,11 +47,10 @@ MinimiseOptions held_at(Eigen::Index parameter) {
 /// The pseudo-inverse of J'J, flat directions left out.
 Eigen::MatrixXd spread(const Eigen::MatrixXd& curvature) {
   const Eigen::VectorXd scale = curvature.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * curvature *
-                                                             scale.asDiagonal());
-  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * curvature * scale.asDiagonal());
+  Eigen::VectorXd inverse = eigen.values;
   for (double& value : inverse) value = value > 1e-14 ? 1 / value : 0;
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
+  return scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
          scale.asDiagonal();
 }
 
@@ -312,7 +311,7 @@ class ParameterProfile {
     by_z.col(index_).setZero();
     const Eigen::VectorXd scale = by_z.colwise().norm().cwiseMax(1e-300);
     const Eigen::MatrixXd scaled = by_z * scale.cwiseInverse().asDiagonal();
-    const Eigen::VectorXd left = r - scaled * scaled.completeOrthogonalDecomposition().solve(r);
+    const Eigen::VectorXd left = r - scaled * least_squares(scaled, r);
     return left.squaredNorm() < level_ + kFar * rise;
   }
 

@@ -1,11 +1,11 @@
 #include "fit/variances/correlated_likelihood.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <tuple>
 #include <utility>
 #include <vector>
+
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -13,17 +13,16 @@ namespace {
 /// The inverse, directions that the data do not see left out, and ln of the determinant of the rest.
 std::pair<Eigen::MatrixXd, double> inverse_of(const Eigen::MatrixXd& information) {
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
-                                                             scale.asDiagonal());
+  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * information * scale.asDiagonal());
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(information.rows());
   double log_determinant = -2 * scale.array().log().sum();
   for (Eigen::Index i = 0; i < inverse.size(); ++i) {
-    if (!(eigen.eigenvalues()(i) > 1e-13)) continue;
-    inverse(i) = 1 / eigen.eigenvalues()(i);
-    log_determinant += std::log(eigen.eigenvalues()(i));
+    if (!(eigen.values(i) > 1e-13)) continue;
+    inverse(i) = 1 / eigen.values(i);
+    log_determinant += std::log(eigen.values(i));
   }
-  return {scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
-              eigen.eigenvectors().transpose() * scale.asDiagonal(),
+  return {scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
+              scale.asDiagonal(),
           log_determinant};
 }
 
@@ -75,10 +74,9 @@ class LikelihoodAt {
         root(j) = std::sqrt(variances_(part)) * unit(j);
       }
       const Eigen::MatrixXd shapes = root.asDiagonal() * run.shapes, own = root.asDiagonal() * run.data;
-      const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(shapes * root.asDiagonal()) +
-                                               Eigen::MatrixXd::Identity(m, m));
-      result.log -= factor.matrixLLT().diagonal().array().log().sum();
-      const Eigen::MatrixXd l_shapes = factor.matrixL().solve(shapes), l_own = factor.matrixL().solve(own);
+      const Factor factor(Eigen::MatrixXd(shapes * root.asDiagonal()) + Eigen::MatrixXd::Identity(m, m));
+      result.log -= factor.log_determinant_of_root();
+      const Eigen::MatrixXd l_shapes = factor.whitened(shapes), l_own = factor.whitened(own);
       const Eigen::MatrixXd bare = run.shapes - l_shapes.transpose() * l_shapes;
       Eigen::MatrixXd across = Eigen::MatrixXd::Zero(m, width() + 1);
       across.rightCols(unknowns_ + 1) = run.data - l_shapes.transpose() * l_own;

@@ -1,6 +1,5 @@
 #include "fit/variances/correlated_variances.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "fit/tools/dense.h"
 #include "fit/variances/correlated_likelihood.h"
 
 namespace tribotrack::fit::internal {
@@ -39,7 +39,7 @@ Place most_likely(const CorrelatedSums& sums, const ErrorParts& allowed, PartNum
         moving.push_back(g);
     if (moving.empty()) break;
     const Eigen::MatrixXd information = here.likelihood.information(moving, moving);
-    const Eigen::VectorXd slope = here.likelihood.slope(moving), step = information.ldlt().solve(slope);
+    const Eigen::VectorXd slope = here.likelihood.slope(moving), step = solve_symmetric(information, slope);
     if (!step.allFinite() || 0.5 * slope.dot(step) < kArrived) break;
     bool moved = false;
     for (double share = 1; share > 1e-3 && !moved; share /= 2) {
@@ -107,8 +107,7 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
     if (best(g) > 0) present.push_back(g);
   if (present.empty()) return result;
   const Eigen::MatrixXd information = at.information(present, present);
-  const Eigen::MatrixXd spread =
-      information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  const Eigen::MatrixXd spread = inverse_symmetric(information);
   for (std::size_t k = 0; k < present.size(); ++k) {
     const auto g = static_cast<std::size_t>(present[k]);
     const auto row = static_cast<Eigen::Index>(k);

@@ -1,9 +1,9 @@
 #include "fit/variances/reweighted_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "fit/tools/dense.h"
 #include "fit/variances/excess_variance.h"
 #include "fit/variances/robust.h"
 
@@ -18,10 +18,9 @@ bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
   if (!problem.trajectory_runs.empty() || at.jacobian.rows() == 0) return false;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::LLT<Eigen::Matrix2d> old_factor(before.covariance(i)), new_factor(now.covariance(i));
     const double root = std::sqrt(now.run_weight(i) / before.run_weight(i));
-    const Eigen::Matrix2d old_root = old_factor.matrixL();
-    const Eigen::Matrix2d factor = root * new_factor.matrixL().solve(old_root);
+    const Eigen::Matrix2d factor =
+        root * Factor2(now.covariance(i)).whiten_columns(Factor2(before.covariance(i)).lower());
     at.residuals.segment<2>(row) = (factor * at.residuals.segment<2>(row)).eval();
     at.jacobian.middleRows(row, 2) = (factor * at.jacobian.middleRows(row, 2)).eval();
   }

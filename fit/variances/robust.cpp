@@ -1,10 +1,10 @@
 #include "fit/variances/robust.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "fit/variances/excess_variance.h"
 
@@ -34,7 +34,7 @@ std::vector<double> point_squares(const Residuals& residuals, const PointResidua
   for (std::size_t k = 0; k < points.row.size(); ++k) {
     const Eigen::Matrix2d covariance =
         track.covariance[points.row[k]] + (scatter * scatter + 1e-18) * Eigen::Matrix2d::Identity();
-    squares.push_back(points.residual[k].dot(covariance.llt().solve(points.residual[k])));
+    squares.push_back(points.residual[k].dot(Factor2(covariance).solved(points.residual[k])));
   }
   return squares;
 }
@@ -102,7 +102,7 @@ ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::V
       for (std::size_t i = 0; i < differences.size(); ++i) {
         const Eigen::Matrix2d covariance =
             problem.summary_runs[i].measured.covariance + scatter * scatter * Eigen::Matrix2d::Identity();
-        squares.push_back(differences[i].dot(covariance.llt().solve(differences[i])));
+        squares.push_back(differences[i].dot(Factor2(covariance).solved(differences[i])));
       }
       return squares;
     };

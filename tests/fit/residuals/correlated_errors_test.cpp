@@ -1,5 +1,6 @@
 // Correlated errors: whitening and restricted likelihood against dense matrices of all points.
 #include "fit/residuals/correlated_errors.h"
+#include "fit/tools/dense.h"
 
 #include <gtest/gtest.h>
 

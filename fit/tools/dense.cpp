@@ -1,0 +1,92 @@
+#include "fit/tools/dense.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+
+namespace tribotrack::fit::internal {
+
+Eigen::Matrix2Xd Factor2::whiten_columns(const Eigen::Matrix2Xd& columns) const {
+  const double a = 1 / a_, d = 1 / d_;
+  Eigen::Matrix2Xd result(2, columns.cols());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    result(0, k) = columns(0, k) * a;
+    result(1, k) = (columns(1, k) - b_ * result(0, k)) * d;
+  }
+  return result;
+}
+
+Eigen::Matrix2Xd Factor2::by_upper(const Eigen::Matrix2Xd& columns) const {
+  const double a = 1 / a_, d = 1 / d_;
+  Eigen::Matrix2Xd result(2, columns.cols());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    result(1, k) = columns(1, k) * d;
+    result(0, k) = (columns(0, k) - b_ * result(1, k)) * a;
+  }
+  return result;
+}
+
+Factor::Factor(const Eigen::MatrixXd& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  positive_ = factor.info() == Eigen::Success;
+  lower_ = factor.matrixL();
+}
+
+Eigen::MatrixXd Factor::whitened(const Eigen::MatrixXd& columns) const {
+  return lower_.triangularView<Eigen::Lower>().solve(columns);
+}
+
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  return a.ldlt().solve(b);
+}
+
+Eigen::Matrix2Xd solve_symmetric2(const Eigen::Matrix2d& a, const Eigen::Matrix2Xd& b) {
+  return a.ldlt().solve(b);
+}
+
+Eigen::MatrixXd inverse_symmetric(const Eigen::MatrixXd& a) {
+  return a.ldlt().solve(Eigen::MatrixXd::Identity(a.rows(), a.cols()));
+}
+
+EigenSystem eigen_symmetric(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(symmetric);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+SingularValues singular_values(const Eigen::MatrixXd& matrix) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeFullV);
+  return {svd.singularValues(), svd.matrixV()};
+}
+
+Eigen::MatrixXd triangle_of(Eigen::MatrixXd matrix) {
+  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(matrix);
+  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
+}
+
+Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& columns) {
+  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(columns);
+  return qr.householderQ() * Eigen::MatrixX2d::Identity(columns.rows(), 2);
+}
+
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), std::min(columns.rows(), qr.rank()));
+}
+
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  return a.completeOrthogonalDecomposition().solve(b);
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,94 @@
+// Decompositions of dense matrices. Those of a size known at run time only are compiled once, here: each of
+// their templates costs seconds in every source that names it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace tribotrack::fit::internal {
+
+/// Cholesky's factor L of a covariance of two coordinates, C = L L'.
+class Factor2 {
+ public:
+  explicit Factor2(const Eigen::Matrix2d& c) : a_(c(0, 0)), b_(c(1, 0)), d_(c(1, 1)) {
+    if (a_ <= 0) return;
+    a_ = std::sqrt(a_);
+    b_ /= a_;
+    const double square = d_ - b_ * b_;
+    if (square <= 0) return;
+    d_ = std::sqrt(square);
+    positive_ = true;
+  }
+
+  /// False: C is not positive definite, and there is no L.
+  bool positive() const { return positive_; }
+  Eigen::Matrix2d lower() const { return (Eigen::Matrix2d() << a_, 0, b_, d_).finished(); }
+  Eigen::Matrix2d inverse_lower() const {
+    const double a = 1 / a_, d = 1 / d_;
+    return (Eigen::Matrix2d() << a, 0, -b_ * a * d, d).finished();
+  }
+  /// L^-1 v.
+  Eigen::Vector2d whitened(const Eigen::Vector2d& v) const {
+    const double x = v(0) / a_;
+    return {x, (v(1) - b_ * x) / d_};
+  }
+  /// C^-1 v.
+  Eigen::Vector2d solved(const Eigen::Vector2d& v) const {
+    const Eigen::Vector2d white = whitened(v);
+    const double y = white(1) / d_;
+    return {(white(0) - b_ * y) / a_, y};
+  }
+  Eigen::Matrix2Xd whiten_columns(const Eigen::Matrix2Xd& columns) const;  ///< L^-1 B
+  Eigen::Matrix2Xd by_upper(const Eigen::Matrix2Xd& columns) const;        ///< L'^-1 B
+
+ private:
+  double a_, b_, d_;
+  bool positive_ = false;
+};
+
+/// Cholesky's factor L of a symmetric matrix, A = L L'.
+class Factor {
+ public:
+  explicit Factor(const Eigen::MatrixXd& matrix);
+  bool positive() const { return positive_; }
+  const Eigen::MatrixXd& lower() const { return lower_; }
+  double log_determinant_of_root() const { return lower_.diagonal().array().log().sum(); }
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& columns) const;  ///< L^-1 B
+
+ private:
+  Eigen::MatrixXd lower_;
+  bool positive_ = false;
+};
+
+/// A^-1 b and A^-1 of a symmetric A that is not negative, by LDL' with pivots.
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+Eigen::Matrix2Xd solve_symmetric2(const Eigen::Matrix2d& a, const Eigen::Matrix2Xd& b);
+Eigen::MatrixXd inverse_symmetric(const Eigen::MatrixXd& a);
+
+/// Eigenvalues of a symmetric matrix, the least first, and its eigenvectors.
+struct EigenSystem {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+EigenSystem eigen_symmetric(const Eigen::MatrixXd& matrix);
+Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric);  ///< the least first
+Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& symmetric);
+
+/// Singular values, the greatest first, and directions: A = U diag(values) directions'.
+struct SingularValues {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd directions;
+};
+SingularValues singular_values(const Eigen::MatrixXd& matrix);
+
+/// R of A = Q R, its rows as many as A has, or columns where those are fewer.
+Eigen::MatrixXd triangle_of(Eigen::MatrixXd matrix);
+
+/// An orthonormal basis of the columns; of two that are independent, and of what remains of any by rank.
+Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& columns);
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns);
+
+/// x of the least |A x - b|; where many are alike, the shortest.
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+}  // namespace tribotrack::fit::internal
