@@ -116,7 +116,7 @@ template <class T>
 double PolarSeries<T>::step(double tolerance) const {
   const double r = value(speed[0]);
   // An error in L or b is one of r in U, and errors in U never grow (the flow contracts).
-  const double weight = std::clamp(100 * r, tolerance / 1e-7, 1.0);
+  const double weight = std::fmin(1, std::fmax(100 * r, tolerance / 1e-7));
   double h = HUGE_VAL;
   for (int k = order - 1; k <= order; ++k) {
     const double shape = std::fmax(std::fabs(value(log_speed[k])), std::fabs(value(angle[k])));
