@@ -86,23 +86,31 @@ class CircleFit {
     const int reach = static_cast<int>(std::ceil(last_.radius)) + kSearch;
     const Rect window = window_about(last_, reach, source.bounds());
     source.read(index, window, picture_);
-    for (int round = 0; round < 2; ++round) fit(window);
+    const Circle before = last_;
+    for (int round = 0; round < 3; ++round) fit(window, round == 0 ? HUGE_VAL : kOff);
+    if (std::hypot(last_.x - before.x, last_.y - before.y) > kSearch) last_ = before;  // it ran away
     return {last_.x, last_.y};
   }
 
  private:
-  void fit(const Rect& window) {
+  static constexpr double kOff = 1.5;  ///< px from the circle found before: an edge of something else
+
+  /// Through the edges that lie no farther than `off` from the circle of the round before.
+  void fit(const Rect& window, double off) {
     const Point centre{last_.x - window.x, last_.y - window.y};
-    const auto rays = static_cast<Eigen::Index>(std::clamp(std::lround(4 * last_.radius), 32L, 512L));
-    Eigen::MatrixX3d columns(rays, 3);
-    Eigen::VectorXd squares(rays);
-    for (Eigen::Index k = 0; k < rays; ++k) {
+    const auto rays = std::clamp(std::lround(4 * last_.radius), 32L, 512L);
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d side = Eigen::Vector3d::Zero();
+    for (long k = 0; k < rays; ++k) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(rays);
       const double c = std::cos(angle), s = std::sin(angle), r = edge_along(centre, c, s);
-      columns.row(k) << r * c, r * s, 1;
-      squares(k) = r * r;
+      if (std::abs(r - last_.radius) > off) continue;
+      const Eigen::Vector3d row(r * c, r * s, 1);
+      normal += row * row.transpose();
+      side += r * r * row;
     }
-    const Eigen::Vector3d found = (columns.transpose() * columns).ldlt().solve(columns.transpose() * squares);
+    if (normal(2, 2) < 8) return;  // points
+    const Eigen::Vector3d found = normal.ldlt().solve(side);
     last_.x += found(0) / 2;
     last_.y += found(1) / 2;
   }

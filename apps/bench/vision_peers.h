@@ -14,7 +14,8 @@ std::vector<vision::Point> follow_by_matching(vision::FrameSource& source,
                                               const std::vector<vision::Circle>& targets);
 
 /// Follows each target by a circle through the points of steepest grey level along rays from its last
-/// position (Kasa's fit: linear least squares), found twice in each frame.
+/// position (Kasa's fit: linear least squares), three times in each frame, the last two without edges that
+/// lie beside it.
 std::vector<vision::Point> follow_by_circle_fit(vision::FrameSource& source,
                                                 const std::vector<vision::Circle>& targets);
 
