@@ -77,7 +77,7 @@ Figure figure_of(const Comparison& comparison) {
   }
   const apps::FigureAxis x = decades(comparison.time + ", s", times),
                          y = decades(
-                             comparison.error + (comparison.unit == "1" ? "" : ", " + comparison.unit),
+                             comparison.error + (comparison.unit == "x limit" ? "" : ", " + comparison.unit),
                              errors);
   std::vector<std::string> legend;
   for (const ComparedRow& row : comparison.rows) {

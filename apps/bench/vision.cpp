@@ -177,10 +177,11 @@ Comparison bench_vision(const VisionBenchOptions& options) {
       "vision",
       "Error of a position against run time",
       "rms error over the limit",
-      "1",
+      "x limit",
       "CPU time of a frame",
       "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with everything "
-      "but the position known, the 1/12 of rounding included"};
+      "but the position known, the 1/12 of rounding included; the time of a whole command is ours from start "
+      "to end of its process, the peer's without the start of one"};
   const int total = static_cast<int>(options.radii.size() * options.textures.size() * options.noises.size());
   int done = 0;
   for (const double radius : options.radii)
