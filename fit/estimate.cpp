@@ -7,18 +7,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fit/checks/agreement.h"
 #include "fit/checks/model_check.h"
 #include "fit/checks/outliers.h"
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"
-#include "fit/report/error_text.h"
 #include "fit/report/fill_result.h"
 #include "fit/residuals/sticking.h"
 #include "fit/slides/between_slides.h"
-#include "fit/slides/describe.h"
 #include "fit/slides/one_by_one.h"
-#include "fit/slides/prepare.h"
+#include "fit/tools/error_text.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"

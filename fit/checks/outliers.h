@@ -1,7 +1,8 @@
-// Which run does not belong to the others.
+// Which run does not belong to the others, and whether observables agree with the model.
 #pragma once
 
 #include "fit/estimate.h"
+#include "fit/fit_result.h"
 #include "fit/minimum/minimise.h"
 
 namespace tribotrack::fit::internal {
@@ -15,5 +16,8 @@ namespace tribotrack::fit::internal {
 /// bring it back (rotation law), the phi it looks like is reported, too. `residuals` without scatter and
 /// weights, `best` their minimum.
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
+
+/// From chi2, dof, p_value and scatter of a result.
+Agreement agreement(const FitResult& result);
 
 }  // namespace tribotrack::fit::internal

@@ -1,4 +1,3 @@
-// Displacement over whole cycles, interpolated between frames with its error estimated from the track itself.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +7,7 @@
 
 #include "fit/measurement.h"
 #include "fit/measuring/local_polynomial.h"
+#include "fit/tools/angles.h"
 #include "fit/tools/dense.h"
 #include "model/alpha_v.h"
 
@@ -208,6 +208,16 @@ Displacement measure_displacement(const TrackTable& track, const Estimate& angul
   derive_alpha_and_v(result);
   result.mean_velocity.sd = v_sd;
   return result;
+}
+
+SeenThroughPlay seen_through_play(double amplitude, double half_width) {
+  using internal::pi;
+  if (!(half_width > 0)) return {};
+  const double r = amplitude > 0 ? half_width / amplitude : 1;
+  if (r >= 1) return {1, pi / 2};
+  const double a = (pi / 2 + std::asin(1 - 2 * r) + 2 * (1 - 2 * r) * std::sqrt(r * (1 - r))) / pi;
+  const double b = 4 * r * (1 - r) / pi;
+  return {1 - std::hypot(a, b), std::atan2(b, a)};
 }
 
 }  // namespace tribotrack::fit

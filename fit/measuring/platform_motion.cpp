@@ -1,11 +1,9 @@
-// The platform's circle from the marker: eq. (1) by least squares with w free.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "fit/measurement.h"
 #include "fit/measuring/sine_fit.h"
-#include "fit/measuring/sine_residuals.h"
 #include "fit/tools/angles.h"
 #include "model/alpha_v.h"
 
@@ -142,6 +140,45 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   } else {
     motion.phase_shift = {0, pi / std::sqrt(3.0)};
   }
+  return motion;
+}
+
+PlatformPicture picture_of(const TrackTable& track, const PlatformMotion& motion) {
+  PlatformPicture picture;
+  const double w = motion.angular_frequency.value, epsilon = motion.phase_shift.value;
+  const double half = 0.5 * w * track.exposure;
+  const double seen = half > 0 ? std::sin(half) / half : 1;
+  const double a = seen * motion.amplitude.value, b = seen * motion.amplitude_y.value;
+  const auto at = [&](double wt) { return Eigen::Vector2d(a * std::cos(wt), b * std::cos(wt + epsilon)); };
+  const auto slope = [&](double wt) {
+    return Eigen::Vector2d(-a * std::sin(wt), -b * std::sin(wt + epsilon));
+  };
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < track.marker.size(); ++i)
+    centre += (track.marker[i] - at(w * track.time[i] + motion.phase_at_zero.value)) /
+              static_cast<double>(track.marker.size());
+  for (std::size_t i = 0; i < track.marker.size(); ++i) {
+    const double wt = w * track.time[i] + motion.phase_at_zero.value;
+    const Eigen::Vector2d here = track.marker[i] - centre, along = slope(wt);
+    picture.orbit.push_back(here);
+    const bool moves = along.squaredNorm() > 0.05 * (a * a + b * b);
+    picture.phase_left.push_back(moves ? (here - at(wt)).dot(along) / along.squaredNorm() : std::nan(""));
+  }
+  constexpr int points = 120;
+  for (int k = 0; k <= points; ++k) picture.model.push_back(at(2 * std::numbers::pi * k / points));
+  return picture;
+}
+
+Displacement with_scale_sd(Displacement displacement, double relative_sd) {
+  displacement.covariance +=
+      relative_sd * relative_sd * displacement.vector * displacement.vector.transpose();
+  derive_alpha_and_v(displacement);
+  return displacement;
+}
+
+PlatformMotion with_scale_sd(PlatformMotion motion, double relative_sd) {
+  for (Estimate* length : {&motion.amplitude, &motion.amplitude_y})
+    length->sd = std::hypot(length->sd, relative_sd * length->value);
   return motion;
 }
 

@@ -1,4 +1,5 @@
-// A circle with free w through the marker's positions, least squares over all frames.
+// A circle with free w through the marker's positions, least squares over all frames, and what its
+// residuals tell.
 //
 // Model, per axis: m(t) = offset + drift t + a cos(wt) + b sin(wt), w common; t from the middle of the track,
 // so that offset and drift, and phase and w, decouple.
@@ -6,7 +7,10 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <vector>
 
+#include "fit/measurement.h"
 #include "fit/track_table.h"
 
 namespace tribotrack::fit::internal {
@@ -42,5 +46,17 @@ struct SineFit {
 /// w from the strongest line of a periodogram over a block in the middle, refined by Gauss-Newton over
 /// growing blocks so that no cycle can slip. w = 0 where there is no line.
 SineFit fit_sine(const MarkerSeries& marker);
+
+struct SineResiduals {
+  double near_w = 1;  ///< power of the residuals beside w over that of white noise of the track's sigma
+  /// Variance of a cosine or sine coefficient at w by errors that repeat every cycle, m^2: mean square of the
+  /// coefficients at 4w and above beyond their noise. 0 where the frames do not resolve them.
+  double repeating_variance = 0;
+  std::optional<Estimate> frequency_drift;  ///< rad/s^2
+  std::vector<Harmonic> harmonics;
+};
+
+/// `noise_factor`: variance of the marker's noise over its sigma squared.
+SineResiduals analyse_residuals(const MarkerSeries& marker, const SineFit& fit, double noise_factor);
 
 }  // namespace tribotrack::fit::internal

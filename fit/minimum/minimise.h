@@ -1,4 +1,4 @@
-// One descent with Ceres.
+// One descent with Ceres, on rows that are compressed where they are many.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,5 +42,19 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
                  const MinimiseOptions& options = {});
 
 KnownMinimum with_curvature(const Residuals& residuals, const Minimum& minimum);
+
+struct Rows {
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd residuals;
+};
+
+/// Rows with the same J'J, J'r and r'r, which is all that a Gauss-Newton step needs: blocks of
+/// rows are replaced by the triangle of their QR decomposition (Golub and Van Loan, Matrix Computations,
+/// 5.3), columns that are zero in a block left out of it.
+/// Rows that are not needed stay zero.
+Rows compress(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals);
+
+/// How many rows are left of so many: it depends on nothing else.
+Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns);
 
 }  // namespace tribotrack::fit::internal

@@ -1,17 +1,20 @@
 #include "fit/report/fill_result.h"
 
 #include <fmt/format.h>
-
 #include <cmath>
 #include <limits>
 
 #include "fit/minimum/multi_start.h"
 #include "fit/residuals/sticking.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
+#include "fit/tools/track_errors.h"
+#include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
-#include "fit/uncertainty/influence.h"
-#include "fit/uncertainty/intervals.h"
+#include "model/alpha_v.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -118,6 +121,177 @@ void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& r
         "The model could not be evaluated at {} of the values tried within three standard deviations "
         "of the minimum ({}): intervals may end there too early.",
         count, reason));
+}
+
+namespace {
+
+constexpr const char* kAxes[] = {"dx_mm", "dy_mm"};
+constexpr double kOutlyingPoint = 6;  ///< sigma of the other points
+constexpr int kMostNamed = 5;
+
+RunResult summary_result(const Residuals& residuals, const Minimum& best, std::size_t index) {
+  const SummaryRun& run = residuals.unknowns().problem().summary_runs[index];
+  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
+  const Eigen::Vector2d difference = residuals.difference(best.residuals, index);
+  Displacement measured = run.measured;
+  measured.covariance = residuals.covariance(index);
+  if (!(measured.duration > 0)) measured.duration = run.scenario.end_time();
+  derive_alpha_and_v(measured);
+  Displacement modelled = measured;
+  modelled.vector = measured.vector - difference;
+
+  RunResult result;
+  result.name = run.name;
+  result.fitted = residuals.unknowns().apply(values, run.scenario, run.amplitude_from_track, false).scenario;
+  const Eigen::Vector2d whitened = Factor2(measured.covariance).whitened(difference);
+  for (int axis = 0; axis < 2; ++axis)
+    result.residuals.push_back({kAxes[axis], 1e3 * measured.vector(axis), 1e3 * modelled.vector(axis),
+                                1e3 * std::sqrt(measured.covariance(axis, axis)), whitened(axis)});
+  if (measured.alpha && modelled.vector.norm() > 0) {
+    const double alpha = model::displacement_angle(modelled.vector);
+    result.residuals.push_back({"alpha_rad", measured.alpha->value, alpha, measured.alpha->sd,
+                                model::wrap_angle(measured.alpha->value - alpha) / measured.alpha->sd});
+  }
+  const double v = modelled.vector.norm() / measured.duration;
+  result.residuals.push_back({"v_mm_s", 1e3 * measured.mean_velocity.value, 1e3 * v,
+                              1e3 * measured.mean_velocity.sd,
+                              (measured.mean_velocity.value - v) / measured.mean_velocity.sd});
+  return result;
+}
+
+/// Displacement from the first point used to the last, with the noise of both and the correlated errors
+/// between.
+std::vector<Residual> displacement(const Residuals& residuals, const TrajectoryRun& run, std::size_t index,
+                                   const PointResiduals& points) {
+  const std::size_t last = points.row.size() - 1;
+  const Eigen::Vector2d measured = run.track.position[points.row[last]] - run.track.position[points.row[0]];
+  const Eigen::Vector2d modelled = measured - points.residual[last] + points.residual[0];
+  const auto& excess = residuals.excess_variance();
+  double correlated = 0;
+  const ErrorShapes shapes = residuals.shapes(index, kAllParts);
+  for (std::size_t j = 0; j < shapes.count(); ++j) {
+    const auto column = shapes.values.col(static_cast<Eigen::Index>(j));
+    correlated += excess.correlated[shapes.part[j]] * std::pow(column(column.size() - 1) - column(0), 2);
+  }
+  const double between_points = excess.trajectories[index].between_points;
+  const Eigen::Matrix2d told = covariance_of_sum(run.track, {{points.row[0], -1}, {points.row[last], 1}});
+  std::vector<Residual> result;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double variance = correlated + told(axis, axis) + 2 * between_points * between_points;
+    result.push_back({kAxes[axis], 1e3 * measured(axis), 1e3 * modelled(axis), 1e3 * std::sqrt(variance),
+                      (measured(axis) - modelled(axis)) / std::sqrt(variance)});
+  }
+  return result;
+}
+
+void fill_nuisances(const Residuals& residuals, const Eigen::VectorXd& values, std::size_t index,
+                    const PointResiduals& points, RunResult& result) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const TrajectoryRun& run = unknowns.problem().trajectory_runs[index];
+  const auto& excess = residuals.excess_variance().trajectories[index];
+  auto& nuisance = result.nuisance;
+  nuisance["start_x_mm"] = 1e3 * points.start_point.x();
+  nuisance["start_y_mm"] = 1e3 * points.start_point.y();
+  if (const Eigen::Index phase = unknowns.phase_index(index); phase >= 0)
+    nuisance["start_phase_rad"] = run.scenario.start_phase + values(phase);
+  nuisance["scatter_mm"] = 1e3 * excess.between_points;
+  nuisance["correlation_time_points"] = excess.correlation_time;
+  const std::size_t first = points.row.front();
+  nuisance["onset_time_s"] = run.track.time[first];
+  if (first < run.track.frame.size()) nuisance["onset_frame"] = static_cast<double>(run.track.frame[first]);
+  nuisance["end_time_s"] = run.track.time[points.row.back()];
+}
+
+/// Of a slide, s from its start; infinite where it gains speed.
+double stop_time(model::Scenario slide) {
+  const double velocity = slide.initial_velocity.norm();
+  const Eigen::Vector2d pull =
+      slide.drive.gravity * Eigen::Vector2d(std::sin(slide.drive.tilt_x), std::sin(slide.drive.tilt_y));
+  const double along = velocity > 0 ? pull.dot(slide.initial_velocity) / velocity : pull.norm();
+  const double deceleration = slide.friction.nominal * slide.drive.gravity - along;
+  if (!(deceleration > 0)) return std::numeric_limits<double>::infinity();
+  slide.duration = 2 * (velocity + std::abs(slide.spin.rate) * slide.spin.radius) / deceleration;
+  if (slide.spin.rate == 0 || !std::isfinite(slide.duration)) return velocity / deceleration;
+  const model::Trajectory run = model::integrate(slide, {.tolerance = 1e-9, .derivatives = {}});
+  return run.end_time() - run.summary().stick_time;
+}
+
+void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::size_t index,
+                const PointResiduals& points, RunResult& result) {
+  const TrajectoryRun& run = unknowns.problem().trajectory_runs[index];
+  auto& nuisance = result.nuisance;
+  const Eigen::Vector2d velocity = values.segment<2>(unknowns.velocity_index(index));
+  nuisance["velocity_x_mm_s"] = 1e3 * velocity.x();
+  nuisance["velocity_y_mm_s"] = 1e3 * velocity.y();
+  nuisance["initial_speed_mm_s"] = 1e3 * velocity.norm();
+  const Eigen::Vector2d along = velocity.normalized();
+  for (std::size_t i = 0; i < points.row.size(); ++i) {
+    const double measured_along = along.dot(run.track.position[points.row[i]] - points.start_point);
+    result.slide.time.push_back(run.track.time[points.row[i]]);
+    result.slide.measured.push_back(measured_along);
+    result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
+  }
+  nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
+  if (const Eigen::Index deviation = unknowns.deviation_index(index); deviation >= 0)
+    nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation);
+  if (const Eigen::Index spin = unknowns.spin_index(index); spin >= 0) {
+    nuisance["spin_rad_s"] = values(spin);
+    nuisance["bearing_over_radius"] = std::exp(values(spin + 1));
+    nuisance["spin_ratio"] = std::abs(values(spin)) * run.track.radius *
+                             unknowns.value_of(FitParameter::scale, values) / velocity.norm();
+  }
+}
+
+/// Counts points far from the model against the median, which a few of them cannot move.
+void fill_outlying_points(const TrajectoryRun& run, const PointResiduals& points, RunResult& result,
+                          std::vector<std::string>& warnings) {
+  std::vector<double> lengths;
+  for (const auto& residual : points.residual) lengths.push_back(residual.norm());
+  const double sigma = upper_median(lengths) / kRayleighMedian;
+  std::string named;
+  int count = 0;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (!(lengths[i] > kOutlyingPoint * sigma) || ++count > kMostNamed) continue;
+    const std::size_t row = points.row[i];
+    const auto frame = row < run.track.frame.size() ? run.track.frame[row] : static_cast<std::int64_t>(row);
+    named += fmt::format("{}{}", named.empty() ? "" : ", ", frame);
+  }
+  result.nuisance["outliers"] = count;
+  if (count > 0)
+    warnings.push_back(fmt::format(
+        "Run '{}': {} points lie beyond 6 sigma of the others (frames {}{}); look at them in the overlay.",
+        run.name, count, named, count > kMostNamed ? ", ..." : ""));
+}
+
+RunResult trajectory_result(const Residuals& residuals, const Eigen::VectorXd& values, std::size_t index,
+                            std::vector<std::string>& warnings) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const TrajectoryRun& run = unknowns.problem().trajectory_runs[index];
+  const PointResiduals points = residuals.points(values, index);
+  RunResult result;
+  result.name = run.name;
+  result.points = points.row.size();
+  result.fitted = run.free_slide ? unknowns.apply_free_slide(values, index, false).scenario
+                                 : unknowns.apply_trajectory(values, index, false).scenario;
+  const double n = static_cast<double>(points.row.size());
+  for (const auto& residual : points.residual) result.rms_m += residual.squaredNorm() / n;
+  result.rms_m = std::sqrt(result.rms_m);
+  result.residuals = displacement(residuals, run, index, points);
+  fill_nuisances(residuals, values, index, points, result);
+  if (run.free_slide) fill_slide(unknowns, values, index, points, result);
+  fill_outlying_points(run, points, result, warnings);
+  return result;
+}
+
+}  // namespace
+
+void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& result) {
+  const Problem& problem = residuals.unknowns().problem();
+  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i)
+    result.runs.push_back(summary_result(residuals, best, i));
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
+    result.runs.push_back(trajectory_result(residuals, values, i, result.warnings));
 }
 
 }  // namespace tribotrack::fit::internal

@@ -1,4 +1,4 @@
-// One friction coefficient from several slides, each with its own.
+// One friction coefficient from several slides, each with its own, and what is said of it.
 //
 // Surfaces differ from place to place and from part to part: the slides' mu scatter by more than their sds.
 // With mu_i = mu + b_i + e_i, b_i ~ N(0, tau^2), e_i ~ N(0, s_i^2), the mean has weights 1/(s_i^2 + tau^2).
@@ -13,6 +13,7 @@
 
 #include <vector>
 
+#include "fit/fit_result.h"
 #include "fit/measurement.h"
 
 namespace tribotrack::fit::internal {
@@ -28,5 +29,10 @@ struct BetweenSlides {
 
 /// Of at least one estimate with sd > 0.
 BetweenSlides between_slides(const std::vector<Estimate>& slides);
+
+/// The sentence of each slide; warnings of blows and of slides that differ by more than chance; what a spin
+/// not seen would change; and what the covariance counts. `between` is null where mu1 was not fitted to two
+/// slides at least.
+void describe_slides(const BetweenSlides* between, FitResult& result);
 
 }  // namespace tribotrack::fit::internal

@@ -1,6 +1,7 @@
-// Free slides one by one: each has its own mu1 before a mean is formed.
+// Free slides, prepared and fitted one by one: each has its own mu1 before a mean is formed.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "fit/fit_result.h"
 #include "fit/problem.h"
 #include "fit/slides/between_slides.h"
+#include "fit/slides/blows.h"
 
 namespace tribotrack::fit::internal {
 
@@ -23,5 +25,17 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
 
 /// nullopt where mu1 is not fitted to at least two slides that determine it.
 std::optional<BetweenSlides> compare_slides(const Problem& problem, const std::vector<SlideResult>& slides);
+
+/// Cuts each free slide's track to its longest stretch without a blow and takes a first value of its spin
+/// from the angle where that is seen and not given. Returns one entry for each free slide, in order: its
+/// name, blows and spin. Throws DataError for one that shows no sliding.
+std::vector<SlideResult> prepare_slides(Problem& problem);
+
+/// Of a part that gains speed: from where it is let go to where it is fastest, before it meets whatever ends
+/// its way. Of one that loses speed: all that was given, for guess_free_slide() finds its onset.
+Stretch sliding_stretch(const TrackTable& track);
+
+/// The direction of the motion, against it where the part was pushed up (slope < 0). A unit vector.
+Eigen::Vector2d downhill_of(const TrajectoryRun& run);
 
 }  // namespace tribotrack::fit::internal

@@ -1,9 +1,13 @@
-// Covariance from the whitened sensitivity at the minimum.
+// Covariance from the whitened sensitivity at the minimum, intervals from it, and what each run does to the
+// estimates.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "fit/fit_result.h"
+#include "fit/minimum/minimise.h"
 #include "fit/residuals/residuals.h"
+#include "fit/residuals/transform.h"
 
 namespace tribotrack::fit::internal {
 
@@ -22,5 +26,16 @@ struct Uncertainty {
 /// `jacobian` by physical values. A direction weaker than 1e-9 of the strongest is flat.
 Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values,
                         const Eigen::MatrixXd& jacobian);
+
+/// The change of each reported parameter (columns) if a run (rows: summary runs, then trajectory runs) were
+/// left out, in standard deviations of the parameter: to first order (J'J - J_i'J_i)^-1 J_i' r_i with J_i,
+/// r_i the run's whitened rows [Belsley, Kuh and Welsch, Regression Diagnostics, 1980, section 2.1]. NaN
+/// where the others alone do not determine it.
+Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& best,
+                                  const Uncertainty& uncertainty);
+
+/// From the sd and the two-sided quantile t: value exp(-+ t sd/value) on the axis of the logarithm, value -+
+/// t sd on a linear one, which of the two as ParameterEstimate::ci95 states.
+Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
 
 }  // namespace tribotrack::fit::internal

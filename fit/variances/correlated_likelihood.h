@@ -1,12 +1,36 @@
-// The restricted likelihood of the variances of correlated errors.
+// The restricted likelihood of the variances of correlated errors, from sums over each run.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
+#include <vector>
 
-#include "fit/variances/correlated_sums.h"
+#include "fit/residuals/residuals.h"
 
 namespace tribotrack::fit::internal {
+
+/// A number for each part.
+using PartNumbers = Eigen::Matrix<double, static_cast<int>(kErrorParts), 1>;
+using PartSquare = Eigen::Matrix<double, static_cast<int>(kErrorParts), static_cast<int>(kErrorParts)>;
+
+/// All that the likelihood needs of one run: U'U and U'[J r].
+struct CorrelatedRunSums {
+  Eigen::MatrixXd shapes, data;
+  std::vector<std::size_t> part;  ///< of each column of U
+  Eigen::MatrixXd to_common;      ///< U times it, one run below the other, are the shapes common to all
+};
+
+struct CorrelatedSums {
+  std::vector<CorrelatedRunSums> runs;
+  Eigen::MatrixXd data;  ///< [J r]'[J r] of all rows
+  PartNumbers unit;      ///< m^2: the variance of each part at which it is as large as the white noise
+  std::vector<std::size_t> common_part;  ///< of each common column
+  bool common = false;                   ///< whether runs are enough to separate what they share
+};
+
+/// Of the residuals at `values` and their Jacobian, whitened but for correlated errors; no runs where the
+/// model fails.
+CorrelatedSums correlated_sums_of(const Residuals& residuals, const Eigen::VectorXd& values);
 
 /// The restricted likelihood at variances (in their units), its slope, Fisher's information, and what the
 /// unknowns' covariance does.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fit/tools/dense.h"
+#include "fit/tools/statistics.h"
 #include "fit/variances/excess_variance.h"
 #include "fit/variances/robust.h"
 
@@ -82,6 +84,149 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
     if (round > (reweighting.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return correlated;
   }
   return correlated;
+}
+
+namespace {
+
+constexpr double kHuber = 2, kCauchy = 3;
+constexpr double kMedianSquare = 2 * std::numbers::ln2;  ///< of chi^2 with two degrees of freedom
+
+double distance(const Residuals& residuals, const Eigen::VectorXd& whitened, std::size_t run) {
+  return whitened.segment<2>(2 * static_cast<Eigen::Index>(run)).norm() /
+         std::sqrt(residuals.run_weight(run));
+}
+
+/// Half the trace of d psi/d r in the plane.
+double slope(double s, Loss loss) {
+  if (loss == Loss::huber) return s < kHuber ? 1 : 0.5 * kHuber / s;
+  const double q = s * s / (kCauchy * kCauchy);
+  return 0.5 * ((1 - q) / ((1 + q) * (1 + q)) + 1 / (1 + q));
+}
+
+/// Squared distances of all points of a trajectory run, with what it scatters by.
+std::vector<double> point_squares(const Residuals& residuals, const PointResiduals& points, std::size_t run,
+                                  double scatter) {
+  const auto& track = residuals.unknowns().problem().trajectory_runs[run].track;
+  std::vector<double> squares;
+  for (std::size_t k = 0; k < points.row.size(); ++k) {
+    const Eigen::Matrix2d covariance =
+        track.covariance[points.row[k]] + (scatter * scatter + 1e-18) * Eigen::Matrix2d::Identity();
+    squares.push_back(points.residual[k].dot(Factor2(covariance).solved(points.residual[k])));
+  }
+  return squares;
+}
+
+/// s at which `squares_at(s)` have the median of good data; 0 where they do without.
+template <class Squares>
+double scatter_by_median(const Squares& squares_at, double longest, double expected) {
+  if (upper_median(squares_at(0)) <= 2 * expected) return 0;
+  double low = 0, high = longest;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (upper_median(squares_at(middle)) > expected ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+double robust_weight(double s, Loss loss) {
+  switch (loss) {
+    case Loss::squares:
+      return 1;
+    case Loss::huber:
+      return s <= kHuber ? 1 : kHuber / s;
+    case Loss::cauchy:
+      return 1 / (1 + s * s / (kCauchy * kCauchy));
+  }
+  return 1;
+}
+
+Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values,
+                       const Eigen::VectorXd& whitened, Loss loss) {
+  const Problem& problem = residuals.unknowns().problem();
+  Weights weights;
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+    const double s = distance(residuals, whitened, i);
+    weights.runs.push_back(robust_weight(s, loss));
+  }
+  const Eigen::VectorXd common = residuals.common_error(values);
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    const auto squares = point_squares(residuals, residuals.points(values, i, common), i,
+                                       residuals.excess_variance().trajectories[i].between_points);
+    std::vector<double> points;
+    for (const double square : squares) points.push_back(robust_weight(std::sqrt(square), loss));
+    weights.points.push_back(points);
+  }
+  return weights;
+}
+
+ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
+                                      const Eigen::VectorXd& whitened) {
+  const Problem& problem = residuals.unknowns().problem();
+  ExcessVariance result = residuals.excess_variance();
+  const double runs = static_cast<double>(problem.summary_runs.size());
+  if (runs >= 3) {
+    const double share = std::max(0.2, 1 - static_cast<double>(residuals.unknowns().size()) / (2 * runs));
+    std::vector<Eigen::Vector2d> differences;
+    double longest = 0;
+    for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+      differences.push_back(residuals.difference(whitened, i));
+      longest = std::max(longest, differences.back().norm());
+    }
+    const auto squares_at = [&](double scatter) {
+      std::vector<double> squares;
+      for (std::size_t i = 0; i < differences.size(); ++i) {
+        const Eigen::Matrix2d covariance =
+            problem.summary_runs[i].measured.covariance + scatter * scatter * Eigen::Matrix2d::Identity();
+        squares.push_back(differences[i].dot(Factor2(covariance).solved(differences[i])));
+      }
+      return squares;
+    };
+    result.along = result.across = scatter_by_median(squares_at, longest, kMedianSquare * share);
+  }
+  const Eigen::VectorXd common = residuals.common_error(values);
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    const PointResiduals points = residuals.points(values, i, common);
+    double longest = 0;
+    for (const auto& residual : points.residual) longest = std::max(longest, residual.norm());
+    const auto squares_at = [&](double scatter) { return point_squares(residuals, points, i, scatter); };
+    result.trajectories[i].between_points = scatter_by_median(squares_at, longest, kMedianSquare);
+  }
+  return result;
+}
+
+double robust_covariance_factor(const Residuals& residuals, const Eigen::VectorXd& whitened, Loss loss) {
+  if (loss == Loss::squares) return 1;
+  const auto runs = residuals.unknowns().problem().summary_runs.size();
+  if (runs == 0) return 1;
+  const double n = 2 * static_cast<double>(runs), p = static_cast<double>(residuals.unknowns().size());
+  double psi_square = 0, mean = 0, square = 0;
+  for (std::size_t i = 0; i < runs; ++i) {
+    const double s = distance(residuals, whitened, i), psi = s * robust_weight(s, loss), k = slope(s, loss);
+    psi_square += psi * psi;
+    mean += k / static_cast<double>(runs);
+    square += k * k / static_cast<double>(runs);
+  }
+  const double correction = 1 + p / n * std::max(0.0, square - mean * mean) / (mean * mean);
+  return correction * correction * (psi_square / std::max(1.0, n - p)) / (mean * mean);
+}
+
+const char* robust_meaning(Loss loss) {
+  switch (loss) {
+    case Loss::squares:
+      return "";
+    case Loss::huber:
+      return " Robust loss (Huber): runs beyond 2 sigma count less and the intervals are an M-estimate's "
+             "(Huber's formula), from the spread of the residuals; they trust that at most about one run in "
+             "five is bad, and a profile likelihood has no meaning with it.";
+    case Loss::cauchy:
+      return " Robust loss (Cauchy): runs beyond 3 sigma are all but forgotten and the intervals are an "
+             "M-estimate's (Huber's formula), from the spread of the residuals; they trust that at most "
+             "about "
+             "one run in five is bad, and a profile likelihood has no meaning with it.";
+  }
+  return "";
 }
 
 }  // namespace tribotrack::fit::internal

@@ -1,9 +1,14 @@
 #include "model/scenario.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+
+#include "model/drive.h"
+#include "model/equation/phase.h"
+#include "model/friction.h"
 
 namespace tribotrack::model {
 namespace {
@@ -155,6 +160,34 @@ void Scenario::validate() const {
   require(drive.amplitude == 0 && drive.amplitude_y == 0 && start == Start::rest &&
               friction.pulse_width * (friction.nominal - friction.reduced) == 0,
           "spin_rad_s", spin.rate, "0 on a moving platform or with pulses: spin is part of free slides only");
+}
+
+Eigen::Vector2d Drive::acceleration(double wt) const {
+  const double square = angular_frequency * angular_frequency;
+  return Eigen::Vector2d(square * amplitude * std::cos(wt) + gravity * std::sin(tilt_x),
+                         square * amplitude_y * std::cos(wt + phase_shift) + gravity * std::sin(tilt_y));
+}
+
+Eigen::Vector2d Drive::displacement(double wt) const {
+  return Eigen::Vector2d(amplitude * std::cos(wt), amplitude_y * std::cos(wt + phase_shift));
+}
+
+double Friction::coefficient(double wt) const {
+  using internal::reduce;
+  const double since_opening = reduce(reduce(wt).rest - reduce(phase).rest - reduce(lag).rest).rest;
+  return since_opening < pulse_width ? reduced : nominal;
+}
+
+double gate_share(const Friction& friction, double from, double to) {
+  constexpr double cycle = 2 * std::numbers::pi;
+  // Time on since wt = phi, as a function of wt: whole pulses plus the part of the last one.
+  const auto on_since = [&](double wt) {
+    const double since = wt - friction.phase;
+    const double whole = std::floor(since / cycle);
+    return whole * friction.pulse_width + std::min(since - whole * cycle, friction.pulse_width);
+  };
+  // Rounding must not make a gate that is always on more than that.
+  return std::clamp((on_since(to) - on_since(from)) / (to - from), 0.0, 1.0);
 }
 
 }  // namespace tribotrack::model

@@ -1,5 +1,5 @@
 // The fit's own verdict on the model.
-#include "fit/checks/agreement.h"
+#include "fit/checks/outliers.h"
 
 #include <gtest/gtest.h>
 

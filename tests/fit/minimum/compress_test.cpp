@@ -1,5 +1,5 @@
 // Fewer rows for the same step.
-#include "fit/minimum/compress.h"
+#include "fit/minimum/minimise.h"
 
 #include <gtest/gtest.h>
 
