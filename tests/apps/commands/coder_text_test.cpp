@@ -51,10 +51,9 @@ TEST_F(CoderText, NamesNoFileToWrite) {
   expect_refused(run("run r.toml -o refused -q"), 3, {"rehearse", "film uncompressed or FFV1"});
 
   EXPECT_EQ(content_of(in_folder("victim")), "somebody's work");
-  EXPECT_THAT(left_behind(),
-              testing::UnorderedElementsAre("scene.toml", "c.toml", "r.toml", "coded.mp4",
-                                            "coded.mp4.truth.csv", "coded.mp4.truth.csv.meta.json", "victim",
-                                            "t.csv", "t.csv.meta.json", "out"));
+  EXPECT_THAT(left_behind(), testing::UnorderedElementsAre("scene.toml", "c.toml", "r.toml", "coded.mp4",
+                                                           "coded.mp4.meta.json", "coded.mp4.truth.csv",
+                                                           "victim", "t.csv", "t.csv.meta.json", "out"));
 }
 
 }  // namespace
