@@ -1,5 +1,5 @@
-// A loop over independent items on a few threads, for model, fit and apps (vision has its own, whose workers are
-// numbered). oneTBB's would do but where the system refuses a thread: its workers then end the program.
+// A loop over independent items on a few threads, for model, fit and apps (vision has its own, whose workers
+// are numbered). oneTBB's would do but where the system refuses a thread: its workers then end the program.
 #pragma once
 
 #include <algorithm>

@@ -124,9 +124,9 @@ struct CodedErrors {
   struct OfType {
     char type = '?';  ///< 'I', 'P' or 'B'
     std::int64_t frames = 0;
-    double step = 0;              ///< of the quantiser at the rim, grey levels; 0 unknown
-    double still = 0;             ///< share of the rim that is predicted from the same place of another frame
-    double added_sd = 0;          ///< px rms of a coordinate, beyond what the audit leaves
+    double step = 0;      ///< of the quantiser at the rim, grey levels; 0 unknown
+    double still = 0;     ///< share of the rim that is predicted from the same place of another frame
+    double added_sd = 0;  ///< px rms of a coordinate, beyond what the audit leaves
   };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings

@@ -201,10 +201,11 @@ void add_report(CLI::App& app, Context& context) {
       .add_option("-o,--output", *output, "The page; it is self-contained and loads nothing from elsewhere")
       ->type_name("report.html");
   command
-      .add_option("--figures", *figures,
-                  "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
-                  "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
-                  "that drew them from it")
+      .add_option(
+          "--figures", *figures,
+          "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
+          "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
+          "that drew them from it")
       ->type_name("DIR");
   command
       .add_option("--tables", *tables,

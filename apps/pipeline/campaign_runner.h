@@ -1,5 +1,6 @@
 // From a campaign's recordings to its report: every run tracked and measured, one fit, the results in a
-// folder. What is there already and current is kept. Of several parts each has its own tracks, fit and report.
+// folder. What is there already and current is kept. Of several parts each has its own tracks, fit and
+// report.
 #pragma once
 
 #include <chrono>

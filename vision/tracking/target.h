@@ -33,8 +33,8 @@ std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& option
 DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t index,
                   const TrackOptions& options);
 
-/// Throws AmbiguousTarget where the part was found by itself and rests while others move (first_appearance.h). `track`
-/// begins with frame `start` of the source, where the part is seen as `disc`.
+/// Throws AmbiguousTarget where the part was found by itself and rests while others move
+/// (first_appearance.h). `track` begins with frame `start` of the source, where the part is seen as `disc`.
 void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track, const Circle& disc,
                      const TrackOptions& options);
 
