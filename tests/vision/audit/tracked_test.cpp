@@ -26,11 +26,11 @@ RenderedSource recording(double blocks) {
             scene.discs = {{place(k).x, place(k).y, 14, 0, 150, {}}};
             std::mt19937 random(static_cast<unsigned>(100 + k));
             Picture picture = scene.render();
-            std::normal_distribution<float> level(0, static_cast<float>(blocks));
+            std::normal_distribution<float> level(0, 1);
             if (blocks > 0)
               for (int y = 0; y < 96; y += 3)
                 for (int x = 0; x < 96; x += 3) {
-                  const float shift = level(random);
+                  const float shift = static_cast<float>(blocks) * level(random);
                   for (int j = 0; j < 9; ++j) picture.at(x + j % 3, y + j / 3) += shift;
                 }
             return test::noisy(picture, 2, random);
