@@ -110,29 +110,6 @@ TEST(Estimate, TheLagIsFoldedIntoHalfATurn) {
   EXPECT_NEAR(estimate(problem, options).value(FitParameter::lag), 2.9, 1e-5);
 }
 
-// The intervals contain the trade-off: it is told, and no reason to doubt them.
-TEST(Estimate, TheTradeOffOfASweepOfPhiAloneIsTold) {
-  auto scenarios = test::fourteen({});
-  scenarios.resize(8);
-  Problem problem;
-  problem.free = kThree;
-  std::mt19937 random(5);
-  for (const auto& s : scenarios)
-    problem.summary_runs.push_back(test::summary_run(s, pi / 180, 0.08e-3, &random));
-  FitOptions options;
-  options.profiles = false;
-  const FitResult result = estimate(problem, options);
-  EXPECT_EQ(result.identifiability.verdict, Verdict::identifiable);
-  EXPECT_LT(result.correlation(0, 2), -0.99);
-  const std::string said = all(result.identifiability.weak_directions);
-  EXPECT_THAT(said, HasSubstr("mu1 up 1 % is hidden by phase_lag_rad down"));
-  EXPECT_THAT(said, HasSubstr("correlation -0.99"));
-  EXPECT_THAT(said, HasSubstr("a sweep of phi alone"));
-  ASSERT_TRUE(result.next_experiment);
-  EXPECT_GT(std::abs(result.next_experiment->dtau - pi / 3), 0.1);
-  EXPECT_LT(result.next_experiment->predicted_sd.at(FitParameter::mu1), 0.6 * result.parameters[0].sd);
-}
-
 TEST(Estimate, LagAndDelayAtOneFrequencyAreOneParameter) {
   Problem problem = exact_problem(test::fourteen({}));
   problem.summary_runs.erase(problem.summary_runs.begin() + 1, problem.summary_runs.begin() + 7);
@@ -234,68 +211,6 @@ TEST(Estimate, AnUnknownTiltShowsAndCanBeFitted) {
   EXPECT_NEAR(seeing.value(FitParameter::mu1), 0.1, 1e-6);
 }
 
-// Displacements cannot see a wrong w (mu2 takes it up): it must be reported as a systematic, with the right
-// size.
-TEST(Estimate, AWrongFrequencyMovesTheParametersAsTold) {
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
-  Problem problem = exact_problem(test::fourteen({}));
-  const FitResult right = estimate(problem, options);
-  const double wrong_w = 62.8 * 1.01;
-  for (auto& run : problem.summary_runs) {
-    run.measured = displacement_from_alpha_v({run.measured.alpha->value, 0.01},
-                                             {run.measured.mean_velocity.value, 0.05e-3}, wrong_w, 20);
-    run.scenario.drive.angular_frequency = wrong_w;
-  }
-  const FitResult wrong = estimate(problem, options);
-  const double mu1 = 100 * (wrong.value(FitParameter::mu1) / 0.1 - 1);
-  const double mu2 = 100 * (wrong.value(FitParameter::mu2) / 0.0125 - 1);
-  EXPECT_GT(mu1, 1.9);  // d ln mu1 = 2 d ln w and what mu2 and the lag take along
-  double told_mu1 = 0, told_mu2 = 0;
-  const std::string sentence = test::sentence_of("platform's frequency", right.systematics);
-  ASSERT_EQ(std::sscanf(sentence.c_str(), "%*[^:]: mu1 up %lf %%, mu2 up %lf %%", &told_mu1, &told_mu2), 2)
-      << sentence;
-  EXPECT_NEAR(told_mu1, mu1, 0.1 * mu1);
-  EXPECT_NEAR(told_mu2, mu2, 0.1 * mu2);
-}
-
-// Truth inside its 95 % interval at the stated rate. Binomial: 80 campaigns, sd 2.4 %.
-TEST(Estimate, IntervalsCoverTheTruthAtTheirRate) {
-  const unsigned seed = 4711;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const int campaigns = 80;
-  int inside[3] = {0, 0, 0}, used = 0;
-  for (int c = 0; c < campaigns; ++c) {
-    const Truth truth{0.08 + 0.03 * uniform(random), 0.01 + 0.01 * uniform(random), uniform(random) - 0.5};
-    Problem problem;
-    problem.free = kThree;
-    for (int k = 0; k < 5; ++k)
-      problem.summary_runs.push_back(
-          test::summary_run(test::scenario(truth, 2 * pi * uniform(random), (0.5 + k) * pi / 4, 10), 0.01,
-                            0.04e-3, &random, 400));
-    FitOptions options;
-    options.profiles = false;
-    options.multi_starts = 3;
-    const FitResult result = estimate(problem, options);
-    if (!result.usable()) continue;
-    ++used;
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Interval& ci = result.parameters[i].ci95;
-      inside[i] += ci.low <= truths[i] && truths[i] <= ci.high;
-    }
-  }
-  EXPECT_GE(used, campaigns - 2);
-  for (const int count : inside) {
-    EXPECT_GE(count, 0.88 * used);
-    EXPECT_LE(count, used);
-  }
-  std::printf("coverage %d %d %d of %d\n", inside[0], inside[1], inside[2], used);
-}
-
 TEST(Estimate, RefusesWhatCannotBeFitted) {
   const auto refuses = [](const Problem& problem, const char* text) {
     try {
@@ -357,18 +272,6 @@ TEST(Estimate, RefusesOptionsThatMeanNothing) {
   refuses({.multi_starts = 0}, "multi_starts = 0");
   refuses({.bootstrap = -1}, "bootstrap = -1");
   EXPECT_NO_THROW(FitOptions{}.validate());
-}
-
-TEST(Estimate, TheReportHoldsWhatAReaderNeeds) {
-  FitOptions options;
-  options.multi_starts = 2;
-  const FitResult result = estimate(exact_problem(test::fourteen({})), options);
-  const std::string report = result.full_report();
-  for (const char* text : {"[[Parameters]]", "mu1", "phase_lag_rad", "C(mu1, phase_lag_rad) = -0.9", "chi2",
-                           "absolute; not scaled by chi2", "Film next phi",
-                           "(amplitude_mm) is taken as exact; with 1 % more of it: mu1 up"})
-    EXPECT_THAT(report, HasSubstr(text));
-  EXPECT_THAT(result.brief_report(), HasSubstr("mu1 = 0.100"));
 }
 
 }  // namespace

@@ -158,41 +158,6 @@ TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
   }
 }
 
-TEST(Hopeless, OneRunMislabelledIsNamedAndRobustLossForgetsIt) {
-  const unsigned seed = 12;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  Problem problem = campaign(test::fourteen({}), random);
-  problem.summary_runs[3].scenario.friction.phase += pi / 2;
-  problem.summary_runs[3].name = "the wrong one";
-  FitOptions options = quick();
-  const FitResult plain = estimate(problem, options);
-  ASSERT_EQ(plain.outliers.size(), 1U);
-  EXPECT_THAT(plain.warnings, Contains(HasSubstr("'the wrong one' lies")));
-  EXPECT_THAT(plain.warnings, Contains(HasSubstr("check its phi, dtau and label")));
-  EXPECT_GT(plain.scatter, 0);  // what is printed counts the contradiction
-  options.loss = Loss::cauchy;
-  const FitResult robust = estimate(problem, options);
-  const double truth[] = {0.1, 0.0125, 0.1};
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(robust.parameters[i].estimate, truth[i], 4 * robust.parameters[i].sd);
-    EXPECT_LT(robust.parameters[i].sd, 0.5 * plain.parameters[i].sd);
-  }
-}
-
-TEST(Hopeless, DuplicatedRunsAddNothing) {
-  std::mt19937 random(2);
-  Problem problem = campaign({test::scenario({}, 0.3, pi / 3)}, random);
-  for (int k = 0; k < 7; ++k) problem.summary_runs.push_back(problem.summary_runs.front());
-  const FitResult result = estimate(problem, quick());
-  EXPECT_FALSE(result.usable());
-  EXPECT_THAT(said(result), HasSubstr("is hidden by"));
-  EXPECT_THAT(
-      result.identifiability.weak_directions,
-      Contains(AnyOf(HasSubstr("fix one of them, or give it a prior"), HasSubstr("add runs at other dtau"))));
-  for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd));
-}
-
 // alpha is an angle: the displacement vector knows no edge at 0 = 2 pi.
 TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
   std::vector<model::Scenario> scenarios;

@@ -69,7 +69,7 @@ TEST(Robust, OneBadRunDoesNotPull) {
 }
 
 // Good data: a robust loss costs little, and its intervals still hold at their rate (binomial, 80 tries).
-TEST(Robust, ItsIntervalsHoldOnGoodData) {
+TEST(RobustCampaign, DISABLED_ItsIntervalsHoldOnGoodData) {
   const unsigned seed = 12;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);

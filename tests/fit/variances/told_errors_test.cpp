@@ -145,7 +145,7 @@ test::SequentialCoverage coverage(bool tells, unsigned seed) {
   return coverage;
 }
 
-TEST(ToldErrors, MakeIntervalsThatHold) {
+TEST(ToldErrorsCampaign, DISABLED_MakeIntervalsThatHold) {
   const unsigned seed = 11;
   SCOPED_TRACE(seed);
   EXPECT_EQ(coverage(true, seed).decision(), test::SequentialCoverage::Decision::nominal);
