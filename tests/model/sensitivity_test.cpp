@@ -184,29 +184,6 @@ TEST(Sensitivity, StartsOnOrbits) {
   }
 }
 
-TEST(Sensitivity, OneSidedAtAPulseEdgeOnTheStart) {
-  Scenario s = reference_run();
-  s.start_phase = 0;
-  s.friction.phase = 0;
-  s.friction.lag = 0;
-  s.cycles = 20;
-  IntegrationOptions options;
-  options.derivatives = {Parameter::lag};
-  const Trajectory t = integrate(s, options);
-  EXPECT_TRUE(t.summary().one_sided);
-  const auto end = [&](double lag) {
-    s.friction.lag = lag;
-    return integrate(s).end().position;
-  };
-  const double h = 1e-5;  // one-sided difference of third order
-  const Eigen::Vector2d later = (-11 * end(0) + 18 * end(h) - 9 * end(2 * h) + 2 * end(3 * h)) / (6 * h);
-  const Eigen::Vector2d earlier = (end(0) - end(-h)) / h;
-  EXPECT_LT((later - t.sensitive_end().position_jacobian.col(0)).norm(), 1e-7 * later.norm());
-  EXPECT_GT((later - earlier).norm(), 1e-2 * later.norm());
-  s.friction.lag = 0.01;
-  EXPECT_FALSE(integrate(s, options).summary().one_sided);
-}
-
 /// Opening edge on the start from rest: the derivative is that of a later edge, to 1e-9 in quadruple
 /// precision; of an earlier one it is another. Over 20 cycles of narrow pulses: -1.30 and -0.97 mm/rad in x.
 TEST(Sensitivity, OneSidedInQuadruplePrecision) {
