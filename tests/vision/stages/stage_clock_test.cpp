@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <thread>
 
 #include "vision/layered_scenes.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
 namespace {
-
-using namespace std::chrono_literals;
 
 double seconds_of(const std::vector<StageTime>& times, Stage stage) {
   for (const StageTime& time : times)
@@ -23,22 +20,6 @@ double total(const std::vector<StageTime>& times) {
   double sum = 0;
   for (const StageTime& time : times) sum += time.seconds;
   return sum;
-}
-
-TEST(StageClock, AnInterruptedStageIsNotChargedForTheOther) {
-  StageClock clock;
-  {
-    const auto part = clock.enter(Stage::part);
-    {
-      const auto reading = clock.enter(Stage::reading);
-      std::this_thread::sleep_for(40ms);
-    }
-    std::this_thread::sleep_for(10ms);
-  }
-  const auto times = clock.times();
-  EXPECT_GE(seconds_of(times, Stage::reading), 0.04);
-  EXPECT_GE(seconds_of(times, Stage::part), 0.01);
-  EXPECT_EQ(seconds_of(times, Stage::marker), 0);
 }
 
 TEST(StageClock, StagesOfATrackAddUpToItsTime) {
