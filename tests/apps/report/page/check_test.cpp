@@ -71,14 +71,6 @@ TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   EXPECT_THAT(check_of(data), Not(HasSubstr("that would fit")));
 }
 
-TEST(CheckSection, OutlyingPointsAreCountedByRun) {
-  ReportData data = sample::campaign();
-  EXPECT_THAT(check_of(data), Not(HasSubstr("Points that contradict")));
-  data.runs[0].points = 2000;
-  data.runs[0].outlying_points = 3;
-  EXPECT_THAT(check_of(data), HasSubstr("<li><b>phi0_dtau60</b>: 3 of 2000 points.</li>"));
-}
-
 TEST(CheckSection, ModelsAreComparedWithTheOneFitted) {
   ReportData data = sample::campaign();
   data.models = {{"Coulomb friction", 3, 40.0, 46.0, 50.0, ""},

@@ -56,36 +56,8 @@ TEST(ParameterSection, GivenAndMeasuredConditionsStandSideBySide) {
   EXPECT_THAT(parameters_of(data), Not(HasSubstr("Conditions")));
 }
 
-TEST(ParameterSection, WhatWasTakenAsKnownStandsInTheSameTable) {
-  const std::string html = parameters_of(sample::campaign());
-  EXPECT_THAT(
-      html,
-      HasSubstr("<th>g</th><td class=\"n\">9.81 m/s²</td><td class=\"n\">–</td><td class=\"n\">–</td><td "
-                "class=\"n\">9.81 m/s²</td><td>campaign</td>"));
-  // A quantity has one row, whether it was given, measured, or both.
-  EXPECT_EQ(test::occurrences(html, "<th>A</th>"), 1u);
-  EXPECT_EQ(test::occurrences(html, "<th>ε</th>"), 1u);
-}
-
-TEST(ParameterSection, WeakDirectionsAreListed) {
-  ReportData data = sample::campaign();
-  data.identifiability = ReportVerdict::weak;
-  data.weak_directions = {"mu1 up 1 % is hidden by phase_lag_rad down 0.021"};
-  EXPECT_THAT(parameters_of(data), HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021</li>"));
-}
-
 TEST(ParameterSection, IsLeftOutWithoutAFit) {
   EXPECT_EQ(parameters_of(ReportData{}), "");
-}
-
-TEST(VerdictSection, WarningsAreAllShown) {
-  ReportData data = sample::campaign();
-  data.warnings = {"first", "second <b>"};
-  const std::string html = warning_box(data);
-  EXPECT_THAT(html, HasSubstr("<h2>2 warnings</h2>"));
-  EXPECT_THAT(html, HasSubstr("<li>first</li><li>second &lt;b&gt;</li>"));
-  data.warnings.clear();
-  EXPECT_THAT(warning_box(data), Not(HasSubstr("id=\"warnings\"")));
 }
 
 TEST(ProvenanceSection, NamesVersionInputsAndConfiguration) {
