@@ -32,9 +32,9 @@ TrajectoryRun driven(const model::Scenario& truth, double rate, double sigma, st
   run.scenario.friction.lag = 0;
   std::vector<double> times;
   for (int k = 0; k / rate <= truth.end_time(); ++k) times.push_back(k / rate);
-  std::normal_distribution<double> noise(0, sigma);
+  std::normal_distribution<double> noise;
   for (const auto& point : test::SlowFriction(truth).at(times, 2000)) {
-    Eigen::Vector2d seen = point.position + Eigen::Vector2d(noise(random), noise(random));
+    Eigen::Vector2d seen = point.position + sigma * Eigen::Vector2d(noise(random), noise(random));
     if (!platform_frame)
       seen += truth.drive.displacement(truth.start_phase + truth.drive.angular_frequency * point.time);
     run.track.time.push_back(point.time + 0.7);  // the recording's clock started earlier
@@ -56,14 +56,14 @@ TrajectoryRun slide(double mu, double speed, double angle, double rate, double d
   run.free_slide = true;
   run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0;
   const double deceleration = mu * 9.81, stop = speed / deceleration;
-  std::normal_distribution<double> noise(0, sigma);
+  std::normal_distribution<double> noise;
   for (int k = 0; k / rate <= duration; ++k) {
     const double t = std::clamp(k / rate - rest_before, 0.0, stop);
     const double s = speed * t - 0.5 * deceleration * t * t;
     run.track.time.push_back(k / rate);
     run.track.frame.push_back(k);
     run.track.position.push_back(s * Eigen::Vector2d(std::cos(angle), std::sin(angle)) +
-                                 Eigen::Vector2d(noise(random), noise(random)));
+                                 sigma * Eigen::Vector2d(noise(random), noise(random)));
     run.track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
   }
   return run;

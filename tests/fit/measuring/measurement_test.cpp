@@ -110,7 +110,7 @@ TEST(Displacement, CovarianceIsHonestOnTheModelsOwnMotion) {
       std::sort(times.begin(), times.end());
       const auto points = test::SlowFriction(s).at(times, 300);
       TrackTable track;
-      std::normal_distribution<double> noise(0, sigma);
+      std::normal_distribution<double> noise;
       Eigen::Vector2d truth = Eigen::Vector2d::Zero();
       for (const auto& p : points) {
         if (p.time == exact_end) {
@@ -118,7 +118,7 @@ TEST(Displacement, CovarianceIsHonestOnTheModelsOwnMotion) {
           continue;
         }
         track.time.push_back(p.time);
-        track.position.push_back(p.position + Eigen::Vector2d(noise(random), noise(random)));
+        track.position.push_back(p.position + sigma * Eigen::Vector2d(noise(random), noise(random)));
         track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
       }
       const auto d = measure_displacement(track, {w, 0}, 10);

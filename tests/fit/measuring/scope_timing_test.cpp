@@ -20,7 +20,7 @@ struct TraceTruth {
 
 ScopeTrace trace_of(const TraceTruth& truth, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0, truth.noise);
+  std::normal_distribution<double> normal;
   const auto turned = [](double angle) { return angle - 2 * pi * std::floor(angle / (2 * pi)); };
   ScopeTrace trace;
   trace.start = truth.start;
@@ -32,9 +32,10 @@ ScopeTrace trace_of(const TraceTruth& truth, unsigned seed) {
     double v = std::clamp(0.5 + since / 20e-6, 0.0, 1.0);
     if (since > 1e-3) v = 0;
     if (const double before = 2 * pi / truth.w - since; before < 10e-6) v = 0.5 - before / 20e-6;
-    trace.sensor.push_back(3.3 * v + normal(random));
+    trace.sensor.push_back(3.3 * v + truth.noise * normal(random));
     const bool open = turned(truth.w * t + truth.phase_at_zero - truth.phi) < truth.dtau;
-    trace.actuator.push_back((open ? 5 * std::sin(2 * pi * 5890 * t) : 0) + 0.4 + normal(random));
+    trace.actuator.push_back((open ? 5 * std::sin(2 * pi * 5890 * t) : 0) + 0.4 +
+                             truth.noise * normal(random));
   }
   return trace;
 }

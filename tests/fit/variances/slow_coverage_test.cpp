@@ -63,9 +63,9 @@ Drawn draw(const Kind& kind, double rate, unsigned seed, int index) {
     truths.insert(truths.end(), {tilt_x, tilt_y});
   }
   test::SlowTruth slow = kind.slow;
-  std::normal_distribution<double> normal(0, kind.common);
+  std::normal_distribution<double> normal;
   if (kind.common > 0)
-    for (auto& sine : slow.common) sine = Eigen::Vector2d(normal(random), normal(random));
+    for (auto& sine : slow.common) sine = kind.common * Eigen::Vector2d(normal(random), normal(random));
   for (auto scenario : test::fourteen(truth)) {
     scenario.friction.phase += phi;
     if (kind.tilted) scenario.drive.tilt_x = tilt_x, scenario.drive.tilt_y = tilt_y;

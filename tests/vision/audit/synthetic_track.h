@@ -32,7 +32,7 @@ inline Track track_of(int frames, unsigned seed, const std::function<double(int)
 }
 
 inline double white(std::mt19937& random, double sd = kSigma) {
-  return std::normal_distribution<>(0, sd)(random);
+  return sd * std::normal_distribution<>()(random);
 }
 
 /// Halves of the audited frames of a recording, each component of each split by `error` plus an offset of its

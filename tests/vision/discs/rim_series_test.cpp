@@ -13,13 +13,13 @@ namespace {
 /// A rim whose sectors stray by `pattern` and by what is drawn.
 RimSectors rim_at(const Point& centre, double pattern, double scatter, std::mt19937& random) {
   constexpr int kSectors = 40;
-  std::normal_distribution<double> normal(0, scatter);
+  std::normal_distribution<double> normal;
   RimSectors rim;
   rim.circle = {centre.x, centre.y, 30};
   for (int k = 0; k < kSectors; ++k) {
     const Point u = sector_direction(k, kSectors);
     rim.deviation.push_back(
-        static_cast<float>(pattern * std::cos(3 * std::atan2(u.y, u.x)) + normal(random)));
+        static_cast<float>(pattern * std::cos(3 * std::atan2(u.y, u.x)) + scatter * normal(random)));
     rim.information.push_back(100);
   }
   return rim;

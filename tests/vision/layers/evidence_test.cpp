@@ -11,7 +11,8 @@ namespace {
 /// A parabola flown through, with white noise.
 std::vector<TimedPoint> thrown(std::int64_t frames, double noise, unsigned seed = 1) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> error(0, noise);
+  std::normal_distribution<double> normal;
+  const auto error = [&](auto& generator) { return noise * normal(generator); };
   std::vector<TimedPoint> out;
   for (std::int64_t k = 0; k < frames; ++k) {
     const auto t = static_cast<double>(k);
