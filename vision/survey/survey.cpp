@@ -1,13 +1,269 @@
-#include "vision/survey.h"
-
+// What a recording shows: its discs, which of them move, and its lamps.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/discs/disc_detection.h"
 #include "vision/discs/first_appearance.h"
+#include "vision/survey.h"
 #include "vision/survey/lamps.h"
 
 namespace tribotrack::vision {
+namespace {
+
+constexpr double kPixelsAtWork = 4e5;  ///< larger pictures are looked at in bins of several pixels
+constexpr double kLeastStep = 0.08;    ///< of the range from black to white, between dark and lit
+constexpr double kTwoLevels =
+    0.1;  ///< a series' variance within its two classes over all of it; a sine has 0.19
+constexpr int kLeastSwitches = 4;     ///< a part that passes switches a place twice
+constexpr double kCompact = 0.5;      ///< share of its bounding box that a lamp fills
+constexpr double kLongest = 2.5;      ///< sides of that box
+constexpr double kAgreement = 0.95;   ///< of the frames, between a pixel and its lamp
+constexpr double kNewLight = 0.6;     ///< of what the lamp gains is gained by its surroundings as a whole
+constexpr double kLeastRadius = 2;    ///< px: smaller ones do not tell a gate, and dust and glints are
+constexpr double kLeastShare = 0.03;  ///< of the frames that it is lit, and dark
+constexpr int kMostLamps = 5;
+
+/// Frames as bytes, 255 for white, in square bins.
+class BinnedFrames {
+ public:
+  BinnedFrames(FrameSource& source, std::span<const std::int64_t> frames)
+      : bin_(std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(source.info().width) *
+                                                              source.info().height / kPixelsAtWork))))),
+        width_(source.info().width / bin_),
+        height_(source.info().height / bin_),
+        white_(source.info().clipping_level()) {
+    Picture picture;
+    for (const std::int64_t frame : frames) {
+      source.read(frame, source.bounds(), picture);
+      frames_.push_back(binned(picture));
+    }
+  }
+
+  int bin() const { return bin_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double white() const { return white_; }
+  std::size_t count() const { return frames_.size(); }
+  int at(std::size_t frame, int x, int y) const {
+    return frames_[frame][static_cast<std::size_t>(y) * width_ + x];
+  }
+
+ private:
+  std::vector<std::uint8_t> binned(const Picture& picture) const {
+    std::vector<std::uint8_t> bins(static_cast<std::size_t>(width_) * height_);
+    std::vector<float> sums(static_cast<std::size_t>(width_));
+    const auto scale = static_cast<float>(255 / (white_ * bin_ * bin_));
+    for (int y = 0; y < height_; ++y) {
+      std::ranges::fill(sums, 0.0F);
+      for (int row = y * bin_; row < (y + 1) * bin_; ++row) {
+        const auto levels = picture.row(row);
+        for (int x = 0; x < width_; ++x)
+          for (int k = 0; k < bin_; ++k) sums[x] += levels[static_cast<std::size_t>(x) * bin_ + k];
+      }
+      for (int x = 0; x < width_; ++x)
+        bins[static_cast<std::size_t>(y) * width_ + x] =
+            static_cast<std::uint8_t>(std::clamp(scale * sums[x] + 0.5F, 0.0F, 255.0F));
+    }
+    return bins;
+  }
+
+  int bin_, width_, height_;
+  double white_;
+  std::vector<std::vector<std::uint8_t>> frames_;
+};
+
+/// A series split at the middle of its range.
+struct TwoLevels {
+  double dark = 0, lit = 0, lit_share = 0;
+  double within = 1;  ///< variance within the two classes over the whole variance
+  int switches = 0;
+  std::vector<bool> on;
+
+  bool is_switched() const {
+    return lit - dark >= kLeastStep * 255 && within <= kTwoLevels && switches >= kLeastSwitches;
+  }
+};
+
+TwoLevels two_levels(std::span<const double> series) {
+  TwoLevels result;
+  const auto [low, high] = std::ranges::minmax(series);
+  const double middle = 0.5 * (low + high);
+  double sums[2] = {0, 0}, squares = 0;
+  int counts[2] = {0, 0};
+  for (const double level : series) {
+    const bool on = level > middle;
+    sums[on] += level;
+    ++counts[on];
+    squares += level * level;
+    if (!result.on.empty()) result.switches += on != result.on.back();
+    result.on.push_back(on);
+  }
+  if (counts[0] == 0 || counts[1] == 0) return result;
+  const auto n = static_cast<double>(series.size());
+  result.dark = sums[0] / counts[0];
+  result.lit = sums[1] / counts[1];
+  result.lit_share = counts[1] / n;
+  const double mean = (sums[0] + sums[1]) / n;
+  const double variance = squares / n - mean * mean;
+  const double between = result.lit_share * (1 - result.lit_share) * std::pow(result.lit - result.dark, 2);
+  if (variance > 0) result.within = std::max(0.0, 1 - between / variance);
+  return result;
+}
+
+TwoLevels two_levels(const BinnedFrames& frames, int x, int y) {
+  std::vector<double> series(frames.count());
+  for (std::size_t f = 0; f < series.size(); ++f) series[f] = frames.at(f, x, y);
+  return two_levels(series);
+}
+
+/// 255 where a bin switches.
+cv::Mat switching_bins(const BinnedFrames& frames) {
+  cv::Mat mask(frames.height(), frames.width(), CV_8U, cv::Scalar(0));
+  for (int y = 0; y < frames.height(); ++y) {
+    std::vector<int> low(static_cast<std::size_t>(frames.width()), 255), high(low.size(), 0);
+    for (std::size_t f = 0; f < frames.count(); ++f)
+      for (int x = 0; x < frames.width(); ++x) {
+        low[x] = std::min(low[x], frames.at(f, x, y));
+        high[x] = std::max(high[x], frames.at(f, x, y));
+      }
+    for (int x = 0; x < frames.width(); ++x)
+      if (high[x] - low[x] >= kLeastStep * 255 && two_levels(frames, x, y).is_switched())
+        mask.at<std::uint8_t>(y, x) = 255;
+  }
+  return mask;
+}
+
+/// What switches together: its bins, and the sum over a box of bins in every frame.
+class Candidate {
+ public:
+  Candidate(const BinnedFrames& frames, const cv::Mat& labels, int label, const cv::Rect& box)
+      : frames_(frames), box_(box) {
+    double most = 0;
+    std::vector<cv::Point> all;
+    std::vector<double> steps;
+    for (int y = box.y; y < box.y + box.height; ++y)
+      for (int x = box.x; x < box.x + box.width; ++x) {
+        if (labels.at<int>(y, x) != label) continue;
+        const TwoLevels levels = two_levels(frames, x, y);
+        all.emplace_back(x, y);
+        steps.push_back(levels.lit - levels.dark);
+        most = std::max(most, steps.back());
+      }
+    // Its halo switches, too.
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (steps[k] >= 0.5 * most) bins_.push_back(all[k]);
+    box_ = cv::boundingRect(bins_);
+    std::vector<double> series(frames.count(), 0.0);
+    for (std::size_t f = 0; f < series.size(); ++f) {
+      for (const cv::Point& p : bins_) series[f] += frames.at(f, p.x, p.y);
+      series[f] /= static_cast<double>(bins_.size());
+    }
+    levels_ = two_levels(series);
+  }
+
+  bool is_lamp() const {
+    return levels_.is_switched() && lamp().circle.radius >= kLeastRadius &&
+           std::min(levels_.lit_share, 1 - levels_.lit_share) >= kLeastShare && is_compact() &&
+           switches_as_one() && brings_new_light();
+  }
+
+  SurveyedLamp lamp() const {
+    double x = 0, y = 0;
+    const auto n = static_cast<double>(bins_.size());
+    for (const cv::Point& p : bins_) {
+      x += p.x / n;
+      y += p.y / n;
+    }
+    const double bin = frames_.bin(), to_levels = frames_.white() / 255;
+    return {{(x + 0.5) * bin - 0.5, (y + 0.5) * bin - 0.5, bin * std::sqrt(n / std::numbers::pi)},
+            to_levels * levels_.dark,
+            to_levels * levels_.lit,
+            levels_.lit_share};
+  }
+
+ private:
+  bool is_compact() const {
+    const double sides =
+        static_cast<double>(std::max(box_.width, box_.height)) / std::min(box_.width, box_.height);
+    return std::min(box_.width, box_.height) >= 2 && sides <= kLongest &&
+           static_cast<double>(bins_.size()) >= kCompact * box_.area();
+  }
+
+  bool switches_as_one() const {
+    return std::ranges::all_of(bins_, [&](const cv::Point& p) {
+      const TwoLevels own = two_levels(frames_, p.x, p.y);
+      std::size_t same = 0;
+      for (std::size_t f = 0; f < own.on.size(); ++f) same += own.on[f] == levels_.on[f];
+      return static_cast<double>(same) >= kAgreement * static_cast<double>(own.on.size());
+    });
+  }
+
+  /// A bright speck that moves with the platform switches the places that it passes, but what one gains
+  /// another loses: the sum over all its path stays.
+  bool brings_new_light() const {
+    const int reach = std::max({8 / frames_.bin(), box_.width, box_.height, 2});
+    const cv::Rect wide =
+        cv::Rect(box_.x - reach, box_.y - reach, box_.width + 2 * reach, box_.height + 2 * reach) &
+        cv::Rect(0, 0, frames_.width(), frames_.height());
+    double gain[2] = {0, 0};
+    int counts[2] = {0, 0};
+    for (std::size_t f = 0; f < frames_.count(); ++f) {
+      double sum = 0;
+      for (int y = wide.y; y < wide.y + wide.height; ++y)
+        for (int x = wide.x; x < wide.x + wide.width; ++x) sum += frames_.at(f, x, y);
+      gain[levels_.on[f]] += sum;
+      ++counts[levels_.on[f]];
+    }
+    const double own = (levels_.lit - levels_.dark) * static_cast<double>(bins_.size());
+    return gain[1] / counts[1] - gain[0] / counts[0] >= kNewLight * own;
+  }
+
+  const BinnedFrames& frames_;
+  cv::Rect box_;
+  std::vector<cv::Point> bins_;
+  TwoLevels levels_;
+};
+
+}  // namespace
+
+std::vector<std::int64_t> spread_frames(std::int64_t span, int most) {
+  std::vector<std::int64_t> frames;
+  if (span <= most) {
+    for (std::int64_t k = 0; k < span; ++k) frames.push_back(k);
+    return frames;
+  }
+  for (int k = 0; k < most; ++k) {
+    const double turns = k / std::numbers::phi;
+    frames.push_back(static_cast<std::int64_t>((turns - std::floor(turns)) * static_cast<double>(span)));
+  }
+  std::ranges::sort(frames);
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+std::vector<SurveyedLamp> find_lamps(FrameSource& source, std::span<const std::int64_t> frames) {
+  const BinnedFrames binned(source, frames);
+  const cv::Mat mask = switching_bins(binned);
+  cv::Mat labels, stats, centres;
+  const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres);
+  std::vector<SurveyedLamp> lamps;
+  for (int label = 1; label < count; ++label) {
+    const auto of = [&](int column) { return stats.at<int>(label, column); };
+    const cv::Rect box(of(cv::CC_STAT_LEFT), of(cv::CC_STAT_TOP), of(cv::CC_STAT_WIDTH),
+                       of(cv::CC_STAT_HEIGHT));
+    if (std::min(box.width, box.height) < 2) continue;
+    const Candidate candidate(binned, labels, label, box);
+    if (candidate.is_lamp()) lamps.push_back(candidate.lamp());
+  }
+  std::ranges::sort(lamps, std::greater{}, [](const SurveyedLamp& lamp) {
+    return (lamp.lit - lamp.dark) * lamp.circle.radius * lamp.circle.radius;
+  });
+  if (lamps.size() > kMostLamps) lamps.resize(kMostLamps);
+  return lamps;
+}
+
 namespace {
 
 constexpr int kFramesForDiscs = 8;

@@ -1,9 +1,12 @@
-// libav: its headers, ownership of its objects, its complaints, and what of it a recording can reach.
+// libav: its headers, ownership of its objects, its complaints, what of it a recording can reach, and whether
+// a file has been cut short.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 extern "C" {
@@ -97,5 +100,18 @@ int find_contained_streams(AVFormatContext& input);
 
 /// The same limit, and kCodings only. Before avcodec_open2.
 void contain(AVCodecContext& decoder);
+
+// Has a video file been cut short?
+
+/// Where the outermost boxes of an MP4/MOV, RIFF (AVI) or Matroska file end after their own account. Decoders
+/// play a file cut short without complaint, which would silently shorten a measurement.
+struct ContainerExtent {
+  std::uint64_t stated_end = 0;  ///< byte after the last box
+  std::string last_box;          ///< name of the box that ends there
+  bool unfinished = false;       ///< its writer never came to fill in the size (Matroska)
+};
+
+/// Nothing where the file is none of the three. Does not judge: compare stated_end with the file's size.
+std::optional<ContainerExtent> container_extent(const std::filesystem::path& path);
 
 }  // namespace tribotrack::vision

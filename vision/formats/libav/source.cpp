@@ -10,7 +10,6 @@
 
 #include "vision/formats/libav/frames.h"
 #include "vision/formats/libav/libav.h"
-#include "vision/formats/libav/truncation_check.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/timing/container_timestamps.h"

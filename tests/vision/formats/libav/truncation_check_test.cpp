@@ -1,4 +1,4 @@
-#include "vision/formats/libav/truncation_check.h"
+#include "vision/formats/libav/libav.h"
 
 #include <gtest/gtest.h>
 
