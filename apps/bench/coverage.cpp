@@ -1,16 +1,288 @@
 #include "apps/bench/coverage.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <numbers>
+#include <random>
+#include <string>
+#include <utility>
 
+#include "apps/bench/campaigns.h"
+#include "apps/bench/peers.h"
 #include "fit/estimate.h"
 #include "model/parallel.h"
 
 namespace tribotrack::bench {
 
 using namespace fit;
+
+namespace {
+
+using Eigen::Vector2d;
+using std::numbers::pi;
+
+constexpr double kFine = 1e-9;        ///< of the integrator, relative to A and A w: far below any noise
+constexpr long kMostSteps = 100'000;  ///< a run takes some thousand where the integrator does not hang
+constexpr double kTiltSd = pi / 1800;
+constexpr double kFrameRate = 240;  ///< of slides, Hz
+
+/// The generator of one campaign.
+class Dice {
+ public:
+  Dice(std::uint64_t seed, std::uint32_t what, int index) {
+    std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), what,
+                        static_cast<std::uint32_t>(index)};
+    random_.seed(mixed);
+  }
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  double normal() { return normal_(random_); }
+  Eigen::Vector2d normal_pair() {
+    const double x = normal();
+    return {x, normal()};
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+/// The peer's integrator did not come to an end.
+struct PeerHangs {};
+
+struct Noise {
+  double alpha, v;              ///< rad; relative
+  double amplitude, frequency;  ///< relative, of A and w where they are measured
+};
+Noise noise_of(NoiseLevel level) {
+  return level == NoiseLevel::low ? Noise{pi / 180, 0.02, 0.01, 0.001}
+                                  : Noise{2.9 * pi / 180, 0.057, 0.03, 0.003};
+}
+
+bool with_tilt(Design design) {
+  return design == Design::tilt_unknown || design == Design::sticking_with_tilt;
+}
+
+model::Scenario draw_truth(Design design, Dice& dice) {
+  model::Scenario truth;
+  const model::Drive& drive = truth.drive;
+  const double threshold =
+      drive.amplitude * drive.angular_frequency * drive.angular_frequency / drive.gravity;
+  const double least = design == Design::sticking_with_tilt ? 1.03 * threshold : 0.05;
+  const double mu1 = dice.uniform(least, 0.16), ratio = dice.uniform(4, 12), lag = dice.uniform(-0.5, 0.5);
+  truth.friction = {mu1, mu1 / ratio, 0, 0, lag};
+  if (with_tilt(design)) {
+    truth.drive.tilt_x = kTiltSd * dice.normal();
+    truth.drive.tilt_y = kTiltSd * dice.normal();
+  }
+  return truth;
+}
+
+using Pulses = std::vector<std::pair<double, double>>;  ///< phi, dtau
+
+Pulses random_pulses(int count, Dice& dice) {
+  Pulses pulses;
+  for (int k = 0; k < count; ++k) {
+    const double phi = dice.uniform(0, 2 * pi);
+    pulses.emplace_back(phi, dice.uniform(0.5, pi));
+  }
+  return pulses;
+}
+
+Pulses pulses_of(Design design, Dice& dice) {
+  switch (design) {
+    case Design::three_runs:
+      return random_pulses(3, dice);
+    case Design::five_runs:
+      return random_pulses(5, dice);
+    case Design::eight_runs:
+      return random_pulses(8, dice);
+    case Design::repeats: {
+      const Pulses settings = random_pulses(4, dice);
+      Pulses pulses;
+      for (int again = 0; again < 3; ++again) pulses.insert(pulses.end(), settings.begin(), settings.end());
+      return pulses;
+    }
+    default:
+      break;
+  }
+  const double dtau = dice.uniform(0.6, 1.6), phi = dice.uniform(0, 2 * pi);
+  Pulses pulses;
+  for (int k = 0; k < 8; ++k) pulses.emplace_back(k * pi / 4, dtau);
+  if (design != Design::phi_only)
+    for (int k = 1; k <= 6; ++k) pulses.emplace_back(phi, k * pi / 6);
+  return pulses;
+}
+
+/// Displacement over the time of the run's own cycles, m/s.
+Vector2d independent_mean_velocity(const model::Scenario& scenario) {
+  DormandPrinceOptions options = segmented_dormand_prince(scenario, kFine);
+  options.max_steps = kMostSteps;
+  const PeerResult end = dormand_prince(scenario, options);
+  if (!end.finished) throw PeerHangs();
+  return end.position / scenario.end_time();
+}
+
+/// alpha and v of one run, and their errors at the truth.
+struct Filmed {
+  model::Scenario truth;
+  Vector2d velocity;
+  double alpha_sd = 0, v_sd = 0;
+
+  Filmed(const model::Scenario& scenario, const Noise& noise)
+      : truth(scenario), velocity(independent_mean_velocity(scenario)) {
+    const double least = 1e-6 / scenario.end_time();  // a micrometre in all, where it hardly moves
+    v_sd = noise.v * velocity.norm() + least;
+    alpha_sd = noise.alpha + least / (velocity.norm() + least);
+  }
+  Displacement measured(double angular_frequency, Dice& dice) const {
+    // One after the other: compilers differ in which operand of a sum they evaluate first.
+    const double off_across = across_sd() * dice.normal();
+    const double off_along = v_sd * dice.normal();
+    const Vector2d seen = velocity + off_along * along() + off_across * across();
+    const double alpha = std::atan2(seen.y(), seen.x());
+    return displacement_from_alpha_v({alpha < 0 ? alpha + 2 * pi : alpha, alpha_sd}, {seen.norm(), v_sd},
+                                     angular_frequency, static_cast<int>(truth.cycles));
+  }
+
+ private:
+  Vector2d along() const { return velocity.norm() > 0 ? velocity.normalized() : Vector2d::UnitX(); }
+  Vector2d across() const { return {-along().y(), along().x()}; }
+  double across_sd() const { return alpha_sd * std::max(velocity.norm(), v_sd); }
+};
+
+/// What whoever fits is told of the truth.
+model::Scenario without_friction(model::Scenario truth) {
+  truth.friction.nominal = truth.friction.reduced = 0.05;
+  truth.friction.lag = truth.drive.tilt_x = truth.drive.tilt_y = 0;
+  return truth;
+}
+
+SummaryRun run_of(const Filmed& filmed, model::Scenario given, int number, Dice& dice) {
+  SummaryRun run;
+  run.name = "run" + std::to_string(number);
+  given.friction.phase = filmed.truth.friction.phase;
+  given.friction.pulse_width = filmed.truth.friction.pulse_width;
+  run.scenario = given;
+  run.measured = filmed.measured(given.drive.angular_frequency, dice);
+  return run;
+}
+
+CoverageCampaign film(Design design, NoiseLevel level, const model::Scenario& truth, const Pulses& pulses,
+                      Dice& dice) {
+  const Noise noise = noise_of(level);
+  CoverageCampaign campaign;
+  Problem& problem = campaign.problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  campaign.truth = {truth.friction.nominal, truth.friction.reduced, truth.friction.lag};
+  model::Scenario given = without_friction(truth);
+  if (with_tilt(design)) {
+    problem.free.insert(problem.free.end(), {FitParameter::tilt_x, FitParameter::tilt_y});
+    campaign.truth.insert(campaign.truth.end(), {truth.drive.tilt_x, truth.drive.tilt_y});
+  }
+  if (design == Design::conditions_measured) {
+    const double a = given.drive.amplitude, w = given.drive.angular_frequency;
+    given.drive.amplitude = given.drive.amplitude_y = a * (1 + noise.amplitude * dice.normal());
+    given.drive.angular_frequency = w * (1 + noise.frequency * dice.normal());
+    problem.conditions = {{FitParameter::amplitude, a * noise.amplitude, "drawn"},
+                          {FitParameter::angular_frequency, w * noise.frequency, "drawn"}};
+  }
+  for (const auto& [phi, dtau] : pulses) {
+    model::Scenario scenario = truth;
+    scenario.friction.phase = phi;
+    scenario.friction.pulse_width = dtau;
+    problem.summary_runs.push_back(
+        run_of(Filmed(scenario, noise), given, static_cast<int>(problem.summary_runs.size()) + 1, dice));
+  }
+  return campaign;
+}
+
+void add_point(TrackTable& track, double time, const Vector2d& position, double sigma) {
+  track.frame.push_back(static_cast<std::int64_t>(track.time.size()));
+  track.time.push_back(time);
+  track.position.push_back(position);
+  track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
+}
+
+/// A slide without spin: s = v t - mu g t^2/2 until it stops.
+struct Parabola {
+  double mu, speed, gravity;
+  double stop() const { return speed / (mu * gravity); }
+  double way(double t) const {
+    t = std::min(t, stop());
+    return speed * t - 0.5 * mu * gravity * t * t;
+  }
+};
+
+CoverageCampaign draw_slides(NoiseLevel level, Dice& dice) {
+  const bool low = level == NoiseLevel::low;
+  const double sigma = low ? 20e-6 : 60e-6, between = low ? 0.01 : 0.04;
+  CoverageCampaign campaign;
+  campaign.problem.free = {FitParameter::mu1};
+  const double mu1 = dice.uniform(0.1, 0.25);
+  campaign.truth = {mu1};
+  const int count = static_cast<int>(dice.uniform(3, 9));
+  for (int k = 0; k < count; ++k) {
+    TrajectoryRun run;
+    run.name = "slide" + std::to_string(k + 1);
+    run.free_slide = true;
+    run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0;
+    run.track.radius = 15.5e-3;
+    const Parabola slide{mu1 * (1 + between * dice.normal()), dice.uniform(0.4, 0.8),
+                         run.scenario.drive.gravity};
+    const double angle = dice.uniform(0, 2 * pi);
+    const Vector2d way(std::cos(angle), std::sin(angle));
+    for (int i = 0; i / kFrameRate < slide.stop() + 0.05; ++i) {
+      const double t = i / kFrameRate;
+      add_point(run.track, t, slide.way(t) * way + sigma * dice.normal_pair(), sigma);
+    }
+    campaign.problem.trajectory_runs.push_back(run);
+  }
+  return campaign;
+}
+
+template <class Draw>
+CoverageCampaign draw_until_it_runs(const Draw& draw) {
+  for (;;) try {
+      return draw();
+    } catch (const PeerHangs&) {
+    }
+}
+
+}  // namespace
+
+const char* to_string(Design design) {
+  constexpr const char* names[] = {"both sweeps",  "phi only",         "3 runs",
+                                   "5 runs",       "8 runs",           "repeats",
+                                   "tilt unknown", "A and w measured", "sticking, tilt unknown",
+                                   "slides"};
+  static_assert(std::size(names) == kDesigns.size());
+  return names[static_cast<std::size_t>(design)];
+}
+
+const char* to_string(NoiseLevel level) {
+  return level == NoiseLevel::low ? "low" : "high";
+}
+
+CoverageCampaign draw_campaign(Design design, NoiseLevel level, std::uint64_t seed, int index) {
+  Dice dice(seed, 2 * static_cast<std::uint32_t>(design) + (level == NoiseLevel::high), index);
+  if (design == Design::slides) return draw_slides(level, dice);
+  return draw_until_it_runs([&] {
+    const model::Scenario truth = draw_truth(design, dice);
+    return film(design, level, truth, pulses_of(design, dice), dice);
+  });
+}
+
+CoverageCampaign draw_random_runs(int runs, NoiseLevel level, std::uint64_t seed, int index) {
+  Dice dice(seed, 1000 + static_cast<std::uint32_t>(runs), index);
+  return draw_until_it_runs([&] {
+    const model::Scenario truth = draw_truth(Design::five_runs, dice);
+    return film(Design::five_runs, level, truth, random_pulses(runs, dice), dice);
+  });
+}
 
 namespace {
 

@@ -78,8 +78,4 @@ struct ExtremeList {
   }
 };
 
-// Of extremes_of_motion.cpp:
-void add_drive_extremes(ExtremeList& list);
-void add_start_extremes(ExtremeList& list);
-
 }  // namespace tribotrack::bench

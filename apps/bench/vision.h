@@ -28,7 +28,7 @@ VisionBenchOptions quick_vision_options();
 
 /// A disc (170 grey levels, edge blur 0.7 px) goes round by 3.7 px over a platform (80 grey levels) that goes
 /// round by 5.6 px, with a marker; one without texture rests. 8 bits. 125 poses, rendered analytically, come
-/// again with new noise. Ours is `track` as users get it, learning included; the peers (vision_peers.h) are
+/// again with new noise. Ours is `track` as users get it, learning included; the peers are
 /// told where part and marker lie. The error is the rms over the Cramer-Rao bound with everything but the
 /// position known, the time that of one thread a frame. Details: rms_px, bound_px, lost, components (two for
 /// each frame that counts) and, of ours, standardised (rms of the errors over their own standard deviations:
@@ -64,5 +64,19 @@ inline vision::Picture recorded(const vision::Picture& exact, double noise, std:
 
 /// Every benchmark's recording runs at this frame rate, Hz.
 inline constexpr double kFrameRate = 1000;
+
+// How others follow a disc to a fraction of a pixel: for comparison only (`tribotrack bench vision`).
+
+/// Follows each target (the part, then the marker) by cv::matchTemplate in a window about its last position,
+/// with a parabola between pixels; the template is its square in the first frame. `targets` are given where
+/// they lie in the first frame, to the fraction of a pixel. Returns the positions of the first one, px.
+std::vector<vision::Point> follow_by_matching(vision::FrameSource& source,
+                                              const std::vector<vision::Circle>& targets);
+
+/// Follows each target by a circle through the points of steepest grey level along rays from its last
+/// position (Kasa's fit: linear least squares), three times in each frame, the last two without edges that
+/// lie beside it.
+std::vector<vision::Point> follow_by_circle_fit(vision::FrameSource& source,
+                                                const std::vector<vision::Circle>& targets);
 
 }  // namespace tribotrack::bench
