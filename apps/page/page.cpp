@@ -1,17 +1,248 @@
+// A self-contained HTML page: its parts, and numbers, angles and text as it writes them.
 #include "apps/page/page.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "apps/figures/axes.h"
 #include "apps/figures/figure_csv.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/page/filling.h"
 #include "apps/page/text.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
+
+std::string escape_html(std::string_view text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string cell(const std::string& html) {
+  return fmt::format("<td>{}</td>", html);
+}
+
+std::string number_cell(const std::string& html) {
+  return fmt::format("<td class=\"n\">{}</td>", html);
+}
+
+namespace {
+
+/// A true minus sign, which a page does not break a line after.
+std::string with_minus_sign(std::string digits) {
+  if (!digits.empty() && digits.front() == '-') digits.replace(0, 1, "−");
+  return digits;
+}
+
+bool usable(double sd) {
+  return std::isfinite(sd) && sd > 0;
+}
+
+bool in_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+}
+
+bool digit_at(std::string_view text, std::size_t at) {
+  return at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]));
+}
+
+/// Words and signs of sentences and their symbols; the longer of two that begin alike stands first.
+constexpr std::pair<std::string_view, std::string_view> symbols[] = {{"phase_lag_rad", "lag"},
+                                                                     {"mu1/mu2", "μ₁/μ₂"},
+                                                                     {"mu1", "μ₁"},
+                                                                     {"mu2", "μ₂"},
+                                                                     {"mu", "μ"},
+                                                                     {"chi2", "χ²"},
+                                                                     {"dtau", "Δτ"},
+                                                                     {"phi", "φ"},
+                                                                     {"alpha", "α"},
+                                                                     {"omega^2", "ω²"},
+                                                                     {"omega", "ω"},
+                                                                     {"A_e", "Aₑ"},
+                                                                     {"rad/s^2", "rad/s²"},
+                                                                     {"+-", "±"},
+                                                                     {"->", "→"},
+                                                                     {"pi", "π"}};
+
+/// Does `word` stand alone at `at`, not inside a longer name, a file's name or a path? A number may divide
+/// it: "pi/2".
+bool stands_alone(std::string_view text, std::size_t at, std::string_view word) {
+  if (!in_word(word.front())) return true;
+  const std::size_t end = at + word.size();
+  const bool name_before = at > 0 && (in_word(text[at - 1]) || text[at - 1] == '/' || text[at - 1] == '.');
+  const bool name_after =
+      end < text.size() && (in_word(text[end]) || (text[end] == '/' && !digit_at(text, end + 1)) ||
+                            (text[end] == '.' && end + 1 < text.size() && in_word(text[end + 1])));
+  return !name_before && !name_after;
+}
+
+}  // namespace
+
+std::string number(double value, int digits) {
+  if (std::isnan(value)) return "–";
+  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+  return with_minus_sign(fmt::format("{:.{}g}", value, digits));
+}
+
+std::string rounded(double value, double sd) {
+  if (!std::isfinite(value) || !usable(sd)) return number(value);
+  return with_minus_sign(rounded_to_sd(value, sd));
+}
+
+std::string quoted_value(double value, double sd) {
+  return with_minus_sign(quoted(value, sd));
+}
+
+std::string quoted_cell(double value, double sd) {
+  if (std::isnan(value)) return number_cell("–");
+  return fmt::format("<td class=\"n\" data-v=\"{}\" data-sd=\"{}\">{}</td>", exact(value), exact(sd),
+                     usable(sd) ? quoted_value(value, sd) : number(value));
+}
+
+std::string interval_text(double low, double high, double sd) {
+  if (std::isnan(low) || std::isnan(high)) return "–";
+  const auto end = [&](double value) {
+    return std::isfinite(value) ? with_minus_sign(rounded_end(value, low, high, sd)) : number(value);
+  };
+  return end(low) + " to " + end(high);
+}
+
+std::string sentence_html(std::string_view sentence) {
+  std::string text;
+  for (std::size_t at = 0; at < sentence.size();) {
+    const auto* symbol = std::find_if(std::begin(symbols), std::end(symbols), [&](const auto& candidate) {
+      return sentence.substr(at).starts_with(candidate.first) && stands_alone(sentence, at, candidate.first);
+    });
+    if (symbol == std::end(symbols)) {
+      text += sentence[at++];
+    } else {
+      text += symbol->second;
+      at += symbol->first.size();
+    }
+  }
+  return escape_html(text);
+}
+
+std::string plain_text(std::string_view html) {
+  static constexpr std::pair<std::string_view, char> entities[] = {
+      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&#39;", '\''}};
+  std::string text;
+  for (std::size_t at = 0; at < html.size();) {
+    const auto* entity = std::ranges::find_if(
+        entities, [&](const auto& candidate) { return html.substr(at).starts_with(candidate.first); });
+    if (html[at] == '<') {
+      at = std::min(html.size(), html.find('>', at)) + 1;
+    } else if (entity != std::end(entities)) {
+      text += entity->second;
+      at += entity->first.size();
+    } else {
+      text += html[at++];
+    }
+  }
+  return text;
+}
+
+std::string html_list(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>";
+  for (const std::string& sentence : sentences) html += "<li>" + sentence_html(sentence) + "</li>";
+  return html + "</ul>\n";
+}
+
+std::string angle(double rad) {
+  if (!std::isfinite(rad)) return number(rad);
+  const double twelfths = rad * 12 / std::numbers::pi;
+  const long whole = std::lround(twelfths);
+  if (std::abs(twelfths - static_cast<double>(whole)) > 1e-4 * 12 / std::numbers::pi || std::abs(whole) > 480)
+    return number(rad) + " rad";
+  return multiple_of_pi(whole, 12);
+}
+
+ParameterText parameter_text(const std::string& key) {
+  static const std::map<std::string, ParameterText> known = {
+      {"mu1", {"μ<sub>1</sub>", "", "friction coefficient while the actuator is off"}},
+      {"mu2", {"μ<sub>2</sub>", "", "effective friction coefficient while the actuator is on"}},
+      {"phase_lag_rad",
+       {"lag", "rad",
+        "how much later than commanded the friction changes, as an angle of the platform’s turn"}},
+      {"delay_s", {"delay", "s", "how much later than commanded the friction changes, as a time"}},
+      {"amplitude_mm", {"A", "mm", "amplitude of the platform’s motion"}},
+      {"amplitude_y_mm", {"A<sub>y</sub>", "mm", "amplitude of the platform’s motion along y"}},
+      {"angular_frequency_rad_s", {"ω", "rad/s", "angular frequency of the platform"}},
+      {"phase_shift_rad", {"ε", "rad", "phase shift between the platform’s two axes"}},
+      {"diameter_mm", {"diameter", "mm", "diameter of the part"}},
+      {"height_mm", {"height", "mm", "height of the part"}},
+      {"gravity_m_s2", {"g", "m/s²", "acceleration of gravity"}},
+      {"mm_per_px", {"scale", "mm/px", "millimetres per pixel"}},
+      {"scale", {"scale", "", "factor on every measured length; 1 = as measured"}},
+      {"tilt_x_rad", {"tilt<sub>x</sub>", "rad", "slope of the platform towards +x"}},
+      {"tilt_y_rad", {"tilt<sub>y</sub>", "rad", "slope of the platform towards +y"}},
+  };
+  const auto found = known.find(key);
+  return found != known.end() ? found->second : ParameterText{escape_html(key), "", ""};
+}
+
+std::string plain_symbol(const std::string& key) {
+  static const std::map<std::string, std::string> known = {{"mu1", "μ₁"},
+                                                           {"mu2", "μ₂"},
+                                                           {"amplitude_y_mm", "Ay"},
+                                                           {"tilt_x_rad", "tilt x"},
+                                                           {"tilt_y_rad", "tilt y"}};
+  const auto found = known.find(key);
+  return found != known.end() ? found->second : parameter_text(key).symbol;
+}
+
+std::string observable_text(const std::string& observable) {
+  static const std::map<std::string, std::string> known = {
+      {"alpha_rad", "α (rad)"}, {"v_mm_s", "v (mm/s)"}, {"dx_mm", "dx (mm)"},   {"dy_mm", "dy (mm)"},
+      {"x_mm", "x (mm)"},       {"y_mm", "y (mm)"},     {"rms_mm", "rms (mm)"}, {"rms_px", "rms (px)"},
+  };
+  const auto found = known.find(observable);
+  return found != known.end() ? found->second : observable;
+}
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  static constexpr std::string_view alphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned block = 0;
+    for (std::size_t k = 0; k < 3; ++k) block = block << 8 | (k < left ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? alphabet[block >> (18 - 6 * k) & 63u] : '=';
+  }
+  return text;
+}
 
 std::string fill_template(std::string_view page, const PageParts& parts) {
   std::string filled;

@@ -1,11 +1,269 @@
+// The report: its page, with the sections that are text and tables, and the files beside it.
 #include "apps/report/report.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "apps/page/page.h"
+#include "apps/page/text.h"
 #include "apps/report/data/from_files.h"
 #include "apps/report/figures/figures.h"
+#include "apps/report/findings/verdict.h"
 #include "apps/report/page/page.h"
+#include "apps/report/page/results.h"
+#include "apps/report/page/runs.h"
 #include "apps/report/tables/tables.h"
 
 namespace tribotrack::apps {
+namespace {
+
+const char* css_class(Trust trust) {
+  switch (trust) {
+    case Trust::usable:
+      return "good";
+    case Trust::with_care:
+      return "care";
+    case Trust::do_not_use:
+      return "bad";
+    case Trust::no_fit:
+      return "none";
+  }
+  return "none";
+}
+
+/// A value in the unit of its key; multiples of pi as such where no sd says more.
+std::string quantity_cell(double value, double sd, const std::string& unit) {
+  if (std::isnan(value)) return number_cell("–");
+  if (unit == "rad" && std::isnan(sd)) return number_cell(angle(value));
+  return number_cell((std::isnan(sd) || sd == 0 ? number(value, 6) : quoted_value(value, sd)) +
+                     (unit.empty() ? "" : " " + unit));
+}
+
+std::string condition_row(const ReportCondition& c) {
+  const ParameterText shown = parameter_text(c.quantity);
+  return fmt::format("<tr><th>{}</th>", shown.symbol) + quantity_cell(c.given, c.given_sd, shown.unit) +
+         quantity_cell(c.measured, c.sd, shown.unit) +
+         number_cell(std::isnan(c.difference_in_sd) ? "–" : number(c.difference_in_sd, 2) + " σ") +
+         quantity_cell(c.used, c.used_sd, shown.unit) + cell(escape_html(c.from)) + "</tr>\n";
+}
+
+/// Every quantity that was not fitted, in one row each: given, measured, and which was used.
+std::string condition_table(const ReportData& data) {
+  std::string rows;
+  for (const ReportCondition& c : data.conditions) rows += condition_row(c);
+  for (const ReportGiven& given : data.given) {
+    const bool pooled =
+        std::ranges::any_of(data.conditions, [&](const auto& c) { return c.quantity == given.name; });
+    if (pooled) continue;
+    rows += condition_row(
+        {.quantity = given.name, .given = given.value, .used = given.value, .from = given.source});
+  }
+  if (rows.empty()) return "";
+  return "<h3>Conditions: given, measured, used</h3>\n<div class=\"wide\"><table id=\"conditions\" "
+         "class=\"compact "
+         "conditions\"><thead><tr><th>Quantity</th><th class=\"n\">given</th><th class=\"n\">measured, all "
+         "runs "
+         "pooled</th><th class=\"n\">difference</th><th "
+         "class=\"n\">used</th><th>from</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table></div>\n";
+}
+
+/// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
+std::string correlation_colour(double r) {
+  const double strength = std::min(std::abs(r), 1.0);
+  const char* rgb = r < 0 ? "0,114,178" : "213,94,0";
+  return fmt::format("background:rgba({},{:.2f})", rgb, 0.55 * strength);
+}
+
+std::string correlation_table(const ReportData& data) {
+  const std::size_t n = data.parameters.size();
+  if (n < 2 || data.correlation.size() != n) return "";
+  std::string html =
+      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table id=\"correlation\" "
+      "class=\"compact correlation\"><thead><tr><td></td>";
+  for (const ReportParameter& p : data.parameters)
+    html += "<th class=\"n\">" + parameter_text(p.name).symbol + "</th>";
+  html += "</tr></thead><tbody>";
+  for (std::size_t i = 0; i < n; ++i) {
+    html += "<tr><th>" + parameter_text(data.parameters[i].name).symbol + "</th>";
+    for (std::size_t k = 0; k < n && k < data.correlation[i].size(); ++k) {
+      const double r = data.correlation[i][k];
+      html += i == k ? "<td class=\"n\">1</td>"
+                     : fmt::format("<td class=\"n\" style=\"{}\">{}</td>", correlation_colour(r),
+                                   std::isnan(r) ? "–" : rounded(r, 0.1));
+    }
+    html += "</tr>";
+  }
+  return html +
+         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is compensated "
+         "by "
+         "the other: only their combination is known well.</p>\n";
+}
+
+std::string identifiability_text(const ReportData& data) {
+  std::string html = "<h3>Do the data determine each parameter?</h3>\n<p>";
+  switch (data.identifiability) {
+    case ReportVerdict::identifiable:
+      html += "Yes: every parameter is determined by these runs.";
+      break;
+    case ReportVerdict::weak:
+      html += "Only weakly: these runs depend little on some combination of the parameters.";
+      break;
+    case ReportVerdict::not_identifiable:
+      html += "<b>No</b>: these runs leave some combination of the parameters undetermined.";
+      break;
+  }
+  html += "</p>\n";
+  if (!data.weak_directions.empty()) html += html_list(data.weak_directions);
+  const std::string remedy = !data.next_experiment.empty() ? data.next_experiment
+                             : !data.next_runs.empty()     ? data.next_runs.front().sentence
+                                                           : std::string();
+  if (data.identifiability != ReportVerdict::identifiable && !remedy.empty())
+    html += "<p><b>Remedy:</b> " + sentence_html(remedy) + "</p>\n";
+  if (!data.other_minima.empty())
+    html +=
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
+        "them where they are within 95 %.</p>\n" +
+        html_list(data.other_minima);
+  return html;
+}
+
+/// Of files without a budget.
+std::string systematics(const ReportData& data) {
+  if (data.systematics.empty() || !data.budget.empty()) return "";
+  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
+         "χ² may not show and which the intervals above do not include.</p>\n" +
+         html_list(data.systematics);
+}
+
+std::string shared_scale(const ReportData& data) {
+  if (data.shared_scale.empty()) return "";
+  return "<h3>Scale of the recordings</h3>\n<p>" + sentence_html(data.shared_scale) + ".</p>\n";
+}
+
+}  // namespace
+
+std::string verdict_box(const ReportData& data) {
+  const Verdict verdict = verdict_of(data);
+  return fmt::format("<div id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></div>\n",
+                     css_class(verdict.trust), verdict.heading, verdict.paragraph);
+}
+
+std::string warning_box(const ReportData& data) {
+  if (data.warnings.empty()) return "";
+  return fmt::format("<div id=\"warnings\" class=\"warnings\"><h2>{}</h2>\n{}</div>\n",
+                     data.warnings.size() == 1 ? "Warning" : fmt::format("{} warnings", data.warnings.size()),
+                     html_list(data.warnings));
+}
+
+PageSection parameter_section(const ReportData& data, const std::vector<Figure>& figures) {
+  PageSection section{"parameters", "Parameters", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
+                 systematics(data) + shared_scale(data) + "</div>\n<div>" + correlation_table(data) +
+                 "</div>\n</div>\n" + figure_box(figures, "corner") + condition_table(data);
+  return section;
+}
+
+PageSection budget_section(const ReportData& data, const std::vector<Figure>& figures) {
+  PageSection section{"budget", "Where the uncertainty comes from", ""};
+  if (!data.fitted || data.parameters.empty()) return section;
+  section.html = budget_table(data) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
+  return section;
+}
+
+PageSection citing_section(const ReportData& data) {
+  return {"citing", "Methods and how to cite", methods_html(data), true};
+}
+
+PageSection provenance_section(const ReportData& data) {
+  PageSection section{"provenance", "Provenance", "", true};
+  std::string& html = section.html;
+  html += "<p>Made by tribotrack " +
+          escape_html(data.program_version.empty() ? "(version not stated)" : data.program_version) +
+          ". Figures drawn with plotly.js (MIT licence), which is part of this page; the page fetches "
+          "nothing.</p>\n";
+  if (!data.inputs.empty()) {
+    html +=
+        "<details class=\"print\"><summary>Inputs and their hashes</summary>\n<table id=\"inputs\" "
+        "class=\"compact\"><thead><tr><th>File</th><th>Hash</th></tr></thead><tbody>";
+    for (const ReportSource& input : data.inputs)
+      html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
+              "</tr>";
+    html += "</tbody></table></details>\n";
+  }
+  if (!data.configuration.empty())
+    html += "<details class=\"screen-only\"><summary>Effective configuration</summary>\n<pre>" +
+            escape_html(data.configuration) + "</pre></details>\n";
+  return section;
+}
+
+namespace {
+
+std::string result_table(const ReportData& data) {
+  if (!data.fitted || data.parameters.empty()) return "";
+  std::string html =
+      "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Value, and 95 % "
+      "interval</th></tr></thead><tbody>\n";
+  for (const ReportParameter& p : data.parameters) {
+    const ParameterText shown = parameter_text(p.name);
+    const bool determined = std::isfinite(p.estimate) && std::isfinite(p.sd);
+    html += fmt::format(
+        "<tr><th>{}</th><td class=\"value\" data-v=\"{}\">{}{}<br><span class=\"ends\">{}</span></td></tr>\n",
+        shown.symbol, determined ? fmt::format("{}", p.estimate) : "", quoted_value(p.estimate, p.sd),
+        shown.unit.empty() || !determined ? "" : " " + shown.unit, determined ? quoted_interval(p) : "");
+  }
+  return html +
+         "</tbody></table>\n<p class=\"note\">In parentheses the standard deviation of the last "
+         "digits.</p>\n";
+}
+
+}  // namespace
+
+std::string first_figure(const std::vector<Figure>& figures) {
+  for (const char* id : {"alpha-phi", "alpha-dtau", "trajectories", "slide-1"})
+    if (std::ranges::find(figures, std::string(id), &Figure::id) != figures.end()) return id;
+  return "";
+}
+
+std::string first_screen(const ReportData& data, const std::vector<Figure>& figures) {
+  const std::string figure = figure_box(figures, first_figure(figures)), picture = first_picture(data);
+  std::string html =
+      verdict_box(data) + "<div class=\"first\">\n<div class=\"values\">" + result_table(data) + "</div>\n";
+  if (!picture.empty()) html += "<div class=\"picture\">" + picture + "</div>\n";
+  if (!figure.empty()) html += "<div class=\"seen\">" + figure + "</div>\n";
+  return html + "</div>\n" + warning_box(data);
+}
+
+std::string methods_html(const ReportData& data) {
+  std::string html = "<p>" + sentence_html(methods_text(data)) + "</p>\n<h3>To cite</h3>\n<ul>";
+  for (const std::string& source : sources_to_cite(data)) html += "<li>" + escape_html(source) + "</li>";
+  return html + "</ul>\n";
+}
+
+std::string page_of(const ReportData& data) {
+  Page page{.name = data.title, .title = data.title, .subtitle = subtitle_of(data)};
+  page.figures = campaign_figures(data);
+  std::vector<std::vector<Figure>> of_runs;
+  for (std::size_t i = 0; i < data.runs.size(); ++i) of_runs.push_back(run_figures(data, i));
+
+  const std::vector<Figure>& figures = page.figures;
+  page.first = first_screen(data, figures);
+  const std::string shown = first_figure(figures);
+  for (PageSection section :
+       {dependence_section(data, figures, shown), parameter_section(data, figures),
+        check_section(data, figures), budget_section(data, figures), next_section(data),
+        slide_section(data, figures, shown), run_section(data), citing_section(data), picture_section(data),
+        detail_section(data, of_runs), audit_section(data), plan_section(data), provenance_section(data)})
+    if (!section.html.empty()) page.sections.push_back(std::move(section));
+  for (std::vector<Figure>& more : of_runs) std::ranges::move(more, std::back_inserter(page.figures));
+  return html_of(std::move(page));
+}
+
 namespace {
 
 Report report_of(const ReportData& data) {

@@ -1,3 +1,4 @@
+// What a command reads: files with their hashes, and what a user meant by a text that is no TOML.
 #include "apps/text/input_file.h"
 
 #include <fmt/format.h>
@@ -8,8 +9,11 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <regex>
 
 #include "apps/program/errors.h"
+#include "apps/text/toml_slips.h"
 #include "vision/frame_source.h"
 
 namespace tribotrack::apps {
@@ -164,6 +168,153 @@ void InputState::require_unchanged() const {
           fmt::format("{}: changed while it was being read; start again once it is complete (is it still "
                       "being copied?)",
                       before.path.string()));
+  }
+}
+
+namespace {
+
+/// Bytes of the UTF-8 character that begins here; 0 where none does.
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const std::size_t length = byte(0) < 0x80                       ? 1
+                             : byte(0) >= 0xc2 && byte(0) < 0xe0  ? 2
+                             : byte(0) >= 0xe0 && byte(0) < 0xf0  ? 3
+                             : byte(0) >= 0xf0 && byte(0) <= 0xf4 ? 4
+                                                                  : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+  return length;
+}
+
+/// By the first bytes: Phantom, MP4 and MOV, AVI, Matroska.
+bool is_recording(std::string_view text) {
+  return text.starts_with("CI") || text.substr(std::min<std::size_t>(4, text.size()), 4) == "ftyp" ||
+         text.starts_with("RIFF") || text.starts_with("\x1a\x45\xdf\xa3");
+}
+
+std::string_view line_of(std::string_view text, std::size_t number) {
+  for (; number > 1 && !text.empty(); --number)
+    text.remove_prefix(
+        std::min(text.size(), text.find('\n') == text.npos ? text.size() : text.find('\n') + 1));
+  text = text.substr(0, text.find('\n'));
+  while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+  return text;
+}
+
+/// The line without its comment, and whether a text's closing quote is missing in it.
+struct Line {
+  std::string content;
+  bool open_text = false;
+};
+
+Line read_line(std::string_view text) {
+  Line line;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote == 0 && c == '#') break;
+    if (quote == 0 && (c == '"' || c == '\''))
+      quote = c;
+    else if (c == quote)
+      quote = 0;
+    line.content += c;
+  }
+  line.open_text = quote != 0;
+  while (!line.content.empty() && line.content.back() == ' ') line.content.pop_back();
+  return line;
+}
+
+std::string matched(const std::string& text, const char* pattern) {
+  std::smatch found;
+  return std::regex_search(text, found, std::regex(pattern)) ? found[1].str() : std::string();
+}
+
+}  // namespace
+
+std::string encoding_slip(std::string_view text) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    return ": is a text in UTF-16, as Windows' editors save it; save it as UTF-8";
+  if (text.substr(0, 4096).find('\0') != text.npos)
+    return is_recording(text)
+               ? ": is a recording; name it as `video` in a campaign (`tribotrack init DIR` writes one)"
+               : ": is no text file; check its name";
+  std::size_t line = 1, column = 1;
+  for (std::size_t place = 0; place < text.size(); ++column) {
+    const std::size_t length = utf8_length(text.substr(place));
+    if (length == 0)
+      return fmt::format(
+          ":{}:{}: the character here is not UTF-8 (an umlaut or a sign in Latin-1?); save it as UTF-8", line,
+          column);
+    if (text[place] == '\n') ++line, column = 0;
+    place += length;
+  }
+  return "";
+}
+
+std::string toml_slip(std::string_view text, std::size_t number, std::size_t column,
+                      std::string_view description) {
+  if (description.find("redefin") != description.npos) {
+    const std::string key = matched(std::string(description), "'([^']*)'");
+    return fmt::format("`{}` is given twice; take one of them out", key);
+  }
+  constexpr std::size_t kLongest = 300;  // no line that a person wrote is longer
+  const Line line = read_line(line_of(text, number).substr(0, kLongest));
+  const std::string& content = line.content;
+  if (const std::string value = matched(content, R"(=\s*([-+]?\d+,\d+)$)"); !value.empty()) {
+    std::string with_point = value;
+    std::replace(with_point.begin(), with_point.end(), ',', '.');
+    return fmt::format("`{}` is no number: write a decimal point, {}", value, with_point);
+  }
+  if (line.open_text) return "the closing quote of a text is missing in this line";
+  if (const std::string unit = matched(content, R"(=\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*([A-Za-z%/]+\d*)$)");
+      !unit.empty())
+    return fmt::format(
+        "`{}` stands behind the number: write the number alone, the unit stands in the key's name", unit);
+  if (const std::string word = matched(content, R"(=\s*([A-Za-z_./\\][^"'\[\]{}]*)$)"); !word.empty())
+    return fmt::format("`{}` is neither a number nor a text: a text stands in quotes, \"{}\"", word, word);
+  if (const std::string key = matched(content, R"(^\s*([\w.-]+)\s*=$)"); !key.empty())
+    return fmt::format("`{}` has no value: write KEY = VALUE", key);
+  if (content.find('\\') != content.npos)
+    return "a backslash in quotes begins an escape: write / between folders, or the text in single quotes";
+  const auto count = [&](char c) { return std::count(content.begin(), content.end(), c); };
+  if (count('[') != count(']'))
+    return "a bracket is not closed (or not opened) in this line: [TABLE], [[run]], [1, 2, 3]";
+  if (count('{') != count('}'))
+    return "a brace is not closed (or not opened) in this line: { mean = 0.1, sd = 0.01 }";
+  if (content.find('=') == content.npos && !content.empty())
+    return fmt::format("`{}` is no line of a TOML file: write KEY = VALUE, [TABLE] or # COMMENT",
+                       content.substr(0, 40));
+  return fmt::format("`{}` cannot be read from column {} on: write KEY = VALUE, one to a line",
+                     content.substr(0, 60), column);
+}
+
+namespace {
+
+constexpr int kDeepest = 32;
+
+bool may_stand_in_key(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
+         c == '"' || c == '\'' || c == ' ' || c == '\t';
+}
+
+}  // namespace
+
+void require_shallow_keys(std::string_view text, const std::string& name) {
+  int line = 1, dots = 0;
+  std::size_t line_begin = 0, key_begin = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '.' && at > 0 && text[at - 1] != '.') {  // "..." is no key
+      if (++dots < kDeepest) continue;
+      throw InvalidInput(fmt::format("{}:{}:{}: a key of more than {} parts; keys here have at most 3", name,
+                                     line, key_begin - line_begin + 1, kDeepest));
+    }
+    if (may_stand_in_key(c)) continue;
+    dots = 0;
+    key_begin = at + 1;
+    if (c != '\n') continue;
+    ++line;
+    line_begin = at + 1;
   }
 }
 

@@ -11,7 +11,6 @@
 #include "apps/files/scenario_file.h"
 #include "apps/files/track_file.h"
 #include "apps/report/data/curves.h"
-#include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
 #include "apps/report/data/sources.h"
 

@@ -6,7 +6,6 @@
 #include "apps/campaign/fit_stage.h"
 #include "apps/files/scenario_file.h"
 #include "apps/report/data/curves.h"
-#include "apps/report/data/fit_file.h"
 #include "apps/report/data/json.h"
 #include "apps/report/data/sources.h"
 

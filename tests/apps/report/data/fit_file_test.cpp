@@ -1,5 +1,5 @@
 // From fit.json to the page: what must stand there, and what must not where the file is silent.
-#include "apps/report/data/fit_file.h"
+#include "apps/report/data/sources.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include "apps/program.h"
 #include "apps/report/data/json.h"
 #include "apps/report/findings/verdict.h"
-#include "apps/report/page/check.h"
 #include "apps/report/page/page.h"
 #include "apps/report/page/results.h"
+#include "apps/report/tables/tables.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/report/page/check.h"
+#include "apps/report/tables/tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
