@@ -3,6 +3,7 @@
 
 #include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
+#include "fit/residuals/residuals.h"
 #include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/profile.h"
 
@@ -22,5 +23,13 @@ void fill_influence(const Residuals& residuals, const Minimum& best, const Uncer
 void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result);
 /// Counts trial values without a motion; a warning where some lie near the minimum.
 void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result);
+
+// The errors that the covariance counts: numbers and sentences.
+
+/// Scatter of runs and points, and which covariance is printed. `allowed`: a scatter could have been
+/// estimated.
+void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& result);
+/// Correlated errors of driven tracks. After fill_excess_variance().
+void fill_correlated_errors(const Residuals& residuals, FitResult& result);
 
 }  // namespace tribotrack::fit::internal

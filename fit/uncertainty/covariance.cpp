@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "fit/tools/dense.h"
+#include "fit/tools/stage_progress.h"
+#include "fit/tools/track_errors.h"
+#include "fit/variances/reweighted_fit.h"
+#include "model/alpha_v.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -120,6 +126,180 @@ Interval interval95(const Transform& transform, FitParameter parameter, double v
   const double low = value - t * sd;
   const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
   return {cut ? std::max(0.0, low) : low, value + t * sd};
+}
+
+namespace {
+
+using Random = std::mt19937_64;
+
+class Draw {
+ public:
+  Draw(const Residuals& residuals, const Minimum& best, double noise, Random& random)
+      : residuals_(residuals),
+        best_(best),
+        noise_(noise),
+        random_(random),
+        problem_(residuals.unknowns().problem()) {}
+
+  Problem problem() {
+    Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
+    draw_deviations(values);
+    for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) summary(i);
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) trajectory(i, values);
+    const Unknowns& unknowns = residuals_.unknowns();
+    for (Eigen::Index k = 0; k < unknowns.common(); ++k)
+      if (const auto known = unknowns.prior(k))
+        problem_.prior[unknowns.parameter(k)] = {values(k) + known->sd * normal_(random_), known->sd};
+    return problem_;
+  }
+
+ private:
+  Eigen::Vector2d pair() { return {normal_(random_), normal_(random_)}; }
+
+  /// Slides of their own mu1 each, within what leaves friction.
+  void draw_deviations(Eigen::VectorXd& values) {
+    const Unknowns& unknowns = residuals_.unknowns();
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i)
+      if (const Eigen::Index deviation = unknowns.deviation_index(i); deviation >= 0)
+        values(deviation) = std::max(problem_.between_slides * normal_(random_),
+                                     -0.9 * unknowns.value_of(FitParameter::mu1, values));
+  }
+
+  void summary(std::size_t i) {
+    auto& measured = problem_.summary_runs[i].measured;
+    measured.vector -= residuals_.difference(best_.residuals, i);
+    measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * pair());
+  }
+
+  /// What the tracker tells of errors that points share.
+  std::vector<Eigen::Vector2d> draw_told(const TrackTable& track, const std::vector<std::size_t>& rows) {
+    std::vector<Eigen::Vector2d> told(rows.size(), Eigen::Vector2d::Zero());
+    for (const SlowError& slow : track.slow) {
+      Eigen::Vector2d state = pair();
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (k > 0) {
+          const double rho = std::exp(-(track.time[rows[k]] - track.time[rows[k - 1]]) / slow.time);
+          state = rho * state + std::sqrt(1 - rho * rho) * pair();
+        }
+        told[k] += point_errors(track, rows[k]).slow * slow.sd * state;
+      }
+    }
+    if (track.shared.empty()) return told;
+    Eigen::VectorXd size(track.shared.front().cols());
+    for (double& value : size) value = normal_(random_);
+    for (std::size_t k = 0; k < rows.size(); ++k) told[k] += track.shared[rows[k]] * size;
+    return told;
+  }
+
+  void trajectory(std::size_t i, const Eigen::VectorXd& values) {
+    TrajectoryRun& run = problem_.trajectory_runs[i];
+    auto& track = run.track;
+    if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
+      run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
+    if (const Eigen::Index own = residuals_.unknowns().own_index(i); own >= 0) {
+      Eigen::VectorXd drawn(run.own.covariance.rows());
+      for (double& value : drawn) value = normal_(random_);
+      drawn = values.segment(own, drawn.size()) + Factor(run.own.covariance).lower() * drawn;
+      for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
+        run.scenario.set(run.own.parameters[k],
+                         run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
+    }
+    if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
+      const Eigen::Vector2d drawn = values.segment<2>(spin) + Factor2(run.spin->covariance).lower() * pair();
+      run.spin->rate = drawn.x();
+      run.spin->bearing = drawn.y();
+    }
+    const PointResiduals points = residuals_.points(values, i);
+    const auto& scatter = residuals_.excess_variance().trajectories[i];
+    // A first-order process with the residuals' correlation time.
+    const double time = scatter.correlation_time, rho = (time - 1) / (time + 1);
+    Eigen::Vector2d wander = pair();
+    const std::vector<Eigen::Vector2d> told = draw_told(track, points.row);
+    for (std::size_t k = 0; k < points.row.size(); ++k) {
+      const Eigen::Matrix2d covariance =
+          point_errors(track, points.row[k]).own +
+          scatter.between_points * scatter.between_points * Eigen::Matrix2d::Identity();
+      if (k > 0) wander = rho * wander + std::sqrt(1 - rho * rho) * pair();
+      track.position[points.row[k]] +=
+          noise_ * (Factor2(covariance).lower() * wander) + told[k] - points.residual[k];
+    }
+    const ErrorShapes correlated = residuals_.shapes(i, kAllParts);
+    std::size_t shared = 0;
+    for (std::size_t j = 0; j < correlated.count(); ++j) {
+      Eigen::Vector2d size = std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]]) * pair();
+      if (is_common(correlated.part[j])) {  // as the first run drew it
+        if (shared == common_.size()) common_.push_back(size);
+        size = common_[shared++];
+      }
+      for (std::size_t k = 0; k < points.row.size(); ++k)
+        track.position[points.row[k]] +=
+            correlated.axes(j) * size *
+            correlated.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
+    }
+  }
+
+  const Residuals& residuals_;
+  const Minimum& best_;
+  double noise_;
+  Random& random_;
+  Problem problem_;
+  std::vector<Eigen::Vector2d> common_;  ///< sizes of the correlated errors that all runs share
+  std::normal_distribution<double> normal_;
+};
+
+/// Values of all unknowns where a refit to `problem`, data drawn from the model that `residuals` fitted, ends
+/// from the minimum `best`; empty where it does not converge.
+Eigen::VectorXd refit(const Problem& problem, const Residuals& residuals, const Minimum& best, Loss loss) {
+  const Unknowns own(problem);
+  Residuals refit(own);
+  refit.set_excess_variance(residuals.excess_variance());
+  refit.set_tolerance(residuals.tolerance_for(0.03, 1e-5));
+  if (refit.size() != residuals.size()) return {};  // a free slide whose strike moved by a frame
+  Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
+  if (loss != Loss::squares && std::isfinite(minimum.chi2)) reweighted_fit(refit, minimum, {.loss = loss});
+  return minimum.converged ? own.values(minimum.z) : Eigen::VectorXd();
+}
+
+/// The point below which `share` of the sorted values lie.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto k = static_cast<std::size_t>(place);
+  if (k + 1 >= sorted.size()) return sorted.back();
+  return sorted[k] + (place - static_cast<double>(k)) * (sorted[k + 1] - sorted[k]);
+}
+
+}  // namespace
+
+Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatter_estimated,
+                    const FitOptions& options) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const double dof = std::max(1.0, residuals.degrees_of_freedom());
+  std::vector<Eigen::VectorXd> estimates(static_cast<std::size_t>(options.bootstrap));
+  Stage stage(options, "bootstrap", estimates.size());
+  parallel_for(estimates.size(), options.threads, [&](std::size_t k) {
+    std::seed_seq seed{options.bootstrap_seed, static_cast<unsigned>(k)};
+    Random random(seed);
+    const double noise =
+        scatter_estimated ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
+    estimates[k] = refit(Draw(residuals, best, noise, random).problem(), residuals, best, options.loss);
+    stage.done();
+  });
+  Bootstrap result;
+  std::erase_if(estimates, [](const Eigen::VectorXd& values) { return values.size() == 0; });
+  result.converged = static_cast<int>(estimates.size());
+  const Eigen::VectorXd centre = unknowns.values(best.z);
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    std::vector<double> sorted;
+    for (const Eigen::VectorXd& values : estimates)
+      sorted.push_back(unknowns.parameter(i) == FitParameter::lag
+                           ? centre(i) + model::wrap_angle(values(i) - centre(i))
+                           : values(i));
+    std::sort(sorted.begin(), sorted.end());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    result.ci95.push_back(sorted.size() < 20 ? Interval{nan, nan}
+                                             : Interval{quantile(sorted, 0.025), quantile(sorted, 0.975)});
+  }
+  return result;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -1,9 +1,11 @@
-// Covariance from the whitened sensitivity at the minimum, intervals from it, and what each run does to the
-// estimates.
+// Covariance from the whitened sensitivity at the minimum, intervals from it, what each run does to the
+// estimates; and intervals by refitting simulated data.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
+#include "fit/estimate.h"
 #include "fit/fit_result.h"
 #include "fit/minimum/minimise.h"
 #include "fit/residuals/residuals.h"
@@ -37,5 +39,20 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
 /// From the sd and the two-sided quantile t: value exp(-+ t sd/value) on the axis of the logarithm, value -+
 /// t sd on a linear one, which of the two as ParameterEstimate::ci95 states.
 Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
+
+// Intervals by refitting simulated data.
+
+struct Bootstrap {
+  std::vector<Interval> ci95;  ///< of the reported parameters
+  int converged = 0;           ///< refits used
+};
+
+/// Parametric: data drawn from the fitted model with the fit's own covariance (scatter and its correlation
+/// included, priors drawn as data), refitted from the minimum; 2.5 and 97.5 % points of the estimates.
+/// Where the scatter itself was estimated, each draw's noise is scaled by sqrt(dof/chi^2_dof), which makes
+/// the ends Student's as those of the covariance are. Draw k depends on the seed and k alone, not on the
+/// threads.
+Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatter_estimated,
+                    const FitOptions& options);
 
 }  // namespace tribotrack::fit::internal
