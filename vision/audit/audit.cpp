@@ -39,29 +39,23 @@ void take_larger(std::optional<double>& most, double value) {
   if (!most || std::abs(value) > std::abs(*most)) most = value;
 }
 
-void audit_coordinate(const std::vector<Stretch>& parts, const Axis& axis, Audit& out) {
-  const auto fast = high_frequency(parts, axis);
+void audit_coordinate(const std::vector<TrackStretch>& parts, Audit& out) {
+  const auto fast = high_frequency(parts);
   if (!fast) return;
-  const LocalPolynomial fit(fast->order);
   MeanSquare noise = fast->noise;
   // A residual that hardly changes from frame to frame is what the polynomial leaves of the motion.
-  if (const auto lag1 = lag1_correlation(parts, axis, fit); lag1 && lag1->value < kMotion) {
+  if (const auto lag1 = lag1_correlation(parts, fast->order); lag1 && lag1->value < kMotion) {
     take_larger(out.lag1, lag1->value);
     noise = without_alternation(*fast, lag1->value + 2 * lag1->scatter);  // as far as it is beyond doubt
   }
   take_larger(out.high_frequency, std::sqrt(noise.value));
   out.white_factor = std::max(out.white_factor, supported(noise));
-  if (const auto phase = pixel_phase(parts, axis, fit, fast->noise.value)) {
-    take_larger(out.pixel_phase, std::sqrt(phase->value));
-    out.white_factor = std::max(out.white_factor, supported(*phase));
-  }
 }
 
 /// The coordinate that is worse off counts for both.
 void audit_track(const Track& track, Audit& out) {
-  const std::vector<Stretch> parts = stretches(track);
-  audit_coordinate(parts, kAlongX, out);
-  audit_coordinate(parts, kAlongY, out);
+  audit_coordinate(stretches(track, &TrackPoint::x, &TrackPoint::sigma_x), out);
+  audit_coordinate(stretches(track, &TrackPoint::y, &TrackPoint::sigma_y), out);
 }
 
 }  // namespace
@@ -97,7 +91,6 @@ std::string audit_warning(const Audit& found) {
   add(found.halves_x, "the left and the right half of the part disagree {:.2f} times as much");
   add(found.halves_y, "the top and the bottom half disagree {:.2f} times as much");
   add(found.high_frequency, "positions scatter from frame to frame {:.2f} times as much");
-  add(found.pixel_phase, "errors, with those that follow the fraction of a pixel, are {:.2f} times as large");
   if (findings.empty()) return {};
   std::string text = fmt::format(
       "audit: {} as tracking's model of the pictures predicts: they hold something that it does not (coding, "

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
@@ -30,8 +29,9 @@ double supported(const MeanSquare& found) {
   return 1 + excess - doubt * doubt / excess;
 }
 
-std::vector<Stretch> stretches(const Track& track) {
-  std::vector<Stretch> out;
+std::vector<TrackStretch> stretches(const Track& track, double TrackPoint::*position,
+                                    double TrackPoint::*sigma) {
+  std::vector<TrackStretch> out;
   bool open = false;
   for (const TrackPoint& p : track.points) {
     if (p.status != TrackStatus::ok || !(p.sigma_x > 0 && p.sigma_y > 0)) {
@@ -40,11 +40,8 @@ std::vector<Stretch> stretches(const Track& track) {
     }
     if (!open) out.emplace_back();
     open = true;
-    Stretch& s = out.back();
-    s.x.push_back(p.x);
-    s.y.push_back(p.y);
-    s.sigma_x.push_back(p.sigma_x);
-    s.sigma_y.push_back(p.sigma_y);
+    out.back().position.push_back(p.*position);
+    out.back().sigma.push_back(p.*sigma);
   }
   return out;
 }
@@ -64,15 +61,14 @@ double choose(int n, int k) {
 }
 
 /// Appends the p-th differences over what their standard deviation would be.
-void add_differences(const std::vector<double>& position, const std::vector<double>& sigma, int p,
-                     std::vector<double>& out) {
+void add_differences(const TrackStretch& s, int p, std::vector<double>& out) {
   const auto order = static_cast<std::size_t>(p);
-  for (std::size_t k = 0; k + order < position.size(); ++k) {
+  for (std::size_t k = 0; k + order < s.position.size(); ++k) {
     double difference = 0, variance = 0;
     for (std::size_t i = 0; i <= order; ++i) {
       const double c = choose(p, static_cast<int>(i)) * (i % 2 == 0 ? 1 : -1);
-      difference += c * position[k + i];
-      variance += c * c * sigma[k + i] * sigma[k + i];
+      difference += c * s.position[k + i];
+      variance += c * c * s.sigma[k + i] * s.sigma[k + i];
     }
     out.push_back(difference / std::sqrt(variance));
   }
@@ -83,9 +79,9 @@ struct OfOrder {
   double count = 0;
 };
 
-OfOrder of_order(const std::vector<Stretch>& stretches, const Axis& axis, int p) {
+OfOrder of_order(const std::vector<TrackStretch>& stretches, int p) {
   std::vector<double> differences;
-  for (const Stretch& s : stretches) add_differences(s.*axis.position, s.*axis.sigma, p, differences);
+  for (const TrackStretch& s : stretches) add_differences(s, p, differences);
   const double limit = outlier_size(differences);
   OfOrder out;
   for (const double z : differences) {
@@ -104,10 +100,10 @@ double covariance(int p, int q, double n) {
 
 }  // namespace
 
-std::optional<HighFrequency> high_frequency(const std::vector<Stretch>& stretches, const Axis& axis) {
-  OfOrder low = of_order(stretches, axis, 2);
+std::optional<HighFrequency> high_frequency(const std::vector<TrackStretch>& stretches) {
+  OfOrder low = of_order(stretches, 2);
   for (int p = 2; p <= kHighestOrder; p += 2) {
-    const OfOrder next = of_order(stretches, axis, p + 2);
+    const OfOrder next = of_order(stretches, p + 2);
     if (next.count < kLeastDifferences) return std::nullopt;
     const double n = next.count;
     const double scatter =
@@ -127,6 +123,28 @@ MeanSquare without_alternation(const HighFrequency& found, double correlation) {
     larger += 2 * std::pow(-rho, lag) * choose(2 * p, p + lag) / choose(2 * p, p);
   return {found.noise.value / larger, found.noise.scatter / larger};
 }
+
+namespace {
+
+/// What is left of a track when a polynomial is fitted about every frame (Savitzky & Golay, Anal. Chem. 36,
+/// 1964): least squares over 2 h + 1 frames, taken at the middle one.
+class LocalPolynomial {
+ public:
+  /// For a motion that differences of this order do not show (high_frequency): that degree, over twice the
+  /// frames it needs, which leaves most of the noise.
+  explicit LocalPolynomial(int order);
+
+  std::size_t half() const { return half_; }
+  /// At every frame but the first and last `half`: the value less the polynomial's.
+  std::vector<double> residual(const std::vector<double>& values) const;
+  /// Correlation of consecutive residuals of errors each of which is `rho` times the last and white noise.
+  double lag1(double rho) const;
+
+ private:
+  double correlation(std::ptrdiff_t lag) const;
+  std::size_t half_;
+  std::vector<double> weights_;  ///< of the residual
+};
 
 LocalPolynomial::LocalPolynomial(int order)
     : half_(static_cast<std::size_t>(order) + 2), weights_(2 * half_ + 1) {
@@ -152,21 +170,6 @@ std::vector<double> LocalPolynomial::residual(const std::vector<double>& values)
   return out;
 }
 
-std::vector<double> LocalPolynomial::transposed(const std::vector<double>& residuals,
-                                                std::size_t size) const {
-  std::vector<double> out(size, 0);
-  for (std::size_t k = 0; k < residuals.size(); ++k)
-    for (std::size_t i = 0; i < weights_.size(); ++i) out[k + i] += weights_[i] * residuals[k];
-  return out;
-}
-
-std::vector<double> LocalPolynomial::smoothed(const std::vector<double>& values) const {
-  std::vector<double> out = values;
-  const std::vector<double> left = residual(values);
-  for (std::size_t k = 0; k < left.size(); ++k) out[k + half_] -= left[k];
-  return out;
-}
-
 /// Of the weights with themselves.
 double LocalPolynomial::correlation(std::ptrdiff_t lag) const {
   double sum = 0;
@@ -186,8 +189,6 @@ double LocalPolynomial::lag1(double rho) const {
   return next / same;
 }
 
-namespace {
-
 /// The rho that leaves residuals correlated like this, by bisection.
 double autoregression(const LocalPolynomial& fit, double residual_correlation) {
   double low = -1, high = 1;
@@ -200,14 +201,14 @@ double autoregression(const LocalPolynomial& fit, double residual_correlation) {
 
 }  // namespace
 
-std::optional<Correlation> lag1_correlation(const std::vector<Stretch>& stretches, const Axis& axis,
-                                            const LocalPolynomial& fit) {
+std::optional<Correlation> lag1_correlation(const std::vector<TrackStretch>& stretches, int order) {
   constexpr int kLeastPairs = 50;
+  const LocalPolynomial fit(order);
   std::vector<std::vector<double>> series;
   std::vector<double> all;
-  for (const Stretch& s : stretches) {
-    std::vector<double>& z = series.emplace_back(fit.residual(s.*axis.position));
-    for (std::size_t k = 0; k < z.size(); ++k) z[k] /= (s.*axis.sigma)[k + fit.half()];
+  for (const TrackStretch& s : stretches) {
+    std::vector<double>& z = series.emplace_back(fit.residual(s.position));
+    for (std::size_t k = 0; k < z.size(); ++k) z[k] /= s.sigma[k + fit.half()];
     all.insert(all.end(), z.begin(), z.end());
   }
   const double limit = outlier_size(all);
@@ -222,111 +223,6 @@ std::optional<Correlation> lag1_correlation(const std::vector<Stretch>& stretche
     }
   if (pairs < kLeastPairs || !(square > 0)) return std::nullopt;
   return Correlation{autoregression(fit, product / square), 1 / std::sqrt(pairs)};
-}
-
-namespace {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-constexpr Eigen::Index kColumns = 4;
-/// Power of a column over that of the noise in the positions it is made from: the noise then explains a
-/// tenth.
-constexpr double kMoving = 10;
-
-/// Columns over the frames of a stretch.
-std::vector<std::vector<double>> columns_of(const Stretch& s, const LocalPolynomial& fit) {
-  std::vector<std::vector<double>> out(kColumns, std::vector<double>(s.size()));
-  const std::vector<double> x = fit.smoothed(s.x), y = fit.smoothed(s.y);
-  for (std::size_t k = 0; k < s.size(); ++k) {
-    const double px = 2 * std::numbers::pi * x[k], py = 2 * std::numbers::pi * y[k];
-    out[0][k] = std::cos(px);
-    out[1][k] = std::sin(px);
-    out[2][k] = std::cos(py);
-    out[3][k] = std::sin(py);
-  }
-  return out;
-}
-
-/// The regression of one coordinate, every row over its standard deviation.
-struct Regression {
-  MatrixXd filtered;  ///< columns as the polynomial leaves them
-  MatrixXd whole;     ///< columns as they are
-  MatrixXd spread;    ///< transposed filter of `filtered`: what noise of every frame does to the sums
-  VectorXd residual;
-  double noise_power = 0;  ///< that the positions' noise gives a column
-};
-
-Regression regression_of(const std::vector<Stretch>& stretches, const Axis& axis,
-                         const LocalPolynomial& fit) {
-  std::vector<std::vector<double>> filtered(kColumns), whole(kColumns), spread(kColumns);
-  std::vector<double> residual;
-  double noise_power = 0;
-  for (const Stretch& s : stretches) {
-    if (s.size() <= 2 * fit.half()) continue;
-    const auto columns = columns_of(s, fit);
-    const std::vector<double>& sd = s.*axis.sigma;
-    const std::vector<double> left = fit.residual(s.*axis.position);
-    for (std::size_t k = 0; k < left.size(); ++k) residual.push_back(left[k] / sd[k + fit.half()]);
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      std::vector<double> part = fit.residual(columns[c]), weighted = part;
-      for (std::size_t k = 0; k < part.size(); ++k) {
-        part[k] /= sd[k + fit.half()];
-        weighted[k] /= sd[k + fit.half()] * sd[k + fit.half()];
-      }
-      filtered[c].insert(filtered[c].end(), part.begin(), part.end());
-      const std::vector<double> back = fit.transposed(weighted, s.size());
-      for (std::size_t k = 0; k < s.size(); ++k) {
-        whole[c].push_back(columns[c][k] / sd[k]);
-        spread[c].push_back(back[k] * sd[k]);
-      }
-    }
-    // d cos(2 pi x) = 2 pi dx, over the standard deviation, at each residual.
-    noise_power +=
-        4 * std::numbers::pi * std::numbers::pi * fit.smoothed_variance() * static_cast<double>(left.size());
-  }
-  const auto matrix = [](const std::vector<std::vector<double>>& columns) {
-    MatrixXd out(static_cast<Eigen::Index>(columns[0].size()), kColumns);
-    for (Eigen::Index c = 0; c < kColumns; ++c)
-      out.col(c) = Eigen::Map<const VectorXd>(columns[static_cast<std::size_t>(c)].data(), out.rows());
-    return out;
-  };
-  return {matrix(filtered), matrix(whole), matrix(spread),
-          Eigen::Map<const VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),
-          noise_power};
-}
-
-void leave_out_outliers(Regression& r) {
-  const std::vector<double> numbers(r.residual.begin(), r.residual.end());
-  const double limit = outlier_size(numbers);
-  for (Eigen::Index k = 0; k < r.residual.size(); ++k)
-    if (std::abs(r.residual(k)) > limit) r.residual(k) = 0;
-}
-
-/// Mean square of the fitted errors beyond that of noise, and its scatter without any.
-std::optional<MeanSquare> excess(Regression r, double noise) {
-  if (r.residual.size() < 10 * kColumns) return std::nullopt;
-  leave_out_outliers(r);
-  const SymmetricEigen seen = eigen_symmetric(r.filtered.transpose() * r.filtered);
-  const Eigen::Index kept = (seen.values.array() > kMoving * r.noise_power).count();
-  if (kept == 0) return std::nullopt;
-  const MatrixXd axes = seen.vectors.rightCols(kept);
-  const MatrixXd inverse = axes * seen.values.tail(kept).cwiseInverse().asDiagonal() * axes.transpose();
-  const VectorXd amplitudes = inverse * (r.filtered.transpose() * r.residual);
-  const MatrixXd centred = r.whole.rowwise() - r.whole.colwise().mean();
-  const MatrixXd power = centred.transpose() * centred / static_cast<double>(centred.rows());
-  const MatrixXd of_noise = noise * power * inverse * (r.spread.transpose() * r.spread) * inverse;
-  return MeanSquare{amplitudes.dot(power * amplitudes) - of_noise.trace(),
-                    std::sqrt(2 * (of_noise * of_noise).trace())};
-}
-
-}  // namespace
-
-std::optional<MeanSquare> pixel_phase(const std::vector<Stretch>& stretches, const Axis& axis,
-                                      const LocalPolynomial& fit, double noise) {
-  const auto found = excess(regression_of(stretches, axis, fit), noise);
-  if (!found) return std::nullopt;
-  return MeanSquare{1 + std::max(0.0, found->value), found->scatter};
 }
 
 }  // namespace tribotrack::vision

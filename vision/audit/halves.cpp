@@ -75,14 +75,6 @@ std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const T
   return HalvesError{*left_right, *top_bottom, *checkerboard};
 }
 
-std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal) {
-  const FewFactor<TileSums::kMost> factor(normal);
-  if (!factor.positive()) return std::nullopt;
-  const TileSums::Matrix inverse =
-      factor.solve(TileSums::Matrix(TileSums::Matrix::Identity(normal.rows(), normal.cols())));
-  return halves_error(tiles, normal, inverse.topLeftCorner<2, 2>());
-}
-
 namespace {
 
 constexpr std::size_t kLeastFrames = 16;

@@ -50,9 +50,6 @@ struct HalvesError {
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
                                         const Eigen::Matrix2d& covariance);
 
-/// The same with the position's block of the inverse of `normal` as its covariance.
-std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal);
-
 /// One audited frame.
 struct AuditFrame {
   std::int64_t index = 0;  ///< in the source

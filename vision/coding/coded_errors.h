@@ -48,7 +48,8 @@ double displacement_differs(const Track& track, const Track& other);
 /// What that makes of the track's own displacement, px rms of a coordinate.
 double error_of_difference(const Track& track, const Track& other);
 
-/// Widens the covariances of ok points; fills the audit by frame type and what is known of the coding.
+/// Widens the covariances of ok points, also by what the halves of frames of one type tell; fills what is
+/// known of the coding.
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary);
 
 /// One sentence for a person.

@@ -46,11 +46,6 @@ Eigen::MatrixXd solve_spd(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return a.ldlt().solve(b);
 }
 
-SymmetricEigen eigen_symmetric(const Eigen::MatrixXd& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> found(symmetric);
-  return {found.eigenvalues(), found.eigenvectors()};
-}
-
 Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(symmetric).eigenvalues();
 }

@@ -40,12 +40,6 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix);
 /// x of a x = b, a symmetric and positive definite, by L D L^T.
 Eigen::MatrixXd solve_spd(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-struct SymmetricEigen {
-  Eigen::VectorXd values;  ///< ascending
-  Eigen::MatrixXd vectors;
-};
-SymmetricEigen eigen_symmetric(const Eigen::MatrixXd& symmetric);
-
 /// Of a symmetric matrix, ascending.
 Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric);
 /// Its power -1/2.

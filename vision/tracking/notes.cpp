@@ -233,11 +233,6 @@ const char* to_string(TrackStatus status) {
   return "lost";
 }
 
-std::optional<double> Audit::halves() const {
-  if (!halves_x || !halves_y) return std::nullopt;
-  return std::hypot(*halves_x, *halves_y) / std::sqrt(2.0);
-}
-
 double TrackSummary::slow_sd() const {
   double variance = 0;
   for (const SlowPart& part : slow) variance += part.sd * part.sd;

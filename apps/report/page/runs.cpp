@@ -170,8 +170,7 @@ PageSection audit_section(const ReportData& data) {
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].audit;
-    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.pixel_phase,
-                               audit.lag1};
+    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.lag1};
     if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
       continue;
     rows +=
@@ -186,16 +185,14 @@ PageSection audit_section(const ReportData& data) {
       "<div class=\"wide\"><table id=\"audit-table\" class=\"compact\"><thead><tr><th "
       "class=\"n\">#</th><th>Run</th><th class=\"n\">left / "
       "right</th><th class=\"n\">top / bottom</th><th class=\"n\">frame to frame</th><th "
-      "class=\"n\">pixel phase</th><th class=\"n\">lag 1</th><th class=\"n\">σ widened by</th><th "
-      "class=\"n\">slow part added, "
+      "class=\"n\">lag 1</th><th class=\"n\">σ widened by</th><th class=\"n\">slow part added, "
       "px</th></tr></thead><tbody>\n" +
       rows +
       "</tbody></table></div>\n<p class=\"note\">Ratios of what is seen to what the tracking’s own "
       "standard deviations predict; 1 is right. The first two compare positions from complementary "
       "halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the motion is "
-      "slow. Pixel phase: errors with those that follow the fraction of a pixel to errors without. Lag "
-      "1: correlation of consecutive errors, 0 for white noise. The σ of all tables are the widened "
-      "ones.</p>\n";
+      "slow. Lag 1: correlation of consecutive errors, 0 for white noise. The σ of all tables are the "
+      "widened ones.</p>\n";
   return section;
 }
 

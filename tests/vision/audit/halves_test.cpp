@@ -70,6 +70,11 @@ struct RimModel {
 
 constexpr int kFrames = 3000;
 
+/// Against the covariance that the model gives the position.
+std::optional<HalvesError> halves_of(const RimModel& model) {
+  return halves_error(model.tiles, model.normal, MatrixXd(model.normal.inverse()).topLeftCorner<2, 2>());
+}
+
 /// Mean of e C^-1 e' of each split and of the position's own error, per coordinate.
 struct Ratios {
   double left_right = 0, top_bottom = 0, checkerboard = 0, position = 0;
@@ -83,7 +88,7 @@ Ratios simulate(const std::function<std::function<double(const RimModel::Pixel&)
   Ratios out;
   for (int k = 0; k < kFrames; ++k) {
     const Vector2d position = model.solve(frame(random));
-    const auto halves = halves_error(model.tiles, model.normal);
+    const auto halves = halves_of(model);
     EXPECT_TRUE(halves.has_value());
     const auto square = [&](const Vector2d& e) { return e.dot(information * e) / (2 * kFrames); };
     out.left_right += square(halves->left_right);
@@ -164,7 +169,7 @@ TEST(Halves, WithoutNuisancesItIsTheDifferenceOfTheHalvesPositions) {
   }
   const Vector2d found = model.normal.ldlt().solve(left_force + right_force);
   for (TileSums& tile : model.tiles) tile.score -= tile.normal * found;
-  const Vector2d e = halves_error(model.tiles, model.normal)->left_right;
+  const Vector2d e = halves_of(model)->left_right;
   // e' C^-1 e = D' Cov(D)^-1 D for D the difference of two fits of their own.
   const Vector2d difference = left.inverse() * left_force - right.inverse() * right_force;
   const Eigen::Matrix2d of_difference = left.inverse() + right.inverse();
@@ -221,7 +226,7 @@ TEST(Halves, AHalfWithoutInformationIsNoJudge) {
   std::erase_if(model.tiles, [](const TileSums& tile) { return tile.place.x < 0; });
   model.normal.setZero();
   for (const TileSums& tile : model.tiles) model.normal += tile.normal;
-  EXPECT_FALSE(halves_error(model.tiles, model.normal).has_value());
+  EXPECT_FALSE(halves_of(model).has_value());
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
   data.runs[0].audit.slow_sd = 0.0123;
   EXPECT_THAT(audit_section(data).html,
               HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
-                        "class=\"n\">–</td><td class=\"n\">–</td><td class=\"n\">-0.31</td><td "
+                        "class=\"n\">–</td><td class=\"n\">-0.31</td><td "
                         "class=\"n\">2.00</td><td "
                         "class=\"n\">0.0123</td></tr>"));
 }
