@@ -39,6 +39,7 @@ void take_larger(std::optional<double>& most, double value) {
   if (!most || std::abs(value) > std::abs(*most)) most = value;
 }
 
+/// The coordinate that is worse off counts for both.
 void audit_coordinate(const std::vector<TrackStretch>& parts, Audit& out) {
   const auto fast = high_frequency(parts);
   if (!fast) return;
@@ -52,17 +53,12 @@ void audit_coordinate(const std::vector<TrackStretch>& parts, Audit& out) {
   out.white_factor = std::max(out.white_factor, supported(noise));
 }
 
-/// The coordinate that is worse off counts for both.
-void audit_track(const Track& track, Audit& out) {
-  audit_coordinate(stretches(track, &TrackPoint::x, &TrackPoint::sigma_x), out);
-  audit_coordinate(stretches(track, &TrackPoint::y, &TrackPoint::sigma_y), out);
-}
-
 }  // namespace
 
 Audit audit(const std::vector<AuditFrame>& frames, const Track& track) {
   Audit out;
-  audit_track(track, out);
+  audit_coordinate(stretches(track, &TrackPoint::x, &TrackPoint::sigma_x), out);
+  audit_coordinate(stretches(track, &TrackPoint::y, &TrackPoint::sigma_y), out);
   audit_halves(frames, time_step(track), out);
   return out;
 }

@@ -132,62 +132,56 @@ class LocalPolynomial {
  public:
   /// For a motion that differences of this order do not show (high_frequency): that degree, over twice the
   /// frames it needs, which leaves most of the noise.
-  explicit LocalPolynomial(int order);
+  explicit LocalPolynomial(int order) : half_(static_cast<std::size_t>(order) + 2), weights_(2 * half_ + 1) {
+    const auto count = static_cast<Eigen::Index>(weights_.size());
+    Eigen::MatrixXd powers(count, order + 1);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(half_) - 1;
+      for (Eigen::Index d = 0; d <= order; ++d) powers(i, d) = std::pow(t, d);
+    }
+    const Eigen::MatrixXd fit =
+        solve_spd(powers.transpose() * powers, powers.transpose());  // row 0: the value at t = 0
+    for (Eigen::Index i = 0; i < count; ++i) weights_[static_cast<std::size_t>(i)] = -fit(0, i);
+    weights_[half_] += 1;
+  }
 
   std::size_t half() const { return half_; }
+
   /// At every frame but the first and last `half`: the value less the polynomial's.
-  std::vector<double> residual(const std::vector<double>& values) const;
+  std::vector<double> residual(const std::vector<double>& values) const {
+    std::vector<double> out;
+    for (std::size_t k = 0; k + weights_.size() <= values.size(); ++k) {
+      double sum = 0;
+      for (std::size_t i = 0; i < weights_.size(); ++i) sum += weights_[i] * values[k + i];
+      out.push_back(sum);
+    }
+    return out;
+  }
+
   /// Correlation of consecutive residuals of errors each of which is `rho` times the last and white noise.
-  double lag1(double rho) const;
+  double lag1(double rho) const {
+    const auto reach = static_cast<std::ptrdiff_t>(weights_.size());
+    double same = 0, next = 0;
+    for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
+      const double of_errors = std::pow(rho, std::abs(lag));
+      same += of_errors * correlation(lag);
+      next += of_errors * correlation(lag + 1);
+    }
+    return next / same;
+  }
 
  private:
-  double correlation(std::ptrdiff_t lag) const;
+  /// Of the weights with themselves.
+  double correlation(std::ptrdiff_t lag) const {
+    const auto distance = static_cast<std::size_t>(std::abs(lag));
+    double sum = 0;
+    for (std::size_t i = distance; i < weights_.size(); ++i) sum += weights_[i] * weights_[i - distance];
+    return sum;
+  }
+
   std::size_t half_;
   std::vector<double> weights_;  ///< of the residual
 };
-
-LocalPolynomial::LocalPolynomial(int order)
-    : half_(static_cast<std::size_t>(order) + 2), weights_(2 * half_ + 1) {
-  const auto count = static_cast<Eigen::Index>(weights_.size());
-  Eigen::MatrixXd powers(count, order + 1);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double t = static_cast<double>(i) / static_cast<double>(half_) - 1;
-    for (Eigen::Index d = 0; d <= order; ++d) powers(i, d) = std::pow(t, d);
-  }
-  const Eigen::MatrixXd fit =
-      solve_spd(powers.transpose() * powers, powers.transpose());  // row 0: the value at t = 0
-  for (Eigen::Index i = 0; i < count; ++i) weights_[static_cast<std::size_t>(i)] = -fit(0, i);
-  weights_[half_] += 1;
-}
-
-std::vector<double> LocalPolynomial::residual(const std::vector<double>& values) const {
-  std::vector<double> out;
-  for (std::size_t k = 0; k + weights_.size() <= values.size(); ++k) {
-    double sum = 0;
-    for (std::size_t i = 0; i < weights_.size(); ++i) sum += weights_[i] * values[k + i];
-    out.push_back(sum);
-  }
-  return out;
-}
-
-/// Of the weights with themselves.
-double LocalPolynomial::correlation(std::ptrdiff_t lag) const {
-  double sum = 0;
-  for (auto i = static_cast<std::size_t>(std::abs(lag)); i < weights_.size(); ++i)
-    sum += weights_[i] * weights_[i - static_cast<std::size_t>(std::abs(lag))];
-  return sum;
-}
-
-double LocalPolynomial::lag1(double rho) const {
-  const auto reach = static_cast<std::ptrdiff_t>(weights_.size());
-  double same = 0, next = 0;
-  for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
-    const double of_errors = std::pow(rho, std::abs(lag));
-    same += of_errors * correlation(lag);
-    next += of_errors * correlation(lag + 1);
-  }
-  return next / same;
-}
 
 /// The rho that leaves residuals correlated like this, by bisection.
 double autoregression(const LocalPolynomial& fit, double residual_correlation) {

@@ -17,39 +17,6 @@ namespace {
 constexpr double kLeastShare = 0.01;
 constexpr double kTileSide = 8;
 
-/// One half against the other, in the units of the position's error.
-class Disagreement {
- public:
-  Disagreement(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
-               const Eigen::Matrix2d& covariance)
-      : tiles_(tiles), normal_(normal), factor_(normal), covariance_(covariance) {}
-
-  template <class InHalf>
-  std::optional<Eigen::Vector2d> of(const InHalf& in_half) const {
-    TileSums::Vector score = TileSums::Vector::Zero(normal_.rows());
-    TileSums::Matrix half = TileSums::Matrix::Zero(normal_.rows(), normal_.cols());
-    for (const TileSums& tile : tiles_) {
-      if (!in_half(tile.place)) continue;
-      score += tile.score;
-      half += tile.normal;
-    }
-    const TileSums::Matrix spread = half - half * factor_.solve(half);
-    const Eigen::Matrix2d position = spread.topLeftCorner<2, 2>();
-    for (Eigen::Index i = 0; i < 2; ++i)
-      if (!(position(i, i) > kLeastShare * normal_(i, i))) return std::nullopt;
-    const Eigen::LLT<Eigen::Matrix2d> whitening(position), colouring(covariance_);
-    if (whitening.info() != Eigen::Success || colouring.info() != Eigen::Success) return std::nullopt;
-    const Eigen::Vector2d white = whitening.matrixL().solve(score.head<2>());
-    return colouring.matrixL() * white;
-  }
-
- private:
-  std::span<const TileSums> tiles_;
-  const TileSums::Matrix& normal_;
-  FewFactor<TileSums::kMost> factor_;
-  const Eigen::Matrix2d& covariance_;
-};
-
 bool is_left(const Point& place) {
   return place.x < 0;
 }
@@ -67,10 +34,28 @@ bool is_dark(const Point& place) {
 
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
                                         const Eigen::Matrix2d& covariance) {
-  const Disagreement disagreement(tiles, normal, covariance);
-  const auto left_right = disagreement.of(is_left);
-  const auto top_bottom = disagreement.of(is_above);
-  const auto checkerboard = disagreement.of(is_dark);
+  const FewFactor<TileSums::kMost> factor(normal);
+  // One half against the other, in the units of the position's error.
+  const auto disagreement = [&](auto in_half) -> std::optional<Eigen::Vector2d> {
+    TileSums::Vector score = TileSums::Vector::Zero(normal.rows());
+    TileSums::Matrix half = TileSums::Matrix::Zero(normal.rows(), normal.cols());
+    for (const TileSums& tile : tiles) {
+      if (!in_half(tile.place)) continue;
+      score += tile.score;
+      half += tile.normal;
+    }
+    const TileSums::Matrix spread = half - half * factor.solve(half);
+    const Eigen::Matrix2d position = spread.topLeftCorner<2, 2>();
+    for (Eigen::Index i = 0; i < 2; ++i)
+      if (!(position(i, i) > kLeastShare * normal(i, i))) return std::nullopt;
+    const Eigen::LLT<Eigen::Matrix2d> whitening(position), colouring(covariance);
+    if (whitening.info() != Eigen::Success || colouring.info() != Eigen::Success) return std::nullopt;
+    const Eigen::Vector2d white = whitening.matrixL().solve(score.head<2>());
+    return colouring.matrixL() * white;
+  };
+  const auto left_right = disagreement(is_left);
+  const auto top_bottom = disagreement(is_above);
+  const auto checkerboard = disagreement(is_dark);
   if (!left_right || !top_bottom || !checkerboard) return std::nullopt;
   return HalvesError{*left_right, *top_bottom, *checkerboard};
 }
