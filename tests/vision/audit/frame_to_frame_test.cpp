@@ -45,11 +45,6 @@ TEST(HighFrequency, WhiteNoiseIsFoundByTheLowestOrderAndItsScatterIsTrue) {
   EXPECT_GE(low, 190);
 }
 
-TEST(HighFrequency, ReportedTooSmallIsSeen) {
-  const auto found = high_frequency(along_x(track_of(600, 1, at_rest, noise(1.8))));
-  EXPECT_NEAR(std::sqrt(found->noise.value), 1.8, 0.1);
-}
-
 /// On a platform at 10 Hz filmed at 1000 frames/s second differences see the motion, fourth do not.
 TEST(HighFrequency, AMotionThatLowOrdersSeeTakesAHigherOne) {
   const auto circle = [](int k) { return 15 * std::cos(0.0628 * k); };

@@ -177,16 +177,6 @@ TEST(Halves, WithoutNuisancesItIsTheDifferenceOfTheHalvesPositions) {
               1e-9);
 }
 
-TEST(Halves, WeightsWrongByAFactorShowAsThatFactor) {
-  const Ratios r = simulate([](std::mt19937& random) {
-    return [&](const RimModel::Pixel& p) {
-      return std::normal_distribution<>(0, 1.7 / std::sqrt(p.weight))(random);
-    };
-  });
-  for (const double ratio : {r.left_right, r.top_bottom, r.checkerboard})
-    EXPECT_NEAR(ratio, 1.7 * 1.7, 1.7 * 1.7 * kScatter);
-}
-
 TEST(Halves, NoiseAlikeOverWholeTilesIsSeenAsThePositionFeelsIt) {
   const Ratios r = simulate([](std::mt19937& random) {
     std::vector<double> tiles(64);

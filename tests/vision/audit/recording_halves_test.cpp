@@ -59,13 +59,6 @@ TEST(HalvesOverTheRecording, WhiteNoiseAboutAConstantIsRight) {
   EXPECT_LE(slow, 3);  // one-sided three standard deviations
 }
 
-TEST(HalvesOverTheRecording, ALargerWhiteNoiseIsWhite) {
-  const auto found =
-      halves_found(halves_of(900, 3, [](auto, int, std::mt19937& r) { return white(r, 1.5 * kSigma); }));
-  EXPECT_NEAR(found->white.value, 2.25, 0.25);
-  EXPECT_NEAR(found->top_bottom, 1.5, 0.15);
-}
-
 TEST(HalvesOverTheRecording, ASlowPartIsToldFromTheWhiteOne) {
   double white_part = 0, total = 0, spread = 0, claimed = 0, frames = 0;
   constexpr int kTrials = 100;
