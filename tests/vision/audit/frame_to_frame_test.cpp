@@ -13,8 +13,8 @@ using test::kSigma;
 using test::track_of;
 using test::white;
 
-auto noise(double factor = 1) {
-  return [factor](int, std::mt19937& random) { return white(random, factor * kSigma); };
+auto noise() {
+  return [](int, std::mt19937& random) { return white(random); };
 }
 
 double at_rest(int) {
