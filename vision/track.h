@@ -110,7 +110,7 @@ struct Audit {
   std::optional<double> halves_y;        ///< from its top and bottom half
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
   std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
-  double white_factor = 1;  ///< what every covariance is multiplied by
+  double white_factor = 1;     ///< what every covariance is multiplied by
   /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
   /// correlation time, s.
   double slow_sd = 0, slow_time = 0;
