@@ -12,12 +12,12 @@
 
 namespace tribotrack::apps {
 
-/// Runs whose tracks are the same to the last bit as an earlier one's: each gets AnalysedRun::repeats. Throws
+/// Runs whose tracks are the same to the last bit as an earlier one's: each gets Run::repeats. Throws
 /// InvalidInput where they are given with different phi or dtau, of which one is wrong.
-void set_aside_repeated(std::vector<AnalysedRun>& runs);
+void set_aside_repeated(std::vector<Run>& runs);
 
 /// 'run "b" is the recording of run "a" once more: it is counted once', one for each.
-std::vector<std::string> repeated_text(const std::vector<AnalysedRun>& runs);
+std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 
 // One camera, one part: the scale that a campaign's runs share.
 
@@ -33,7 +33,7 @@ struct SharedScale {
 /// get the mean (vision::pooled_scale) and are measured again with it: the noise of each run's radius is then
 /// common to all. Where none does (the camera moved, another part) each keeps its own. A run that cannot be
 /// measured again has failed. Nothing for fewer than two such runs.
-std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs);
+std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run>& runs);
 
 /// The same track at another scale.
 void rescale(TrackFile& track, const vision::Scale& scale);

@@ -111,7 +111,7 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
 }
 
 /// One platform turned the sensor and moved the mark.
-void require_same_frequency(const AnalysedRun& analysed) {
+void require_same_frequency(const Run& analysed) {
   constexpr double kSame = 0.01;  // of w: the clocks of camera and oscilloscope agree to 1e-4
   if (!analysed.scope || !analysed.scope->sensor || !analysed.measurement || !analysed.measurement->platform)
     return;
@@ -121,7 +121,7 @@ void require_same_frequency(const AnalysedRun& analysed) {
     throw InvalidInput(fmt::format(
         "{}: run \"{}\": the sensor in {} shows {:.4g} rad/s, the recording {:.4g} rad/s: "
         "is it the trace of another run? check `scope`",
-        analysed.run->place, analysed.run->name, analysed.run->scope->string(), trace, recording));
+        analysed.given.place, analysed.given.name, analysed.given.scope->string(), trace, recording));
 }
 
 /// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
@@ -160,8 +160,8 @@ void require_slide(const CampaignRun& run, const fit::TrackTable& track) {
 }
 
 /// Everything that is known of one run: given, or seen in its track.
-GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed) {
-  const CampaignRun& run = *analysed.run;
+GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
+  const CampaignRun& run = analysed.given;
   GivenConditions given;
   given.lamp = campaign.camera.gate_px.has_value();
   given.angular_frequency =
@@ -177,9 +177,9 @@ GivenConditions given_for(const Campaign& campaign, const AnalysedRun& analysed)
 
 }  // namespace
 
-AnalysedRun analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track) {
-  AnalysedRun analysed;
-  analysed.run = &run;
+Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track) {
+  Run analysed;
+  analysed.given = run;
   if (track) {
     require_accepted(run, *track);
     analysed.inputs = track->inputs;
@@ -222,8 +222,8 @@ std::string failure_of(const CampaignRun& run, const std::exception& error) {
   return fmt::format("{}: run \"{}\": {}", run.place, run.name, error.what());
 }
 
-void measure_again(const Campaign& campaign, AnalysedRun& analysed) {
-  const CampaignRun& run = *analysed.run;
+void measure_again(const Campaign& campaign, Run& analysed) {
+  const CampaignRun& run = analysed.given;
   analysed.measurement.reset();
   analysed.amplitude_from_track = false;
   analysed.scenario = {};

@@ -104,13 +104,13 @@ Json slide_json(const fit::RunResult& run) {
   return json;
 }
 
-Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
-  Json json = {{"name", analysed.run->name}, {"kind", analysed.run->free_slide ? "free_slide" : "pulses"}};
+Json run_json(const Run& analysed, const fit::FitResult& result) {
+  Json json = {{"name", analysed.given.name}, {"kind", analysed.given.free_slide ? "free_slide" : "pulses"}};
   if (!analysed.failure.empty()) {
     json["failure"] = analysed.failure;
     return json;
   }
-  if (!analysed.run->free_slide) {
+  if (!analysed.given.free_slide) {
     const auto* gate =
         analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
     json["phi_rad"] = analysed.scenario.friction.phase;
@@ -119,17 +119,17 @@ Json run_json(const AnalysedRun& analysed, const fit::FitResult& result) {
     if (gate) {
       json["phi_rad_sd"] = gate->phi.sd;
       json["dtau_rad_sd"] = gate->dtau.sd;
-      json["commanded"] = {{"phi_rad", analysed.run->phi}, {"dtau_rad", analysed.run->dtau}};
+      json["commanded"] = {{"phi_rad", analysed.given.phi}, {"dtau_rad", analysed.given.dtau}};
     }
   }
-  if (const CampaignRun& run = *analysed.run; run.slope) {
+  if (const CampaignRun& run = analysed.given; run.slope) {
     json["slope_rad"] = *run.slope;  // "scenario" is that of a level platform on which the part moves alike
     json["slope_rad_sd"] = optional_json(run.slope_sd);
   }
   if (!analysed.repeats.empty()) json["repeats"] = analysed.repeats;
   json["observables"] = Json::array();
   for (const fit::RunResult& run : result.runs) {
-    if (run.name != analysed.run->name) continue;
+    if (run.name != analysed.given.name) continue;
     json["scenario"] = json_of(run.fitted);
     for (const fit::Residual& r : run.residuals)
       json["observables"].push_back({{"observable", r.observable},
@@ -260,10 +260,10 @@ bool coder_exceeds_interval(const fit::FitResult& result) {
   return false;
 }
 
-std::string phase_reference(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+std::string phase_reference(const Campaign& campaign, const std::vector<Run>& runs) {
   std::size_t by_camera = 0, by_sensor = 0;
-  for (const AnalysedRun& run : runs) {
-    if (!run.failure.empty() || run.run->free_slide || !run.measurement) continue;
+  for (const Run& run : runs) {
+    if (!run.failure.empty() || run.given.free_slide || !run.measurement) continue;
     if (run.measurement->phase_source == "assumed 0") continue;
     ++(run.measurement->gate_reference == "camera" ? by_camera : by_sensor);
   }
@@ -285,25 +285,25 @@ std::string slide_sentence(const fit::RunResult& run) {
                      run.nuisance.at("initial_speed_mm_s"), run.points, run.rms_m * 1e3);
 }
 
-std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector<Run>& runs,
                                      const fit::FitResult& result) {
   std::vector<std::string> warnings = repeated_text(runs);
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
   warnings.insert(warnings.end(), campaign.warnings.begin(), campaign.warnings.end());
   const auto estimated = std::ranges::count_if(
-      runs, [](const AnalysedRun& run) { return run.track && run.track->facts.sd_from_scatter; });
+      runs, [](const Run& run) { return run.track && run.track->facts.sd_from_scatter; });
   if (estimated > 0)
     warnings.push_back(fmt::format(
         "{} of {} runs are tracks without standard deviations: they are estimated from the scatter from "
         "point to point, and the intervals do not count errors slower than that",
         estimated, runs.size()));
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (run.measurement)
       warnings.insert(warnings.end(), run.measurement->warnings.begin(), run.measurement->warnings.end());
   return warnings;
 }
 
-Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const fit::FitResult& result) {
+Json fit_json(const Campaign& campaign, const std::vector<Run>& runs, const fit::FitResult& result) {
   Json json;
   json["parameters"] = parameters_json(result, reference_mm_per_px(runs));
   json["correlation"] = correlation_json(result);
@@ -323,7 +323,7 @@ Json fit_json(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
                              {"weak_directions", result.identifiability.weak_directions},
                              {"singular_values", result.identifiability.singular_values}};
   json["runs"] = Json::array();
-  for (const AnalysedRun& run : runs) json["runs"].push_back(run_json(run, result));
+  for (const Run& run : runs) json["runs"].push_back(run_json(run, result));
   json["slides"] = Json::array();
   for (const fit::SlideResult& slide : result.slides) json["slides"].push_back(slide_result_json(slide));
   if (result.slides.size() > 1)

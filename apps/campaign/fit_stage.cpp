@@ -22,10 +22,10 @@
 
 namespace tribotrack::apps {
 
-double reference_mm_per_px(const std::vector<AnalysedRun>& runs) {
+double reference_mm_per_px(const std::vector<Run>& runs) {
   double sum = 0;
   int count = 0;
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (run.takes_part() && run.track && run.track->mm_per_px) {
       sum += *run.track->mm_per_px;
       ++count;
@@ -37,11 +37,11 @@ namespace {
 
 using fit::FitParameter;
 
-void add_run(const Campaign& campaign, const AnalysedRun& run, fit::Problem& problem) {
-  const std::string& name = run.run->name;
-  if (run.run->free_slide) {
+void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
+  const std::string& name = run.given.name;
+  if (run.given.free_slide) {
     fit::TrajectoryRun slide{name, run.scenario, run.track->table, true, false};
-    slide.slope = run.run->slope.value_or(0);
+    slide.slope = run.given.slope.value_or(0);
     problem.trajectory_runs.push_back(std::move(slide));
   } else if (campaign.fit.trajectory && run.track) {
     fit::TrajectoryRun trajectory{name, run.scenario, run.track->table, false, run.amplitude_from_track};
@@ -106,7 +106,7 @@ void add_conditions(const SharedConditions& shared, fit::Problem& problem) {
 
 }  // namespace
 
-fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
                         const SharedConditions& shared) {
   fit::Problem problem;
   problem.free = campaign.fit.parameters;
@@ -120,7 +120,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>
   for (const auto& [parameter, prior] : campaign.fit.prior)
     problem.prior[parameter] = {si(parameter, prior.mean), si(parameter, prior.sd)};
 
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (run.takes_part()) add_run(campaign, run, problem);
   add_conditions(shared, problem);
   for (const std::string& key : shared.taken_as_exact)
@@ -164,11 +164,12 @@ std::vector<std::size_t> order_of_work(const std::vector<std::uintmax_t>& bytes)
 }
 
 /// Where recordings hold fewer whole cycles than the campaign asks for.
-void note_fewer_cycles(const std::vector<AnalysedRun>& runs, const Context& context) {
+void note_fewer_cycles(const std::vector<Run>& runs, const Context& context) {
   std::size_t count = 0;
-  const AnalysedRun* shortest = nullptr;
-  for (const AnalysedRun& run : runs) {
-    if (!run.takes_part() || !run.track || run.run->free_slide || run.displacement.cycles >= run.run->cycles)
+  const Run* shortest = nullptr;
+  for (const Run& run : runs) {
+    if (!run.takes_part() || !run.track || run.given.free_slide ||
+        run.displacement.cycles >= run.given.cycles)
       continue;
     ++count;
     if (shortest == nullptr || run.displacement.cycles < shortest->displacement.cycles) shortest = &run;
@@ -178,19 +179,19 @@ void note_fewer_cycles(const std::vector<AnalysedRun>& runs, const Context& cont
         fmt::format("note: {} of {} runs hold fewer whole cycles than `cycles` asks for, run \"{}\" {:g} of "
                     "cycles = {}: "
                     "all that are there are used",
-                    count, runs.size(), shortest->run->name,
-                    static_cast<double>(shortest->displacement.cycles), shortest->run->cycles));
+                    count, runs.size(), shortest->given.name,
+                    static_cast<double>(shortest->displacement.cycles), shortest->given.cycles));
 }
 
 }  // namespace
 
-std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work) {
-  std::vector<AnalysedRun> runs(campaign.runs.size());
+std::vector<Run> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work) {
+  std::vector<Run> runs(campaign.runs.size());
   const std::vector<std::uintmax_t> bytes = bytes_of(campaign);
   const std::vector<std::size_t> order = order_of_work(bytes);
   RunsProgress progress(bytes, progress_style(context.quiet));
   std::mutex mutex;
-  std::vector<AnalysedRun> first;  // to finish: what all of them contradict is a slip in the campaign
+  std::vector<Run> first;  // to finish: what all of them contradict is a slip in the campaign
   const std::size_t enough = std::min<std::size_t>(2, runs.size());
   parallel_for(runs.size(), threads_to_use(context), [&](std::size_t k) {
     const std::size_t index = order[k];
@@ -206,7 +207,7 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
       throw;
     } catch (const std::exception& error) {
       runs[index] = {};
-      runs[index].run = &run;
+      runs[index].given = run;
       runs[index].failure = failure_of(run, error);
     }
     progress.finish(index);
@@ -219,7 +220,7 @@ std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& c
   return runs;
 }
 
-FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs, SharedFindings shared,
+FitStage fit_runs(const Campaign& campaign, const std::vector<Run>& runs, SharedFindings shared,
                   const Context& context, fit::FitOptions options) {
   FitStage stage;
   stage.shared = std::move(shared);
@@ -242,12 +243,12 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs
   return stage;
 }
 
-MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs) {
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {campaign.input};
   meta.inputs.insert(meta.inputs.end(), campaign.table_inputs.begin(), campaign.table_inputs.end());
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
   meta.configuration = campaign.effective_configuration();
   return meta;

@@ -20,23 +20,23 @@
 namespace tribotrack::apps {
 
 /// The least-squares problem of all runs that did not fail.
-fit::Problem problem_of(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
+fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
                         const SharedConditions& shared);
 
 /// mm/px that the fit parameter `scale` is a factor on: the mean over the runs with a video; 1 where there is
 /// none.
-double reference_mm_per_px(const std::vector<AnalysedRun>& runs);
+double reference_mm_per_px(const std::vector<Run>& runs);
 
 // What `run` and `fit` share: every run of a campaign side by side, then one fit to all of them.
 
 /// What is done for a run: `frames_done` is told of the frames of its recording that have been worked on, and
 /// of all.
 using FramesDone = std::function<void(std::int64_t done, std::int64_t total)>;
-using RunWork = std::function<AnalysedRun(std::size_t index, const FramesDone& frames_done)>;
+using RunWork = std::function<Run(std::size_t index, const FramesDone& frames_done)>;
 
 /// Does the work for every run of the campaign, large recordings first, on the command's threads, showing
 /// progress. A run whose work throws anything, lack of memory included, has failed; the others go on.
-std::vector<AnalysedRun> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work);
+std::vector<Run> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work);
 
 /// What the runs share, as found before the fit.
 struct SharedFindings {
@@ -51,11 +51,11 @@ struct FitStage {
 };
 
 /// Fits all runs that did not fail, whose scale and conditions have been shared. Throws fit::DataError.
-FitStage fit_runs(const Campaign& campaign, const std::vector<AnalysedRun>& runs, SharedFindings shared,
+FitStage fit_runs(const Campaign& campaign, const std::vector<Run>& runs, SharedFindings shared,
                   const Context& context, fit::FitOptions options = {});
 
 /// What stands beside fit.json: the campaign and what its runs were read from.
-MetaFile meta_of_fit(const Campaign& campaign, const std::vector<AnalysedRun>& runs);
+MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs);
 
 /// Writes fit.json and its meta file.
 void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta);

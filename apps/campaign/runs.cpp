@@ -164,8 +164,8 @@ fit::OwnErrors timing_as_given(const CampaignRun& run, model::Scenario& scenario
 
 namespace {
 
-bool same_recording(const AnalysedRun& a, const AnalysedRun& b) {
-  if (!a.track || !b.track || a.run->free_slide != b.run->free_slide) return false;
+bool same_recording(const Run& a, const Run& b) {
+  if (!a.track || !b.track || a.given.free_slide != b.given.free_slide) return false;
   const fit::TrackTable &one = a.track->table, &other = b.track->table;
   return !one.position.empty() && one.frame == other.frame && one.time == other.time &&
          one.position == other.position;
@@ -173,10 +173,10 @@ bool same_recording(const AnalysedRun& a, const AnalysedRun& b) {
 
 }  // namespace
 
-void set_aside_repeated(std::vector<AnalysedRun>& runs) {
+void set_aside_repeated(std::vector<Run>& runs) {
   for (std::size_t i = 0; i < runs.size(); ++i)
     for (std::size_t k = 0; k < i && runs[i].takes_part(); ++k) {
-      const CampaignRun &here = *runs[i].run, &before = *runs[k].run;
+      const CampaignRun &here = runs[i].given, &before = runs[k].given;
       if (!runs[k].takes_part() || !same_recording(runs[i], runs[k])) continue;
       if (here.phi != before.phi || here.dtau != before.dtau)
         throw InvalidInput(
@@ -188,31 +188,31 @@ void set_aside_repeated(std::vector<AnalysedRun>& runs) {
     }
 }
 
-std::vector<std::string> repeated_text(const std::vector<AnalysedRun>& runs) {
+std::vector<std::string> repeated_text(const std::vector<Run>& runs) {
   std::vector<std::string> sentences;
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (!run.repeats.empty())
       sentences.push_back(
           fmt::format("run \"{}\" is the recording of run \"{}\" once more: it is counted once",
-                      run.run->name, run.repeats));
+                      run.given.name, run.repeats));
   return sentences;
 }
 
 namespace {
 
-bool scaled_by(const AnalysedRun& run, const char* source) {
+bool scaled_by(const Run& run, const char* source) {
   return run.takes_part() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
          run.track->facts.scale_source == source;
 }
-bool scaled_by_diameter(const AnalysedRun& run) {
+bool scaled_by_diameter(const Run& run) {
   return scaled_by(run, kScaledByDiameter);
 }
-bool scaled_in_picture(const AnalysedRun& run) {
+bool scaled_in_picture(const Run& run) {
   return scaled_by_diameter(run) || scaled_by(run, kScaledByTag);
 }
 
 /// What the rim's model leaves of a highlight: relative to the radius, the same in every recording.
-double common_of_rim(const AnalysedRun& run) {
+double common_of_rim(const Run& run) {
   if (!scaled_by_diameter(run)) return 0;
   const TrackFacts& facts = run.track->facts;
   return facts.disc_radius_px > 0 ? facts.disc_radius_common_sd_px / facts.disc_radius_px : 0;
@@ -229,10 +229,10 @@ double median_of(std::vector<double> values) {
 
 /// A part that is smaller than the others makes its recording's pixels, and with them the platform's
 /// amplitude, too large by one and the same factor. A camera that was moved leaves the amplitude as it is.
-void set_aside_other_parts(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
-  std::vector<AnalysedRun*> seen;
+void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
+  std::vector<Run*> seen;
   std::vector<double> scales, amplitudes;
-  for (AnalysedRun& run : runs)
+  for (Run& run : runs)
     if (scaled_by_diameter(run) && run.measurement && run.measurement->platform) {
       seen.push_back(&run);
       scales.push_back(*run.track->mm_per_px);
@@ -248,7 +248,7 @@ void set_aside_other_parts(const Campaign& campaign, std::vector<AnalysedRun>& r
         "{}: run \"{}\": by the scale of the other recordings its part is {:.3g} mm across, not {:.3g} mm: "
         "is it "
         "another part? leave the run out, or give its mm_per_px",
-        seen[k]->run->place, seen[k]->run->name, *campaign.part.diameter_mm / ratio,
+        seen[k]->given.place, seen[k]->given.name, *campaign.part.diameter_mm / ratio,
         *campaign.part.diameter_mm);
   }
 }
@@ -269,12 +269,12 @@ void rescale(TrackFile& track, const vision::Scale& scale) {
   track.mm_per_px_sd = scale.sd;
 }
 
-std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
+std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run>& runs) {
   set_aside_repeated(runs);
   set_aside_other_parts(campaign, runs);
   std::vector<vision::Scale> scales;
   double of_rim = 0;
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (scaled_in_picture(run)) {
       scales.push_back({*run.track->mm_per_px, *run.track->mm_per_px_sd, ""});
       of_rim = of_rim == 0 ? common_of_rim(run) : std::min(of_rim, common_of_rim(run));
@@ -301,13 +301,13 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Ana
                                     "backgrounds do: the sd of the mean includes it",
                                     100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
                       : "");
-  for (AnalysedRun& run : runs) {
+  for (Run& run : runs) {
     if (!scaled_in_picture(run)) continue;
     rescale(*run.track, shared.pooled.scale);
     try {
       measure_again(campaign, run);
     } catch (const std::exception& error) {
-      run.failure = failure_of(*run.run, error);
+      run.failure = failure_of(run.given, error);
     }
   }
   return shared;

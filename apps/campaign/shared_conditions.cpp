@@ -79,7 +79,7 @@ std::vector<Quantity> quantities() {
 
 /// A driven run with what is given and seen of the quantity.
 struct Entry {
-  AnalysedRun* run;
+  Run* run;
   std::optional<Given> given;
   std::optional<Estimate> seen;  ///< sd: of this run alone
 };
@@ -91,11 +91,11 @@ double square(double x) {
 /// One quantity in all runs.
 class Sharing {
  public:
-  Sharing(const Campaign& campaign, const Quantity& quantity, std::vector<AnalysedRun>& runs)
+  Sharing(const Campaign& campaign, const Quantity& quantity, std::vector<Run>& runs)
       : campaign_(campaign), quantity_(quantity), common_(common_error(campaign, runs, quantity.parameter)) {
-    for (AnalysedRun& run : runs) {
-      if (!run.takes_part() || run.run->free_slide) continue;
-      Entry entry{&run, quantity.given(campaign.platform, *run.run), std::nullopt};
+    for (Run& run : runs) {
+      if (!run.takes_part() || run.given.free_slide) continue;
+      Entry entry{&run, quantity.given(campaign.platform, run.given), std::nullopt};
       if (run.measurement && run.measurement->platform) {
         if (seen_by_.empty()) seen_by_ = run.measurement->phase_source;
         const Estimate seen = quantity.seen(*run.measurement->platform);
@@ -162,12 +162,12 @@ void Sharing::refuse(const Entry& entry, const Estimate& seen, std::size_t runs)
   const double given = entry.given->value.value / quantity_.unit, measured = seen.value / quantity_.unit;
   const std::string slip = likely_slip(quantity_.key, given, measured);
   const bool implied = quantity_.parameter == Parameter::amplitude_y && !campaign_.platform.amplitude_y;
-  std::string where = entry.given->of_run || runs == 1 ? entry.run->run->place : campaign_.file.string();
-  if (runs == 1) where += fmt::format(": run \"{}\"", entry.run->run->name);
+  std::string where = entry.given->of_run || runs == 1 ? entry.run->given.place : campaign_.file.string();
+  if (runs == 1) where += fmt::format(": run \"{}\"", entry.run->given.name);
   const std::string cause = quantity_.parameter == Parameter::angular_frequency
                                 ? "; or frame_rate_hz is wrong"
                             : quantity_.angle ? ""
-                                              : wrong_scale(*entry.run->run, given / measured);
+                                              : wrong_scale(entry.run->given, given / measured);
   throw InvalidInput(fmt::format(
       "{}: {} = {:.6g}{}, but the {} shows {}{}{}; mend it, or leave it out to use what was "
       "measured",
@@ -360,12 +360,11 @@ SharedQuantity Sharing::settle(SharedConditions& shared) {
 
 /// A diameter given beside another scale checks that scale. A rim that is rounded or lit from one side shows
 /// another radius: only a slip is refused.
-void compare_diameter(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                      SharedConditions& shared) {
+void compare_diameter(const Campaign& campaign, const std::vector<Run>& runs, SharedConditions& shared) {
   if (!campaign.part.diameter_mm) return;
   double sum = 0, relative_variance = 0;
   std::size_t count = 0;
-  for (const AnalysedRun& run : runs) {
+  for (const Run& run : runs) {
     if (!run.takes_part() || !run.track || !run.track->mm_per_px) continue;
     const TrackFacts& facts = run.track->facts;
     if (!(facts.disc_radius_px > 0) || facts.scale_source == kScaledByDiameter) continue;
@@ -396,10 +395,10 @@ void compare_diameter(const Campaign& campaign, const std::vector<AnalysedRun>& 
 
 /// Over whole cycles of the w that is used. Its error moves the model, not the data; only in the camera's
 /// frame does it also leave some of the platform's own motion in them.
-void measure_displacement_again(AnalysedRun& analysed, double relative_w_sd) {
-  if (!analysed.takes_part() || analysed.run->free_slide) return;
+void measure_displacement_again(Run& analysed, double relative_w_sd) {
+  if (!analysed.takes_part() || analysed.given.free_slide) return;
   const double w = analysed.scenario.drive.angular_frequency;
-  const CampaignRun& run = *analysed.run;
+  const CampaignRun& run = analysed.given;
   try {
     if (analysed.track) {
       const double sd = std::hypot(relative_w_sd * w, sd_of(analysed.own, Parameter::angular_frequency));
@@ -418,12 +417,12 @@ void measure_displacement_again(AnalysedRun& analysed, double relative_w_sd) {
 
 }  // namespace
 
-void require_no_slips(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
+void require_no_slips(const Campaign& campaign, std::vector<Run>& runs) {
   for (const Quantity& quantity : quantities())
     if (const Sharing sharing(campaign, quantity, runs); sharing.concerns_any()) sharing.refuse_slips(true);
 }
 
-SharedConditions share_conditions(const Campaign& campaign, std::vector<AnalysedRun>& runs) {
+SharedConditions share_conditions(const Campaign& campaign, std::vector<Run>& runs) {
   SharedConditions shared;
   std::map<Parameter, SharedQuantity> found;
   const std::vector<Quantity> all = quantities();
@@ -434,14 +433,14 @@ SharedConditions share_conditions(const Campaign& campaign, std::vector<Analysed
   const auto y = found.find(Parameter::amplitude_y);
   const bool implied = y != found.end() && !campaign.platform.amplitude_y && !y->second.measured;
   if (implied)
-    for (AnalysedRun& run : runs) {
+    for (Run& run : runs) {
       const double sd = sd_of(run.own, Parameter::amplitude);
       if (sd > 0) add_error(run.own, Parameter::amplitude, Parameter::amplitude_y, sd * sd);
     }
   compare_diameter(campaign, runs, shared);
   add_errors(campaign, runs, found, implied, shared);
   const auto w = found.find(Parameter::angular_frequency);
-  for (AnalysedRun& run : runs) measure_displacement_again(run, w == found.end() ? 0 : w->second.shared_sd);
+  for (Run& run : runs) measure_displacement_again(run, w == found.end() ? 0 : w->second.shared_sd);
   return shared;
 }
 

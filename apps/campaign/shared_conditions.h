@@ -34,13 +34,13 @@ struct SharedConditions {
 ///   the mean of all runs that show it, where none is given (of runs given different values their ratios to
 ///   these are pooled), its error being one that all share;
 ///   each run's own where the runs' values scatter as chance would in fewer than one campaign of a thousand,
-///   with its error in AnalysedRun::own, and a warning.
+///   with its error in Run::own, and a warning.
 /// Displacements are measured again over the whole cycles of the w used. Beyond 3 sd of given and measured
 /// one warning; throws InvalidInput, naming the likely slip, where they differ by more than kSlipShare.
-SharedConditions share_conditions(const Campaign& campaign, std::vector<AnalysedRun>& runs);
+SharedConditions share_conditions(const Campaign& campaign, std::vector<Run>& runs);
 
 /// The same refusal, of what all of these runs show: for the first of many, before the others are tracked.
-void require_no_slips(const Campaign& campaign, std::vector<AnalysedRun>& runs);
+void require_no_slips(const Campaign& campaign, std::vector<Run>& runs);
 
 /// Into fit.json: `conditions`, `taken_as_exact` and the warnings.
 void add_to(Json& fit, const SharedConditions& shared);

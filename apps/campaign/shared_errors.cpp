@@ -16,34 +16,34 @@ using model::Parameter;
 
 namespace {
 
-bool takes_part(const AnalysedRun& run) {
+bool takes_part(const Run& run) {
   return run.takes_part();
 }
-bool driven(const AnalysedRun& run) {
-  return takes_part(run) && !run.run->free_slide;
+bool driven(const Run& run) {
+  return takes_part(run) && !run.given.free_slide;
 }
-bool scaled(const AnalysedRun& run) {
+bool scaled(const Run& run) {
   return takes_part(run) && run.track && run.track->mm_per_px && *run.track->mm_per_px > 0;
 }
-bool scaled_by_diameter(const AnalysedRun& run) {
+bool scaled_by_diameter(const Run& run) {
   return scaled(run) && run.track->facts.scale_source == kScaledByDiameter;
 }
 
 /// By a length that each recording shows.
-bool scaled_in_picture(const AnalysedRun& run) {
+bool scaled_in_picture(const Run& run) {
   return scaled_by_diameter(run) || (scaled(run) && run.track->facts.scale_source == kScaledByTag);
 }
 
-double scale_sd(const AnalysedRun& run) {
+double scale_sd(const Run& run) {
   return run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px;
 }
 
 /// Mean over the runs that are counted; 0 for none.
-double mean_over(const std::vector<AnalysedRun>& runs, bool (*counted)(const AnalysedRun&),
-                 const std::function<double(const AnalysedRun&)>& of) {
+double mean_over(const std::vector<Run>& runs, bool (*counted)(const Run&),
+                 const std::function<double(const Run&)>& of) {
   double sum = 0;
   int count = 0;
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (counted(run)) {
       sum += of(run);
       ++count;
@@ -55,9 +55,9 @@ bool is_length(Parameter quantity) {
   return quantity == Parameter::amplitude || quantity == Parameter::amplitude_y;
 }
 
-bool one_scale(const std::vector<AnalysedRun>& runs) {
+bool one_scale(const std::vector<Run>& runs) {
   std::optional<double> first;
-  for (const AnalysedRun& run : runs) {
+  for (const Run& run : runs) {
     if (!scaled(run)) continue;
     if (!first) first = *run.track->mm_per_px;
     if (*run.track->mm_per_px != *first) return false;
@@ -66,9 +66,9 @@ bool one_scale(const std::vector<AnalysedRun>& runs) {
 }
 
 /// What the scales of all runs share, relative.
-double common_scale_error(const Campaign& campaign, const std::vector<AnalysedRun>& runs) {
+double common_scale_error(const Campaign& campaign, const std::vector<Run>& runs) {
   if (one_scale(runs)) return mean_over(runs, scaled, scale_sd);
-  return mean_over(runs, scaled, [&](const AnalysedRun& run) {
+  return mean_over(runs, scaled, [&](const Run& run) {
     return scaled_in_picture(run) ? std::min(length_error(campaign), scale_sd(run)) : scale_sd(run);
   });
 }
@@ -92,24 +92,24 @@ double clock_error(const Campaign& campaign) {
   return camera.frame_rate_sd_hz ? *camera.frame_rate_sd_hz / *camera.frame_rate_hz : 0;
 }
 
-double coder_attenuation(const AnalysedRun& run) {
+double coder_attenuation(const Run& run) {
   return run.measurement && run.measurement->coded ? run.measurement->coded->attenuation : 0;
 }
-double coder_delay(const AnalysedRun& run) {
+double coder_delay(const Run& run) {
   return run.measurement && run.measurement->coded ? run.measurement->coded->delay : 0;
 }
-double exposure_doubt(const AnalysedRun& run) {
+double exposure_doubt(const Run& run) {
   return run.measurement && run.measurement->platform ? run.measurement->platform->exposure_doubt : 0;
 }
 
-bool counts_from_camera(const AnalysedRun& run) {
+bool counts_from_camera(const Run& run) {
   return run.measurement && run.measurement->gate && run.measurement->gate_reference == "camera";
 }
 
 class Errors {
  public:
-  Errors(const Campaign& campaign, std::vector<AnalysedRun>& runs,
-         const std::map<Parameter, SharedQuantity>& found, SharedConditions& shared)
+  Errors(const Campaign& campaign, std::vector<Run>& runs, const std::map<Parameter, SharedQuantity>& found,
+         SharedConditions& shared)
       : campaign_(campaign), runs_(runs), found_(found), shared_(shared) {}
 
   void amplitudes(bool one_amplitude) {
@@ -122,8 +122,8 @@ class Errors {
       add(FitParameter::amplitude, both / 2, from, x.given_with_sd || y.given_with_sd);
       add(FitParameter::amplitude_ratio, both, from);
     }
-    const auto if_from_track = [](double (*of_run)(const AnalysedRun&)) {
-      return [of_run](const AnalysedRun& run) { return run.amplitude_from_track ? of_run(run) : 0; };
+    const auto if_from_track = [](double (*of_run)(const Run&)) {
+      return [of_run](const Run& run) { return run.amplitude_from_track ? of_run(run) : 0; };
     };
     add(FitParameter::amplitude, mean_over(runs_, driven, if_from_track(coder_attenuation)), fit::kFromCoder);
     add(FitParameter::amplitude, mean_over(runs_, driven, if_from_track(exposure_doubt)),
@@ -166,11 +166,9 @@ class Errors {
 
   /// One instrument measures the slopes of all inclines.
   void slope() {
-    const auto inclined = [](const AnalysedRun& run) {
-      return takes_part(run) && run.run->slope.has_value();
-    };
+    const auto inclined = [](const Run& run) { return takes_part(run) && run.given.slope.has_value(); };
     const double sd =
-        mean_over(runs_, inclined, [](const AnalysedRun& run) { return run.run->slope_sd.value_or(0); });
+        mean_over(runs_, inclined, [](const Run& run) { return run.given.slope_sd.value_or(0); });
     add(FitParameter::slope, sd, "slope_rad_sd, campaign", true);
     exact_if(sd == 0 && std::any_of(runs_.begin(), runs_.end(), inclined), "slope_rad");
   }
@@ -203,7 +201,7 @@ class Errors {
   void phase_reference() {
     add(FitParameter::phase_reference, mean_over(runs_, driven, coder_delay), fit::kFromCoder);
     std::size_t by_sensor = 0, all = 0;
-    for (const AnalysedRun& run : runs_)
+    for (const Run& run : runs_)
       if (driven(run)) {
         ++all;
         by_sensor += !counts_from_camera(run);
@@ -218,16 +216,16 @@ class Errors {
           "xi_axis_rad_sd is not used: phi was measured in the camera's own phase in every run, a turned "
           "camera cancels");
     else
-      for (AnalysedRun& run : runs_)
+      for (Run& run : runs_)
         if (driven(run) && !counts_from_camera(run)) add_error(run.own, Parameter::phi, *sd * *sd);
   }
 
   void gates() {
     bool phi = false, dtau = false;
-    for (const AnalysedRun& run : runs_) {
+    for (const Run& run : runs_) {
       if (!driven(run) || (run.measurement && run.measurement->gate)) continue;
-      phi = phi || !run.run->phi_sd;
-      dtau = dtau || !run.run->dtau_sd;
+      phi = phi || !run.given.phi_sd;
+      dtau = dtau || !run.given.dtau_sd;
     }
     exact_if(phi, "phi_rad");
     exact_if(dtau, "dtau_rad");
@@ -251,7 +249,7 @@ class Errors {
   }
 
   const Campaign& campaign_;
-  std::vector<AnalysedRun>& runs_;
+  std::vector<Run>& runs_;
   const std::map<Parameter, SharedQuantity>& found_;
   SharedConditions& shared_;
 };
@@ -264,8 +262,8 @@ double length_error(const Campaign& campaign) {
   return part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0;
 }
 
-double own_sd(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const AnalysedRun& run,
-              Parameter quantity, const fit::Estimate& seen) {
+double own_sd(const Campaign& campaign, const std::vector<Run>& runs, const Run& run, Parameter quantity,
+              const fit::Estimate& seen) {
   if (!is_length(quantity)) return seen.sd;
   const double common = std::hypot(coder_attenuation(run), exposure_doubt(run)) * seen.value;
   double variance = std::max(0.0, seen.sd * seen.sd - common * common);
@@ -276,7 +274,7 @@ double own_sd(const Campaign& campaign, const std::vector<AnalysedRun>& runs, co
   return std::sqrt(variance);
 }
 
-double common_error(const Campaign& campaign, const std::vector<AnalysedRun>& runs, Parameter quantity) {
+double common_error(const Campaign& campaign, const std::vector<Run>& runs, Parameter quantity) {
   if (quantity == Parameter::angular_frequency) return clock_error(campaign);
   if (!is_length(quantity)) return 0;
   const double seen =
@@ -284,7 +282,7 @@ double common_error(const Campaign& campaign, const std::vector<AnalysedRun>& ru
   return std::hypot(seen, common_scale_error(campaign, runs), parallax_error(campaign));
 }
 
-void add_errors(const Campaign& campaign, std::vector<AnalysedRun>& runs,
+void add_errors(const Campaign& campaign, std::vector<Run>& runs,
                 const std::map<Parameter, SharedQuantity>& found, bool one_amplitude,
                 SharedConditions& shared) {
   Errors errors(campaign, runs, found, shared);

@@ -31,15 +31,14 @@ struct SharedQuantity {
 };
 
 /// sd of what one run shows, without what all runs share of it and with what its own scale adds.
-double own_sd(const Campaign& campaign, const std::vector<AnalysedRun>& runs, const AnalysedRun& run,
+double own_sd(const Campaign& campaign, const std::vector<Run>& runs, const Run& run,
               model::Parameter quantity, const fit::Estimate& seen);
 
 /// What all runs share of what their markers show of a quantity: relative, or of an angle rad.
-double common_error(const Campaign& campaign, const std::vector<AnalysedRun>& runs,
-                    model::Parameter quantity);
+double common_error(const Campaign& campaign, const std::vector<Run>& runs, model::Parameter quantity);
 
 /// Fills `errors` and `taken_as_exact`. `one_amplitude`: A_y is A, not a quantity of its own.
-void add_errors(const Campaign& campaign, std::vector<AnalysedRun>& runs,
+void add_errors(const Campaign& campaign, std::vector<Run>& runs,
                 const std::map<model::Parameter, SharedQuantity>& found, bool one_amplitude,
                 SharedConditions& shared);
 

@@ -83,11 +83,12 @@ TrackFile track_from_job(const std::filesystem::path& csv) {
 }
 
 /// As `run` writes them into its folder.
-void write_measurements(const std::filesystem::path& folder, const std::vector<AnalysedRun>& runs) {
+void write_measurements(const std::filesystem::path& folder, const std::vector<Run>& runs) {
   create_folder(folder);
-  for (const AnalysedRun& run : runs)
+  for (const Run& run : runs)
     if (run.failure.empty() && run.measurement && run.track)
-      write_file(folder / (run.run->name + ".json"), text_of(measurement_json(*run.measurement, *run.track)));
+      write_file(folder / (run.given.name + ".json"),
+                 text_of(measurement_json(*run.measurement, *run.track)));
 }
 
 /// The track of a run: from the folder the user names, else made here.
@@ -109,9 +110,9 @@ std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& r
 }
 
 /// Names the runs that failed; throws for the first of more than are allowed.
-void allow_for_missing(const std::vector<AnalysedRun>& runs, int allowed, const Context& context) {
+void allow_for_missing(const std::vector<Run>& runs, int allowed, const Context& context) {
   int missing = 0;
-  for (const AnalysedRun& run : runs) {
+  for (const Run& run : runs) {
     if (run.failure.empty()) continue;
     if (++missing > allowed)
       throw InvalidInput(

@@ -50,7 +50,7 @@ struct FitChoices {
 const std::vector<std::string>& losses();
 
 struct FittedCampaign {
-  std::vector<AnalysedRun> runs;
+  std::vector<Run> runs;
   FitStage stage;
 };
 

@@ -179,7 +179,7 @@ void CampaignRunner::measure_runs() {
   });
 }
 
-AnalysedRun CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) {
+Run CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) {
   const CampaignRun& run = campaign_.runs[index];
   const auto begun = std::chrono::steady_clock::now();
   struct Stopwatch {
@@ -190,7 +190,7 @@ AnalysedRun CampaignRunner::carry_out(std::size_t index, const FramesDone& frame
   std::optional<TrackFile> track;
   if (run.video) track = track_of(run, frames_done, logs_[index]);
   if (run.track) track = import_track(*run.track, run.reading, folder_.track(run.name));
-  AnalysedRun analysed = analyse(campaign_, run, std::move(track));
+  Run analysed = analyse(campaign_, run, std::move(track));
   write_measurement(analysed);
   return analysed;
 }
@@ -235,15 +235,15 @@ void CampaignRunner::write_pictures(const CampaignRun& run, TrackedRecording& re
   }
 }
 
-void CampaignRunner::write_measurement(const AnalysedRun& run) const {
+void CampaignRunner::write_measurement(const Run& run) const {
   if (run.measurement && run.track)
-    write_file(folder_.measurement(run.run->name), text_of(measurement_json(*run.measurement, *run.track)));
+    write_file(folder_.measurement(run.given.name), text_of(measurement_json(*run.measurement, *run.track)));
 }
 
 void CampaignRunner::share_scale() {
   shared_.scale = apps::share_scale(campaign_, runs_);
   if (!shared_.scale || !shared_.scale->used) return;
-  for (const AnalysedRun& run : runs_)
+  for (const Run& run : runs_)
     if (run.failure.empty()) write_measurement(run);
 }
 
@@ -254,7 +254,7 @@ void CampaignRunner::share_conditions() {
 void CampaignRunner::refuse_if_none_is_left() {
   const bool none_left = failed() == runs_.size();
   if (none_left && runs_.size() == 1) throw InvalidInput(runs_.front().failure);
-  for (const AnalysedRun& run : runs_)
+  for (const Run& run : runs_)
     if (!run.failure.empty()) complain(run.failure);
   if (none_left)
     throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
@@ -296,7 +296,7 @@ void CampaignRunner::write_log() const {
   json["seconds"] = seconds_since(begun_);
   json["runs"] = Json::array();
   for (std::size_t k = 0; k < runs_.size(); ++k)
-    json["runs"].push_back({{"name", runs_[k].run->name},
+    json["runs"].push_back({{"name", runs_[k].given.name},
                             {"skipped_as_current", logs_[k].skipped},
                             {"seconds", logs_[k].seconds},
                             {"frames_per_second", logs_[k].frames_per_second},
@@ -325,7 +325,7 @@ void CampaignRunner::say_what_happened() const {
 
 std::size_t CampaignRunner::failed() const {
   return static_cast<std::size_t>(
-      std::count_if(runs_.begin(), runs_.end(), [](const AnalysedRun& run) { return !run.failure.empty(); }));
+      std::count_if(runs_.begin(), runs_.end(), [](const Run& run) { return !run.failure.empty(); }));
 }
 
 std::size_t CampaignRunner::skipped() const {

@@ -61,16 +61,16 @@ class CampaignRunner {
   void print_result() const;
   void say_what_happened() const;
 
-  const std::vector<AnalysedRun>& runs() const { return runs_; }
+  const std::vector<Run>& runs() const { return runs_; }
   const FitStage& fit() const { return fit_; }
   std::size_t failed() const;
 
  private:
-  AnalysedRun carry_out(std::size_t index, const FramesDone& frames_done);
+  Run carry_out(std::size_t index, const FramesDone& frames_done);
   TrackFile track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
   bool is_complete(const CampaignRun& run, const std::string& key) const;
   void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
-  void write_measurement(const AnalysedRun& run) const;
+  void write_measurement(const Run& run) const;
   std::size_t skipped() const;
 
   const RunnerOptions options_;
@@ -80,7 +80,7 @@ class CampaignRunner {
   const RunFolder folder_;
   std::optional<RunFolderLock> lock_;
   std::vector<RunLog> logs_;
-  std::vector<AnalysedRun> runs_;
+  std::vector<Run> runs_;
   SharedFindings shared_;
   FitStage fit_;
 };

@@ -230,8 +230,8 @@ ReportSlide slide_of(const fit::RunResult& result) {
 }
 
 /// Conditions and measurement of one run, without the fit's part.
-ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportData& data) {
-  const CampaignRun& given = *analysed.run;
+ReportRun run_of(const Run& analysed, const RunFolder& folder, ReportData& data) {
+  const CampaignRun& given = analysed.given;
   ReportRun run;
   run.name = given.name;
   run.kind = given.free_slide ? "free_slide" : "displacement";
@@ -262,7 +262,7 @@ ReportRun run_of(const AnalysedRun& analysed, const RunFolder& folder, ReportDat
 
 void add_runs(const ReportInput& input, ReportData& data) {
   std::vector<model::Scenario> scenarios;
-  for (const AnalysedRun& analysed : input.runs) {
+  for (const Run& analysed : input.runs) {
     ReportRun run = run_of(analysed, input.folder, data);
     model::Scenario scenario;
     for (const fit::RunResult& result : input.fit.runs) {

@@ -15,7 +15,7 @@ namespace tribotrack::apps {
 /// What `run` holds at its end.
 struct ReportInput {
   const Campaign& campaign;
-  const std::vector<AnalysedRun>& runs;  ///< at the scale that was used
+  const std::vector<Run>& runs;  ///< at the scale that was used
   const fit::FitResult& fit;
   const SharedFindings& shared;
   const Json& meta;         ///< of fit.json: version, inputs by their hashes, effective configuration

@@ -155,7 +155,7 @@ class SharedScales : public testing::Test {
     run.name = "run" + std::to_string(campaign_.runs.size());
     run.place = "c.toml:1:1";
     campaign_.runs.push_back(run);
-    AnalysedRun analysed;
+    apps::Run analysed;
     analysed.track.emplace();
     analysed.track->mm_per_px = 0.1 / (size * zoom);
     analysed.track->mm_per_px_sd = 1e-5;
@@ -168,12 +168,12 @@ class SharedScales : public testing::Test {
     runs_.push_back(std::move(analysed));
   }
   std::string failure_of_first() {
-    for (std::size_t k = 0; k < runs_.size(); ++k) runs_[k].run = &campaign_.runs[k];
+    for (std::size_t k = 0; k < runs_.size(); ++k) runs_[k].given = campaign_.runs[k];
     share_scale(campaign_, runs_);
     return runs_.front().failure;
   }
   Campaign campaign_;
-  std::vector<AnalysedRun> runs_;
+  std::vector<apps::Run> runs_;
 };
 
 TEST_F(SharedScales, ARunWithAnotherPartIsNamedWithItsSize) {

@@ -98,7 +98,7 @@ class SharedConditionsTest : public ProgramTest {
   double exposure_ = 1e-4;
   unsigned seed_ = 0;
   Campaign campaign_;
-  std::vector<AnalysedRun> runs_;
+  std::vector<apps::Run> runs_;
   SharedConditions shared_;
 };
 
@@ -110,7 +110,7 @@ TEST_F(SharedConditionsTest, WhatAllRunsMeasureIsOneQuantityWithOneError) {
     sum += a.value / (a.sd * a.sd);
     weights += 1 / (a.sd * a.sd);
   }
-  for (const AnalysedRun& run : runs_) {
+  for (const apps::Run& run : runs_) {
     EXPECT_NEAR(run.scenario.drive.amplitude, sum / weights, 1e-15);
     EXPECT_EQ(run.scenario.drive.angular_frequency, runs_[0].scenario.drive.angular_frequency);
     EXPECT_EQ(run.scenario.drive.phase_shift, runs_[0].scenario.drive.phase_shift);
@@ -230,9 +230,9 @@ TEST_F(SharedConditionsTest, SlipsAreRefusedByName) {
 }
 
 TEST_F(SharedConditionsTest, ADiameterChecksAGivenScale) {
-  std::vector<AnalysedRun> runs;
+  std::vector<apps::Run> runs;
   campaign("", {{}, {}}, "", {}, "diameter_mm = 3");
-  for (AnalysedRun& run : runs_) run.track->facts.disc_radius_px = 30;  // 6 mm
+  for (apps::Run& run : runs_) run.track->facts.disc_radius_px = 30;  // 6 mm
   EXPECT_THAT(complaint_of([&] { share_conditions(campaign_, runs_); }),
               HasSubstr("3 is 6 mm as its radius"));
   campaign_.part.diameter_mm = 6.1;
