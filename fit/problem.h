@@ -70,6 +70,11 @@ inline constexpr const char* kFromCoder = "coder";
 struct OwnErrors {
   std::vector<model::Parameter> parameters;
   Eigen::MatrixXd covariance;  ///< SI, of them
+  /// Adds to the variance of a parameter, and to the covariance of two.
+  void add(model::Parameter parameter, double variance);
+  void add(model::Parameter one, model::Parameter other, double both);
+  double sd(model::Parameter parameter) const;  ///< 0 where it has none
+  OwnErrors without(model::Parameter parameter) const;
 };
 
 /// A run with a displacement over whole cycles, measured by us or elsewhere.

@@ -1,0 +1,244 @@
+// The conditions of a campaign: what is given of them and what its recordings show of them, made one, with
+// the errors that all runs share and those that each has for itself (JCGM 100:2008, sections 4 and 5).
+//
+//   std::vector<RunEvidence> runs;                      // a run each: given, seen, scale, gate
+//   const Conditions conditions = pool(runs, shared);   // value in, value out
+//   if (!conditions.slips.empty()) refuse(conditions.slips.front());
+//   scenario.drive = conditions.runs[k].drive;          // and own errors, for each run
+//   put_into(problem, conditions);                      // Problem::conditions, Problem::prior
+//
+// The model. One platform moved under all runs: A, A_y, w, epsilon are one quantity q each. Run k is given
+// g_k with an sd (0: exact), and its mark shows m_k:
+//   m_k = q_k (1 + c + e_k),   sd(e_k) = s_k the run's own,  sd(c) = u_c common to all runs,
+// in proportion to what is given, so that runs commanded to different amplitudes are pooled as well:
+//   x_k = m_k / g_k;   of epsilon x_k = m_k - g_k, and what is relative below is in rad.
+// What all share no averaging takes out. Of lengths, with a_k the share of the amplitude that a coder may
+// have taken, b_k what an exposure that is not known hides, u_k the run's scale and l the true length that
+// scales in the picture were measured by (the part's diameter, the side of a tag):
+//   s_k^2 = sd(m_k)^2 - (a_k^2 + b_k^2) m_k^2  [+ (u_k^2 - l^2) m_k^2 where each run has a scale of its own],
+//   u_c^2 = <a>^2 + <b>^2 + <u>^2 (one scale; else <l>^2) + parallax^2,   <> the mean over the runs;
+// of w u_c is the camera's clock, of epsilon 0.
+//
+// One quantity? The mean is weighted by 1/s_k^2 and held against its scatter (fit/pooling.h):
+//   x = sum x_k / s_k^2 / W,  W = sum 1/s_k^2,  chi2 = sum (x_k - x)^2 / s_k^2,  p = P(chi2_(n-1) > chi2).
+// Below p = 1e-3 the runs differ: what was given none keeps what it shows itself, with its own error s_k.
+// Each run's w then goes with the phase at its start, cov(w, wt_0) = (t_0 - t_middle) s_k^2.
+//
+// Which value? Given exactly: that. Given with sd(g): the mean of 1 -+ sd(g) / g and x -+ (1/W +
+// u_c^2)^(1/2), weighted by 1/sd^2. Given none: x. Measured and given differ by
+//   d = (x - 1) / (1/W + u_c^2 + (sd(g) / g)^2)^(1/2):
+// a finding beyond 3, and a slip of the pen where a run is off by more than a fifth (of a quarter turn) as
+// well.
+//
+// Shared or own? What is given for one run errs for that run alone; what is given for all, or pooled over
+// all, is one error of all. Of a mean in which the measured value has the weight r > 1/2 it is
+//   u^2 = ((1 - r) sd(g)/g)^2 + r^2 / W,
+// and the parts of u_c stand beside it as errors of their own, for the budget to tell apart; of one that is
+// mostly given it is the mean's sd. So the fit's unknown conditions are, relative or in rad, independent:
+//   A        u(A); where A_y is a quantity of its own, u^2 = u(A)^2 + u(A_y)^2: u / 2 of their geometric mean
+//            and u of their ratio. Beside it, where A was measured: <a>, <b>, parallax.
+//   w, epsilon, tilts, slope of inclines   as they are.
+//   g        its own; and 2 t of a clock whose seconds are too long by the share t: where w is measured by
+//   that
+//            clock all is, but g. Where w is given in true seconds displacements are read too late: t of
+//            scale.
+//   scale    <u>: its part l, and the radius or the tag as seen; parallax, unless the part's own diameter at
+//            its top is the measure.
+//   phase reference   <coder's delay>; and the angle of the camera against the reference sensor's axis, where
+//            phi counts from the sensor in all runs (in some: an own error of phi of these).
+// An error known before the experiment is the prior of what is fitted; one measured by the same tracks is
+// not: the fit finds it again. What has no sd is in no interval and is listed as taken as exact.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fit/gate_timing.h"
+#include "fit/measurement.h"
+#include "fit/problem.h"
+#include "model/drive.h"
+#include "model/scenario.h"
+
+namespace tribotrack::fit {
+
+/// What a campaign may give, each with an sd or exactly.
+enum class Source {
+  amplitude,
+  amplitude_y,
+  angular_frequency,
+  phase_shift,  ///< these four a platform's mark shows as well
+  gravity,
+  tilt_x,
+  tilt_y,
+  slope,
+  phi,
+  dtau,
+  sensor_axis,  ///< angle of the camera's x against the axis that phi = 0 of the reference sensor names
+  frame_rate,
+  scale,
+  calibration,  ///< of the camera: its scale is never exact
+  diameter,     ///< of the part: scales in the picture go by it
+  tag           ///< side of a tag, likewise
+};
+
+const char* to_string(Source source);  ///< "amplitude_mm", "xi_axis_rad", ... as in campaigns
+
+/// A value that a campaign gives.
+struct GivenValue {
+  Estimate value;       ///< sd 0: exact
+  bool of_run = false;  ///< for this run alone: its error is no other's
+};
+
+/// The scale by which a run's lengths were measured.
+struct SeenScale {
+  double mm_per_px = 0;
+  double relative_sd = 0;
+  Source by = Source::scale;  ///< diameter and tag: a length that each recording shows
+};
+
+/// What a run's phi and dtau come from.
+enum class Gate {
+  commanded,
+  by_sensor,  ///< measured, phi from the reference sensor's phase as a commanded one
+  by_camera   ///< measured, phi from the platform's phase in the picture: a turned camera cancels
+};
+
+/// One run, as it is given and as its recording shows it. SI; what there is none of is empty.
+struct RunEvidence {
+  bool driven = true;  ///< false: a free slide
+  model::Drive drive;  ///< as it stands
+  OwnErrors own;       ///< as they stand: of its timing
+  std::optional<GivenValue> amplitude, amplitude_y, angular_frequency, phase_shift;  ///< no A_y: it is A
+  std::optional<PlatformMotion> seen;
+  double start_time = 0;                          ///< s, of the first frame
+  double coder_attenuation = 0, coder_delay = 0;  ///< of what is seen, at most: relative, rad
+  std::optional<SeenScale> scale;                 ///< of a track
+  std::optional<Estimate> diameter;               ///< m, of the part by that scale; sd without the scale's
+  std::optional<Estimate> slope;                  ///< rad, of an incline
+  Gate gate = Gate::commanded;
+  std::optional<double> phi_sd, dtau_sd;  ///< rad
+};
+
+/// What is given of all runs. An sd of 0: exact.
+struct SharedEvidence {
+  std::string seen_by = "marker";    ///< what shows the platform's motion
+  std::optional<Estimate> diameter;  ///< m
+  Source scale = Source::scale;      ///< of runs not scaled by the diameter: that, a calibration or a tag
+  double length_sd = 0;              ///< of diameter or tag, relative
+  double parallax_sd = 0;            ///< of 1 - height/distance, relative
+  std::optional<double> clock_sd;    ///< of the frame rate given, relative; empty: the recordings' own
+  double gravity_sd = 0;             ///< relative
+  double tilt_x_sd = 0, tilt_y_sd = 0, sensor_axis_sd = 0;  ///< rad
+  std::vector<FitParameter> fitted;                         ///< not taken as exact
+};
+
+/// Given and measured differ by more than this share, of an angle in quarter turns: a slip.
+inline constexpr double kSlipShare = 0.2;
+/// sd of their difference beyond which they contradict each other.
+inline constexpr double kContradictsBeyond = 3;
+
+/// One quantity in all runs. Where runs were given different values `given` and `used` are the first one's
+/// and `measured` is in proportion. SI.
+struct PooledQuantity {
+  Source quantity = Source::amplitude;
+  bool implied = false;  ///< A_y, of which nothing is given but A
+  std::optional<Estimate> given;
+  std::optional<Estimate> measured;        ///< of all runs that show it; sd: all that is known of it
+  std::size_t runs = 0;                    ///< that show it
+  double p_value = 1;                      ///< that one value scatters so between the runs
+  std::optional<double> difference_in_sd;  ///< measured less given, over the sd of both
+  bool contradicted() const { return difference_in_sd && std::abs(*difference_in_sd) > kContradictsBeyond; }
+
+  enum class From { given_exactly, given, given_and_measured, measured, each_its_own };
+  Estimate used;
+  From from = From::given_exactly;
+
+  /// Runs given none that differ by more than chance.
+  struct Scatter {
+    double low = 0, high = 0;  ///< least and greatest value seen
+    double chi2 = 0, p_value = 1;
+    std::size_t runs = 0;
+  };
+  std::optional<Scatter> scatter = std::nullopt;
+
+  // How it enters a fit.
+  double shared_sd = 0;           ///< relative, of an angle rad: of all runs alike; 0: exact, or own errors
+  bool exact = false;             ///< some run takes a given value as exact
+  bool by_measurement = false;    ///< the marks decide it, with the errors that all that is measured shares
+  bool known_beforehand = false;  ///< given with an sd, for all runs
+};
+
+/// An error that all runs share. Relative for A, w, g and scale, else SI.
+struct SharedError {
+  FitParameter quantity = FitParameter::amplitude;
+  double sd = 0;
+  std::string from;  ///< Condition::from
+  /// Known apart from these runs' platform: a prior of the quantity where it is fitted.
+  bool known_beforehand = false;
+};
+
+/// What is given and what is seen cannot both be.
+struct Slip {
+  Source quantity = Source::amplitude;
+  std::size_t run = 0;  ///< the first that is off
+  GivenValue given;
+  Estimate seen;         ///< there
+  std::size_t runs = 1;  ///< off; 1 too where others are not
+  bool everywhere = false;
+};
+
+/// A run under its conditions.
+struct RunConditions {
+  model::Drive drive;
+  OwnErrors own;
+  bool amplitude_from_track = false;  ///< A was measured in the same picture
+};
+
+struct Conditions {
+  std::vector<PooledQuantity> quantities;  ///< given or seen, in the order of Source
+  std::vector<SharedError> errors;
+  std::vector<Source> taken_as_exact;  ///< given, or by default, without an sd
+  std::vector<RunConditions> runs;     ///< in the order they were told in
+  std::vector<Slip> slips;
+  bool sensor_axis_not_used = false;  ///< its sd was given, and phi counts from the camera in every run
+  std::string seen_by;                ///< SharedEvidence::seen_by
+  const PooledQuantity* find(Source quantity) const;
+  /// "marker, 14 runs", "campaign, taken as exact", ...: where the value used came from.
+  std::string from(const PooledQuantity& quantity) const;
+};
+
+Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared);
+
+/// Each shared error as a condition or the prior of what is fitted. The problem's runs and `free` are there.
+void put_into(Problem& problem, const Conditions& conditions);
+
+/// What is known of when a run's pulses open and how it starts. rad; an sd of 0: none is known.
+struct TimingEvidence {
+  Estimate phi, dtau;  ///< as commanded
+  std::optional<PlatformMotion> seen;
+  double start_time = 0;                  ///< s, of the first frame
+  double start = 0;                       ///< wt there, by what is seen or given
+  bool start_assumed = true;              ///< nothing tells it
+  std::optional<Estimate> phase_at_zero;  ///< given
+  std::optional<Estimate> start_phase;    ///< likewise
+  std::optional<GateTiming> gate;
+  bool gate_by_camera = false;  ///< Gate::by_camera
+  double coder_delay = 0;       ///< of the platform's phase, shared by all runs and counted there
+};
+
+struct Timing {
+  double phi = 0, dtau = 0, start_phase = 0;  ///< rad
+  OwnErrors own;                              ///< their joint covariance
+};
+
+/// Phi, dtau and the phase at the start, measured where the recording shows them, else as given. The
+/// platform's phase carries a phi that counts from the camera: both err alike. A value given with an sd
+/// beside a measured one is taken in by its weight, but for phi of the sensor beside one of the camera, and a
+/// start beside a mark.
+Timing settle_timing(const TimingEvidence& evidence);
+
+}  // namespace tribotrack::fit

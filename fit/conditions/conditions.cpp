@@ -1,0 +1,309 @@
+#include "fit/conditions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fit/conditions/quantities.h"
+
+namespace tribotrack::fit {
+
+using model::Parameter;
+
+namespace {
+
+using internal::is_driven, internal::is_scaled, internal::mean_over;
+
+/// "gravity_m_s2_sd, campaign"
+std::string given_as(Source source) {
+  return std::string(to_string(source)) + "_sd, campaign";
+}
+
+/// What all runs share, listed in `errors` and `taken_as_exact`.
+class SharedErrors {
+ public:
+  SharedErrors(std::span<const RunEvidence> runs, const SharedEvidence& shared, Conditions& conditions)
+      : runs_(runs), shared_(shared), conditions_(conditions) {}
+
+  /// `one`: A_y is A, not a quantity of its own.
+  void amplitudes(bool one) {
+    const PooledQuantity x = of(Source::amplitude), y = of(Source::amplitude_y);
+    if (one) {
+      add(FitParameter::amplitude, x.shared_sd, conditions_.from(x), x.known_beforehand);
+    } else {  // independent errors of both: of their mean and of their ratio, which do not go together
+      const double both = std::hypot(x.shared_sd, y.shared_sd);
+      const std::string from = conditions_.from(x.shared_sd > 0 ? x : y);
+      add(FitParameter::amplitude, both / 2, from, x.known_beforehand || y.known_beforehand);
+      add(FitParameter::amplitude_ratio, both, from);
+    }
+    // Driven runs whose A is given are free of it.
+    double coder = 0, exposure = 0, driven = 0;
+    for (std::size_t k = 0; k < runs_.size(); ++k) {
+      if (!runs_[k].driven) continue;
+      ++driven;
+      if (!conditions_.runs[k].amplitude_from_track) continue;
+      coder += runs_[k].coder_attenuation;
+      exposure += runs_[k].seen ? runs_[k].seen->exposure_doubt : 0;
+    }
+    if (driven > 0) {
+      add(FitParameter::amplitude, coder / driven, kFromCoder);
+      add(FitParameter::amplitude, exposure / driven, "exposure, not known");
+    }
+    exact_if(x.exact, Source::amplitude);
+    exact_if(y.exact || (one && x.shared_sd > 0), Source::amplitude_y);
+  }
+
+  void frequency_and_phase_shift() {
+    const PooledQuantity w = of(Source::angular_frequency), epsilon = of(Source::phase_shift);
+    add(FitParameter::angular_frequency, w.shared_sd, conditions_.from(w), w.known_beforehand);
+    add(FitParameter::phase_shift, epsilon.shared_sd, conditions_.from(epsilon));
+    exact_if(w.exact, Source::angular_frequency);
+    const bool by_default = conditions_.find(Source::phase_shift) == nullptr;
+    exact_if(any_driven() && (epsilon.exact || by_default), Source::phase_shift);
+  }
+
+  /// All that is measured, w included, in seconds that are too long by a share: then g, the one quantity that
+  /// is known in true seconds, is off by twice that. With w given in true seconds the displacement is read
+  /// too late by that share.
+  void clock() {
+    const double sd = shared_.clock_sd.value_or(0);
+    if (!any_driven() || of(Source::angular_frequency).by_measurement)
+      add(FitParameter::gravity, 2 * sd, given_as(Source::frame_rate));
+    else
+      add(FitParameter::scale, sd, given_as(Source::frame_rate));
+    exact_if(shared_.clock_sd && sd == 0, Source::frame_rate);
+  }
+
+  void gravity_and_tilt() {
+    add(FitParameter::gravity, shared_.gravity_sd, given_as(Source::gravity), true);
+    add(FitParameter::tilt_x, shared_.tilt_x_sd, given_as(Source::tilt_x), true);
+    add(FitParameter::tilt_y, shared_.tilt_y_sd, given_as(Source::tilt_y), true);
+    exact_if(shared_.gravity_sd == 0, Source::gravity);
+    exact_if(shared_.tilt_x_sd == 0 && !fitted(FitParameter::tilt_x), Source::tilt_x);
+    exact_if(shared_.tilt_y_sd == 0 && !fitted(FitParameter::tilt_y), Source::tilt_y);
+  }
+
+  /// One instrument measures the slopes of all inclines.
+  void slope() {
+    const auto inclined = [](const RunEvidence& run) { return run.slope.has_value(); };
+    const double sd = mean_over(runs_, inclined, [](const RunEvidence& r) { return r.slope->sd; });
+    add(FitParameter::slope, sd, given_as(Source::slope), true);
+    exact_if(sd == 0 && std::ranges::any_of(runs_, inclined), Source::slope);
+  }
+
+  void scale() {
+    const double all = mean_over(runs_, is_scaled, [](const RunEvidence& r) { return r.scale->relative_sd; });
+    const bool by_diameter = std::ranges::any_of(
+        runs_, [](const RunEvidence& r) { return r.scale && r.scale->by == Source::diameter; });
+    if (by_diameter) {
+      const double diameter = std::min(shared_.length_sd, all);
+      add(FitParameter::scale, diameter, given_as(Source::diameter), true);
+      add(FitParameter::scale, std::sqrt(all * all - diameter * diameter), "part's radius in the pictures",
+          true);
+      exact_if(diameter == 0, Source::diameter);
+    } else {
+      const Source by = shared_.scale;
+      add(FitParameter::scale, all,
+          by == Source::calibration ? "calibration"
+          : by == Source::tag       ? "the tag's size, and its sides in the pictures"
+                                    : given_as(by),
+          true);
+      exact_if(by == Source::tag && shared_.length_sd == 0, Source::tag);
+      exact_if(all == 0 && std::ranges::any_of(runs_, is_scaled), Source::scale);
+    }
+    const char* from = "height and working distance, campaign";
+    if (!by_diameter) add(FitParameter::scale, shared_.parallax_sd, from);
+    if (of(Source::amplitude).by_measurement) add(FitParameter::amplitude, shared_.parallax_sd, from);
+  }
+
+  void phase_reference() {
+    add(FitParameter::phase_reference,
+        mean_over(runs_, is_driven, [](const RunEvidence& r) { return r.coder_delay; }), kFromCoder);
+    const auto by_sensor = [](const RunEvidence& r) { return r.driven && r.gate != Gate::by_camera; };
+    const auto from_sensor = std::ranges::count_if(runs_, by_sensor);
+    const double sd = shared_.sensor_axis_sd;
+    exact_if(from_sensor > 0 && sd == 0, Source::sensor_axis);
+    if (from_sensor == std::ranges::count_if(runs_, is_driven)) {
+      if (from_sensor > 0) add(FitParameter::phase_reference, sd, given_as(Source::sensor_axis));
+    } else if (from_sensor == 0) {
+      conditions_.sensor_axis_not_used = sd > 0;
+    } else {
+      for (std::size_t k = 0; k < runs_.size(); ++k)
+        if (by_sensor(runs_[k])) conditions_.runs[k].own.add(Parameter::phi, sd * sd);
+    }
+  }
+
+  void gates() {
+    const auto commanded = [&](std::optional<double> RunEvidence::*sd) {
+      return std::ranges::any_of(
+          runs_, [&](const RunEvidence& r) { return r.driven && r.gate == Gate::commanded && !(r.*sd); });
+    };
+    exact_if(commanded(&RunEvidence::phi_sd), Source::phi);
+    exact_if(commanded(&RunEvidence::dtau_sd), Source::dtau);
+  }
+
+ private:
+  PooledQuantity of(Source source) const {
+    const PooledQuantity* found = conditions_.find(source);
+    return found != nullptr ? *found : PooledQuantity{};
+  }
+  bool any_driven() const { return std::ranges::any_of(runs_, is_driven); }
+  bool fitted(FitParameter parameter) const { return std::ranges::count(shared_.fitted, parameter) > 0; }
+  void add(FitParameter quantity, double sd, const std::string& from, bool known_beforehand = false) {
+    if (sd > 0) conditions_.errors.push_back({quantity, sd, from, known_beforehand});
+  }
+  void exact_if(bool exact, Source source) {
+    if (exact) conditions_.taken_as_exact.push_back(source);
+  }
+
+  std::span<const RunEvidence> runs_;
+  const SharedEvidence& shared_;
+  Conditions& conditions_;
+};
+
+/// A_y is A where neither is measured nor it is given: one error moves both.
+bool one_amplitude(Conditions& conditions) {
+  const PooledQuantity* y = conditions.find(Source::amplitude_y);
+  if (y == nullptr || !y->implied || y->by_measurement) return false;
+  for (RunConditions& run : conditions.runs) {
+    const double sd = run.own.sd(Parameter::amplitude);
+    if (sd > 0) run.own.add(Parameter::amplitude, Parameter::amplitude_y, sd * sd);
+  }
+  return true;
+}
+
+}  // namespace
+
+const char* to_string(Source source) {
+  switch (source) {
+    case Source::amplitude:
+      return "amplitude_mm";
+    case Source::amplitude_y:
+      return "amplitude_y_mm";
+    case Source::angular_frequency:
+      return "angular_frequency_rad_s";
+    case Source::phase_shift:
+      return "phase_shift_rad";
+    case Source::gravity:
+      return "gravity_m_s2";
+    case Source::tilt_x:
+      return "tilt_x_rad";
+    case Source::tilt_y:
+      return "tilt_y_rad";
+    case Source::slope:
+      return "slope_rad";
+    case Source::phi:
+      return "phi_rad";
+    case Source::dtau:
+      return "dtau_rad";
+    case Source::sensor_axis:
+      return "xi_axis_rad";
+    case Source::frame_rate:
+      return "frame_rate_hz";
+    case Source::scale:
+      return "mm_per_px";
+    case Source::calibration:
+      return "calibration";
+    case Source::diameter:
+      return "diameter_mm";
+    case Source::tag:
+      return "tag_mm";
+  }
+  return "";
+}
+
+const PooledQuantity* Conditions::find(Source quantity) const {
+  const auto found = std::ranges::find(quantities, quantity, &PooledQuantity::quantity);
+  return found == quantities.end() ? nullptr : &*found;
+}
+
+std::string Conditions::from(const PooledQuantity& quantity) const {
+  using From = PooledQuantity::From;
+  const std::string seen =
+      seen_by + ", " + std::to_string(quantity.runs) + (quantity.runs == 1 ? " run" : " runs");
+  if (quantity.quantity == Source::diameter) return "campaign; lengths go by the given scale";
+  switch (quantity.from) {
+    case From::given_exactly:
+      return "campaign, taken as exact";
+    case From::given:
+      return "campaign";
+    case From::given_and_measured:
+      return "campaign and " + seen;
+    case From::measured:
+      return seen;
+    case From::each_its_own:
+      return seen_by + ", each run its own";
+  }
+  return "";
+}
+
+Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared) {
+  Conditions conditions;
+  conditions.seen_by = shared.seen_by;
+  for (const RunEvidence& run : runs) conditions.runs.push_back({run.drive, run.own});
+  internal::pool_quantities(runs, shared, conditions);
+  SharedErrors errors(runs, shared, conditions);
+  errors.amplitudes(one_amplitude(conditions));
+  errors.frequency_and_phase_shift();
+  errors.clock();
+  errors.gravity_and_tilt();
+  errors.slope();
+  errors.scale();
+  errors.phase_reference();
+  errors.gates();
+  return conditions;
+}
+
+namespace {
+
+/// The drive whose amplitude and frequency a fit names: that of its first driven run.
+model::Drive reference_drive(const Problem& problem) {
+  std::vector<model::Drive> drives;
+  for (const auto& run : problem.summary_runs) drives.push_back(run.scenario.drive);
+  for (const auto& run : problem.trajectory_runs) drives.push_back(run.scenario.drive);
+  const auto driven = std::ranges::find_if(
+      drives, [](const model::Drive& d) { return d.amplitude > 0 || d.amplitude_y > 0; });
+  return driven != drives.end() ? *driven : drives.empty() ? model::Drive{} : drives.front();
+}
+
+/// What a relative error is relative to, or 1.
+double size_of(FitParameter quantity, const model::Drive& drive) {
+  switch (quantity) {
+    case FitParameter::amplitude:
+      return std::max(drive.amplitude, drive.amplitude_y);
+    case FitParameter::angular_frequency:
+      return drive.angular_frequency;
+    case FitParameter::gravity:
+      return drive.gravity;
+    default:
+      return 1;
+  }
+}
+
+/// The value that the runs have, as a fit counts it.
+double value_of(FitParameter quantity, const model::Drive& drive) {
+  return quantity == FitParameter::tilt_x   ? drive.tilt_x
+         : quantity == FitParameter::tilt_y ? drive.tilt_y
+                                            : size_of(quantity, drive);
+}
+
+}  // namespace
+
+void put_into(Problem& problem, const Conditions& conditions) {
+  const model::Drive drive = reference_drive(problem);
+  std::map<FitParameter, double> variance;
+  for (const SharedError& error : conditions.errors) {
+    const double sd = error.sd * size_of(error.quantity, drive);
+    if (std::ranges::count(problem.free, error.quantity) == 0)
+      problem.conditions.push_back({error.quantity, sd, error.from});
+    else if (error.known_beforehand)
+      variance[error.quantity] += sd * sd;
+  }
+  for (const auto& [quantity, sum] : variance)
+    problem.prior.try_emplace(quantity, Prior{value_of(quantity, drive), std::sqrt(sum)});
+  for (const Source source : conditions.taken_as_exact)
+    if (source == Source::diameter || source == Source::scale || source == Source::tag)
+      problem.exact.emplace_back(FitParameter::scale, to_string(source));
+}
+
+}  // namespace tribotrack::fit
