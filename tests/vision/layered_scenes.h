@@ -2,7 +2,6 @@
 // analytic scenes and owes nothing to our interpolation.
 #pragma once
 
-#include <Eigen/LU>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -11,7 +10,7 @@
 #include "vision/cramer_rao_bound.h"
 #include "vision/frame_source.h"
 #include "vision/scene.h"
-#include "vision/track.h"
+#include "vision/track_errors.h"
 
 namespace tribotrack::vision::test {
 
@@ -74,45 +73,8 @@ class SceneSource : public MemorySource {
   std::int64_t reads_ = 0;
 };
 
-/// Errors of a track, the mean offset removed.
-struct TrackErrors {
-  double rms = 0;           ///< of the components, px
-  double standardised = 0;  ///< rms of e^T C^-1 e / 2
-  double drift = 0;         ///< mean of the last tenth minus that of the first, px
-  int count = 0;
-};
-
 inline TrackErrors errors_of(const Track& track, const SlidingScene& scene) {
-  std::vector<Eigen::Vector2d> errors;
-  std::vector<Eigen::Matrix2d> spreads;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const TrackPoint& p : track.points) {
-    if (p.status != TrackStatus::ok) continue;
-    const Point t = scene.truth(p.frame);
-    errors.emplace_back(p.x - t.x, p.y - t.y);
-    const double covariance = p.rho_xy * p.sigma_x * p.sigma_y;
-    Eigen::Matrix2d c;
-    c << p.sigma_x * p.sigma_x, covariance, covariance, p.sigma_y * p.sigma_y;
-    spreads.push_back(c);
-    mean += errors.back();
-  }
-  TrackErrors out;
-  out.count = static_cast<int>(errors.size());
-  if (errors.empty()) return out;
-  mean /= out.count;
-  const std::size_t tenth = errors.size() / 10;
-  Eigen::Vector2d drift = Eigen::Vector2d::Zero();
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    const Eigen::Vector2d e = errors[k] - mean;
-    out.rms += e.squaredNorm() / (2 * out.count);
-    out.standardised += e.dot(spreads[k].inverse() * e) / (2 * out.count);
-    if (k < tenth) drift -= e / static_cast<double>(tenth);
-    if (k >= errors.size() - tenth) drift += e / static_cast<double>(tenth);
-  }
-  out.rms = std::sqrt(out.rms);
-  out.standardised = std::sqrt(out.standardised);
-  out.drift = drift.norm();
-  return out;
+  return errors_of(track, [&](std::int64_t frame) { return scene.truth(frame); });
 }
 
 }  // namespace tribotrack::vision::test

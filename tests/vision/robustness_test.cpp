@@ -2,27 +2,26 @@
 // integrated over pixels and exposure.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <random>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "vision/analytic_scene.h"
 #include "vision/camera/pixels.h"
 #include "vision/cramer_rao_bound.h"
-#include "vision/kernels/informative_pixels.h"
 #include "vision/scene.h"
+#include "vision/track_errors.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
 namespace {
 
 using test::RenderedSource;
+using test::TrackErrors;
 
 constexpr double kFps = 500;
 
@@ -83,53 +82,20 @@ TrackOptions follow(const Recording& r) {
   return options;
 }
 
-/// Of the points told to be ok, their mean offset removed.
-struct Errors {
-  int ok = 0;
-  double rms = 0;           ///< px
-  double standardised = 0;  ///< rms of the components over their told sd
-  double worst = 0;         ///< largest of a point, in its own sd
-};
-
-Errors errors_of(const TrackResult& result, const std::function<Point(std::int64_t)>& truth) {
-  std::vector<Eigen::Vector2d> errors;
-  std::vector<Eigen::Matrix2d> told;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const TrackPoint& p : result.track.points) {
-    if (p.status != TrackStatus::ok) continue;
-    errors.emplace_back(p.x - truth(p.frame).x, p.y - truth(p.frame).y);
-    const double c = p.rho_xy * p.sigma_x * p.sigma_y;
-    told.push_back(Eigen::Matrix2d{{p.sigma_x * p.sigma_x, c}, {c, p.sigma_y * p.sigma_y}});
-    mean += errors.back();
-  }
-  Errors out;
-  out.ok = static_cast<int>(errors.size());
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    const Eigen::Vector2d e = errors[k] - mean / out.ok;
-    const double squares = e.dot(told[k].inverse() * e);
-    out.rms += e.squaredNorm() / (2.0 * out.ok);
-    out.standardised += squares / (2.0 * out.ok);
-    out.worst = std::max(out.worst, std::sqrt(squares));
-  }
-  out.rms = std::sqrt(out.rms);
-  out.standardised = std::sqrt(out.standardised);
-  return out;
-}
-
 /// Tracked from a click beside the disc; what came of it is printed.
 struct Outcome {
   TrackResult result;
-  Errors errors;
+  TrackErrors errors;
   double bound = 0;
 };
 
 Outcome followed(const char* name, const Recording& r, const std::function<Point(std::int64_t)>& truth) {
   RenderedSource source = r.source();
   Outcome out{track(source, follow(r)), {}, r.bound(r.frames / 2)};
-  out.errors = errors_of(out.result, truth);
+  out.errors = test::errors_of(out.result.track, truth);
   const TrackSummary& s = out.result.summary;
   std::printf("%s: ok %d, lost %lld, rms %.4f px = %.2f bound, standardised %.2f, worst %.1f sd%s\n", name,
-              out.errors.ok, static_cast<long long>(s.lost), out.errors.rms, out.errors.rms / out.bound,
+              out.errors.count, static_cast<long long>(s.lost), out.errors.rms, out.errors.rms / out.bound,
               out.errors.standardised, out.errors.worst, s.layered ? ", layered" : "");
   return out;
 }
@@ -140,7 +106,7 @@ Outcome followed(const char* name, const Recording& r) {
 
 /// The scene costs nothing: as sharp as on a good recording, and as true. 400 components scatter by 4 %.
 void expect_at_the_limit(const Outcome& o, int frames) {
-  EXPECT_EQ(o.errors.ok, frames);
+  EXPECT_EQ(o.errors.count, frames);
   EXPECT_LT(o.errors.rms, 1.15 * o.bound);
   EXPECT_GT(o.errors.standardised, 0.87);
   EXPECT_LT(o.errors.standardised, 1.13);
@@ -172,7 +138,7 @@ TEST_P(Robustness, Defocus) {
   Recording r = recording();
   r.scene.disc.edge_blur_px = 4;
   const Outcome o = followed("defocus", r);
-  EXPECT_EQ(o.errors.ok, r.frames);
+  EXPECT_EQ(o.errors.count, r.frames);
   EXPECT_LT(o.errors.rms, 1.15 * o.bound);
   EXPECT_GT(o.errors.standardised, 0.87);
   EXPECT_LT(o.errors.standardised, 1.13);
@@ -286,78 +252,57 @@ TEST_P(Robustness, LampThatCoversPartOfThePath) {
   }
 }
 
-struct GlareSpot {
-  const char* name;
-  double sd, peak;  ///< px, grey levels
-};
-
 /// Light that lies over part of the path, up to half as bright as the disc, on part and ground alike.
-class Glare : public testing::TestWithParam<std::tuple<double, GlareSpot>> {
- protected:
-  Outcome tracked() const {
-    const auto& [texture, spot] = GetParam();
-    Recording r;
-    r.scene.platform.texture_rms = texture;
-    r.spoil = [s = spot](int, Picture& p) {
-      for (int y = 0; y < p.height(); ++y)
-        for (int x = 0; x < p.width(); ++x) {
-          const double q = ((x - 130) * (x - 130) + (y - 50) * (y - 50)) / (2 * s.sd * s.sd);
-          p.at(x, y) = static_cast<float>(std::min(255.0, std::round(p.at(x, y) + s.peak * std::exp(-q))));
-        }
-    };
-    return followed("glare", r);
-  }
+struct Spot {
+  const char* name;
+  double texture, sd, peak;        ///< of the platform, grey levels; px, grey levels
+  double most, most_standardised;  ///< rms over the bound
 };
-class FaintGlare : public Glare {};
-class BrightGlare : public Glare {};
 
-// A single template is 11 times the bound off.
-TEST_P(FaintGlare, IsLearntAndTakenOut) {
-  const Outcome o = tracked();
-  EXPECT_EQ(o.errors.ok, 200);
-  EXPECT_LT(o.errors.rms, 1.2 * o.bound);
-  EXPECT_LT(o.errors.standardised, 1.15);
+class Glare : public testing::TestWithParam<Spot> {};
+
+// A single template is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times. Known limit:
+// over a texture a bright or broad light is told from the ground only in part.
+TEST_P(Glare, IsLearntAndTakenOut) {
+  const Spot& spot = GetParam();
+  Recording r;
+  r.scene.platform.texture_rms = spot.texture;
+  r.spoil = [&](int, Picture& p) {
+    for (int y = 0; y < p.height(); ++y)
+      for (int x = 0; x < p.width(); ++x) {
+        const double q = ((x - 130) * (x - 130) + (y - 50) * (y - 50)) / (2 * spot.sd * spot.sd);
+        p.at(x, y) = static_cast<float>(std::min(255.0, std::round(p.at(x, y) + spot.peak * std::exp(-q))));
+      }
+  };
+  const Outcome o = followed("glare", r);
+  EXPECT_EQ(o.errors.count, 200);
+  EXPECT_LT(o.errors.rms, spot.most * o.bound);
+  EXPECT_LT(o.errors.standardised, spot.most_standardised);
 }
 
-// Known limit: over a texture a bright or broad light is told from the ground only in part: the narrow one
-// leaves 1.5 times the bound, the broad one, on which the rim is the better choice, 4 times. A single
-// template is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times.
-TEST_P(BrightGlare, IsTakenOutInPart) {
-  const Outcome o = tracked();
-  EXPECT_EQ(o.errors.ok, 200);
-  const auto& [texture, spot] = GetParam();
-  EXPECT_LT(o.errors.rms, (texture == 0 ? 1.25 : spot.sd < 15 ? 1.8 : spot.sd < 30 ? 2.5 : 4.5) * o.bound);
-  EXPECT_LT(o.errors.standardised, texture > 0 && spot.sd > 30 ? 2.2 : 1.25);
-}
-
-std::string spot_name(const testing::TestParamInfo<std::tuple<double, GlareSpot>>& p) {
-  return std::get<1>(p.param).name + std::string(std::get<0>(p.param) > 0 ? "Brushed" : "Plain");
-}
-
-INSTANTIATE_TEST_SUITE_P(Standing, FaintGlare,
-                         testing::Combine(testing::Values(8.0),
-                                          testing::Values(GlareSpot{"FaintNarrow", 10, 20})),
-                         spot_name);
-INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, BrightGlare,
-                         testing::Combine(testing::Values(0.0, 8.0),
-                                          testing::Values(GlareSpot{"BrightNarrow", 10, 60},
-                                                          GlareSpot{"Middling", 25, 40},
-                                                          GlareSpot{"BrightWide", 60, 80})),
-                         spot_name);
+const auto name_of_spot = [](const auto& spot) { return spot.param.name; };
+INSTANTIATE_TEST_SUITE_P(Faint, Glare, testing::Values(Spot{"NarrowBrushed", 8, 10, 20, 1.2, 1.15}),
+                         name_of_spot);
+INSTANTIATE_TEST_SUITE_P(
+    DISABLED_Campaign, Glare,
+    testing::Values(Spot{"NarrowPlain", 0, 10, 60, 1.25, 1.25}, Spot{"MiddlingPlain", 0, 25, 40, 1.25, 1.25},
+                    Spot{"WidePlain", 0, 60, 80, 1.25, 1.25}, Spot{"NarrowBrushed", 8, 10, 60, 1.8, 1.25},
+                    Spot{"MiddlingBrushed", 8, 25, 40, 2.5, 1.25}, Spot{"WideBrushed", 8, 60, 80, 4.5, 2.2}),
+    name_of_spot);
 
 TEST_P(EverydayRobustness, RecordingThatStartsBeforeThePartIsThere) {
   Recording r = recording();
   r.pose = [](double k) { return ScenePose{{-60.3 + 1.6 * k, 60.2 + 3 * std::sin(0.11 * k)}, 0, {0, 0}}; };
   RenderedSource source = r.source();
   const TrackResult result = track(source, {});
-  const Errors e = errors_of(result, [&](std::int64_t k) { return r.truth(k); });
-  std::printf("comes in: ok %d, absent %lld, rms %.2f bound, standardised %.2f\n", e.ok,
+  const TrackErrors e = test::errors_of(result.track, [&](std::int64_t k) { return r.truth(k); });
+  std::printf("comes in: ok %d, absent %lld, rms %.2f bound, standardised %.2f\n", e.count,
               static_cast<long long>(result.summary.absent_at_first), e.rms / r.bound(150), e.standardised);
   std::int64_t whole = 0;
   while (r.truth(whole).x - 24 < 0) ++whole;
   EXPECT_GE(result.summary.absent_at_first, whole);
   EXPECT_LE(result.summary.absent_at_first, whole + 8);
-  EXPECT_EQ(e.ok + result.summary.absent_at_first, r.frames);
+  EXPECT_EQ(e.count + result.summary.absent_at_first, r.frames);
   EXPECT_EQ(static_cast<std::int64_t>(result.track.points.size()), r.frames);
   EXPECT_EQ(result.track.points.front().status, TrackStatus::lost);
   EXPECT_EQ(result.summary.lost_counted, 0);
@@ -372,7 +317,7 @@ TEST_P(Robustness, PartPutDownWhereTheUserSaysItIs) {
   r.pose = [](double k) { return ScenePose{{60.3 + 0.6 * std::max(0.0, k - 40), 60.2}, 0, {0, 0}}; };
   const Outcome o = followed("put down later", r);
   EXPECT_EQ(o.result.summary.absent_at_first, 30);
-  EXPECT_EQ(o.errors.ok, r.frames - 30);
+  EXPECT_EQ(o.errors.count, r.frames - 30);
   EXPECT_LT(o.errors.rms, 1.15 * o.bound);
 }
 
@@ -387,7 +332,7 @@ TEST_P(Robustness, DiscsOf8And400Pixels) {
       return ScenePose{{radius + 20.3 + 0.4 * k, radius + 20.2 + 3 * std::sin(0.11 * k)}, 0, {0, 0}};
     };
     const Outcome o = followed(radius < 10 ? "8 px across" : "400 px across", r);
-    EXPECT_EQ(o.errors.ok, r.frames);
+    EXPECT_EQ(o.errors.count, r.frames);
     EXPECT_LT(o.errors.rms, 1.2 * o.bound);
   }
 }
@@ -398,57 +343,6 @@ std::string texture_name(const testing::TestParamInfo<double>& texture) {
 
 INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, Robustness, testing::Values(0.0, 8.0), texture_name);
 INSTANTIATE_TEST_SUITE_P(PlatformTexture, EverydayRobustness, testing::Values(8.0), texture_name);
-
-TEST(OutlierPixels, SpreadFromWhatLiesTogetherOnly) {
-  const std::vector<TilePlace> places{{0, 0}, {8, 0}};
-  std::vector<unsigned char> outliers(2 * kTilePixels);
-  const auto at = [&](int x, int y) -> unsigned char& {
-    return outliers[static_cast<std::size_t>(x / 8) * kTilePixels + static_cast<std::size_t>(8 * y + x % 8)];
-  };
-  at(7, 3) = at(7, 4) = at(8, 3) = 1;  // across the tiles' border
-  at(1, 1) = 1;                        // a speck
-  const std::size_t count = spread_outliers(places, 2, outliers);
-  std::size_t expected = 0;
-  for (int y = 0; y < 8; ++y)
-    for (int x = 0; x < 16; ++x) {
-      const bool near =
-          std::hypot(x - 7, y - 3) <= 2 || std::hypot(x - 7, y - 4) <= 2 || std::hypot(x - 8, y - 3) <= 2;
-      const bool is = near || (x == 1 && y == 1);
-      EXPECT_EQ(at(x, y) != 0, is) << x << ", " << y;
-      expected += is;
-    }
-  EXPECT_EQ(count, expected);
-}
-
-TEST(BadPixels, AreFoundAndNothingElseIs) {
-  Recording r;
-  r.scene.platform.texture_rms = 8;
-  r.scene.marker = MarkerAppearance{{250, 90}, 5};
-  r.scene.disc.scratches = 12;
-  const std::vector<Pixel> bad{{10, 100}, {200, 20}, {201, 20}, {120, 5}};  // two of them neighbours
-  r.spoil = [&](int, Picture& p) {
-    for (const Pixel& q : bad) p.at(q.x, q.y) = q.x == 10 ? 0.0F : 255.0F;
-  };
-  RenderedSource source = r.source();
-  BadPixelSearch search(source.read(0), 4);
-  for (int k = 1; k < 4; ++k) search.look(source.read(k));
-  const auto found = search.found();
-  ASSERT_EQ(found.size(), bad.size());
-  for (const Pixel& q : bad)
-    EXPECT_TRUE(
-        std::any_of(found.begin(), found.end(), [&](const Pixel& f) { return f.x == q.x && f.y == q.y; }))
-        << q.x << ", " << q.y;
-  MendedSource mended(source, found);
-  const Picture whole = mended.read(7), raw = source.read(7);
-  for (const Pixel& q : bad) EXPECT_NEAR(whole.at(q.x, q.y), raw.at(q.x - 1, q.y + 1), 30);
-  Picture window;
-  mended.read(7, {195, 15, 20, 10}, window);
-  EXPECT_EQ(window.at(5, 5), whole.at(200, 20));
-  std::size_t changed = 0;
-  for (int y = 0; y < raw.height(); ++y)
-    for (int x = 0; x < raw.width(); ++x) changed += raw.at(x, y) != whole.at(x, y);
-  EXPECT_EQ(changed, bad.size());
-}
 
 }  // namespace
 }  // namespace tribotrack::vision

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "vision/analytic_scene.h"
+#include "vision/track_errors.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -50,22 +51,9 @@ Tracked tracked(double blocks) {
   options.target.disc = {place(0).x, place(0).y, 14};
   options.layers = Layers::off;
   const TrackResult result = track(source, options);
-  Tracked out{result.summary.audit, 0, result.summary.warnings.size()};
-  Point mean;
-  const auto count = static_cast<double>(result.track.points.size());
-  for (std::size_t k = 0; k < result.track.points.size(); ++k) {
-    EXPECT_EQ(result.track.points[k].status, TrackStatus::ok);
-    mean.x += (result.track.points[k].x - place(static_cast<std::int64_t>(k)).x) / count;
-    mean.y += (result.track.points[k].y - place(static_cast<std::int64_t>(k)).y) / count;
-  }
-  for (std::size_t k = 0; k < result.track.points.size(); ++k) {
-    const TrackPoint& p = result.track.points[k];
-    const Point truth = place(static_cast<std::int64_t>(k));
-    out.standardised +=
-        std::pow((p.x - truth.x - mean.x) / p.sigma_x, 2) + std::pow((p.y - truth.y - mean.y) / p.sigma_y, 2);
-  }
-  out.standardised = std::sqrt(out.standardised / (2 * count));
-  return out;
+  const test::TrackErrors e = test::errors_of(result.track, place);
+  EXPECT_EQ(e.count, 400);
+  return {result.summary.audit, e.standardised, result.summary.warnings.size()};
 }
 
 /// Of both splits together.

@@ -237,19 +237,5 @@ TEST_F(CalibrationRefusals, EveryBadInputIsNamed) {
   EXPECT_THAT(refusal(board_of(9, 7), s), AllOf(HasSubstr("same direction"), HasSubstr("tilted")));
 }
 
-TEST(CalibrationBoard, MustMakeSense) {
-  CalibrationBoard board = board_of(9, 7);
-  board.square_mm = 0;
-  EXPECT_THROW(board.validate(), std::invalid_argument);
-  board = board_of(2, 7);
-  EXPECT_THROW(board.validate(), std::invalid_argument);
-  board = board_of(9, 7);
-  board.kind = CalibrationBoard::Kind::charuco;
-  EXPECT_THROW(board.validate(), std::invalid_argument) << "no marker_mm";
-  board.marker_mm = 2;
-  board.dictionary = "3x3";
-  EXPECT_THROW(board.validate(), std::invalid_argument);
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

@@ -55,6 +55,16 @@ TEST(PlaceTrack, WithOneScaleIsATurnAndAFactor) {
   }
 }
 
+TEST(PlaceTrack, BeginsWhereTheMarkerIsSeenAndHasNoPlaceWhereOneIsMissing) {
+  Track track = example();
+  track.points[0].marker.reset();
+  track.points[3].status = TrackStatus::lost;
+  const auto placed = place_track(track, {{1, 0, "given"}, ScalePlane::part_top, std::nullopt}, 0);
+  EXPECT_FALSE(placed[0] || placed[3]);
+  ASSERT_TRUE(placed[1]);
+  EXPECT_EQ(placed[1]->mm.norm(), 0);
+}
+
 TEST(PlaceTrack, ParallaxMakesTheMarkersMillimetresLarger) {
   // 0.8 mm at 100 mm distance: 0.8 % in scale.
   const Parallax parallax{0.8, 100};

@@ -9,6 +9,7 @@
 #include "vision/coding_forecast.h"
 #include "vision/recordings.h"
 #include "vision/scene.h"
+#include "vision/track_errors.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -44,28 +45,11 @@ class CodedTrackTest : public RecordingTest {
     return file(name);
   }
 
-  struct Seen {
-    double error = 0, sd = 0;  ///< px rms of a coordinate, the mean error taken out
-  };
-  static Seen compare(const Track& track) {
-    std::vector<Point> seen, path;
-    Point mean;
-    Seen out;
-    for (const TrackPoint& p : track.points) {
-      const Point at = truth(static_cast<int>(p.frame));
-      seen.push_back({p.x, p.y});
-      path.push_back(at);
-      mean.x += (p.x - at.x) / kFrames;
-      mean.y += (p.y - at.y) / kFrames;
-      out.sd += 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y) / kFrames;
-    }
-    for (std::size_t k = 0; k < seen.size(); ++k)
-      out.error +=
-          0.5 * (std::pow(seen[k].x - path[k].x - mean.x, 2) + std::pow(seen[k].y - path[k].y - mean.y, 2)) /
-          kFrames;
-    out.error = std::sqrt(out.error);
-    out.sd = std::sqrt(out.sd);
-    return out;
+  static test::TrackErrors compare(const Track& track) {
+    const test::TrackErrors e =
+        test::errors_of(track, [](std::int64_t k) { return truth(static_cast<int>(k)); });
+    EXPECT_EQ(e.count, kFrames);
+    return e;
   }
 
   static TrackOptions options() {
@@ -82,10 +66,10 @@ TEST_F(CodedTrackTest, SlowMotionThroughH264) {
   const TrackResult result = track(*source, options());
   ASSERT_TRUE(result.summary.coded);
   EXPECT_GT(result.summary.coded->still, 0.5) << "the part moves by 0.05 px a frame";
-  const Seen seen = compare(result.track);
-  EXPECT_GT(seen.error, 0.02) << "the coder must do harm for this test to mean anything";
-  EXPECT_GT(seen.error / seen.sd, 0.5);
-  EXPECT_LT(seen.error / seen.sd, 1.5);
+  const test::TrackErrors seen = compare(result.track);
+  EXPECT_GT(seen.rms, 0.02) << "the coder must do harm for this test to mean anything";
+  EXPECT_GT(seen.rms / seen.sd, 0.5);
+  EXPECT_LT(seen.rms / seen.sd, 1.5);
 }
 
 TEST_F(CodedTrackTest, LosslessIsNotCoded) {
@@ -98,9 +82,9 @@ TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   const TrackResult result = track(*source, options());
   ASSERT_TRUE(result.summary.coded);
   EXPECT_EQ(result.summary.coded->part_play, 0);
-  const Seen seen = compare(result.track);
-  EXPECT_GT(seen.error / seen.sd, 0.75);
-  EXPECT_LT(seen.error / seen.sd, 1.3);
+  const test::TrackErrors seen = compare(result.track);
+  EXPECT_GT(seen.rms / seen.sd, 0.75);
+  EXPECT_LT(seen.rms / seen.sd, 1.3);
 }
 
 TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {

@@ -24,16 +24,6 @@ CodedFrame frame_where(CodedCell::Kind kind, const Condition& condition) {
   return frame;
 }
 
-TEST(RimCoding, AllOfOneKind) {
-  const auto frame = frame_where(CodedCell::Kind::still, [](double, double) { return true; });
-  const RimCoding rim = rim_coding(frame, {kMiddle, kMiddle, kRadius});
-  EXPECT_EQ(rim.type, 'P');
-  EXPECT_DOUBLE_EQ(rim.step, 5);
-  EXPECT_NEAR(rim.still.x, 1, 1e-12);
-  EXPECT_NEAR(rim.still.y, 1, 1e-12);
-  EXPECT_EQ(rim.moving.x, 0);
-}
-
 /// Within 45 degrees of the x axis: the integral of cos^2 is pi/4 + 1/2 on either side, that of sin^2 pi/4 -
 /// 1/2.
 TEST(RimCoding, EdgesAcrossCount) {
@@ -43,12 +33,6 @@ TEST(RimCoding, EdgesAcrossCount) {
   EXPECT_NEAR(rim.moving.x, 0.5 + 1 / std::numbers::pi, 0.02);
   EXPECT_NEAR(rim.moving.y, 0.5 - 1 / std::numbers::pi, 0.02);
   EXPECT_EQ(rim.still.x, 0);
-}
-
-TEST(RimCoding, NothingOutsideThePictureOrWithoutCells) {
-  EXPECT_EQ(rim_coding({'B', 0, 0, {}}, {10, 10, 5}).step, 0);
-  const auto frame = frame_where(CodedCell::Kind::still, [](double, double) { return true; });
-  EXPECT_EQ(rim_coding(frame, {-900, kMiddle, 100}).still.x, 0);
 }
 
 constexpr int kSide = 64;
@@ -72,21 +56,11 @@ TEST(DeadZone, OfAStraightEdgeLiesBetweenItsMeanAndItsLargestCoefficient) {
   EXPECT_LT(unnoticed.x, 1.0 / 100);
 }
 
-TEST(DeadZone, FallsWithTheContrast) {
-  const Point once = unnoticed_motion(edge(50), kAll, -1), twice = unnoticed_motion(edge(100), kAll, -1);
-  EXPECT_NEAR(once.x / twice.x, 2, 1e-4);
-}
-
 TEST(DeadZone, TurnsWithThePicture) {
   const Point down = unnoticed_motion(edge(100), kAll, -1),
               across = unnoticed_motion(edge(100, true), kAll, -1);
   EXPECT_NEAR(down.x, across.y, 1e-9);
   EXPECT_EQ(down.y, 0) << "an edge tells nothing of a motion along itself";
-}
-
-TEST(DeadZone, NothingWhereNothingShows) {
-  EXPECT_EQ(unnoticed_motion(Picture(kSide, kSide, 90), kAll, -1).x, 0);
-  EXPECT_EQ(unnoticed_motion(edge(100), {60, 32, 2}, 0).x, 0) << "the edge is not near this rim";
 }
 
 }  // namespace
