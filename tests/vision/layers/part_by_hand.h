@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -19,18 +18,15 @@ struct PartByHand {
   double radius = 20, blur = 1.5;
   int half = 32;
   double shadow = 0;  ///< of the ground's light that it takes, to the right of the part
-  double sheen = 0;   ///< share of the ground that shows on the face
   double kappa = 0;   ///< px^2
-  static constexpr Rect region{0, 0, 180, 130};        ///< of the platform
-  std::function<double(double u, double v)> turning;   ///< T, empty where nothing turns
-  std::function<double(double x, double y)> standing;  ///< L, empty where no light stands in the picture
+  static constexpr Rect region{0, 0, 180, 130};  ///< of the platform
 
   Waves waves;      ///< of the ground about its level
   double mean = 0;  ///< mean G over the region
 
-  explicit PartByHand(double texture_rms = 8) {
+  PartByHand() {
     std::mt19937 random(11);
-    waves = random_waves(random, 12, 8, texture_rms);
+    waves = random_waves(random, 12, 8, 8);
     for (int y = 0; y < region.height; ++y)
       for (int x = 0; x < region.width; ++x)
         mean += ground_level(region.x + x, region.y + y) / (region.width * region.height);
@@ -39,8 +35,7 @@ struct PartByHand {
   double ground_level(double x, double y) const { return 70 + waves(x, y); }
   double share(double u, double v) const {
     const double beside = 0.5 * std::erfc((radius - std::hypot(u, v)) / (blur * std::numbers::sqrt2));
-    return sheen * (1 - beside) +
-           beside * (1 - shadow * std::exp(-0.5 * (std::pow(u - radius - 2, 2) + v * v) / 25));
+    return beside * (1 - shadow * std::exp(-0.5 * (std::pow(u - radius - 2, 2) + v * v) / 25));
   }
   double face(double u, double v) const {
     return 120 + 25 * std::exp(-0.5 * (std::pow(u - 7, 2) + std::pow(v + 5, 2)) / 6);
@@ -52,11 +47,6 @@ struct PartByHand {
   double seen(const LayeredState& s, double x, double y) const {
     constexpr double kStep = 1e-4;
     const double u = x - s.centre.x, v = y - s.centre.y, gx = x - s.ground.x, gy = y - s.ground.y;
-    double part = level(u, v);
-    if (turning) {
-      const double c = std::cos(s.theta), t = std::sin(s.theta);  // y points down
-      part += turning(c * u - t * v, t * u + c * v);
-    }
     double below = share(u, v) * ground_level(gx, gy);
     if (kappa > 0)
       below += kappa / (4 * kStep * kStep) *
@@ -64,9 +54,8 @@ struct PartByHand {
                     (ground_level(gx + kStep, gy) - ground_level(gx - kStep, gy)) +
                 (share(u, v + kStep) - share(u, v - kStep)) *
                     (ground_level(gx, gy + kStep) - ground_level(gx, gy - kStep)));
-    const double light = standing ? (1 - share(u, v)) * standing(x, y) : 0;
-    return s.gain * (1 + s.slope_x * u + s.slope_y * v) * (part - share(u, v) * mean) +
-           s.ground_gain * below + light;
+    return s.gain * (1 + s.slope_x * u + s.slope_y * v) * (level(u, v) - share(u, v) * mean) +
+           s.ground_gain * below;
   }
 
   /// Its window of `reach` px about the part, with white noise.

@@ -109,73 +109,69 @@ TEST(LayeredStage, IsLeftOutWhereThereIsNothingToLearn) {
   EXPECT_FALSE(stage(track(source, asked).summary).reason.starts_with("nothing to learn"));
 }
 
-TEST(LayeredStageCampaign, DISABLED_VignettingSpinAndHighlightLeaveNoDrift) {
+/// What the light and the part do to a recording, and what that may cost.
+struct Hardship {
+  const char* name;
+  void (*change)(SlidingScene&);
+  double rms, drift;  ///< at most: bounds, px
+  double least_standardised, most_standardised;
+};
+
+TrackSummary expect_borne(const Hardship& hardship) {
+  SCOPED_TRACE(hardship.name);
   SlidingScene s;
-  s.scene.vignetting = 0.08;
-  s.scene.disc.scratches = 12;
-  s.scene.disc.scratch_contrast = 12;
-  s.scene.disc.highlight = 25;
-  s.scene.shot_noise = 0.01;
-  s.spin_rad = 0.2;
+  hardship.change(s);
   SceneSource source(s);
   const TrackResult result = track(source, with_marker(s));
-  ASSERT_TRUE(result.summary.layered);
-  const TrackErrors e = report("all together", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.3 * s.bound());
-  EXPECT_GT(e.standardised, 0.9);
-  EXPECT_LT(e.standardised, 1.1);
-  EXPECT_LT(e.drift, 0.005);
-  EXPECT_NEAR(result.summary.disc.radius, 30, 0.01);
+  EXPECT_TRUE(result.summary.layered);
+  const TrackErrors e = report(hardship.name, result, s, s.bound());
+  EXPECT_LT(e.rms, hardship.rms * s.bound());
+  EXPECT_LT(e.drift, hardship.drift);
+  EXPECT_GT(e.standardised, hardship.least_standardised);
+  EXPECT_LT(e.standardised, hardship.most_standardised);
+  return result.summary;
 }
 
-TEST(LayeredStageCampaign, DISABLED_HighlightOnADiscThatDoesNotTurnIsNoLightFromTheSide) {
-  SlidingScene s;
-  s.scene.disc.highlight = 25;
-  SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
-  ASSERT_TRUE(result.summary.layered);
-  const TrackErrors e = report("highlight", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.15 * s.bound());
-  EXPECT_GT(e.standardised, 0.9);
-  EXPECT_LT(e.standardised, 1.1);
-  // Nothing in this scene changes slowly.
-  EXPECT_LT(result.summary.slow_sd(), 0.5 * s.bound());
-}
-
-// The light's slope over the disc changes along the path, which no frame by itself sees well: taken for one
-// and the same everywhere it draws the disc towards the brighter side, at one end of the path forth, at the
-// other back.
-TEST(LayeredStageCampaign, DISABLED_VignettingAlongAShortPathDrawsNothing) {
-  SlidingScene s;
-  s.frames = 600;
-  s.path_px = 70;
-  s.scene.vignetting = 0.02;
-  s.scene.platform.texture_rms = 10;
-  s.scene.read_noise = 2;
-  SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
-  ASSERT_TRUE(result.summary.layered);
-  const TrackErrors e = report("vignetting", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.15 * s.bound());
-  EXPECT_LT(e.standardised, 1.15);
-  // Uncorrected it is 0.03 px. On so short a path a strip of the ground is never uncovered, and is not told
-  // from the light on it.
-  EXPECT_LT(e.drift, 0.01);
-}
-
-TEST(LayeredStageCampaign, DISABLED_TurningScratchesInNoiseLeaveNoDrift) {
-  SlidingScene s;
-  s.scene.platform.texture_rms = 10;
-  s.scene.read_noise = 2;
+void scratched_and_turning(SlidingScene& s) {
   s.scene.disc.scratches = 12;
   s.scene.disc.scratch_contrast = 12;
   s.spin_rad = 0.2;
-  SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
-  ASSERT_TRUE(result.summary.layered);
-  const TrackErrors e = report("scratches", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.15 * s.bound());
-  EXPECT_LT(e.drift, 0.005);
+}
+
+TEST(LayeredStage, VignettingSpinAndHighlightLeaveNoDrift) {
+  const TrackSummary summary = expect_borne({"all together",
+                                             [](SlidingScene& s) {
+                                               scratched_and_turning(s);
+                                               s.scene.vignetting = 0.08;
+                                               s.scene.disc.highlight = 25;
+                                               s.scene.shot_noise = 0.01;
+                                             },
+                                             1.3, 0.005, 0.9, 1.1});
+  EXPECT_NEAR(summary.disc.radius, 30, 0.01);
+}
+
+TEST(LayeredStageCampaign, DISABLED_LightAndScratchesDrawNothing) {
+  expect_borne({"highlight on a disc that does not turn",
+                [](SlidingScene& s) { s.scene.disc.highlight = 25; }, 1.15, 0.005, 0.9, 1.1});
+  expect_borne({"scratches that turn in noise",
+                [](SlidingScene& s) {
+                  scratched_and_turning(s);
+                  s.scene.platform.texture_rms = 10;
+                  s.scene.read_noise = 2;
+                },
+                1.15, 0.005, 0.85, 1.15});
+  // The light's slope over the disc changes along the path, which no frame by itself sees well: taken for one
+  // and the same everywhere it draws the disc by 0.03 px. On so short a path a strip of the ground is never
+  // uncovered, and is not told from the light on it.
+  expect_borne({"vignetting along a short path",
+                [](SlidingScene& s) {
+                  s.frames = 600;
+                  s.path_px = 70;
+                  s.scene.vignetting = 0.02;
+                  s.scene.platform.texture_rms = 10;
+                  s.scene.read_noise = 2;
+                },
+                1.15, 0.01, 0.85, 1.15});
 }
 
 TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
@@ -219,19 +215,24 @@ TEST(LayeredStageCampaign, DISABLED_MovingGroundThatNobodyFollowsWidensTheStanda
   EXPECT_LT(e.standardised, 1.2);
 }
 
+// Where the ground shows no texture, alpha and the light cannot be told apart window by window: nothing may
+// run away, however few the frames. The rms of n components scatters by 1 / sqrt(2 n).
 TEST(LayeredStage, PlainPlatformIsAtTheBound) {
-  SlidingScene s;
-  s.scene.platform.texture_rms = 0;
-  SceneSource source(s);
-  TrackOptions options = with_marker(s);
-  options.layers = Layers::on;
-  const TrackResult result = track(source, options);
-  EXPECT_TRUE(result.summary.layered);
-
-  const TrackErrors e = report("plain", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.1 * s.bound());
-  EXPECT_GT(e.standardised, 0.9);
-  EXPECT_LT(e.standardised, 1.1);
+  for (const int frames : {24, 100, 240}) {
+    SCOPED_TRACE(frames);
+    SlidingScene s;
+    s.frames = frames;
+    s.scene.platform.texture_rms = 0;
+    SceneSource source(s);
+    TrackOptions options = with_marker(s);
+    options.layers = Layers::on;
+    const TrackResult result = track(source, options);
+    const TrackErrors e = report("plain", result, s, s.bound());
+    const double scatter = 2 / std::sqrt(4.0 * frames);
+    EXPECT_LT(e.rms, (1.04 + scatter) * s.bound());
+    EXPECT_GT(e.standardised, 0.97 - scatter);
+    EXPECT_LT(e.standardised, 1.04 + scatter);
+  }
 }
 
 TEST(LayeredStage, RecordingIsReadAtMostThriceMore) {

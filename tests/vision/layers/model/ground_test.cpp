@@ -6,13 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "vision/layers/part_by_hand.h"
+#include "vision/analytic_scene.h"
 
 namespace tribotrack::vision {
 namespace {
-
-using test::PartByHand;
-using test::state_of;
 
 constexpr int kWidth = 100, kHeight = 80;
 
@@ -108,130 +105,6 @@ TEST(GroundPicture, VarianceIsTheNoisesOverTheFrames) {
     EXPECT_GT(told[right], expected);
     EXPECT_LT(told[right], 1.2 * expected);
   }
-}
-
-TEST(GroundPicture, WhatWasNeverUncoveredIsUnknown) {
-  const test::Waves texture = some_waves();
-  GroundPicture ground({0, 0, kWidth, kHeight});
-  for (int k = 0; k < 5; ++k) ground.add(frame_of(texture, {}), 0, 0, {}, {50, 40, 10});
-  ground.finish(1);
-  const auto unknown = static_cast<float>(std::pow(ground.texture(), 2));
-  EXPECT_GT(unknown, 20);
-  EXPECT_EQ(ground.variance().at(50, 40), unknown);
-  EXPECT_EQ(ground.variance().at(58, 40), unknown);
-  // Seen five times: the posterior of a place that scatters by the texture, and by the noise of 1 when seen.
-  const float known = unknown / (5 * unknown + 1);
-  EXPECT_NEAR(ground.variance().at(63, 40), known, 1e-6);
-  EXPECT_NEAR(level_at(ground, 50, 40), ground.mean(), 1e-3);
-  // Beyond the region it is as at its border.
-  std::vector<float> level(4), variance(4);
-  ground.sample(-20, 30, 2, 2, level.data(), variance.data());
-  EXPECT_NEAR(variance[0], known, 1e-6);
-}
-
-// The level of least mean square error, and its error: by 4000 places of independent levels.
-TEST(GroundPicture, WhatWasSeenOnceIsTakenForWhatItTells) {
-  constexpr float kNoise = 4, kTexture = 6;
-  std::mt19937 random(9);
-  std::normal_distribution<float> gauss(0, 1);
-  Picture truth(kWidth, kHeight, 70);
-  for (float& level : truth.levels()) level += kTexture * gauss(random);
-  GroundPicture ground({0, 0, kWidth, kHeight});
-  for (int k = 0; k < 6; ++k) {
-    Picture picture = truth;
-    for (float& level : picture.levels()) level += kNoise * gauss(random);
-    // The left half is uncovered in every frame, the right half in one.
-    ground.add(picture, 0, 0, {}, k != 3 ? Circle{1049.5, 40, 1000} : kNothing);
-  }
-  ground.finish(kNoise * kNoise);
-  const double once = kTexture * kTexture * kNoise * kNoise / (kTexture * kTexture + kNoise * kNoise);
-  double square = 0, told = 0, n = 0;
-  for (int y = 2; y < kHeight - 2; ++y)
-    for (int x = 54; x < kWidth - 2; ++x, ++n) {
-      square += std::pow(level_at(ground, x, y) - static_cast<double>(truth.at(x, y)), 2);
-      told += static_cast<double>(ground.variance().at(x, y));
-    }
-  EXPECT_NEAR(square / n, once, 0.1 * once);
-  EXPECT_NEAR(told / n, once, 0.15 * once);
-}
-
-TEST(GroundPicture, WrongDisplacementsShowAsUnrest) {
-  const test::Waves texture = some_waves();
-  GroundPicture ground({0, 0, kWidth, kHeight});
-  for (int k = 0; k < 12; ++k) ground.add(frame_of(texture, circling(k)), 0, 0, {}, kNothing);
-  ground.finish(1);
-  EXPECT_GT(ground.unrest(), 5);
-}
-
-TEST(GroundPicture, WhatCrossesItIsHeldOut) {
-  const test::Waves texture = some_waves();
-  const auto crossed = [&](int k) {
-    Picture picture = frame_of(texture, {}, 1 + 0.05 * std::sin(k));
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 8 * k; x < 8 * k + 10; ++x) picture.at(x, y) = 160;
-    return picture;
-  };
-  GroundPicture ground({0, 0, kWidth, kHeight});
-  for (int k = 0; k < 10; ++k) ground.add(crossed(k), 0, 0, {}, kNothing);
-  ground.finish(1);
-  EXPECT_GT(std::abs(level_at(ground, 43, 40) - 70 - texture(43, 40)), 5);
-  EXPECT_EQ(ground.held_share(), 1);
-  ground.hold_to(frame_of(texture, {}), 5);
-  for (int k = 0; k < 10; ++k) ground.add(crossed(k), 0, 0, {}, kNothing);
-  ground.finish(1);
-  // Nine frames of noise 1 draw a place to the mean by one part in 9 * 36, the furthest by 0.076.
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) ASSERT_NEAR(level_at(ground, x, y), 70 + texture(x, y), 0.08);
-  EXPECT_NEAR(ground.held_share(), 0.9, 1e-6);
-  EXPECT_NEAR(ground.variance().at(43, 40), 1.0 / 9, 0.02);
-  EXPECT_LT(ground.unrest(), 1e-3);
-}
-
-// Ground that a part at rest always hides, seen in its shadow: the level of the ground, not of the shadow,
-// and alpha^2 of a frame counts.
-TEST(GroundPicture, IsSeenBesideThePart) {
-  PartByHand part;
-  part.shadow = 0.25;
-  LayeredState s;
-  s.centre = {90.3, 64.6};
-  const double hidden = part.half - 3.5;
-  std::mt19937 random(2);
-  std::vector<KeptWindow> windows;
-  GroundPicture ground(PartByHand::region);
-  constexpr int kFrames = 20;
-  Picture picture(PartByHand::region.width, PartByHand::region.height);
-  for (int y = 0; y < picture.height(); ++y)
-    for (int x = 0; x < picture.width(); ++x) picture.at(x, y) = static_cast<float>(part.ground_level(x, y));
-  for (int k = 0; k < kFrames; ++k) {
-    ground.add(picture, 0, 0, {}, {s.centre.x, s.centre.y, hidden});
-    s.gain = 1 + 0.05 * std::sin(k);
-    s.ground_gain = 1 + 0.05 * std::cos(2.0 * k);
-    windows.push_back(part.window(s, part.half + 6, 0, random));
-  }
-  constexpr double kNoise = 0.5;
-  ground.finish(kNoise);
-  const auto unknown = static_cast<float>(std::pow(ground.texture(), 2));
-  // The model's mean is that of the ground's picture, here without what is hidden.
-  PartPictures pictures = part.pictures(1);
-  for (std::size_t i = 0; i < pictures.level.levels().size(); ++i)
-    pictures.level.levels()[i] += pictures.share.levels()[i] * static_cast<float>(ground.mean() - part.mean);
-  const auto at = [&](int u, int v) { return Point{std::round(s.centre.x + u), std::round(s.centre.y + v)}; };
-  const Point in_shadow = at(24, 0), above = at(0, -25), under = at(5, 5);
-  for (const Point& p : {in_shadow, above})
-    EXPECT_EQ(ground.variance().at(static_cast<int>(p.x), static_cast<int>(p.y)), unknown);
-  ground.see_beside(test::pointers_to(windows), pictures, hidden, kNoise);
-  for (const Point& p : {in_shadow, above}) {
-    const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-    const double share = part.share(p.x - s.centre.x, p.y - s.centre.y);
-    EXPECT_NEAR(level_at(ground, x, y), part.ground_level(x, y), 0.05);
-    EXPECT_NEAR(ground.variance().at(x, y), kNoise / (kFrames * share * share), 0.02 * kNoise / kFrames);
-  }
-  EXPECT_LT(part.share(in_shadow.x - s.centre.x, in_shadow.y - s.centre.y), 0.8);
-  EXPECT_EQ(ground.variance().at(static_cast<int>(under.x), static_cast<int>(under.y)), unknown);
-  // A second look takes the first one's place.
-  const float before = ground.variance().at(static_cast<int>(above.x), static_cast<int>(above.y));
-  ground.see_beside(test::pointers_to(windows), pictures, hidden, kNoise, 3);
-  EXPECT_EQ(ground.variance().at(static_cast<int>(above.x), static_cast<int>(above.y)), before);
 }
 
 }  // namespace

@@ -32,29 +32,6 @@ std::vector<ClusterPulls> autoregressive(std::size_t frames, double sd, double s
 
 const Eigen::Array2d kNothingTaken = Eigen::Array2d::Zero();
 
-TEST(RunScatter, WhiteClustersAddUp) {
-  constexpr std::size_t kFrames = 4000;
-  constexpr double kSd = 0.01, kX = kClusters * kSd * kSd, kY = 4 * kX;
-  const RunScatter s = run_scatter(autoregressive(kFrames, kSd, 0, 1), kNothingTaken);
-  const double chance = 5 * std::sqrt(2.0 / (kFrames * kClusters));
-  EXPECT_NEAR(s.covariance(0, 0), kX, chance * kX);
-  EXPECT_NEAR(s.covariance(1, 1), kY, chance * kY);
-  EXPECT_NEAR(s.covariance(0, 1), 0, chance * std::sqrt(kX * kY));
-  EXPECT_NEAR(s.white, 0.5 * (kX + kY), chance * 0.5 * (kX + kY));
-  // The correlation of neighbours is 0 but for chance; below 0 it counts as 0.
-  EXPECT_GE(s.slow, 0);
-  EXPECT_LT(s.slow, chance * 0.5 * (kX + kY));
-}
-
-// A pair of clusters that err alike in x and y shows in the covariance.
-TEST(RunScatter, CoordinatesThatErrTogetherAreCorrelated) {
-  std::vector<ClusterPulls> frames = autoregressive(2000, 0.01, 0, 2);
-  for (ClusterPulls& f : frames)
-    for (Eigen::Vector2f& pull : f) pull.y() = 0.5F * pull.x();
-  const RunScatter s = run_scatter(frames, kNothingTaken);
-  EXPECT_NEAR(s.covariance(0, 1), 0.5 * s.covariance(0, 0), 1e-6 * s.covariance(0, 0));
-}
-
 // Of AR(1) noise 1 - rho of the variance changes from frame to frame; what stays, 1, rho, rho^2 ... from the
 // next frame on, lasts for 1/2 + 1 / (1 - rho) frames. White noise beside it changes nothing of that.
 TEST(RunScatter, WhatStaysAlikeIsSlow) {
@@ -90,13 +67,6 @@ TEST(RunScatter, SquaresThePositionHasTakenAreGivenBack) {
   EXPECT_NEAR(some.covariance(1, 1), none.covariance(1, 1) / 0.64, 1e-12);
   EXPECT_NEAR(some.covariance(0, 1), none.covariance(0, 1) / (0.9 * 0.8), 1e-12);
   EXPECT_NEAR(some.white, none.white / (1 - 0.275), 1e-12);
-}
-
-TEST(RunScatter, ThreeFramesAreTooFew) {
-  const std::vector<ClusterPulls> frames = autoregressive(4, 0.01, 0.5, 7);
-  EXPECT_GT(run_scatter(frames, kNothingTaken).covariance.trace(), 0);
-  EXPECT_EQ(run_scatter({frames.begin(), frames.end() - 1}, kNothingTaken).covariance.trace(), 0);
-  EXPECT_EQ(run_scatter({}, kNothingTaken).white, 0);
 }
 
 }  // namespace
