@@ -12,7 +12,7 @@
 // it is what an error of the position would look like if the disagreement is typical of it. Where something
 // else than white noise is in the pictures, e is larger than C says. A shift of the whole part that all
 // pixels agree on does not show, and of noise that is alike all over a half gain and offset take a part: for
-// noise that tiles share e is some 0.8 times as large as the error (halves_test.cpp).
+// noise that tiles share e is some 0.8 times as large as the error.
 #pragma once
 
 #include <Eigen/Core>

@@ -94,19 +94,6 @@ TEST(Audit, ASlowPartIsAddedAndNotMultiplied) {
   EXPECT_LT(summary.slow_time(), found.slow_time);
 }
 
-TEST(Audit, WhatTheReportedOnesHoldAlreadyIsNotAddedAgain) {
-  const Track track = track_of(4000, 1, at_rest, noise(0.5));
-  // White part half, slow part 0.8 of what is reported: together less than it.
-  const auto wave = [](std::int64_t k, int component, std::mt19937& random) {
-    return white(random, 0.5 * kSigma) +
-           0.8 * kSigma * std::sqrt(2.0) * std::sin(0.005 * static_cast<double>(k) + component);
-  };
-  const Audit found = audit(halves_of(4000, 1, wave), track);
-  EXPECT_EQ(found.white_factor, 1);
-  EXPECT_EQ(found.slow_sd, 0);
-  EXPECT_NEAR(found.halves_x.value(), std::hypot(0.5, 0.8), 0.1);
-}
-
 TEST(Audit, WhatCannotBeToldStaysEmpty) {
   Track track = track_of(10, 1, at_rest, noise(1));
   const Audit found = audit({}, track);

@@ -70,37 +70,12 @@ TEST(HighFrequency, SingleOutliersAndGapsDoNotMatter) {
   EXPECT_NEAR(high_frequency(stretches(track, &TrackPoint::y, &TrackPoint::sigma_y))->noise.value, 1, 0.2);
 }
 
-TEST(HighFrequency, ErrorsThatAlternateAreAsLargeAsTheyAre) {
-  const auto alternating = [](int k, std::mt19937& random) {
-    return (k % 2 == 0 ? 3 : -3) * kSigma + white(random);
-  };
-  const auto found = high_frequency(along_x(track_of(6000, 1, at_rest, alternating)));
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->noise.value, (9 * 16 + 6) / 6.0, 1);  // second differences of +-1 are 4
-  EXPECT_NEAR(without_alternation(*found, -0.9).value, 10, 0.5);
-  EXPECT_EQ(without_alternation(*found, 0.7).value, found->noise.value);
-}
-
-TEST(HighFrequency, FewFramesTellNothing) {
-  EXPECT_FALSE(high_frequency(along_x(track_of(27, 1, at_rest, noise()))));
-}
-
 /// Each error is rho times the last of its coordinate and white noise.
 std::function<double(int, std::mt19937&)> autoregression(double rho) {
   return [rho, last = std::array<double, 2>{}](int, std::mt19937& random) mutable {
     last = {last[1], rho * last[0] + white(random)};
     return last[1];
   };
-}
-
-TEST(Lag1, WhiteNoiseHasNoneAndAlternatingErrorsTheirOwn) {
-  const auto lag1 = [&](const std::function<double(int, std::mt19937&)>& error) {
-    return lag1_correlation(along_x(track_of(4000, 1, at_rest, error)), 2)->value;
-  };
-  EXPECT_NEAR(lag1(noise()), 0, 0.05);
-  EXPECT_NEAR(lag1([](int k, std::mt19937& r) { return (k % 2 == 0 ? 0.1 : -0.1) + white(r); }), -0.98, 0.02);
-  for (const double rho : {-0.8, -0.4, 0.5}) EXPECT_NEAR(lag1(autoregression(rho)), rho, 0.06);
-  EXPECT_FALSE(lag1_correlation(along_x(track_of(50, 1, at_rest, noise())), 2));
 }
 
 /// The local polynomial leaves nothing of a motion of its degree, however large it is against the noise.
