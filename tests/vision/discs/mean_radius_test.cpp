@@ -161,12 +161,6 @@ TEST(RimWatchCampaign, DISABLED_HoldsUnderMotionBlurHoweverTheLightIsStored) {
     for (const double speed : {0.0, 1.5, 4.0}) expect_radius_under_blur(colour, speed);
 }
 
-TEST(RimWatch, OneFrameIsNoMean) {
-  test::SlidingScene s;
-  s.frames = 1;
-  EXPECT_FALSE(watch(s, 30));
-}
-
 TEST(MeanRadius, WhatBelongsToTheDiscDoesNotAverageOut) {
   DiscFit fit;
   fit.circle.radius = 30;
@@ -176,21 +170,6 @@ TEST(MeanRadius, WhatBelongsToTheDiscDoesNotAverageOut) {
   const std::vector<DiscFit> often(50, fit);
   EXPECT_NEAR(mean_radius(often).sd, once, 1e-12);
   EXPECT_NEAR(once, 0.001 * 36 / std::sqrt(33.0), 1e-9);  // 36 sectors; their mean and the centre taken off
-}
-
-TEST(MeanRadius, WhatIsAlikeOverALongPartOfTheRimCountsForMore) {
-  const auto sd = [](int m) {
-    DiscFit fit;
-    fit.circle.radius = 30;
-    fit.white_radius_sd = 1e-4;
-    for (int k = 0; k < 36; ++k) fit.sector_pull.push_back(0.001 * std::cos(2 * M_PI * m * k / 36));
-    return mean_radius({&fit, 1}).sd;
-  };
-  const double power = std::pow(0.001 * 18, 2);  // c^2 + s^2 of its harmonic
-  EXPECT_NEAR(sd(1), 1e-4, 1e-12);               // the circle's centre takes it up: the noise alone
-  // One of the two slowest; Student's t with their 4 degrees of freedom has twice the variance.
-  EXPECT_NEAR(sd(3), std::sqrt(2 * power / 2), 1e-9);
-  EXPECT_NEAR(sd(9), std::sqrt(2 * power / 33), 1e-9);  // one of all
 }
 
 TEST(MeanRadius, AnUnevenDiscLeavesWhatNoRecordingAveragesOut) {

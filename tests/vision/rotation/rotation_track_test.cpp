@@ -77,6 +77,23 @@ TEST(RotationTrack, FollowsASpinThroughSeveralTurnsToItsSd) {
   }
 }
 
+/// Their rings are made of pixels of 2 x 2 and 3 x 3.
+TEST(RotationTrack, OfLargeDiscsIsAboutTheSameCentre) {
+  for (const double radius : {70.0, 100.0}) {
+    Spinning s;
+    s.frames = 10;
+    s.scene.disc.radius_px = radius;
+    s.scene.width = s.scene.height = static_cast<int>(2 * radius) + 40;
+    s.centre = [radius](double k) { return Point{radius + 14.3 + 0.31 * k, radius + 13.6 - 0.1 * k}; };
+    s.theta = [](double k) { return 0.2 * k; };
+    RenderedSource source = s.source();
+    const auto seen = follow_rotation(source, s.placed(), radius, 0.8);
+    ASSERT_EQ(seen.size(), 10U);
+    EXPECT_LT(standardised(s, seen), 2) << radius;
+    EXPECT_LT(seen.back()->sigma, 0.01) << radius;
+  }
+}
+
 TEST(RotationTrack, ScattersFromFrameToFrameAsItsSdSays) {
   Spinning s;
   s.frames = 200;

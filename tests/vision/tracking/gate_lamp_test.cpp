@@ -33,12 +33,5 @@ TEST(GateLamp, MeanOfThePixelsInTheCircleByHand) {
   }
 }
 
-TEST(GateLamp, RefusesACircleThatReachesOut) {
-  test::RenderedSource source(20, 16, 1, [](std::int64_t) { return Picture(20, 16); });
-  EXPECT_THROW(GateLamp({2, 5, 4}, source), InputError);
-  EXPECT_THROW(GateLamp({10, 15, 2}, source), InputError);
-  EXPECT_NO_THROW(GateLamp({10, 8, 4}, source));
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

@@ -254,14 +254,5 @@ TEST(HandCampaign, DISABLED_InTheFirstFramesCostsNoMoreThanThose) {
     for (const bool by_itself : {false, true}) expect_disc_not_hand(from, by_itself);
 }
 
-TEST(Layers, ThatAreAskedForAndNotUsedAreSaid) {
-  MemorySource source = recorded(120, 80, 8, [](int k) { return std::vector<Circle>{{40.4 + k, 40.2, 10}}; });
-  TrackOptions options = given({40.4, 40.2, 10});
-  options.layers = Layers::on;
-  EXPECT_THAT(track(source, options).summary.warnings, Contains(HasSubstr("--layers on")));
-  options.layers = Layers::automatic;
-  EXPECT_THAT(track(source, options).summary.warnings, ::testing::Not(Contains(HasSubstr("--layers on"))));
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

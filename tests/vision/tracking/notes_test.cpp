@@ -27,22 +27,6 @@ TEST(PlanNotes, SwitchedOffLayersDoNotClaimThatTheyWouldAddNothing) {
     EXPECT_TRUE(!s.error_bound_px || *s.error_bound_px > 0 || s.name == "bad pixels") << s.name;
 }
 
-TEST(PlanNotes, WithoutBadPixelsLeavingOutIsExact) {
-  EXPECT_EQ(bad_pixels_stage(0).error_bound_px, 0.0);
-  EXPECT_FALSE(bad_pixels_stage(0).on);
-  EXPECT_TRUE(bad_pixels_stage(3).on);
-  EXPECT_FALSE(bad_pixels_stage(3).error_bound_px);
-}
-
-TEST(PlanNotes, ASingleTemplatesNoiseIsABound) {
-  const PlanStage one = template_stage(false, 0.21, std::nullopt, 0.1 * 0.01);
-  EXPECT_FALSE(one.on);
-  EXPECT_DOUBLE_EQ(one.error_bound_px.value(), 0.001);
-  EXPECT_EQ(one.reason, "the noise of a single template adds 21 % to the variance");
-  EXPECT_EQ(template_stage(false, 0.21, 24, 0.001).reason,
-            "the noise of a single template adds 21 % to the variance; 24 frames agree");
-}
-
 TEST(FrameCounts, LostBeforeItLeftForGoodCount) {
   Track track;
   const auto add_points = [&](TrackStatus status, int times) {

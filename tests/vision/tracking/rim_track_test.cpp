@@ -104,58 +104,5 @@ TEST(RimTrack, ALookAlikeIsNotTakenForMetalThatHasGone) {
   }
 }
 
-/// Another texture in every frame; missing in one.
-RenderedSource glitter(std::int64_t missing) {
-  return {140, 120, 60, [=](std::int64_t k) {
-            std::mt19937 random(static_cast<unsigned>(900 + k));
-            TestScene scene;
-            scene.width = 140;
-            scene.height = 120;
-            if (k != missing)
-              scene.discs = {{truth(k).x, truth(k).y, 22, 0, 140, test::random_waves(random, 12, 10, 20)}};
-            return test::noisy(scene.render(), 2, random);
-          }};
-}
-
-TEST(RimTrack, IsNotAuditedByTheTemplatesHalves) {
-  for (const std::int64_t missing : {-1, 30}) {
-    SCOPED_TRACE(missing);
-    RenderedSource source = glitter(missing);
-    const TrackResult result = track(source, follow());
-    EXPECT_EQ(result.summary.ok, missing < 0 ? 60 : 59);
-    EXPECT_TRUE(rim_stage_of(result).on) << rim_stage_of(result).reason;
-    EXPECT_EQ(result.summary.audit.frames, 0);
-  }
-}
-
-/// The pictures learnt are asked for, and the rim's predicted error stands beside theirs.
-TEST(RimTrackCampaign, DISABLED_IsComparedWithThePicturesLearntWhereTheDiscIsMissingOnce) {
-  for (const std::int64_t missing : {-1, 30}) {
-    SCOPED_TRACE(missing);
-    RenderedSource source = glitter(missing);
-    TrackOptions options = follow();
-    options.layers = Layers::on;
-    const TrackResult result = track(source, options);
-    EXPECT_TRUE(std::ranges::any_of(result.summary.plan, [](const PlanStage& s) {
-      return s.reason.find("px by the rim alone") != std::string::npos;
-    }));
-  }
-}
-
-TEST(RimTrack, APartThatLooksTheSameIsLeftToItsTemplate) {
-  RenderedSource source(140, 120, 40, [](std::int64_t k) {
-    TestScene scene;
-    scene.width = 140;
-    scene.height = 120;
-    scene.discs = {{truth(k).x, truth(k).y, 22, 0, 140, {}}};
-    std::mt19937 noise(static_cast<unsigned>(700 + k));
-    return test::noisy(scene.render(), 2, noise);
-  });
-  const TrackResult result = track(source, follow());
-  EXPECT_EQ(result.summary.ok, 40);
-  const PlanStage& stage = rim_stage_of(result);
-  EXPECT_FALSE(stage.on) << stage.reason;
-}
-
 }  // namespace
 }  // namespace tribotrack::vision
