@@ -72,42 +72,12 @@ TEST(FrameCache, WhatIsKeptComesBackBitForBitWithoutTheSource) {
   }
 }
 
-TEST(FrameCache, TheRestIsTheSources) {
-  Counting source(1);
-  FrameCache frames(source);
-  frames.keep(4, {0, 0, 10, 10});
-  Picture picture;
-  for (const Rect& w : {Rect{1, 1, 10, 9}, Rect{20, 20, 3, 3}}) {
-    const int reads = source.reads;
-    frames.read(4, w, picture);
-    expect_right(source, 4, w, picture);
-    EXPECT_EQ(source.reads, reads + 1);
-  }
-  frames.keep(4, frames.bounds());  // replaces the smaller one
-  const int reads = source.reads;
-  frames.read(4, {20, 20, 3, 3}, picture);
-  expect_right(source, 4, {20, 20, 3, 3}, picture);
-  EXPECT_EQ(source.reads, reads);
-}
-
 TEST(FrameCache, NothingIsKeptOfWhatCostsNothingToReadAgain) {
   Counting source(1, false);
   FrameCache frames(source);
   frames.keep(4, frames.bounds());
   EXPECT_EQ(source.reads, 0);
   EXPECT_EQ(frames.kept_bytes(), 0);
-}
-
-TEST(FrameCache, NoMoreThanTheBytesAllowed) {
-  Counting source(1);
-  FrameCache frames(source, 250);
-  for (std::int64_t k = 0; k < 4; ++k) frames.keep(k, {0, 0, 10, 10});
-  EXPECT_EQ(frames.kept_bytes(), 200);
-  Picture picture;
-  for (std::int64_t k = 0; k < 4; ++k) {
-    frames.read(k, {0, 0, 10, 10}, picture);
-    expect_right(source, k, {0, 0, 10, 10}, picture);
-  }
 }
 
 TEST(FrameCache, RecordingsSideBySideShareTheFreeSpace) {
@@ -131,15 +101,6 @@ TEST(FrameCache, RecordingsSideBySideShareTheFreeSpace) {
   written = 0;
   EXPECT_FALSE(space.take(501));
   EXPECT_TRUE(space.take(500)) << "given back at the end";
-}
-
-TEST(CacheSpace, InMemoryIsBoundedHoweverMuchIsFree) {
-  CacheSpace space(
-      "/", [] { return std::int64_t{1'000'000'000}; }, 300);
-  EXPECT_TRUE(space.take(300));
-  EXPECT_FALSE(space.take(1));
-  space.give_back(200);
-  EXPECT_TRUE(space.take(200));
 }
 
 TEST(CacheSpace, FolderOnDiskIsPreferredToOneInMemory) {

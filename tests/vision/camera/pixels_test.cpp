@@ -72,10 +72,5 @@ TEST(NoiseVariance, RepeatedFramesDoNotCount) {
   EXPECT_NEAR(noise_variance(frames) / (4 + 1.0 / 12), 1, 0.06);
 }
 
-TEST(NoiseVariance, OnePictureAlone) {
-  const auto frames = frames_with(3, 15, 0);
-  EXPECT_NEAR(noise_variance(frames[0]) / (9 + 1.0 / 12), 1, 0.1);
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

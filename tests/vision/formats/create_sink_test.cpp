@@ -149,13 +149,6 @@ TEST_F(FrameSinkTest, NothingIsLeftWithoutClose) {
   EXPECT_EQ(files_in_folder(), 0u);
 }
 
-TEST_F(FrameSinkTest, AShorterSequenceReplacesALongerOne) {
-  const SinkOptions options{.width = 8, .height = 8};
-  write_recording(file("a%02d.png"), options, 9);
-  write_recording(file("a%02d.png"), options, 4);
-  EXPECT_EQ(files_in_folder(), 4u);
-}
-
 TEST_F(FrameSinkTest, AnInterruptedProgramLeavesNothing) {
   std::vector<std::unique_ptr<FrameSink>> sinks;
   for (const char* name : {"a.cine", "a.mkv", "a.avi", "a.mp4", "a%02d.png", "a%02d.tif"}) {

@@ -3,39 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 #include <random>
 
 namespace tribotrack::vision {
 namespace {
-
-TEST(QuinticSpline, WeightsAtWholePixelsAreTheClosedForm) {
-  const auto w = quintic_weights(0);
-  const double expected[] = {1.0 / 120, 26.0 / 120, 66.0 / 120, 26.0 / 120, 1.0 / 120, 0};
-  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(w[k], expected[k], 1e-15);
-}
-
-TEST(QuinticSpline, WeightsSumToOneAndSlopesToZeroAndMomentsHold) {
-  for (double t = 0; t < 1; t += 0.0625) {
-    const auto w = quintic_weights(t);
-    const auto s = quintic_slopes(t);
-    EXPECT_NEAR(std::accumulate(w.begin(), w.end(), 0.0), 1, 1e-14);
-    EXPECT_NEAR(std::accumulate(s.begin(), s.end(), 0.0), 0, 1e-14);
-    double first = 0;
-    for (std::size_t k = 0; k < 6; ++k) first += w[k] * (static_cast<double>(k) - 2);
-    EXPECT_NEAR(first, t, 1e-14);
-  }
-}
-
-TEST(QuinticSpline, SlopesAreTheDerivativeOfTheWeights) {
-  constexpr double h = 1e-5;
-  for (double t = 0.01; t < 0.99; t += 0.07) {
-    const auto up = quintic_weights(t + h);
-    const auto down = quintic_weights(t - h);
-    const auto s = quintic_slopes(t);
-    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(s[k], (up[k] - down[k]) / (2 * h), 1e-9);
-  }
-}
 
 /// (x/8)^5 - 3 (x/8)^2 (y/8)^3 + y/8 about the middle: degree 5 in either direction and mixed.
 double quintic(double x, double y) {

@@ -56,22 +56,6 @@ const Looked& ordinary() {
   return *looked;
 }
 
-double correlation(const Picture& a, const Picture& b) {
-  double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
-  for (std::size_t k = 0; k < a.levels().size(); ++k) {
-    const double x = a.levels()[k], y = b.levels()[k];
-    if (!std::isfinite(x) || !std::isfinite(y)) continue;
-    ++n;
-    sa += x;
-    sb += y;
-    aa += x * x;
-    bb += y * y;
-    ab += x * y;
-  }
-  EXPECT_GT(n, 1000);
-  return (ab - sa * sb / n) / std::sqrt((aa - sa * sa / n) * (bb - sb * sb / n));
-}
-
 double rms(const Picture& picture) {
   double n = 0, squares = 0;
   for (const float level : picture.levels())
@@ -80,31 +64,6 @@ double rms(const Picture& picture) {
       squares += static_cast<double>(level) * level;
     }
   return std::sqrt(squares / n);
-}
-
-TEST(DebugPictures, TheBackgroundIsTheTrueOneWhereItWasSeen) {
-  const Looked& looked = ordinary();
-  ASSERT_TRUE(looked.shown.pictures.contains("layers_ground"));
-  const StagePicture& ground = looked.shown.pictures.at("layers_ground");
-  // The platform without disc and noise, where it was in the first frame.
-  Scene bare = looked.scene.scene;
-  bare.read_noise = 0;
-  bare.marker.reset();
-  const SceneRenderer renderer(bare);
-  const Picture truth = renderer.render(0, 0, 0, [&](double) {
-    ScenePose pose = looked.scene.pose(0);
-    pose.disc = {-500, -500};
-    return pose;
-  });
-  Picture there(ground.levels.width(), ground.levels.height(), std::nanf(""));
-  for (int y = 0; y < there.height(); ++y)
-    for (int x = 0; x < there.width(); ++x) {
-      const int u = x + static_cast<int>(ground.first.x), v = y + static_cast<int>(ground.first.y);
-      const bool marker = std::hypot(u - 24.8, v - 30) < 16;
-      if (!marker && u >= 4 && v >= 4 && u < truth.width() - 4 && v < truth.height() - 4)
-        there.at(x, y) = truth.at(u, v);
-    }
-  EXPECT_GT(correlation(ground.levels, there), 0.98);
 }
 
 TEST(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
@@ -125,29 +84,6 @@ TEST(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
     }
   }
   EXPECT_GE(frames, 3);
-}
-
-TEST(DebugPictures, TheGroundShowsFromTheRimOn) {
-  const Looked& looked = ordinary();
-  const StagePicture& share = looked.shown.pictures.at("layers_share");
-  const double radius = looked.scene.scene.disc.radius_px;
-  double inside = 0, outside = 0, places_inside = 0, places_outside = 0;
-  for (int y = 0; y < share.levels.height(); ++y)
-    for (int x = 0; x < share.levels.width(); ++x) {
-      const double rho = std::hypot(x + share.first.x, y + share.first.y);
-      if (std::abs(rho - radius) < 0.13) {
-        EXPECT_NEAR(share.levels.at(x, y), 0.5, 0.2) << x << ", " << y;
-      }
-      if (rho < radius - 5) {
-        inside += share.levels.at(x, y);
-        ++places_inside;
-      } else if (rho > radius + 5 && rho < -share.first.x - 3) {
-        outside += share.levels.at(x, y);
-        ++places_outside;
-      }
-    }
-  EXPECT_NEAR(inside / places_inside, 0, 0.02);
-  EXPECT_NEAR(outside / places_outside, 1, 0.05);
 }
 
 TEST(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
@@ -186,19 +122,6 @@ TEST(DebugPictures, LookingChangesNothing) {
     EXPECT_EQ(plain.track.points[k].y, shown.track.points[k].y);
     EXPECT_EQ(plain.track.points[k].sigma_x, shown.track.points[k].sigma_x);
   }
-}
-
-TEST(DebugPicturesCampaign, DISABLED_ARestingPlatformWithoutMarkerIsShownAsWell) {
-  Looked looked;
-  looked.scene.scene.vignetting = 0.08;
-  looked.scene.scene.marker.reset();
-  looked.scene.circle_px = 0;
-  looked.scene.frames = 200;
-  looked.options.marker = {};
-  looked.track_and_show();
-  for (const char* name : {"first_pass_template", "first_pass_weights", "layers_part", "layers_share",
-                           "layers_part_sd", "layers_ground_sd", "layers_weights"})
-    EXPECT_TRUE(looked.shown.pictures.contains(name)) << name;
 }
 
 }  // namespace

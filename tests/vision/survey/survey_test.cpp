@@ -101,12 +101,6 @@ TEST(Survey, ASpeckThatMovesWithThePlatformIsNoLamp) {
   EXPECT_THAT(bench.seen().lamps, testing::IsEmpty());
 }
 
-TEST(Survey, NoDiscIsNoError) {
-  test::RenderedSource source(96, 96, 20, [](std::int64_t) { return test::TestScene().render(); });
-  EXPECT_THAT(survey(source).discs, testing::IsEmpty());
-  EXPECT_EQ(survey(source).part(), nullptr);
-}
-
 TEST(Survey, OneFrameIsLookedAt) {
   Bench bench;
   bench.frames = 1;
@@ -128,16 +122,6 @@ TEST(Survey, ItsPictureIsTheEnlargedFrameInColour) {
   EXPECT_EQ(number(16), 4 * 240);
   EXPECT_EQ(number(20), 4 * 160);
   EXPECT_EQ(png[25], 2) << "true colour";
-}
-
-TEST(SpreadFrames, AreDistinctRisingAndInside) {
-  for (const std::int64_t span : {1, 7, 160, 161, 1000, 100000}) {
-    const auto frames = spread_frames(span, 160);
-    EXPECT_EQ(frames.front(), 0);
-    EXPECT_LT(frames.back(), span);
-    EXPECT_GE(10 * static_cast<std::int64_t>(frames.size()), 7 * std::min<std::int64_t>(span, 160)) << span;
-    for (std::size_t k = 1; k < frames.size(); ++k) EXPECT_LT(frames[k - 1], frames[k]);
-  }
 }
 
 // Evenly spaced frames would see a lamp of the same period always lit, or never.

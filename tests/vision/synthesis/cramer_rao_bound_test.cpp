@@ -27,12 +27,6 @@ std::function<ScenePose(double)> at_rest(Point disc, Point platform = {}) {
   return [=](double) { return ScenePose{disc, 0.4, platform}; };
 }
 
-TEST(PlainDiscBound, IsTheStatedNumber) {
-  // 0.003 px for R = 60, A = 90, s = 1 and a noise of 1.5 to 2 grey levels.
-  EXPECT_NEAR(test::plain_disc_bound(60, 90, 1, 1.75), 0.00267, 1e-5);
-  EXPECT_NEAR(test::plain_disc_bound(1, 1, 1, 1), std::sqrt(1.1283791670955126), 1e-14);
-}
-
 TEST(PositionBound, TendsToTheClosedFormOnAPlainPlatform) {
   for (const double radius : {12.0, 30.0, 60.0}) {
     for (const double blur : {0.5, 0.8, 1.5}) {

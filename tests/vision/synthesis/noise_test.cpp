@@ -19,20 +19,6 @@ TEST(NormalQuantile, InvertsTheDistribution) {
   EXPECT_EQ(normal_quantile(1), INFINITY);
 }
 
-TEST(CounterRandom, UniformFillsTheUnitInterval) {
-  const CounterRandom random(5, 0);
-  const int n = 1000000;
-  double sum = 0, squares = 0;
-  for (int i = 0; i < n; ++i) {
-    const double u = random.uniform(i) - 0.5;
-    ASSERT_LT(std::abs(u), 0.5);
-    sum += u;
-    squares += u * u;
-  }
-  EXPECT_NEAR(sum / n, 0, 4 * std::sqrt(1.0 / 12 / n));
-  EXPECT_NEAR(squares / n, 1.0 / 12, 4 * std::sqrt(1.0 / 180 / n));
-}
-
 TEST(CounterRandom, GaussianHasTheMomentsAndTailsOfTheNormalDistribution) {
   const CounterRandom random(11, 4);
   const int n = 8000000;

@@ -108,31 +108,9 @@ TEST(Tags, TellHowWellTheirSideIsKnown) {
   EXPECT_LT(std::sqrt(square), 1.8);
 }
 
-TEST(Tags, AreTheLargestFirst) {
-  const auto tags = find_tags(
-      picture_of({{.id = 3, .centre = {40, 75}, .side = 36}, {.id = 9, .centre = {115, 75}, .side = 50}}),
-      "apriltag_36h11");
-  ASSERT_EQ(tags.size(), 2U);
-  EXPECT_EQ(tags[0].id, 9);
-  EXPECT_EQ(tags[1].id, 3);
-}
-
 TEST(Tags, OfAnotherFamilyAreNone) {
   EXPECT_TRUE(find_tags(picture_of({{}}), "4x4_50").empty());
   EXPECT_TRUE(find_tags(Picture(100, 100, 50.0F), "4x4_50").empty());
-}
-
-TEST(Tags, FamiliesAreThoseOfOpenCv) {
-  EXPECT_NO_THROW(tag_dictionary("7x7_1000"));
-  EXPECT_EQ(tag_dictionary("apriltag_36h11")->markerSize, 6);
-  EXPECT_EQ(tag_dictionary("apriltag_16h5")->markerSize, 4);
-  EXPECT_EQ(tag_dictionary("original")->markerSize, 5);
-  try {
-    tag_dictionary("36h11");
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("apriltag_36h11"));
-  }
 }
 
 /// A tag that goes round a circle of 3 px, and a disc that lies where it is.

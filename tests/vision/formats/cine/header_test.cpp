@@ -60,20 +60,6 @@ TEST_F(CineHeaderTest, RowsEndOnWholeWordsWhereTheImagesSizeIsNotStated) {
   }
 }
 
-TEST_F(CineHeaderTest, LevelsAndExposuresOfEveryImage) {
-  CineByHand cine;
-  EXPECT_FALSE(header_of(cine).black_level);
-  EXPECT_TRUE(header_of(cine).exposures_s.empty());
-  cine.black_level = 64;
-  cine.white_level = 4064;
-  cine.exposures = {1u << 20, 1u << 21, 3u << 20};
-  const CineHeader header = header_of(cine);
-  EXPECT_EQ(header.black_level, 64);
-  EXPECT_EQ(header.white_level, 4064);
-  EXPECT_EQ(header.exposures_s, (std::vector<double>{0x1p-12, 0x1p-11, 0x3p-12}));
-  EXPECT_EQ(header.stamps.size(), 3u) << "both blocks";
-}
-
 TEST_F(CineHeaderTest, AFieldCountsOnlyInsideTheBlocksLength) {
   CineByHand cine;
   cine.setup_length = 0x300;  // ends just before FrameRateInt
@@ -81,31 +67,6 @@ TEST_F(CineHeaderTest, AFieldCountsOnlyInsideTheBlocksLength) {
   EXPECT_EQ(header.integer_rate, 0u);
   EXPECT_EQ(header.short_rate, 100u);
   EXPECT_FALSE(header.exposure_s);
-}
-
-TEST_F(CineHeaderTest, OldFilesWithoutMarkAndWithShortOffsets) {
-  CineByHand cine;
-  cine.version = 0;
-  cine.mark = false;
-  const CineHeader header = header_of(cine);
-  EXPECT_EQ(header.short_rate, 100u);
-  EXPECT_EQ(header.integer_rate, 0u);
-  EXPECT_TRUE(header.stamps.empty());
-  EXPECT_EQ(header.image_offsets.size(), 3u);
-}
-
-TEST_F(CineHeaderTest, SignificantBits) {
-  CineByHand cine;
-  cine.bits_per_pixel = 16;
-  cine.image_bytes = 64;
-  for (const std::uint32_t bits : {10u, 12u, 14u, 16u}) {
-    cine.real_bits = bits;
-    EXPECT_EQ(header_of(cine).bits, static_cast<int>(bits));
-  }
-  cine.packing = 256;
-  cine.real_bits = 10;
-  cine.image_bytes = 40;
-  EXPECT_EQ(header_of(cine).bits, 12) << "P10 is handed out linear";
 }
 
 TEST_F(CineHeaderTest, ACutAnywhereIsNoticed) {

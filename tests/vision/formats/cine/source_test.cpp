@@ -296,15 +296,6 @@ TEST_F(RealCineTest, PackedTenBits) {
   EXPECT_TRUE(other->info().exposures_s.empty()) << "that image's exposure has no say";
 }
 
-TEST_F(RealCineTest, AColourMosaicIsExplained) {
-  try {
-    open("invalid_color.cine");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("colour filter mosaic"), HasSubstr("export")));
-  }
-}
-
 TEST_F(CineSourceTest, ImagesMayLieInAnyOrder) {
   CineByHand cine;
   FileBytes bytes = cine.bytes();
