@@ -9,7 +9,6 @@
 namespace tribotrack::vision {
 namespace {
 
-using test::kSigma;
 using test::track_of;
 using test::white;
 
