@@ -28,8 +28,8 @@ inline void contraction(Scenario s, const Eigen::Vector2d& other_velocity,
 
 /// A common stick wipes the memory: from then on velocities repeat exactly, cycle by cycle, and positions
 /// add.
-inline void stick_repeats(const Scenario& s) {
-  const Trajectory t = integrate(s);
+inline void stick_repeats(const Scenario& s, const IntegrationOptions& how = {}) {
+  const Trajectory t = integrate(s, how);
   ASSERT_GT(t.summary().stops, 1) << "the scenario must stick";
   const double period = 2 * kPi / s.drive.angular_frequency;
   const int cycles = static_cast<int>(s.cycles);

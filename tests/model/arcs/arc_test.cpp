@@ -1,4 +1,4 @@
-// The collocated arcs: their table, their instruction sets, and what they may leave out.
+// The collocated arcs: instruction sets, dense output inside them, tolerances.
 #include "model/arcs/arc.h"
 
 #include <gtest/gtest.h>
@@ -9,13 +9,11 @@
 #include "model/laws.h"
 #include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
-#include "model/steady_orbit.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model {
 namespace {
 
-using internal::GaussTable;
 using internal::InstructionSet;
 using laws::kPi;
 
@@ -49,56 +47,6 @@ struct WithSet {
   InstructionSet before = internal::instruction_set();
 };
 
-/// Gauss-Legendre collocation with n nodes integrates polynomials to degree n - 1 up to each node, to 2n - 1
-/// up to the end.
-TEST(GaussTable, IntegratesPolynomials) {
-  for (const int pairs : {3, 7}) {
-    const GaussTable& g = GaussTable::of_pairs(pairs);
-    const int n = 2 * pairs;
-    for (int k = 0; k < 2 * n; ++k) {
-      double end = 0, moment = 0;
-      for (int j = 0; j < n; ++j) {
-        end += g.weight[j] * std::pow(g.node[j], k);
-        moment += g.moment[j] * std::pow(g.node[j], k);
-      }
-      EXPECT_NEAR(end, 1.0 / (k + 1), 2e-15);
-      if (k < 2 * n - 1) {
-        EXPECT_NEAR(moment, 1.0 / (k + 1) - 1.0 / (k + 2), 2e-15);
-      }
-      if (k >= n) continue;
-      for (int i = 0; i < n; ++i) {
-        double integral = 0;
-        for (int j = 0; j < n; ++j) integral += g.integrate[i][j] * std::pow(g.node[j], k);
-        EXPECT_NEAR(integral, std::pow(g.node[i], k + 1) / (k + 1), 2e-15) << "node " << i << " power " << k;
-      }
-      for (const double c : {0.0, 0.3, 0.77, 1.0}) {
-        double once[GaussTable::kMaxNodes], twice[GaussTable::kMaxNodes], first = 0, second = 0;
-        g.integrals_to(c, once, twice);
-        for (int j = 0; j < n; ++j) {
-          first += once[j] * std::pow(g.node[j], k);
-          second += twice[j] * std::pow(g.node[j], k);
-        }
-        EXPECT_NEAR(first, std::pow(c, k + 1) / (k + 1), 1e-14);
-        EXPECT_NEAR(second, std::pow(c, k + 2) / ((k + 1) * (k + 2)), 1e-14);
-      }
-    }
-  }
-}
-
-/// The mirrored halves say the same as the full matrix.
-TEST(GaussTable, PairsAreTheMatrix) {
-  for (const int pairs : {3, 7}) {
-    const GaussTable& g = GaussTable::of_pairs(pairs);
-    const int n = 2 * pairs;
-    for (int i = 0; i < pairs; ++i)
-      for (int j = 0; j < pairs; ++j) {
-        EXPECT_NEAR(g.even[j][i] + g.odd[j][i], g.integrate[i][j], 1e-16);
-        EXPECT_NEAR(g.even[j][i] - g.odd[j][i], g.integrate[i][n - 1 - j], 1e-16);
-        EXPECT_NEAR(g.weight[j] - g.even[j][i] + g.odd[j][i], g.integrate[n - 1 - i][j], 1e-16);
-      }
-  }
-}
-
 TEST(Arc, InstructionSetsAgree) {
   const unsigned seed = std::random_device{}();
   std::cout << "seed " << seed << '\n';
@@ -129,22 +77,6 @@ TEST(Arc, InstructionSetsAgree) {
           }
         }
       }
-}
-
-TEST(Arc, EndsAreThoseOfDenseRuns) {
-  const unsigned seed = std::random_device{}();
-  std::cout << "seed " << seed << '\n';
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  for (const Scenario& s : scenarios(seed, 30)) {
-    IntegrationOptions end_only;
-    end_only.dense = false;
-    const Trajectory dense = integrate(s), sparse = integrate(s, end_only);
-    EXPECT_LT((dense.end().position - sparse.end().position).norm(),
-              1e-13 * size_of(s, dense.end().position));
-    EXPECT_EQ(dense.end().state, sparse.end().state);
-    EXPECT_EQ(dense.end().mu, sparse.end().mu);
-    EXPECT_EQ(dense.summary().stops, sparse.summary().stops);
-  }
 }
 
 TEST(Arc, OnlyTheEndIsKnownOfARunThatIsNotDense) {
@@ -196,35 +128,6 @@ TEST(Arc, ErrorsFollowTheTolerance) {
             << "mu1 " << nominal << " tolerance " << tolerance;
       }
   }
-}
-
-/// Leaving out repeating cycles adds no more than its bound, beyond what each tolerance lets pass anyway.
-TEST(Arc, RepeatingCyclesAddTheirBoundAtMost) {
-  for (const double nominal : {0.02, 0.05, 0.1, 0.122})
-    for (const double width : {kPi / 6, kPi / 2, kPi}) {
-      Scenario s = reference_run();
-      s.friction.nominal = nominal;
-      s.friction.pulse_width = width;
-      s.cycles = 40.3;
-      const Eigen::Vector2d exact = integrate(s).end().position;
-      const double contraction = steady_orbit(s)->contraction;
-      for (double tolerance = 1e-4; tolerance > 1e-17; tolerance *= 0.01)
-        for (const bool dense : {false, true}) {
-          IntegrationOptions options;
-          options.tolerance = tolerance;
-          options.dense = dense;
-          const Trajectory reused = integrate(s, options);
-          options.reuse_repeating_cycles = false;
-          const Trajectory bare = integrate(s, options);
-          EXPECT_EQ(bare.summary().error_bound, 0);
-          // What a cycle adds to the velocity's error stays for 1/(1 - contraction) cycles.
-          const double allowed = 2 * kPi * s.cycles * tolerance * s.drive.amplitude / (1 - contraction);
-          EXPECT_LE(reused.summary().error_bound, 2 * allowed + 1e-14 * exact.norm());
-          EXPECT_LE((reused.end().position - bare.end().position).norm(),
-                    reused.summary().error_bound + allowed + 1e-14 * exact.norm())
-              << "mu1 " << nominal << " dtau " << width << " tolerance " << tolerance << " dense " << dense;
-        }
-    }
 }
 
 }  // namespace

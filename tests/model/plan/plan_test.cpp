@@ -110,34 +110,5 @@ TEST(Plan, WeakFrictionForgetsTooSlowlyToRepeat) {
   EXPECT_TRUE(stage(s, "every cycle").on);
 }
 
-/// Adding cycles instead of integrating them stays within the plan's bound and what rounding does to sums.
-TEST(Plan, RepeatedCyclesAreWithinTheirBound) {
-  for (const double mu1 : {0.08, 0.1, 0.12}) {
-    Scenario s = pulsed(mu1);
-    s.cycles = 60;
-    const PlanStage planned = stage(s, "every cycle");
-    ASSERT_FALSE(planned.on);
-    Scenario one = s;
-    one.cycles = 1;
-    Eigen::Vector2d position = Eigen::Vector2d::Zero();
-    for (int i = 0; i < 60; ++i) {
-      const Sample end = integrate(one).end();
-      position += end.position;
-      one.initial_velocity = end.velocity;
-    }
-    const double rounding = 60 * 2e-16 * (position.norm() + s.drive.amplitude);
-    EXPECT_LT((integrate(s).end().position - position).norm(), planned.error_bound + rounding) << mu1;
-  }
-}
-
-TEST(Plan, EveryStageHasAReason) {
-  RandomScenario random(8);
-  for (int i = 0; i < 30; ++i)
-    for (const PlanStage& s : plan(random.general())) {
-      EXPECT_FALSE(s.reason.empty()) << s.name;
-      EXPECT_GE(s.error_bound, 0) << s.name;
-    }
-}
-
 }  // namespace
 }  // namespace tribotrack::model
