@@ -36,7 +36,7 @@ struct SharedScale {
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run>& runs);
 
 /// The same track at another scale.
-void rescale(TrackFile& track, const vision::Scale& scale);
+void rescale(Track& track, const vision::Scale& scale);
 
 /// Into fit.json: `shared_scale`, and a warning where the runs do not agree.
 void add_to(Json& fit, const std::optional<SharedScale>& shared);

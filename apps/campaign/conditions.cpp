@@ -63,7 +63,7 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const Ru
 }
 
 /// The run's trace with its events. Throws InvalidInput naming the file.
-ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const TrackFile& track,
+ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const Track& track,
                        const ScopeFile& file) {
   const ScopeSection& section = campaign.scope;
   const auto channel = [&](int number, const char* key) {
@@ -97,7 +97,7 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
                  : section.tie == "lamp"  ? ScopeTie::lamp
                                           : ScopeTie::sensor;
   evidence.tie_sd = section.tie_sd_s;
-  evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.facts.trigger_time_s;
+  evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.trigger_time_s;
   if (evidence.tie == ScopeTie::trigger && !evidence.trigger_time)
     throw InvalidInput(
         fmt::format("{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
@@ -125,22 +125,22 @@ void require_same_frequency(const Run& analysed) {
 }
 
 /// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
-void require_accepted(const CampaignRun& run, const TrackFile& track) {
-  if (track.facts.accepted) return;
+void require_accepted(const CampaignRun& run, const Track& track) {
+  if (track.accepted) return;
   std::string look;
   if (!track.inputs.empty() && track.inputs.front().path.extension() == ".csv") {
     std::filesystem::path overlay = track.inputs.front().path;
     overlay.replace_extension(".png");
     if (std::filesystem::exists(overlay)) look = fmt::format("look at {}; ", overlay.string());
   }
-  if (track.facts.rests_for_ever)
+  if (track.rests_for_ever)
     throw InvalidInput(fmt::format(
         "{}: run \"{}\": the disc that was found by itself never moves; {}give disc_px = [X, Y, R]",
         run.place, run.name, look));
   throw InvalidInput(fmt::format(
       "{}: run \"{}\": the part was lost in {} of {} frames, more than allowed; {}give disc_px, or leave "
       "frames out with `frames`",
-      run.place, run.name, track.facts.lost_counted, track.facts.frames, look));
+      run.place, run.name, track.lost_counted, track.frames, look));
 }
 
 /// Of a part that rests throughout a fit would make the least friction there can be.
@@ -177,7 +177,7 @@ GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
 
 }  // namespace
 
-Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track) {
+Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<Track> track) {
   Run analysed;
   analysed.given = run;
   if (track) {

@@ -14,7 +14,7 @@ namespace tribotrack::apps {
 /// Reads the run's oscilloscope trace and measures the run. `track` is empty for runs measured elsewhere.
 /// Throws what measure_run throws, and InvalidInput where the part was lost too often or a condition is
 /// neither given nor measured.
-Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<TrackFile> track);
+Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<Track> track);
 
 /// Throws InvalidInput, naming run and file, where the run's oscilloscope trace is not there.
 void require_trace(const CampaignRun& run);

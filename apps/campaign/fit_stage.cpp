@@ -262,7 +262,7 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& 
                                       const std::string& look_at) {
   const fit::FitResult& result = stage.result;
   std::vector<Reservation> found;
-  if (coder_exceeds_interval(result))
+  if (result.coder_exceeds_interval())
     found.push_back(
         {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
   if (!result.usable())

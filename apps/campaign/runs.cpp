@@ -202,7 +202,7 @@ namespace {
 
 bool scaled_by(const Run& run, const char* source) {
   return run.takes_part() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
-         run.track->facts.scale_source == source;
+         run.track->scale_source == source;
 }
 bool scaled_by_diameter(const Run& run) {
   return scaled_by(run, kScaledByDiameter);
@@ -214,8 +214,8 @@ bool scaled_in_picture(const Run& run) {
 /// What the rim's model leaves of a highlight: relative to the radius, the same in every recording.
 double common_of_rim(const Run& run) {
   if (!scaled_by_diameter(run)) return 0;
-  const TrackFacts& facts = run.track->facts;
-  return facts.disc_radius_px > 0 ? facts.disc_radius_common_sd_px / facts.disc_radius_px : 0;
+  const Track& track = *run.track;
+  return track.disc_radius_px > 0 ? track.disc_radius_common_sd_px / track.disc_radius_px : 0;
 }
 
 constexpr double kOtherSize = 0.05;     ///< of the diameter: parts of one kind do not differ by so much
@@ -255,7 +255,7 @@ void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
 
 }  // namespace
 
-void rescale(TrackFile& track, const vision::Scale& scale) {
+void rescale(Track& track, const vision::Scale& scale) {
   const double factor = scale.mm_per_px / *track.mm_per_px;
   for (auto* lengths : {&track.table.position, &track.table.marker})
     for (Eigen::Vector2d& p : *lengths) p *= factor;

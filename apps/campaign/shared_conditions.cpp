@@ -366,11 +366,11 @@ void compare_diameter(const Campaign& campaign, const std::vector<Run>& runs, Sh
   std::size_t count = 0;
   for (const Run& run : runs) {
     if (!run.takes_part() || !run.track || !run.track->mm_per_px) continue;
-    const TrackFacts& facts = run.track->facts;
-    if (!(facts.disc_radius_px > 0) || facts.scale_source == kScaledByDiameter) continue;
-    sum += 2 * facts.disc_radius_px * *run.track->mm_per_px;
-    relative_variance += square(run.track->mm_per_px_sd.value_or(0) / *run.track->mm_per_px) +
-                         square(facts.disc_radius_common_sd_px / facts.disc_radius_px);
+    const Track& track = *run.track;
+    if (!(track.disc_radius_px > 0) || track.scale_source == kScaledByDiameter) continue;
+    sum += 2 * track.disc_radius_px * *track.mm_per_px;
+    relative_variance += square(track.mm_per_px_sd.value_or(0) / *track.mm_per_px) +
+                         square(track.disc_radius_common_sd_px / track.disc_radius_px);
     ++count;
   }
   if (count == 0) return;

@@ -26,12 +26,12 @@ bool scaled(const Run& run) {
   return takes_part(run) && run.track && run.track->mm_per_px && *run.track->mm_per_px > 0;
 }
 bool scaled_by_diameter(const Run& run) {
-  return scaled(run) && run.track->facts.scale_source == kScaledByDiameter;
+  return scaled(run) && run.track->scale_source == kScaledByDiameter;
 }
 
 /// By a length that each recording shows.
 bool scaled_in_picture(const Run& run) {
-  return scaled_by_diameter(run) || (scaled(run) && run.track->facts.scale_source == kScaledByTag);
+  return scaled_by_diameter(run) || (scaled(run) && run.track->scale_source == kScaledByTag);
 }
 
 double scale_sd(const Run& run) {

@@ -12,7 +12,7 @@
 
 namespace tribotrack::apps {
 
-/// TrackFacts::scale_source of a scale by the part's diameter.
+/// Track::scale_source of a scale by the part's diameter.
 inline constexpr const char* kScaledByDiameter = "part's diameter";
 inline constexpr const char* kScaledByTag = "tag";
 

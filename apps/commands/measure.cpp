@@ -49,9 +49,9 @@ void measure_command(const MeasureOptions& options, Context& context) {
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
-  const TrackFile track = read_any_track(options.track, reading);
-  if (!track.facts.imported.empty())
-    for (const std::string& warning : track.facts.warnings) say(context.quiet, "note: " + warning);
+  const Track track = read_any_track(options.track, reading);
+  if (!track.imported.empty())
+    for (const std::string& warning : track.warnings) say(context.quiet, "note: " + warning);
   const TrackMeasurement result = measure_track(options.track, track, options.choices);
   if (!options.output.empty()) {
     MetaFile meta;

@@ -30,9 +30,9 @@ Eigen::Matrix2d covariance_of(double sd_x, double sd_y, double correlation) {
 /// The measured rows of a track as the fit's table.
 class FitTable {
  public:
-  FitTable(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path)
-      : rows_(rows), facts_(facts), path_(path) {
-    if (facts.mm_per_px) axes_ = to_campaign_axes(*facts.mm_per_px, facts.xi_axis_rad);
+  FitTable(const TrackRows& rows, const Track& track, const std::filesystem::path& path)
+      : rows_(rows), track_(track), path_(path) {
+    if (track.mm_per_px) axes_ = to_campaign_axes(*track.mm_per_px, track.xi_axis_rad);
   }
 
   void add(const TrackRow& row, fit::TrackTable& table) const {
@@ -50,10 +50,10 @@ class FitTable {
       table.marker.push_back(1e-3 * Eigen::Vector2d(present(row, row.marker_x_mm, "marker_x_mm"),
                                                     present(row, row.marker_y_mm, "marker_y_mm")));
       table.marker_sigma.push_back(present(row, row.marker_sigma_mm, "marker_sigma_mm") * 1e-3);
-    } else if (rows_.has_marker && facts_.mm_per_px) {
+    } else if (rows_.has_marker && track_.mm_per_px) {
       table.marker.push_back(axes_ * Eigen::Vector2d(present(row, row.marker_x_px, "marker_x_px"),
                                                      present(row, row.marker_y_px, "marker_y_px")));
-      table.marker_sigma.push_back(present(row, row.marker_sigma_px, "marker_sigma_px") * *facts_.mm_per_px *
+      table.marker_sigma.push_back(present(row, row.marker_sigma_px, "marker_sigma_px") * *track_.mm_per_px *
                                    1e-3);
     }
   }
@@ -66,10 +66,10 @@ class FitTable {
                            present(row, row.sigma_y_mm, "sigma_y_mm") * 1e-3,
                            present(row, row.rho_xy_mm, "rho_xy_mm"));
     const double rho_px = std::isnan(row.rho_xy) ? 0 : row.rho_xy;
-    if (facts_.mm_per_px && !std::isnan(row.sigma_x_px) && !std::isnan(row.sigma_y_px)) {
+    if (track_.mm_per_px && !std::isnan(row.sigma_x_px) && !std::isnan(row.sigma_y_px)) {
       const double marker_px = std::isnan(row.marker_sigma_px) ? 0 : row.marker_sigma_px;
       return axes_ * covariance_of(row.sigma_x_px, row.sigma_y_px, rho_px) * axes_.transpose() +
-             std::pow(marker_px * *facts_.mm_per_px * 1e-3, 2) * Eigen::Matrix2d::Identity();
+             std::pow(marker_px * *track_.mm_per_px * 1e-3, 2) * Eigen::Matrix2d::Identity();
     }
     return covariance_of(present(row, row.sigma_x_mm, "sigma_x_mm") * 1e-3,
                          present(row, row.sigma_y_mm, "sigma_y_mm") * 1e-3, -rho_px);
@@ -88,7 +88,7 @@ class FitTable {
   }
 
   const TrackRows& rows_;
-  const TrackFacts& facts_;
+  const Track& track_;
   const std::filesystem::path& path_;
   Eigen::Matrix2d axes_ = Eigen::Matrix2d::Identity();
 };
@@ -124,104 +124,94 @@ vision::Audit audit_from(const JsonPlace& json) {
   return audit;
 }
 
-CodingFacts coding_from(const JsonPlace& json) {
-  CodingFacts facts;
-  facts.coder = json.text("coder");
-  facts.part_play_px = json.number("part_play_px", 0);
-  facts.mark_play_px = json.number("mark_play_px", 0);
-  return facts;
-}
-
-void read_facts(const JsonPlace& meta, TrackFacts& facts) {
+Track track_from(const JsonPlace& meta) {
+  Track track;
   static const Json nothing = Json::object();
   const auto section = [&](const char* key) {
     const auto found = meta.find(key);
     return found ? *found : JsonPlace{nothing, key};
   };
   if (const auto scale = meta.find("scale")) {
-    facts.mm_per_px = scale->number("mm_per_px", 0);
-    facts.mm_per_px_sd = scale->number("mm_per_px_sd", 0);
-    facts.scale_source = scale->text("source");
+    track.mm_per_px = scale->number("mm_per_px", 0);
+    track.mm_per_px_sd = scale->number("mm_per_px_sd", 0);
+    track.scale_source = scale->text("source");
   }
-  facts.xi_axis_rad = section("configuration").number("xi_axis_rad", 0);
+  track.xi_axis_rad = section("configuration").number("xi_axis_rad", 0);
   const JsonPlace recording = section("recording"), time_base = section("time_base");
-  facts.exposure_s = number_at(recording, "exposure_s");
-  facts.frame_rate_hz = number_at(time_base, "rate_hz");
-  facts.recorded_at = recording.text("trigger_time");
+  track.exposure_s = number_at(recording, "exposure_s");
+  track.frame_rate_hz = number_at(time_base, "rate_hz");
+  track.recorded_at = recording.text("trigger_time");
   if (recording.text("format") == "cine") {
     const auto first = number_at(recording, "first_image");
-    if (first && facts.frame_rate_hz) facts.trigger_time_s = -*first / *facts.frame_rate_hz;
+    if (first && track.frame_rate_hz) track.trigger_time_s = -*first / *track.frame_rate_hz;
   }
   const JsonPlace summary = section("summary");
-  facts.gate_clipped_share = summary.number("gate_clipped_share", 0);
-  facts.disc_radius_common_sd_px = summary.number("disc_radius_common_sd_px", 0);
-  if (const auto disc = summary.find("disc_px")) facts.disc_radius_px = disc->at(2).number();
-  facts.slow = slow_from(meta, summary);
-  facts.audit = audit_from(section("audit"));
-  if (const auto coding = meta.find("coding")) facts.coding = coding_from(*coding);
-  facts.frames = summary.whole("frames", 0);
-  facts.lost_counted = summary.whole("lost_counted", 0);
-  facts.accepted = summary.boolean("gate_passed", true);
-  facts.rests_for_ever = summary.boolean("rests_for_ever", false);
-  facts.platform_from_texture = meta.text("platform_seen_by") == "texture";
-  facts.time_base = time_base.text("source");
-  facts.width_px = recording.integer("width", 0);
-  facts.height_px = recording.integer("height", 0);
-  facts.in_camera_frame = meta.text("frame_of_reference") == "camera";
-  facts.imported = section("imported").text("reading");
-  facts.sd_from_scatter = summary.boolean("sd_from_scatter", false);
-  facts.warnings = summary.texts("warnings");
+  track.gate_clipped_share = summary.number("gate_clipped_share", 0);
+  track.disc_radius_common_sd_px = summary.number("disc_radius_common_sd_px", 0);
+  if (const auto disc = summary.find("disc_px")) track.disc_radius_px = disc->at(2).number();
+  track.slow = slow_from(meta, summary);
+  track.audit = audit_from(section("audit"));
+  if (const auto coding = meta.find("coding")) {
+    track.coding.emplace().coder = coding->text("coder");
+    track.coding->mark_play = coding->number("mark_play_px", 0);
+  }
+  track.lost_counted = summary.whole("lost_counted", 0);
+  track.accepted = summary.boolean("gate_passed", true);
+  track.rests_for_ever = summary.boolean("rests_for_ever", false);
+  track.platform_from_texture = meta.text("platform_seen_by") == "texture";
+  track.time_base = time_base.text("source");
+  track.width_px = recording.integer("width", 0);
+  track.height_px = recording.integer("height", 0);
+  track.in_camera_frame = meta.text("frame_of_reference") == "camera";
+  track.imported = section("imported").text("reading");
+  track.sd_from_scatter = summary.boolean("sd_from_scatter", false);
+  track.warnings = summary.texts("warnings");
   for (const JsonPlace& input : meta.items("inputs"))
-    facts.recorded_in.push_back({input.at("path").text(), input.text("xxh3_128"), input.text("hashed")});
+    track.recorded_in.push_back({input.at("path").text(), input.text("xxh3_128"), input.text("hashed")});
   for (const JsonPlace& stage : meta.items("plan"))
-    facts.plan.push_back({stage.at("stage").text(), stage.at("on").boolean(), stage.text("reason"),
+    track.plan.push_back({stage.at("stage").text(), stage.at("on").boolean(), stage.text("reason"),
                           number_at(stage, "error_bound_px")});
+  return track;
 }
 
 }  // namespace
 
-TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path) {
-  TrackFile file;
-  file.facts = facts;
-  file.mm_per_px = facts.mm_per_px;
-  file.mm_per_px_sd = facts.mm_per_px_sd;
-  file.platform_from_texture = facts.platform_from_texture;
-  file.has_marker_columns = rows.has_marker;
-  file.table.platform_frame = rows.has_marker;
-  file.table.exposure = facts.exposure_s.value_or(0);
-  file.table.radius = facts.disc_radius_px * facts.mm_per_px.value_or(0) * 1e-3;
-  for (const vision::SlowPart& part : facts.slow)
-    if (facts.mm_per_px && part.sd > 0 && part.time > 0)
-      file.table.slow.push_back({part.sd * *facts.mm_per_px * 1e-3, part.time});
-  file.lamp.exposure = facts.exposure_s;
-  file.lamp.clipped = facts.gate_clipped_share > kClippedShare;
-  file.frames = rows.rows.size();
-  const FitTable fit_table(rows, facts, path);
+Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path& path) {
+  track.table.platform_frame = rows.has_marker;
+  track.table.exposure = track.exposure_s.value_or(0);
+  track.table.radius = track.disc_radius_px * track.mm_per_px.value_or(0) * 1e-3;
+  for (const vision::SlowPart& part : track.slow)
+    if (track.mm_per_px && part.sd > 0 && part.time > 0)
+      track.table.slow.push_back({part.sd * *track.mm_per_px * 1e-3, part.time});
+  track.lamp.exposure = track.exposure_s;
+  track.lamp.clipped = track.gate_clipped_share > kClippedShare;
+  track.frames = rows.rows.size();
+  const FitTable fit_table(rows, track, path);
   for (const TrackRow& row : rows.rows) {
-    if (row.status == vision::TrackStatus::lost) ++file.lost;
-    if (row.status == vision::TrackStatus::edge) ++file.edge;
-    file.x_px.push_back(row.x_px);
-    file.y_px.push_back(row.y_px);
-    file.x_mm.push_back(row.x_mm);
-    file.y_mm.push_back(row.y_mm);
-    file.sigma_px.push_back(row.sigma_x_px);
-    file.ncc.push_back(row.ncc);
-    file.time_s.push_back(row.time_s);
+    if (row.status == vision::TrackStatus::lost) ++track.lost;
+    if (row.status == vision::TrackStatus::edge) ++track.edge;
+    track.x_px.push_back(row.x_px);
+    track.y_px.push_back(row.y_px);
+    track.x_mm.push_back(row.x_mm);
+    track.y_mm.push_back(row.y_mm);
+    track.sigma_px.push_back(row.sigma_x_px);
+    track.ncc.push_back(row.ncc);
+    track.time_s.push_back(row.time_s);
     if (rows.has_rotation) {
-      file.theta_rad.push_back(row.theta_rad);
-      file.sigma_theta_rad.push_back(row.sigma_theta_rad);
+      track.theta_rad.push_back(row.theta_rad);
+      track.sigma_theta_rad.push_back(row.sigma_theta_rad);
     }
     if (!std::isnan(row.gate)) {
-      file.lamp.time.push_back(row.time_s);
-      file.lamp.level.push_back(row.gate);
+      track.lamp.time.push_back(row.time_s);
+      track.lamp.level.push_back(row.gate);
     }
     // An ok disc without its marker has no platform position.
-    if (row.status == vision::TrackStatus::ok && !std::isnan(row.x_mm)) fit_table.add(row, file.table);
+    if (row.status == vision::TrackStatus::ok && !std::isnan(row.x_mm)) fit_table.add(row, track.table);
   }
-  return file;
+  return track;
 }
 
-TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path) {
+Track track_described_by(const Json& meta, const std::filesystem::path& path) {
   const bool of_another_command =
       meta.is_object() && meta.contains("command") && meta.at("command") != "track";
   if (!meta.is_object() || meta.empty() || of_another_command)
@@ -231,32 +221,29 @@ TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path)
                     "wrote",
                     path.string()));
   require_known_schema(meta, path);
-  TrackFacts facts;
   try {
-    read_facts({meta, ""}, facts);
+    return track_from({meta, ""});
   } catch (const WrongContent& error) {
     throw InvalidInput(fmt::format(
         "{}: is not the meta file of a track ({}); track the recording again, or delete this file",
         path.string(), error.what()));
   }
-  return facts;
 }
 
-TrackFile track_file_of(const std::filesystem::path& path, std::string text,
-                        const std::optional<Json>& meta) {
+Track track_of_text(const std::filesystem::path& path, std::string text, const std::optional<Json>& meta) {
   const std::filesystem::path meta_path = path.string() + ".meta.json";
-  TrackFacts facts;
-  if (meta) facts = track_facts_from(*meta, meta_path);
+  Track track;
+  if (meta) track = track_described_by(*meta, meta_path);
   const TrackRows rows = read_track_rows(path, std::move(text));
-  if (rows.has_marker && !rows.has_planes && !facts.mm_per_px)
+  if (rows.has_marker && !rows.has_planes && !track.mm_per_px)
     throw InvalidInput(fmt::format(
         "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
         "both again with `tribotrack track`",
         meta_path.string(), path.string()));
-  return track_file_of(rows, facts, path);
+  return with_rows(std::move(track), rows, path);
 }
 
-TrackFile read_track_file(const std::filesystem::path& path) {
+Track read_track_file(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path))
     throw InvalidInput(fmt::format("{}: is a folder; name a track, such as {}", path.string(),
                                    (path / "NAME.csv").string()));
@@ -272,9 +259,9 @@ TrackFile read_track_file(const std::filesystem::path& path) {
   std::optional<Json> meta;
   if (std::filesystem::exists(meta_path)) meta = read_json(meta_path);
   Input input = hashed_input(path, text);
-  TrackFile file = track_file_of(path, std::move(text), meta);
-  file.inputs = {std::move(input)};
-  return file;
+  Track track = track_of_text(path, std::move(text), meta);
+  track.inputs = {std::move(input)};
+  return track;
 }
 
 }  // namespace tribotrack::apps

@@ -15,30 +15,16 @@
 
 namespace tribotrack::apps {
 
-/// A stage of the plan by which the track was made.
-struct PlannedStage {
-  std::string stage;
-  bool on = true;
-  std::string reason;
-  std::optional<double> error_bound_px;  ///< that leaving it out can add; empty where nobody computed it
-};
-
-/// What a lossy coder did to a track, for measuring; see vision/coding.
-struct CodingFacts {
-  std::string coder;
-  double part_play_px = 0, mark_play_px = 0;
-};
-
-/// Properties of a track that its rows do not hold.
-struct TrackFacts {
-  std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top
+/// What its meta file says, and its rows as measuring and drawing take them.
+struct Track {
+  std::optional<double> mm_per_px, mm_per_px_sd;  ///< of the part's top; without: the marker's motion unknown
   std::string scale_source;                       ///< "given", "part's diameter", ...
   double xi_axis_rad = 0;
   std::optional<double> exposure_s;
-  double gate_clipped_share = 0;  ///< of the lamp's pixels
-  bool platform_from_texture = false;
+  double gate_clipped_share = 0;       ///< of the lamp's pixels
+  bool platform_from_texture = false;  ///< the marker's columns follow a patch of the platform's own texture
   double disc_radius_px = 0, disc_radius_common_sd_px = 0;
-  std::int64_t frames = 0, lost_counted = 0;
+  std::int64_t lost_counted = 0;
   bool accepted = true;         ///< the part was lost in no more frames than allowed, and is no mark at rest
   bool rests_for_ever = false;  ///< the disc was found by itself and never moves
   std::optional<double> trigger_time_s;  ///< of a recording that numbers its images from the trigger
@@ -54,37 +40,31 @@ struct TrackFacts {
   /// Errors that neighbouring frames share, in the rows' standard deviations.
   std::vector<vision::SlowPart> slow;
   vision::Audit audit;
-  std::optional<CodingFacts> coding;  ///< of a lossy recording
-  std::vector<PlannedStage> plan;
-};
+  std::optional<vision::CodedErrors> coding;  ///< of a lossy recording: coder and mark_play alone
+  std::vector<vision::PlanStage> plan;
 
-/// The same from a meta file; keys that are not there keep their defaults. Throws InvalidInput naming `path`
-/// where one is not of its type.
-TrackFacts track_facts_from(const Json& meta, const std::filesystem::path& path);
-
-struct TrackFile {
   fit::TrackTable table;  ///< rows with status ok, SI
   std::size_t frames = 0, lost = 0, edge = 0;
   /// For pictures of the path: one per row, NaN where the part was not measured.
   std::vector<double> time_s, x_px, y_px, x_mm, y_mm, sigma_px, ncc;
   /// The part's rotation, one per row, NaN where it is not seen; empty where it is nowhere.
   std::vector<double> theta_rad, sigma_theta_rad;
-  bool has_marker_columns = false;
-  bool platform_from_texture = false;  ///< the marker's columns follow a patch of the platform's own texture
-  std::optional<double> mm_per_px;     ///< in use; without it the marker's motion stays unknown
-  std::optional<double> mm_per_px_sd;
   fit::LampRecord lamp;  ///< the gate's lamp in every frame that shows it; empty where none was named
-  TrackFacts facts;
+
   std::vector<Input> inputs;  ///< what it was read from: T.csv, or the recording just tracked
 };
 
-/// Throws InvalidInput naming `path` and the frame and column that is missing.
-TrackFile track_file_of(const TrackRows& rows, const TrackFacts& facts, const std::filesystem::path& path);
+/// What a meta file says of its track; keys that are not there keep their defaults. Throws InvalidInput
+/// naming `path` where one is not of its type.
+Track track_described_by(const Json& meta, const std::filesystem::path& path);
+
+/// The same with its rows. Throws InvalidInput naming `path` and the frame and column that is missing.
+Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path& path);
 
 /// Of the texts of T.csv and its meta file, `path` standing in messages. `inputs` stay empty.
-TrackFile track_file_of(const std::filesystem::path& path, std::string text, const std::optional<Json>& meta);
+Track track_of_text(const std::filesystem::path& path, std::string text, const std::optional<Json>& meta);
 
 /// Reads T.csv and, where there is one, T.csv.meta.json. Throws InvalidInput naming file, line and column.
-TrackFile read_track_file(const std::filesystem::path& path);
+Track read_track_file(const std::filesystem::path& path);
 
 }  // namespace tribotrack::apps

@@ -73,7 +73,7 @@ void leaving_word(const CampaignRun& run, const std::filesystem::path& track,
 namespace {
 
 /// What a job of its own has made of a run. Throws what it left word of where there is no track.
-TrackFile track_from_job(const std::filesystem::path& csv) {
+Track track_from_job(const std::filesystem::path& csv) {
   const std::filesystem::path word = RunFolder::failure_beside(csv);
   std::string sentence;
   if (!std::filesystem::exists(csv) && std::filesystem::is_regular_file(word)) sentence = read_text(word);
@@ -92,8 +92,8 @@ void write_measurements(const std::filesystem::path& folder, const std::vector<R
 }
 
 /// The track of a run: from the folder the user names, else made here.
-std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& run, const FitChoices& choices,
-                                  const FramesDone& frames_done) {
+std::optional<Track> track_of(const Campaign& campaign, const CampaignRun& run, const FitChoices& choices,
+                              const FramesDone& frames_done) {
   if (!run.has_track()) return std::nullopt;
   if (!choices.tracks.empty()) {
     const std::filesystem::path csv = RunFolder::track_in(choices.tracks, run.name);
@@ -104,7 +104,7 @@ std::optional<TrackFile> track_of(const Campaign& campaign, const CampaignRun& r
   job.job.track.progress = frames_done;
   std::optional<std::filesystem::path> beside;
   if (choices.result) beside = choices.result->parent_path() / (run.name + ".csv");
-  TrackFile track = track_file_of(job, track_recording(job, beside));
+  Track track = apps::track_of(job, track_recording(job, beside));
   track.inputs = job.inputs;
   return track;
 }

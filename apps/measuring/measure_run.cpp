@@ -53,14 +53,13 @@ void note_against_command(const std::string& name, const fit::GateTiming& gate, 
 }
 
 /// Counts all that a play of the mark's size does.
-void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasurement& m) {
-  if (!track.facts.coding || !m.platform) return;
-  const CodingFacts& facts = *track.facts.coding;
+void allow_for_coding(const std::string& name, const Track& track, RunMeasurement& m) {
+  if (!track.coding || !m.platform) return;
   fit::PlatformMotion& platform = *m.platform;
-  CodedMotion coded{.coder = facts.coder};
+  CodedMotion coded{.coder = track.coding->coder};
   const double metre_per_px = track.mm_per_px.value_or(0) * 1e-3;
   const double amplitude = std::max(platform.amplitude.value, platform.amplitude_y.value);
-  const double half_width = facts.mark_play_px * metre_per_px;
+  const double half_width = track.coding->mark_play * metre_per_px;
   const auto seen = fit::seen_through_play(amplitude, half_width);
   coded.attenuation = std::max(seen.attenuation, kSmoothed * half_width / amplitude);
   coded.delay = seen.delay;
@@ -77,7 +76,7 @@ void allow_for_coding(const std::string& name, const TrackFile& track, RunMeasur
 
 /// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else
 /// it counts from its own sensor.
-void measure_gate(const std::string& name, const TrackFile& track, const GivenConditions& given,
+void measure_gate(const std::string& name, const Track& track, const GivenConditions& given,
                   RunMeasurement& m) {
   const auto take = [&](const fit::GateMeasurement& seen, const char* what, const char* reference) {
     if (seen.timing) {
@@ -149,7 +148,7 @@ void put(Json& json, const std::string& name, const fit::Estimate& estimate, dou
 
 }  // namespace
 
-RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given) {
+RunMeasurement measure_run(const std::string& name, const Track& track, const GivenConditions& given) {
   if (track.table.time.size() < 2)
     throw fit::DataError(fmt::format("{}: the part was tracked in {} frames; nothing can be measured", name,
                                      track.table.time.size()));
@@ -224,7 +223,7 @@ bool lamp_gave_phi(const fit::GateTiming& gate) {
   return gate.on_level != gate.off_level;
 }
 
-void put_recording(Json& json, const TrackFile& track, const std::vector<std::string>& warnings) {
+void put_recording(Json& json, const Track& track, const std::vector<std::string>& warnings) {
   if (track.mm_per_px) {
     json["mm_per_px"] = *track.mm_per_px;
     json["mm_per_px_sd"] = track.mm_per_px_sd.value_or(0);
@@ -234,7 +233,7 @@ void put_recording(Json& json, const TrackFile& track, const std::vector<std::st
   json["warnings"] = warnings;
 }
 
-Json measurement_json(const RunMeasurement& m, const TrackFile& track) {
+Json measurement_json(const RunMeasurement& m, const Track& track) {
   Json json = Json::object();
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
   if (m.displacement) {

@@ -68,7 +68,7 @@ struct RunMeasurement {
 
 /// Throws fit::DataError (track shorter than one cycle) and InvalidInput (measured sense contradicts the
 /// given one); `name` stands in their messages.
-RunMeasurement measure_run(const std::string& name, const TrackFile& track, const GivenConditions& given);
+RunMeasurement measure_run(const std::string& name, const Track& track, const GivenConditions& given);
 
 /// Where a given w lies beyond five standard deviations of the measured one: a sentence.
 std::vector<std::string> differences(const std::string& name, const RunMeasurement& measured,
@@ -79,8 +79,8 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
 bool lamp_gave_phi(const fit::GateTiming& gate);
 
 /// The object `measure --json` prints: every quantity that was measured, with its _sd.
-Json measurement_json(const RunMeasurement& measurement, const TrackFile& track);
+Json measurement_json(const RunMeasurement& measurement, const Track& track);
 /// Scale, frames and warnings: how every measurement's object ends.
-void put_recording(Json& json, const TrackFile& track, const std::vector<std::string>& warnings);
+void put_recording(Json& json, const Track& track, const std::vector<std::string>& warnings);
 
 }  // namespace tribotrack::apps

@@ -81,7 +81,7 @@ std::string gate_text(const fit::GateTiming& gate, const std::string& counts_fro
 
 }  // namespace
 
-std::string measurement_text(const RunMeasurement& m, const TrackFile& track) {
+std::string measurement_text(const RunMeasurement& m, const Track& track) {
   constexpr double turn = 2 * std::numbers::pi;
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
   std::string text =
@@ -100,7 +100,7 @@ std::string measurement_text(const RunMeasurement& m, const TrackFile& track) {
   return text;
 }
 
-std::string slide_measurement_text(const SlideMeasurement& m, const TrackFile& track) {
+std::string slide_measurement_text(const SlideMeasurement& m, const Track& track) {
   const fit::SlideResult& s = m.slide;
   std::string text =
       line("frames", fmt::format("{}, part tracked in {}", track.frames, track.table.time.size()));

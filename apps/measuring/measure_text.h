@@ -12,10 +12,10 @@ namespace tribotrack::apps {
 
 /// Lines of displacement, platform, gate and scale, each ending in a newline. Every digit is in
 /// measurement_json().
-std::string measurement_text(const RunMeasurement& measurement, const TrackFile& track);
+std::string measurement_text(const RunMeasurement& measurement, const Track& track);
 
 /// What `measure` prints for people.
-std::string slide_measurement_text(const SlideMeasurement& measurement, const TrackFile& track);
+std::string slide_measurement_text(const SlideMeasurement& measurement, const Track& track);
 
 // What an oscilloscope's file holds, and what to write into [scope].
 

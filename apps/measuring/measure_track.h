@@ -21,13 +21,10 @@ struct SlideMeasurement {
 };
 
 /// Throws fit::DataError where the track shows no sliding; `name` stands in its message.
-SlideMeasurement measure_slide(const std::string& name, const TrackFile& track, double gravity);
+SlideMeasurement measure_slide(const std::string& name, const Track& track, double gravity);
 
 /// The object `measure --json` prints of a free slide.
-Json slide_measurement_json(const SlideMeasurement& measurement, const TrackFile& track);
-
-/// An entry of `slides` in fit.json.
-Json slide_result_json(const fit::SlideResult& slide);
+Json slide_measurement_json(const SlideMeasurement& measurement, const Track& track);
 
 // What `measure` makes of one track: the motion of a driven part, or a free slide.
 
@@ -48,7 +45,6 @@ struct TrackMeasurement {
 
 /// `name` begins messages. Throws UsageError for choices that are out of range or contradict each other,
 /// InvalidInput and fit::DataError where the track does not show what is asked for.
-TrackMeasurement measure_track(const std::string& name, const TrackFile& track,
-                               const MeasureChoices& choices);
+TrackMeasurement measure_track(const std::string& name, const Track& track, const MeasureChoices& choices);
 
 }  // namespace tribotrack::apps

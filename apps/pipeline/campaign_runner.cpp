@@ -187,7 +187,7 @@ Run CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) 
     double& seconds;
     ~Stopwatch() { seconds = seconds_since(begun); }
   } const stopwatch{begun, logs_[index].seconds};
-  std::optional<TrackFile> track;
+  std::optional<Track> track;
   if (run.video) track = track_of(run, frames_done, logs_[index]);
   if (run.track) track = import_track(*run.track, run.reading, folder_.track(run.name));
   Run analysed = analyse(campaign_, run, std::move(track));
@@ -196,7 +196,7 @@ Run CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) 
 }
 
 /// The track that is there, if it is current, else one made now.
-TrackFile CampaignRunner::track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const {
+Track CampaignRunner::track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const {
   if (!may_be_recording(*run.video))
     throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
                                    run.name, run.video->string()));
@@ -215,7 +215,7 @@ TrackFile CampaignRunner::track_of(const CampaignRun& run, const FramesDone& fra
   for (const auto& stage : recording.result.stage_times) log.stage_seconds[stage.name] = stage.seconds;
   write_pictures(run, recording);  // first: the track's meta file marks the run as done
   const Input csv = write_track(folder_.track(run.name), job, recording);
-  TrackFile track = track_file_of(job, recording);
+  Track track = apps::track_of(job, recording);
   track.inputs = {csv};
   return track;
 }

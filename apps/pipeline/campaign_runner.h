@@ -67,7 +67,7 @@ class CampaignRunner {
 
  private:
   Run carry_out(std::size_t index, const FramesDone& frames_done);
-  TrackFile track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
+  Track track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
   bool is_complete(const CampaignRun& run, const std::string& key) const;
   void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
   void write_measurement(const Run& run) const;

@@ -40,7 +40,7 @@ bool is_path(const py::object& value) {
 constexpr const char* kTrack = "track";
 constexpr const char* kCampaign = "campaign";
 
-apps::TrackFile track_in(const py::object& track) {
+apps::Track track_in(const py::object& track) {
   if (!py::hasattr(track, "keys"))
     throw UsageError(
         fmt::format("the track must be a path or a dict of columns, not {}", Py_TYPE(track.ptr())->tp_name));
@@ -49,7 +49,7 @@ apps::TrackFile track_in(const py::object& track) {
     const py::object given = track["meta"];
     if (!given.is_none()) meta = to_json(given, kTrack);
   }
-  return apps::track_file_of(kTrack, csv_of(track, kTrack), meta);
+  return apps::track_of_text(kTrack, csv_of(track, kTrack), meta);
 }
 
 apps::FitChoices choices_of(const py::dict& options) {
@@ -112,10 +112,10 @@ py::dict measure(const py::object& track, const py::dict& options) {
   choices.free_slide = truth_in(options, "free_slide");
   const apps::TrackReading how = reading_of(options);
   const std::string name = is_path(track) ? path_of(track) : kTrack;
-  std::optional<apps::TrackFile> given;
+  std::optional<apps::Track> given;
   if (!is_path(track)) given = track_in(track);
   const auto result = released<apps::TrackMeasurement>([name, how, choices, given](const Tell&) {
-    const apps::TrackFile table =
+    const apps::Track table =
         given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
     return apps::measure_track(name, table, choices);
   });

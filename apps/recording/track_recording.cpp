@@ -277,42 +277,9 @@ TrackedRecording track_recording(const PreparedJob& prepared, std::unique_ptr<vi
   return track_source(prepared, std::move(source), std::nullopt);
 }
 
-TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording) {
-  const vision::SourceInfo& info = recording.info();
-  const vision::TrackSummary& summary = recording.result.summary;
-  TrackFacts facts;
-  if (recording.scale) {
-    facts.mm_per_px = recording.scale->mm_per_px;
-    facts.mm_per_px_sd = recording.scale->sd;
-    facts.scale_source = recording.scale->source;
-  }
-  facts.xi_axis_rad = prepared.job.xi_axis_rad;
-  facts.exposure_s = info.exposure_s;
-  facts.recorded_at = info.trigger_time;
-  if (info.format == "cine" && info.time_base.rate_hz)
-    facts.trigger_time_s = -static_cast<double>(info.first_number) / *info.time_base.rate_hz;
-  if (recording.result.track.has_gate) facts.gate_clipped_share = summary.gate_clipped_share;
-  facts.disc_radius_px = summary.disc.radius;
-  facts.disc_radius_common_sd_px = summary.disc_radius_common_sd;
-  facts.frames = summary.frames;
-  facts.lost_counted = summary.lost_counted;
-  facts.accepted = summary.gate_passed;
-  facts.rests_for_ever = summary.rests_for_ever;
-  facts.platform_from_texture = recording.result.track.has_marker && summary.ground_is_marker;
-  facts.recorded_in = prepared.inputs;
-  facts.frame_rate_hz = info.time_base.rate_hz;
-  facts.time_base = info.time_base.source;
-  facts.width_px = info.width;
-  facts.height_px = info.height;
-  facts.in_camera_frame = !recording.result.track.has_marker;
-  facts.warnings = summary.warnings;
-  facts.slow = summary.slow;
-  facts.audit = summary.audit;
-  if (summary.coded)
-    facts.coding = CodingFacts{summary.coded->coder, summary.coded->part_play, summary.coded->mark_play};
-  for (const vision::PlanStage& stage : summary.plan)
-    facts.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px});
-  return track_file_of(recording.rows, facts, prepared.job.video);
+Track track_of(const PreparedJob& prepared, const TrackedRecording& recording) {
+  const std::filesystem::path& video = prepared.job.video;
+  return with_rows(track_described_by(meta_of(prepared, recording).json(), video), recording.rows, video);
 }
 
 void write_overlay_file(const std::filesystem::path& path, const TrackedRecording& recording) {
@@ -418,7 +385,7 @@ bool is_current(const std::filesystem::path& csv, const std::string& key) {
   if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
   try {
     const Json json = read_json(meta);
-    track_facts_from(json, meta);  // throws where it is damaged
+    track_described_by(json, meta);  // throws where it is damaged
     return json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
     return false;  // damaged, or not ours: track again

@@ -90,7 +90,7 @@ std::filesystem::path question_picture(const std::filesystem::path& beside,
 
 /// The track as measuring takes it, the same to the last bit as read back from the files of write_track().
 /// `inputs` stay empty.
-TrackFile track_file_of(const PreparedJob& prepared, const TrackedRecording& recording);
+Track track_of(const PreparedJob& prepared, const TrackedRecording& recording);
 
 /// What stands beside T.csv.
 MetaFile meta_of(const PreparedJob& prepared, const TrackedRecording& recording);

@@ -22,8 +22,8 @@ struct Run {
   CampaignRun given;
 
   // Tracked.
-  std::optional<TrackFile> track;  ///< of a recording, or another program's
-  std::vector<Input> inputs;       ///< the files its numbers were read from
+  std::optional<Track> track;  ///< of a recording, or another program's
+  std::vector<Input> inputs;   ///< the files its numbers were read from
 
   // Measured.
   std::optional<ScopeEvidence> scope;         ///< runs with an oscilloscope trace

@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = folder.write("t.csv.meta.json", data, size);
   fuzz::read_or_refuse(data, size, [&] {
     const apps::Json meta = apps::read_json(file);
-    fuzz::read_or_refuse(data, size, [&] { apps::track_facts_from(meta, file); });
+    fuzz::read_or_refuse(data, size, [&] { apps::track_described_by(meta, file); });
     apps::ReportData report;
     apps::reading(file, [&] { apps::add_provenance(meta, report); });
   });

@@ -52,69 +52,39 @@ std::string text_of_track(const fs::path& path) {
   return text;
 }
 
-Json meta_json(const ForeignTrack& track) {
-  const TrackFacts& facts = track.facts;
-  const auto lost = std::ranges::count(track.rows.rows, vision::TrackStatus::lost, &TrackRow::status);
-  Json json;
-  json["imported"] = {{"layout", track.layout}, {"reading", facts.imported}};
-  json["time_base"] = {{"rate_hz", optional_json(facts.frame_rate_hz)}, {"source", facts.time_base}};
-  json["frame_of_reference"] = facts.in_camera_frame ? "camera" : "platform";
-  if (!facts.in_camera_frame) json["platform_seen_by"] = "marker";
-  json["scale"] = facts.mm_per_px ? Json{{"mm_per_px", *facts.mm_per_px},
-                                         {"mm_per_px_sd", facts.mm_per_px_sd.value_or(0)},
-                                         {"source", facts.scale_source}}
-                                  : Json();
-  json["summary"] = {{"frames", facts.frames},
-                     {"ok", facts.frames - lost},
-                     {"lost", lost},
-                     {"gate_passed", true},
-                     {"sd_from_scatter", facts.sd_from_scatter},
-                     {"warnings", facts.warnings}};
-  return json;
+Track track_of(const ForeignTrack& track, const fs::path& path) {
+  return with_rows(track_described_by(track.meta.json(), path), track.rows, path);
 }
 
 }  // namespace
 
-TrackFile read_any_track(const fs::path& path, const TrackReading& reading) {
+Track read_any_track(const fs::path& path, const TrackReading& reading) {
   std::string text = text_of_track(path);
   if (is_ours(path, text)) return read_track_file(path);
-  Input input = hashed_input(path, text);
-  ForeignTrack track = read_foreign_track(path, std::move(text), reading);
-  track.facts.recorded_in = {input};
-  TrackFile file = track_file_of(track.rows, track.facts, path);
-  file.inputs = {std::move(input)};
-  return file;
+  const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
+  Track track = track_of(foreign, path);
+  track.inputs = foreign.meta.inputs;
+  return track;
 }
 
-TrackFile import_track(const fs::path& path, const TrackReading& reading, const fs::path& csv) {
+Track import_track(const fs::path& path, const TrackReading& reading, const fs::path& csv) {
   std::string text = text_of_track(path);
   if (is_ours(path, text)) {
-    TrackFile file = read_track_file(path);  // first: what cannot be read is not copied
+    Track track = read_track_file(path);  // first: what cannot be read is not copied
     write_file(csv, text);
     if (fs::exists(meta_of(path)))
       write_file(meta_of(csv), read_text(meta_of(path)));
     else
       fs::remove(meta_of(csv));
-    file.inputs = {hashed_input(csv, text)};
-    return file;
+    track.inputs = {hashed_input(csv, text)};
+    return track;
   }
-  MetaFile meta;
-  meta.command = "track";
-  meta.inputs = {hashed_input(path, text)};
-  ForeignTrack track = read_foreign_track(path, std::move(text), reading);
-  track.facts.recorded_in = meta.inputs;
-  meta.configuration = {{"xi_axis_rad", reading.xi_axis_rad},
-                        {"frame_rate_hz", optional_json(reading.frame_rate_hz)},
-                        {"mm_per_px", optional_json(reading.mm_per_px)},
-                        {"unit", reading.unit},
-                        {"point", reading.point},
-                        {"mark", reading.mark}};
-  meta.more = meta_json(track);
-  const std::string table = track_csv(track.rows);
-  write_result(csv, table, meta);
-  TrackFile file = track_file_of(track.rows, track.facts, path);
-  file.inputs = {hashed_input(csv, table)};
-  return file;
+  const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
+  const std::string table = track_csv(foreign.rows);
+  write_result(csv, table, foreign.meta);
+  Track track = track_of(foreign, path);
+  track.inputs = {hashed_input(csv, table)};
+  return track;
 }
 
 const char* const kTrackLayouts =

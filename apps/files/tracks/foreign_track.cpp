@@ -299,6 +299,7 @@ std::string sd_text(const Noise& noise, const std::string& unit) {
 
 ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string text,
                                 const TrackReading& reading) {
+  Input input = hashed_input(path, text);
   CsvTable table(path, std::move(text));
   const TrackColumns columns = read_track_columns(table);
   // What the header leaves open is said at its line.
@@ -319,30 +320,41 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   if (points.mark) mark = noise_of(table, *points.mark, clock.frame);
 
   ForeignTrack track;
-  track.layout = columns.layout;
   track.rows = Rows(points, scale, up, reading.xi_axis_rad, part, mark).make(clock, reading);
   if (track.rows.rows.empty())
     throw InvalidInput(fmt::format("{}: no row lies within `frames`", path.string()));
-  TrackFacts& facts = track.facts;
-  if (scale.pixels) {
-    facts.mm_per_px = scale.mm;
-    facts.mm_per_px_sd = reading.mm_per_px_sd;
-    facts.scale_source = "given";
-  }
-  facts.xi_axis_rad = reading.xi_axis_rad;
-  facts.frame_rate_hz = clock.rate_hz;
-  facts.time_base = clock.from;
-  facts.frames = static_cast<std::int64_t>(track.rows.rows.size());
-  facts.in_camera_frame = !points.mark;
-  facts.sd_from_scatter = part.estimated;
-  facts.imported = fmt::format(
+  const std::string read_as = fmt::format(
       "read as {} (x, y in {}, y {}{}{}); {}",
       columns.layout == "t, x, y" ? "t, x, y" : "a track of " + columns.layout, scale.unit,
       up ? "up" : "down", points.part.name.empty() ? "" : "; part " + points.part.name,
       points.mark ? "; mark " + points.mark->name : "; no mark: the positions hold the platform's motion",
       sd_text(part, scale.unit));
-  facts.warnings = {facts.imported};
-  if (!clock.warning.empty()) facts.warnings.push_back(clock.warning);
+  std::vector<std::string> warnings = {read_as};
+  if (!clock.warning.empty()) warnings.push_back(clock.warning);
+  const auto lost = std::ranges::count(track.rows.rows, vision::TrackStatus::lost, &TrackRow::status);
+  track.meta.command = "track";
+  track.meta.inputs = {std::move(input)};
+  track.meta.configuration = {{"xi_axis_rad", reading.xi_axis_rad},
+                              {"frame_rate_hz", optional_json(reading.frame_rate_hz)},
+                              {"mm_per_px", optional_json(reading.mm_per_px)},
+                              {"unit", reading.unit},
+                              {"point", reading.point},
+                              {"mark", reading.mark}};
+  Json& more = track.meta.more;
+  more["imported"] = {{"layout", columns.layout}, {"reading", read_as}};
+  more["time_base"] = {{"rate_hz", optional_json(clock.rate_hz)}, {"source", clock.from}};
+  more["frame_of_reference"] = points.mark ? "platform" : "camera";
+  if (points.mark) more["platform_seen_by"] = "marker";
+  more["scale"] =
+      scale.pixels
+          ? Json{{"mm_per_px", scale.mm}, {"mm_per_px_sd", reading.mm_per_px_sd}, {"source", "given"}}
+          : Json();
+  more["summary"] = {{"frames", track.rows.rows.size()},
+                     {"ok", static_cast<std::int64_t>(track.rows.rows.size()) - lost},
+                     {"lost", lost},
+                     {"gate_passed", true},
+                     {"sd_from_scatter", part.estimated},
+                     {"warnings", warnings}};
   return track;
 }
 

@@ -5,17 +5,17 @@
 #include <string>
 
 #include "apps/files/campaign/data_section.h"
-#include "apps/files/track_file.h"
+#include "apps/files/run_folder.h"
+#include "apps/files/track_rows.h"
 
 namespace tribotrack::apps {
 
-/// Rows as T.csv holds them, and what its meta file would add. Lengths are taken as they stand: what is in
-/// pixels keeps pixels and a scale, anything else has millimetres alone. Without a mark the positions are in
-/// the camera's frame, as ours are without a marker.
+/// Rows as T.csv holds them, and the meta file beside it. Lengths are taken as they stand: what is in pixels
+/// keeps pixels and a scale, anything else has millimetres alone. Without a mark the positions are in the
+/// camera's frame, as ours are without a marker.
 struct ForeignTrack {
   TrackRows rows;
-  TrackFacts facts;
-  std::string layout;
+  MetaFile meta;
 };
 
 /// Reads a table of track_columns.h. Empty cells and NaN are frames where the part was not seen. Times come

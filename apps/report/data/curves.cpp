@@ -260,7 +260,7 @@ void note_no_model_path(const ReportRun& run, ReportData& data) {
 
 namespace {
 
-void add_orbit(const TrackFile& track, const fit::PlatformMotion& motion, ReportPlatform& platform) {
+void add_orbit(const Track& track, const fit::PlatformMotion& motion, ReportPlatform& platform) {
   const fit::PlatformPicture picture = fit::picture_of(track.table, motion);
   for (std::size_t k = 0; k < picture.orbit.size(); ++k) {
     platform.orbit_x_mm.push_back(picture.orbit[k].x() * 1e3);
@@ -291,7 +291,7 @@ void add_lamp(const fit::LampRecord& lamp, const fit::PlatformMotion& motion, Re
 
 }  // namespace
 
-void add_drawings(const TrackFile& track, ReportPlatform& platform) {
+void add_drawings(const Track& track, ReportPlatform& platform) {
   if (!std::isfinite(platform.amplitude_mm) || track.table.marker.empty()) return;
   fit::PlatformMotion motion;
   motion.amplitude.value = platform.amplitude_mm * 1e-3;

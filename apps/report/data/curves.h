@@ -55,6 +55,6 @@ void note_no_model_path(const ReportRun& run, ReportData& data);
 /// Adds the drawings' points to a platform whose measured numbers are filled in; nothing where it was not
 /// seen to move. The lines drawn are those numbers, not a new measurement: `track` must have the scale they
 /// were measured at.
-void add_drawings(const TrackFile& track, ReportPlatform& platform);
+void add_drawings(const Track& track, ReportPlatform& platform);
 
 }  // namespace tribotrack::apps

@@ -90,7 +90,7 @@ void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
     note_missing(folder, run.name, csv, "its path and platform are not shown", data);
     return;
   }
-  TrackFile track = read_track_file(csv);
+  Track track = read_track_file(csv);
   if (track.mm_per_px && std::isfinite(used) && used != *track.mm_per_px) rescale(track, {used, used_sd, ""});
   add_track(track, folder, run);
   if (!run.first_frame.empty() && !is_picture(run.first_frame)) {

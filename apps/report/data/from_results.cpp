@@ -168,7 +168,7 @@ void add_fit(const ReportInput& input, ReportData& data) {
 }
 
 /// As measurement_json writes it: the scale's sd counted in.
-void add_measurement(const RunMeasurement& m, const TrackFile& track, ReportRun& run) {
+void add_measurement(const RunMeasurement& m, const Track& track, ReportRun& run) {
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
   if (m.displacement) {
     const fit::Displacement d = fit::with_scale_sd(*m.displacement, scale_sd);

@@ -107,7 +107,7 @@ void add_provenance(const Json& meta, ReportData& data) {
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) {
+void add_track(const Track& track, const RunFolder& folder, ReportRun& run) {
   run.x_px = track.x_px;
   run.y_px = track.y_px;
   run.x_mm = track.x_mm;
@@ -115,24 +115,23 @@ void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run) 
   run.time_s = track.time_s;
   run.sigma_all_px = track.sigma_px;
   run.ncc = track.ncc;
-  run.in_camera_frame = track.facts.in_camera_frame;
+  run.in_camera_frame = track.in_camera_frame;
   run.theta_rad = track.theta_rad;
   run.sigma_theta_rad = median_of_finite(track.sigma_theta_rad);
   run.frames_ok = track.frames - track.lost - track.edge;
   run.frames_lost = track.lost;
   run.frames_edge = track.edge;
   run.sigma_px = median_of_finite(track.sigma_px);
-  const TrackFacts& facts = track.facts;
-  run.frame_rate_hz = facts.frame_rate_hz.value_or(no_value);
-  run.time_base = facts.time_base;
-  run.frame_width_px = facts.width_px;
-  run.frame_height_px = facts.height_px;
-  if (facts.in_camera_frame && run.kind != "free_slide")
+  run.frame_rate_hz = track.frame_rate_hz.value_or(no_value);
+  run.time_base = track.time_base;
+  run.frame_width_px = track.width_px;
+  run.frame_height_px = track.height_px;
+  if (track.in_camera_frame && run.kind != "free_slide")
     run.notes.push_back("measured in the camera's frame: no marker");
-  run.notes.insert(run.notes.end(), facts.warnings.begin(), facts.warnings.end());
-  run.audit = facts.audit;
-  for (const PlannedStage& stage : facts.plan)
-    run.plan.push_back({stage.stage, stage.on, stage.reason, stage.error_bound_px.value_or(no_value)});
+  run.notes.insert(run.notes.end(), track.warnings.begin(), track.warnings.end());
+  run.audit = track.audit;
+  for (const vision::PlanStage& stage : track.plan)
+    run.plan.push_back({stage.name, stage.on, stage.reason, stage.error_bound_px.value_or(no_value)});
   if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
     run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
 }
@@ -142,9 +141,9 @@ void add_pooled_note(const std::vector<std::string>& lines, ReportRun& run) {
     run.notes.push_back(fmt::format("mean of {} measurements: {}", lines.size(), fmt::join(lines, ", ")));
 }
 
-void add_recording(const TrackFile& track, ReportData& data) {
-  add_day(track.facts.recorded_at, data);
-  for (const Input& input : track.facts.recorded_in)
+void add_recording(const Track& track, ReportData& data) {
+  add_day(track.recorded_at, data);
+  for (const Input& input : track.recorded_in)
     data.inputs.push_back(source_of(input.path.string(), input.xxh3_128, input.hashed));
 }
 

@@ -13,13 +13,13 @@ namespace tribotrack::apps {
 void add_provenance(const Json& meta, ReportData& data);
 
 /// The track's path, counts, time base, notes and plan, and its first frame's picture from the folder.
-void add_track(const TrackFile& track, const RunFolder& folder, ReportRun& run);
+void add_track(const Track& track, const RunFolder& folder, ReportRun& run);
 
 /// A run that is the mean of several lines of a table says so.
 void add_pooled_note(const std::vector<std::string>& lines, ReportRun& run);
 
 /// The recording by its hash.
-void add_recording(const TrackFile& track, ReportData& data);
+void add_recording(const Track& track, ReportData& data);
 
 // The part of the report that comes out of fit.json.
 

@@ -159,7 +159,7 @@ class SharedScales : public testing::Test {
     analysed.track.emplace();
     analysed.track->mm_per_px = 0.1 / (size * zoom);
     analysed.track->mm_per_px_sd = 1e-5;
-    analysed.track->facts.scale_source = "part's diameter";
+    analysed.track->scale_source = "part's diameter";
     analysed.track->table.time = {static_cast<double>(runs_.size())};  // none is another's repetition
     analysed.track->table.position = {{0, 0}};
     analysed.measurement.emplace();

@@ -28,10 +28,10 @@ struct Drive {
 };
 
 /// 1 s at 400 frames/s; the marker's noise is 1 um, which tells A to 5e-8 m, 0.018 %.
-TrackFile track_of(unsigned seed, const Drive& drive) {
+Track track_of(unsigned seed, const Drive& drive) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, 1e-6);
-  TrackFile track;
+  Track track;
   for (int k = 0; k < 400; ++k) {
     const double t = k / 400.0, phase = drive.w * t + 0.4;
     track.table.frame.push_back(k);
@@ -44,9 +44,9 @@ TrackFile track_of(unsigned seed, const Drive& drive) {
   }
   track.table.platform_frame = true;
   track.table.exposure = 1e-4;
-  track.mm_per_px = track.facts.mm_per_px = 0.1;
-  track.mm_per_px_sd = track.facts.mm_per_px_sd = 0;
-  track.facts.scale_source = "given";
+  track.mm_per_px = 0.1;
+  track.mm_per_px_sd = 0;
+  track.scale_source = "given";
   track.frames = 400;
   return track;
 }
@@ -66,7 +66,7 @@ class SharedConditionsTest : public ProgramTest {
     campaign_ = read_campaign(in_folder("c.toml"));
     runs_.clear();
     for (std::size_t k = 0; k < drives.size(); ++k) {
-      TrackFile track = track_of(seed_ + static_cast<unsigned>(k) + 1, drives[k]);
+      Track track = track_of(seed_ + static_cast<unsigned>(k) + 1, drives[k]);
       track.table.exposure = exposure_;
       runs_.push_back(analyse(campaign_, campaign_.runs[k], std::move(track)));
     }
@@ -232,7 +232,7 @@ TEST_F(SharedConditionsTest, SlipsAreRefusedByName) {
 TEST_F(SharedConditionsTest, ADiameterChecksAGivenScale) {
   std::vector<apps::Run> runs;
   campaign("", {{}, {}}, "", {}, "diameter_mm = 3");
-  for (apps::Run& run : runs_) run.track->facts.disc_radius_px = 30;  // 6 mm
+  for (apps::Run& run : runs_) run.track->disc_radius_px = 30;  // 6 mm
   EXPECT_THAT(complaint_of([&] { share_conditions(campaign_, runs_); }),
               HasSubstr("3 is 6 mm as its radius"));
   campaign_.part.diameter_mm = 6.1;

@@ -18,7 +18,7 @@ using ::testing::Not;
 
 class TrackFiles : public ProgramTest {
  protected:
-  TrackFile read(const std::string& csv, const std::string& meta = "") {
+  Track read(const std::string& csv, const std::string& meta = "") {
     put(in_folder("t.csv"), csv);
     if (!meta.empty()) put(in_folder("t.csv.meta.json"), meta);
     return read_track_file(in_folder("t.csv"));
@@ -73,14 +73,14 @@ TEST_F(TrackFiles, ATrackInMemoryIsTheTrackReadBack) {
           parallax ? std::optional<vision::Parallax>({0.8, 100}) : std::nullopt);
       const TrackRows rows = track_rows(noisy_track(marker), geometry, 0.123);
       EXPECT_EQ(rows.has_planes, parallax);
-      TrackFacts facts;
-      facts.mm_per_px = 0.0213;
-      facts.mm_per_px_sd = 1e-5;
-      facts.xi_axis_rad = 0.123;
-      const TrackFile memory = track_file_of(rows, facts, "memory");
-      const TrackFile disk = read(track_csv(rows),
-                                  "{\"scale\": {\"mm_per_px\": 0.0213, \"mm_per_px_sd\": 1e-5}, "
-                                  "\"configuration\": {\"xi_axis_rad\": 0.123}}");
+      Track described;
+      described.mm_per_px = 0.0213;
+      described.mm_per_px_sd = 1e-5;
+      described.xi_axis_rad = 0.123;
+      const Track memory = with_rows(described, rows, "memory");
+      const Track disk = read(track_csv(rows),
+                              "{\"scale\": {\"mm_per_px\": 0.0213, \"mm_per_px_sd\": 1e-5}, "
+                              "\"configuration\": {\"xi_axis_rad\": 0.123}}");
       EXPECT_EQ(track_csv(read_track_rows("t.csv", track_csv(rows))), track_csv(rows));
       EXPECT_EQ(memory.lost, disk.lost);
       EXPECT_EQ(memory.table.frame, disk.table.frame);
@@ -101,7 +101,7 @@ TEST_F(TrackFiles, ATrackInMemoryIsTheTrackReadBack) {
 // mm = s R(-xi) diag(1, -1) px, so C_mm = s^2 R F C_px F R^T; a marker's own noise is added along both axes.
 TEST_F(TrackFiles, CovariancesAreThoseOfThePixelsTurned) {
   const double s = 0.02, xi = 0.3;
-  const TrackFile file = read(
+  const Track file = read(
       "frame,time_s,x_px,y_px,sigma_x_px,sigma_y_px,rho_xy,ncc,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,"
       "marker_x_px,marker_y_px,marker_sigma_px,marker_ncc\n"
       "0,0,10,20,0.3,0.4,0.5,1,ok,1,2,0.1,0.1,3,4,0.2,1\n",
@@ -138,10 +138,10 @@ TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
 TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
   const std::vector<vision::SlowPart> slow{{"pictures", 0.003, 0.04}, {"coder", 0.01 / 3, 0.2}};
   Json meta = {{"slow_errors", json_of(slow)}, {"summary", {{"slow_sd_px", 5}, {"slow_time_s", 6}}}};
-  const TrackFacts facts = track_facts_from(meta, "t.csv.meta.json");
-  ASSERT_EQ(facts.slow.size(), 2u);
-  EXPECT_EQ(json_of(facts.slow), meta.at("slow_errors"));
-  EXPECT_EQ(facts.slow[1].sd, slow[1].sd);
+  const Track track = track_described_by(meta, "t.csv.meta.json");
+  ASSERT_EQ(track.slow.size(), 2u);
+  EXPECT_EQ(json_of(track.slow), meta.at("slow_errors"));
+  EXPECT_EQ(track.slow[1].sd, slow[1].sd);
 
   const std::string row = "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
   meta["scale"] = {{"mm_per_px", 0.02}};
@@ -154,12 +154,12 @@ TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
   // A track of a version that knew their sum alone; and one without any.
   meta.erase("slow_errors");
   meta["summary"] = {{"slow_sd_px", 0.5}, {"slow_time_s", 0.3}};
-  ASSERT_EQ(track_facts_from(meta, "").slow.size(), 1u);
+  ASSERT_EQ(track_described_by(meta, "").slow.size(), 1u);
   EXPECT_EQ(read(kHeader + row, meta.dump()).table.slow.at(0).time, 0.3);
   meta["summary"] = {{"slow_sd_px", 0}};
-  EXPECT_TRUE(track_facts_from(meta, "").slow.empty());
+  EXPECT_TRUE(track_described_by(meta, "").slow.empty());
   meta["slow_errors"] = {{{"from", "halves"}, {"sd_px", "much"}}};
-  EXPECT_THROW(track_facts_from(meta, "t.csv.meta.json"), InvalidInput);
+  EXPECT_THROW(track_described_by(meta, "t.csv.meta.json"), InvalidInput);
 }
 
 TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
@@ -172,7 +172,7 @@ TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
   audit.slow_sd = 0.004;
   audit.slow_time = 0.3;
   const Json json = json_of(audit);
-  const vision::Audit back = track_facts_from({{"audit", json}}, "t.csv.meta.json").audit;
+  const vision::Audit back = track_described_by({{"audit", json}}, "t.csv.meta.json").audit;
   EXPECT_EQ(json_of(back), json);
   EXPECT_EQ(back.halves_y, audit.halves_y);
   EXPECT_TRUE(json.at("high_frequency").is_null());
@@ -191,9 +191,8 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
 
 TEST_F(TrackFiles, AnglesAreReadWhereTheyAre) {
   const std::string with = "frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n";
-  const TrackFile track =
-      read(with + "0,0,ok,1,2,0.1,0.1,0.5,0.01\n1,0.1,ok,1,2,0.1,0.1,,\n2,0.2,lost,,,,,,\n",
-           R"({"scale": {"mm_per_px": 0.5}, "summary": {"disc_px": [10, 10, 8]}})");
+  const Track track = read(with + "0,0,ok,1,2,0.1,0.1,0.5,0.01\n1,0.1,ok,1,2,0.1,0.1,,\n2,0.2,lost,,,,,,\n",
+                           R"({"scale": {"mm_per_px": 0.5}, "summary": {"disc_px": [10, 10, 8]}})");
   ASSERT_EQ(track.table.angle.size(), 2u);
   EXPECT_EQ(track.table.angle[0], 0.5);
   EXPECT_EQ(track.table.angle_sigma[0], 0.01);

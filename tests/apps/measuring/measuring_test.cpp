@@ -43,7 +43,7 @@ RunMeasurement measured() {
 }
 
 TEST(MeasureText, RoundsWhereTheStandardDeviationSays) {
-  TrackFile track;
+  Track track;
   track.frames = 505;
   const std::string text = measurement_text(measured(), track);
   EXPECT_THAT(text, HasSubstr("(-3.02329(20), 1.20000(30)) mm in 20 cycles"));
@@ -150,11 +150,11 @@ TEST_F(MeasureSlide, SpinNotSeenIsSaid) {
 
 constexpr double kW = 62.8, kA = 0.28e-3, kPhase = 1.1, kNoise = 1e-6;
 
-TrackFile circling(std::optional<CodingFacts> coding) {
-  TrackFile track;
+Track circling(std::optional<vision::CodedErrors> coding) {
+  Track track;
   track.mm_per_px = 0.1;
   track.mm_per_px_sd = 0;
-  track.facts.coding = std::move(coding);
+  track.coding = std::move(coding);
   track.table.platform_frame = true;
   track.table.exposure = 1e-5;
   std::mt19937 random(3);
@@ -174,11 +174,11 @@ TrackFile circling(std::optional<CodingFacts> coding) {
 
 /// Nobody knows how much of it there was: the values stay, and all of it stands in their standard deviations.
 TEST(CodedMotion, UnknownCoderIsCountedInFull) {
-  CodingFacts facts;
-  facts.coder = "h264";
-  facts.mark_play_px = 0.05;
+  vision::CodedErrors errors;
+  errors.coder = "h264";
+  errors.mark_play = 0.05;
   const RunMeasurement plain = measure_run("plain", circling({}), {}),
-                       coded = measure_run("coded", circling(facts), {});
+                       coded = measure_run("coded", circling(errors), {});
   EXPECT_FALSE(plain.coded);
   ASSERT_TRUE(coded.coded);
   const double amplitude = std::max(plain.platform->amplitude.value, plain.platform->amplitude_y.value);

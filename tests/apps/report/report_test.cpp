@@ -125,7 +125,7 @@ TEST_F(ReportOfARun, ALaterReportIsTheSamePage) {
   const ReportData data = data_from_files(folder());
   for (const std::string name : {"a", "b"}) {
     const ReportRun& seen = data.runs[name == "a" ? 0 : 1];
-    const TrackFile track = read_track_file(folder().track(name));
+    const Track track = read_track_file(folder().track(name));
     const Json measured = read_json(folder().measurement(name));
     const double used = measured["mm_per_px"], own = *track.mm_per_px;
     EXPECT_NE(used, own) << "the scale was not shared: this test shows nothing";

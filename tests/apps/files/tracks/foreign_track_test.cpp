@@ -48,7 +48,7 @@ TrackReading in_unit(const std::string& unit, const std::string& point = "", con
 
 class ForeignTracks : public ProgramTest {
  protected:
-  TrackFile read(const std::string& text, TrackReading reading = {}) {
+  Track read(const std::string& text, TrackReading reading = {}) {
     put(in_folder("x.csv"), text);
     return read_any_track(in_folder("x.csv"), reading);
   }
@@ -68,7 +68,7 @@ class ForeignTracks : public ProgramTest {
              return fmt::format("{},{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
            });
   }
-  static fit::Displacement moved(const TrackFile& file) {
+  static fit::Displacement moved(const Track& file) {
     return fit::measure_displacement(file.table, {62.8, 0}, 10);
   }
   const Motion motion;
@@ -80,43 +80,43 @@ void expect_same(const fit::Displacement& a, const fit::Displacement& b, double 
 }
 
 TEST_F(ForeignTracks, APlainTableInEveryUnit) {
-  const TrackFile mm = read(plain());
+  const Track mm = read(plain());
   EXPECT_EQ(mm.table.time.size(), static_cast<std::size_t>(kFrames));
   EXPECT_FALSE(mm.table.platform_frame);
-  EXPECT_TRUE(mm.facts.in_camera_frame);
-  EXPECT_THAT(mm.facts.imported, HasSubstr("y up"));
+  EXPECT_TRUE(mm.in_camera_frame);
+  EXPECT_THAT(mm.imported, HasSubstr("y up"));
   const fit::Displacement moved_mm = moved(mm);
   EXPECT_NEAR(moved_mm.vector.x(), 3e-3 * moved_mm.duration, 1e-5);
   EXPECT_NEAR(moved_mm.vector.y(), -2e-3 * moved_mm.duration, 1e-5);
-  const TrackFile metres = read("time (ms);x [m];y [m]\n" + lines([&](int k) {
-                                  std::string line =
-                                      fmt::format("{};{};{}", 1e3 * k / kRate, 1e-3 * motion.part[k].x(),
-                                                  1e-3 * motion.part[k].y());
-                                  std::replace(line.begin(), line.end(), '.', ',');
-                                  return line;
-                                }));
+  const Track metres = read("time (ms);x [m];y [m]\n" + lines([&](int k) {
+                              std::string line =
+                                  fmt::format("{};{};{}", 1e3 * k / kRate, 1e-3 * motion.part[k].x(),
+                                              1e-3 * motion.part[k].y());
+                              std::replace(line.begin(), line.end(), '.', ',');
+                              return line;
+                            }));
   expect_same(moved(metres), moved_mm, 1e-12);
 }
 
 TEST_F(ForeignTracks, TheLayoutsOfOtherProgramsGiveTheSameDisplacement) {
   const fit::Displacement plain_moved = moved(read(plain()));
   const TrackReading in_mm = in_unit("mm");
-  const TrackFile tracker =
+  const Track tracker =
       read("mass_A\t\t\nt\tx\ty\n" + lines([&](int k) {
              return fmt::format("{:.9E}\t{:.9E}\t{:.9E}", k / kRate, motion.part[k].x(), motion.part[k].y());
            }),
            in_mm);
-  EXPECT_THAT(tracker.facts.imported, HasSubstr("Tracker"));
+  EXPECT_THAT(tracker.imported, HasSubstr("Tracker"));
   expect_same(moved(tracker), plain_moved, 1e-11);
 
-  const TrackFile kinovea = read("Time (ms);Disc X;Disc Y\n" + lines([&](int k) {
-                                   std::string line = fmt::format("{};{:.6f};{:.6f}", 4 * k,
-                                                                  motion.part[k].x(), motion.part[k].y());
-                                   std::replace(line.begin(), line.end(), '.', ',');
-                                   return line;
-                                 }),
-                                 in_mm);
-  EXPECT_THAT(kinovea.facts.imported, HasSubstr("Kinovea"));
+  const Track kinovea = read("Time (ms);Disc X;Disc Y\n" + lines([&](int k) {
+                               std::string line = fmt::format("{};{:.6f};{:.6f}", 4 * k, motion.part[k].x(),
+                                                              motion.part[k].y());
+                               std::replace(line.begin(), line.end(), '.', ',');
+                               return line;
+                             }),
+                             in_mm);
+  EXPECT_THAT(kinovea.imported, HasSubstr("Kinovea"));
   expect_same(moved(kinovea), plain_moved, 3e-9);
 
   TrackReading in_px;
@@ -126,16 +126,16 @@ TEST_F(ForeignTracks, TheLayoutsOfOtherProgramsGiveTheSameDisplacement) {
     const Eigen::Vector2d p = motion.part[k] / kScale;
     return Eigen::Vector2d(100 + p.x(), up ? 80 + p.y() : 80 - p.y());
   };
-  const TrackFile trackpy = read(",y,x,mass,ep,frame,particle\n" + lines([&](int k) {
-                                   const Eigen::Vector2d p = px(k, false);
-                                   return fmt::format("{},{},{},500.5,0.01,{},0", k, p.y(), p.x(), k);
-                                 }),
-                                 in_px);
-  EXPECT_THAT(trackpy.facts.imported, HasSubstr("trackpy"));
+  const Track trackpy = read(",y,x,mass,ep,frame,particle\n" + lines([&](int k) {
+                               const Eigen::Vector2d p = px(k, false);
+                               return fmt::format("{},{},{},500.5,0.01,{},0", k, p.y(), p.x(), k);
+                             }),
+                             in_px);
+  EXPECT_THAT(trackpy.imported, HasSubstr("trackpy"));
   EXPECT_EQ(*trackpy.mm_per_px, kScale);
   expect_same(moved(trackpy), plain_moved, 1e-11);
 
-  const TrackFile dice =
+  const Track dice =
       read("FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,ROTATION_Z,SIGMA,GAMMA,BETA\n" +
                lines([&](int k) {
                  const Eigen::Vector2d p = px(k, false);
@@ -143,20 +143,20 @@ TEST_F(ForeignTracks, TheLayoutsOfOtherProgramsGiveTheSameDisplacement) {
                                     k == 7 ? -1 : 0.004);
                }),
            in_px);
-  EXPECT_THAT(dice.facts.imported, HasSubstr("DICe"));
+  EXPECT_THAT(dice.imported, HasSubstr("DICe"));
   EXPECT_EQ(dice.lost, 1u);
-  EXPECT_FALSE(dice.facts.sd_from_scatter);
+  EXPECT_FALSE(dice.sd_from_scatter);
   EXPECT_NEAR(std::sqrt(dice.table.covariance[5](1, 1)), 0.004 * kScale * 1e-3, 1e-12);
   expect_same(moved(dice), plain_moved, 1e-11);
 
   for (const bool up : {true, false}) {
     in_px.y = up ? TrackReading::YAxis::up : TrackReading::YAxis::down;
-    const TrackFile dltdv = read("pt1_cam1_X,pt1_cam1_Y\n" + lines([&](int k) {
-                                   const Eigen::Vector2d p = px(k, up);
-                                   return fmt::format("{},{}", p.x(), p.y());
-                                 }),
-                                 in_px);
-    EXPECT_THAT(dltdv.facts.imported, HasSubstr("DLTdv"));
+    const Track dltdv = read("pt1_cam1_X,pt1_cam1_Y\n" + lines([&](int k) {
+                               const Eigen::Vector2d p = px(k, up);
+                               return fmt::format("{},{}", p.x(), p.y());
+                             }),
+                             in_px);
+    EXPECT_THAT(dltdv.imported, HasSubstr("DLTdv"));
     expect_same(moved(dltdv), plain_moved, 1e-11);
   }
 }
@@ -168,7 +168,7 @@ TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
                                 motion.mark[k].x(), motion.mark[k].y());
            });
   };
-  const TrackFile file = read(both("t_s,x_mm,y_mm,marker_x_mm,marker_y_mm\n"));
+  const Track file = read(both("t_s,x_mm,y_mm,marker_x_mm,marker_y_mm\n"));
   EXPECT_TRUE(file.table.platform_frame);
   const auto platform = fit::measure_platform_motion(file.table);
   ASSERT_TRUE(platform);
@@ -179,7 +179,7 @@ TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
   expect_same(moved(file), moved(read(plain())), 4e-6);
   // By name, and of several particles.
   const TrackReading named = in_unit("mm", "mass A", "Mark_1");
-  const TrackFile multi = read("#multi:\n,mass A,,Mark 1,\n" + both("t,x,y,x,y\n"), named);
+  const Track multi = read("#multi:\n,mass A,,Mark 1,\n" + both("t,x,y,x,y\n"), named);
   EXPECT_TRUE(multi.table.platform_frame);
   expect_same(moved(multi), moved(file), 1e-11);
   TrackReading px = in_unit("", "3", "8");
@@ -190,7 +190,7 @@ TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
     const Eigen::Vector2d p = motion.part[k] / kScale, m = motion.mark[k] / kScale;
     particles += fmt::format("{0},{1},{2},3\n{0},{3},{4},8\n", k, p.x(), -p.y(), m.x(), -m.y());
   }
-  const TrackFile trackpy = read(particles, px);
+  const Track trackpy = read(particles, px);
   EXPECT_TRUE(trackpy.table.platform_frame);
   expect_same(moved(trackpy), moved(file), 1e-11);
   const auto in_px = fit::measure_platform_motion(trackpy.table);
@@ -203,17 +203,16 @@ TEST_F(ForeignTracks, PartAndMarkAreTakenInOneUnit) {
   // The part in pixels and in millimetres, the mark in pixels alone.
   TrackReading reading;
   reading.mm_per_px = kScale;
-  const TrackFile file =
-      read("t_s,x_px,y_px,marker_x_px,marker_y_px,x_mm,y_mm\n" + lines([&](int k) {
-             const Eigen::Vector2d p = motion.part[k] / kScale, m = motion.mark[k] / kScale;
-             return fmt::format("{},{},{},{},{},0,0", k / kRate, p.x(), -p.y(), m.x(), -m.y());
-           }),
-           reading);
+  const Track file = read("t_s,x_px,y_px,marker_x_px,marker_y_px,x_mm,y_mm\n" + lines([&](int k) {
+                            const Eigen::Vector2d p = motion.part[k] / kScale, m = motion.mark[k] / kScale;
+                            return fmt::format("{},{},{},{},{},0,0", k / kRate, p.x(), -p.y(), m.x(), -m.y());
+                          }),
+                          reading);
   EXPECT_TRUE(file.table.platform_frame);
   EXPECT_EQ(*file.mm_per_px, kScale);
   expect_same(moved(file), moved(read(plain())), 4e-6);
   // Without a mark a length is taken, which needs no scale.
-  const TrackFile both =
+  const Track both =
       read("t_s,x_px,y_px,x_mm,y_mm\n" + lines([&](int k) {
              return fmt::format("{},0,0,{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
            }));
@@ -221,22 +220,22 @@ TEST_F(ForeignTracks, PartAndMarkAreTakenInOneUnit) {
 }
 
 TEST_F(ForeignTracks, SdsComeFromTheFileOrFromTheScatter) {
-  const TrackFile estimated = read(plain());
-  EXPECT_TRUE(estimated.facts.sd_from_scatter);
+  const Track estimated = read(plain());
+  EXPECT_TRUE(estimated.sd_from_scatter);
   EXPECT_NEAR(std::sqrt(estimated.table.covariance[5](0, 0)), 1e-6, 0.15e-6);
-  const TrackFile given =
+  const Track given =
       read("t_s,x_mm,y_mm,x_sd_mm,sigma_y_mm\n" + lines([&](int k) {
              return fmt::format("{},{},{},0.002,0.003", k / kRate, motion.part[k].x(), motion.part[k].y());
            }));
-  EXPECT_FALSE(given.facts.sd_from_scatter);
+  EXPECT_FALSE(given.sd_from_scatter);
   EXPECT_NEAR(std::sqrt(given.table.covariance[5](0, 0)), 2e-6, 1e-12);
   EXPECT_NEAR(std::sqrt(given.table.covariance[5](1, 1)), 3e-6, 1e-12);
 }
 
 TEST_F(ForeignTracks, WhatIsRoundedErrsByItsRounding) {
-  const TrackFile file = read("t_s,x_mm,y_mm\n" + lines([&](int k) {
-                                return fmt::format("{},{:.0f}.5,{:.0f}.5", k / kRate, 0.01 * k, -0.01 * k);
-                              }));
+  const Track file = read("t_s,x_mm,y_mm\n" + lines([&](int k) {
+                            return fmt::format("{},{:.0f}.5,{:.0f}.5", k / kRate, 0.01 * k, -0.01 * k);
+                          }));
   EXPECT_NEAR(std::sqrt(file.table.covariance[0](0, 0)), 0.1e-3 / std::sqrt(12.0), 1e-6);
 }
 
@@ -246,18 +245,18 @@ TEST_F(ForeignTracks, FramesThatWereLostAreLeftOut) {
                        if (k == 11) return fmt::format("{},,", k / kRate);
                        return fmt::format("{},{},{}", k / kRate, motion.part[k].x(), motion.part[k].y());
                      });
-  const TrackFile file = read(text);
+  const Track file = read(text);
   EXPECT_EQ(file.lost, 2u);
   EXPECT_EQ(file.table.time.size(), static_cast<std::size_t>(kFrames - 2));
 }
 
 TEST_F(ForeignTracks, TimesRoundedToMillisecondsGoBackOnTheirGrid) {
   // 240 frames a second, as Kinovea prints them: whole milliseconds.
-  const TrackFile file =
+  const Track file =
       read("Time (ms),x (mm),y (mm)\n" + lines([&](int k) {
              return fmt::format("{:.0f},{},{}", 1e3 * k / 240.0, motion.part[k].x(), motion.part[k].y());
            }));
-  EXPECT_NEAR(*file.facts.frame_rate_hz, 240, 0.02);
+  EXPECT_NEAR(*file.frame_rate_hz, 240, 0.02);
   for (int k = 0; k < kFrames; ++k) EXPECT_NEAR(file.table.time[k], k / 240.0, 2e-4);
   EXPECT_EQ(file.table.frame.back(), kFrames - 1);
 }
@@ -267,10 +266,10 @@ TEST_F(ForeignTracks, AGivenRateBeatsTheTimesOfAFilmPlayedSlowly) {
                              return fmt::format("{},{},{}", k / 30.0, motion.part[k].x(), motion.part[k].y());
                            });
   TrackReading reading = in_unit("mm");
-  EXPECT_THAT(read(slow, reading).facts.warnings.back(), HasSubstr("at which films are played"));
+  EXPECT_THAT(read(slow, reading).warnings.back(), HasSubstr("at which films are played"));
   reading.frame_rate_hz = kRate;
-  const TrackFile file = read(slow, reading);
-  EXPECT_EQ(file.facts.warnings.size(), 1u);
+  const Track file = read(slow, reading);
+  EXPECT_EQ(file.warnings.size(), 1u);
   expect_same(moved(file), moved(read(plain())), 1e-11);
 }
 
@@ -278,7 +277,7 @@ TEST_F(ForeignTracks, FramesChooseAStretch) {
   TrackReading reading;
   reading.first_frame = 100;
   reading.last_frame = 250;
-  const TrackFile file = read(plain(), reading);
+  const Track file = read(plain(), reading);
   EXPECT_EQ(file.table.frame.front(), 100);
   EXPECT_EQ(file.table.frame.back(), 250);
   EXPECT_EQ(file.table.position.front(), Eigen::Vector2d(0, 0));
@@ -294,20 +293,20 @@ TEST_F(ForeignTracks, TheAxisOfTheSensorTurnsIt) {
 
 TEST_F(ForeignTracks, AnImportedTrackIsTheSameToTheLastBit) {
   put(in_folder("x.csv"), plain());
-  const TrackFile direct = read_any_track(in_folder("x.csv"), {});
+  const Track direct = read_any_track(in_folder("x.csv"), {});
   std::filesystem::create_directory(in_folder("out"));
-  const TrackFile imported = import_track(in_folder("x.csv"), {}, in_folder("out/a.csv"));
-  const TrackFile back = read_track_file(in_folder("out/a.csv"));
-  for (const TrackFile* file : {&imported, &back}) {
+  const Track imported = import_track(in_folder("x.csv"), {}, in_folder("out/a.csv"));
+  const Track back = read_track_file(in_folder("out/a.csv"));
+  for (const Track* file : {&imported, &back}) {
     EXPECT_EQ(file->table.time, direct.table.time);
     EXPECT_EQ(file->table.position, direct.table.position);
     EXPECT_EQ(file->table.covariance, direct.table.covariance);
-    EXPECT_EQ(file->facts.warnings, direct.facts.warnings);
-    EXPECT_EQ(file->facts.in_camera_frame, direct.facts.in_camera_frame);
-    EXPECT_EQ(file->facts.sd_from_scatter, true);
+    EXPECT_EQ(file->warnings, direct.warnings);
+    EXPECT_EQ(file->in_camera_frame, direct.in_camera_frame);
+    EXPECT_EQ(file->sd_from_scatter, true);
   }
   // Ours goes through as it is.
-  const TrackFile again = import_track(in_folder("out/a.csv"), {}, in_folder("out/b.csv"));
+  const Track again = import_track(in_folder("out/a.csv"), {}, in_folder("out/b.csv"));
   EXPECT_EQ(content_of(in_folder("out/a.csv")), content_of(in_folder("out/b.csv")));
   EXPECT_EQ(content_of(in_folder("out/a.csv.meta.json")), content_of(in_folder("out/b.csv.meta.json")));
 }
