@@ -262,7 +262,7 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& 
                                       const std::string& look_at) {
   const fit::FitResult& result = stage.result;
   std::vector<Reservation> found;
-  if (result.coder_exceeds_interval())
+  if (coder_exceeds_interval(result))
     found.push_back(
         {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
   if (!result.usable())

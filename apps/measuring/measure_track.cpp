@@ -15,7 +15,6 @@
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 #include "fit/estimate.h"
-#include "fit/fit_result_json.h"
 
 namespace tribotrack::apps {
 
@@ -165,8 +164,45 @@ SlideMeasurement measure_slide(const std::string& name, const Track& track, doub
   return m;
 }
 
+Json slide_result_json(const fit::SlideResult& slide) {
+  Json json = {{"name", slide.run},
+               {"mu1", finite_json(slide.mu1.value)},
+               {"mu1_sd", finite_json(slide.mu1.sd)},
+               {"ci95", Json::array({finite_json(slide.ci95.low), finite_json(slide.ci95.high)})},
+               {"chi2", finite_json(slide.chi2)},
+               {"dof", slide.dof},
+               {"p_value", finite_json(slide.p_value)},
+               {"scatter_mm", slide.scatter * 1e3},
+               {"points", slide.points},
+               {"first_frame", slide.first_frame},
+               {"last_frame", slide.last_frame},
+               {"speed_mm_s", finite_json(slide.speed * 1e3)},
+               {"stop_time_s", finite_json(slide.stop_time)},
+               {"spin_seen", slide.spin_seen}};
+  if (slide.slope != 0) json["slope_rad"] = slide.slope;
+  if (slide.spin_seen) {
+    json["spin_rad_s"] = finite_json(slide.spin.value);
+    json["spin_rad_s_sd"] = finite_json(slide.spin.sd);
+    json["spin_ratio"] = finite_json(slide.spin_ratio.value);
+    json["spin_ratio_sd"] = finite_json(slide.spin_ratio.sd);
+    json["bearing_over_radius"] = finite_json(slide.bearing.value);
+    json["bearing_over_radius_sd"] = finite_json(slide.bearing.sd);
+  } else if (slide.slope == 0) {
+    json["mu1_change_by_half_spin"] = finite_json(slide.change_by_half_spin);
+  }
+  json["blows"] = Json::array();
+  for (const fit::Blow& blow : slide.blows)
+    json["blows"].push_back({{"frame", blow.frame},
+                             {"time_s", blow.time},
+                             {"jump_mm_s", blow.jump * 1e3},
+                             {"speed_before_mm_s", blow.speed_before * 1e3},
+                             {"speed_after_mm_s", blow.speed_after * 1e3}});
+  json["sentence"] = slide.sentence;
+  return json;
+}
+
 Json slide_measurement_json(const SlideMeasurement& m, const Track& track) {
-  Json json = m.slide;
+  Json json = slide_result_json(m.slide);
   json.erase("name");
   json["kind"] = "free_slide";
   json["deceleration_mm_s2"] = finite_json(m.deceleration.value * 1e3);

@@ -115,8 +115,7 @@ py::dict measure(const py::object& track, const py::dict& options) {
   std::optional<apps::Track> given;
   if (!is_path(track)) given = track_in(track);
   const auto result = released<apps::TrackMeasurement>([name, how, choices, given](const Tell&) {
-    const apps::Track table =
-        given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
+    const apps::Track table = given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
     return apps::measure_track(name, table, choices);
   });
   if (!result.failure.empty()) warn_of_quality(result.failure);

@@ -217,6 +217,20 @@ TEST_F(ScopeFiles, SamplesMustBeEven) {
   EXPECT_THAT(complaint(back), HasSubstr("its times go back at sample 201"));
 }
 
+TEST_F(ScopeFiles, RefusesWithFileAndLine) {
+  const std::string good = "Time(s),CH1(V)\n";
+  std::string bad = good;
+  for (int n = 0; n < 200; ++n) bad += "0.1,0.2\n";
+  EXPECT_THAT(complaint(bad), HasSubstr("greater than 0"));
+  EXPECT_THAT(complaint(good + "0,1\n0.1,oops\n"), HasSubstr("s.csv:3:5: `oops` is not a number"));
+  EXPECT_THAT(complaint(good + "0,1\n0.1\n"), HasSubstr("s.csv:3: has 1 columns where 2 belong"));
+  EXPECT_THAT(complaint("a,b,c\n1,2,3\n"), HasSubstr("s.csv:1: is not a known oscilloscope layout"));
+  EXPECT_THAT(complaint("Frequency,CH1\n1,2\n"), HasSubstr("s.csv:1: is not a known"));
+  EXPECT_THAT(complaint(""), HasSubstr("empty"));
+  EXPECT_THAT(complaint(good + "0,1\n1,2\n"), HasSubstr("at least 100"));
+  EXPECT_THROW(read_scope_file(in_folder("none.csv")), InvalidInput);
+}
+
 TEST_F(ScopeFiles, OfOneChannelEachAreJoined) {
   const auto trace = [](double start, double step, int samples, double level) {
     std::string text = "Time(s),CH1(V)\n";
