@@ -104,11 +104,11 @@ class Estimation {
   double excess_ = 1;  ///< chi^2/dof before any scatter was estimated
   CorrelatedEstimate correlated_;
   // At the final minimum:
-  KnownMinimum best_;
+  Minimum best_;
   Eigen::VectorXd values_;
   Uncertainty uncertainty_;
-  std::vector<double> t_;             ///< two-sided 95 % quantile of each parameter
-  std::vector<KnownMinimum> minima_;  ///< the best and others near it
+  std::vector<double> t_;        ///< two-sided 95 % quantile of each parameter
+  std::vector<Minimum> minima_;  ///< the best and others near it
   std::vector<Profile> profiles_;
 };
 
@@ -124,7 +124,7 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
-  minimum_ = minimise(residuals_, search_.minima.front().minimum.z);
+  minimum_ = minimise(residuals_, search_.minima.front().z);
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     // Own errors move the displacement by as much as these friction parameters make of them.
@@ -164,24 +164,21 @@ void Estimation::explain_excess_variance() {
 }
 
 void Estimation::evaluate_curvature(const Minimum& minimum) {
-  best_ = with_curvature(residuals_, minimum);
+  best_ = linearised(residuals_, minimum);
   values_ = unknowns_.values(minimum.z);
-  const Minimum& best = best_.minimum;
-  if (best.jacobian.rows() == 0)
-    throw DataError("The model cannot be evaluated at the minimum: check the drive.");
+  if (best_.at.empty()) throw DataError("The model cannot be evaluated at the minimum: check the drive.");
   if (options_.loss == Loss::squares) {
-    uncertainty_ = uncertainty(unknowns_, values_, best.jacobian);
+    uncertainty_ = uncertainty(unknowns_, values_, best_.at);
     return;
   }
   // The covariance of an M-estimate rests on the unweighted sensitivity.
   Residuals plain = residuals_;
   plain.set_weights({});
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
-  if (!plain.evaluate(values_, r, &jacobian))
-    throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-  const double factor = robust_covariance_factor(residuals_, best.residuals, options_.loss);
-  uncertainty_ = uncertainty(unknowns_, values_, jacobian / std::sqrt(factor));
+  const auto at = plain.at(values_);
+  if (!at) throw DataError("The model cannot be evaluated at the minimum: check the drive.");
+  const double factor = robust_covariance_factor(residuals_, best_.at, options_.loss);
+  uncertainty_ = uncertainty(unknowns_, values_,
+                             at->scaled(Eigen::VectorXd::Constant(unknowns_.size(), 1 / std::sqrt(factor))));
 }
 
 /// Degrees of freedom that the scatter between slides leaves to a parameter (Satterthwaite): few slides know
@@ -213,18 +210,18 @@ std::vector<double> Estimation::quantiles() const {
 void Estimation::find_other_minima() {
   minima_ = {best_};
   if (search_.minima.size() < 2) return;
-  const double lowest = search_.minima.front().minimum.chi2, excess = residuals_.excess(best_.minimum.chi2);
+  const double lowest = search_.minima.front().chi2, excess = residuals_.excess(best_.chi2);
   std::size_t best = 0;
   for (std::size_t i = 1; i < search_.minima.size(); ++i) {
-    const Minimum& rough = search_.minima[i].minimum;
+    const Minimum& rough = search_.minima[i];
     if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
     const Minimum other = minimise(residuals_, fold_lag(unknowns_, rough.z));
-    const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const KnownMinimum& minimum) {
+    const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const Minimum& minimum) {
       return same(unknowns_, minimum, other, excess);
     });
     if (known || !std::isfinite(other.chi2) || !admissible(unknowns_, other.z)) continue;
-    minima_.push_back(with_curvature(residuals_, other));
-    if (other.chi2 < minima_[best].minimum.chi2) best = minima_.size() - 1;
+    minima_.push_back(linearised(residuals_, other));
+    if (other.chi2 < minima_[best].chi2) best = minima_.size() - 1;
   }
   if (best > 0) take(best);
 }
@@ -233,7 +230,7 @@ void Estimation::find_other_minima() {
 void Estimation::take(std::size_t index) {
   std::rotate(minima_.begin(), minima_.begin() + static_cast<std::ptrdiff_t>(index),
               minima_.begin() + static_cast<std::ptrdiff_t>(index) + 1);
-  evaluate_curvature(Minimum(minima_.front().minimum));
+  evaluate_curvature(Minimum(minima_.front()));
   minima_.front() = best_;
 }
 
@@ -247,14 +244,14 @@ void Estimation::quantify_uncertainty() {
   if (!options_.profiles || options_.loss != Loss::squares || stuck_throughout(problem_)) return;
   std::vector<double> rises;
   for (const double t : t_) rises.push_back(t * t);
-  const double found = best_.minimum.chi2;
+  const double found = best_.chi2;
   profiles_ = profiles(residuals_, minima_, search_.sample, moved_by_flat_direction(uncertainty_), rises,
                        options_.threads);
-  if (minima_.front().minimum.chi2 < found) take(0);
+  if (minima_.front().chi2 < found) take(0);
 }
 
 FitResult Estimation::report() {
-  const Minimum& best = best_.minimum;
+  const Minimum& best = best_;
   FitResult& result = result_;
   result.converged = best.converged;
   result.chi2 = best.chi2;
@@ -294,8 +291,8 @@ FitResult Estimation::report() {
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
   if (options_.next_experiment) {
-    NextExperiments next = next_experiments(residuals_, values_, best.jacobian,
-                                            *std::max_element(t_.begin(), t_.end()), options_);
+    NextExperiments next =
+        next_experiments(residuals_, values_, best.at, *std::max_element(t_.begin(), t_.end()), options_);
     result.next_experiment = std::move(next.best);
     result.other_next_experiments = std::move(next.others);
   }

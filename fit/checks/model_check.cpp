@@ -182,7 +182,7 @@ double runs_test(const Residuals& residuals, const Minimum& best) {
   };
   std::vector<Row> rows;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const Eigen::Vector2d difference = residuals.difference(best.residuals, i);
+    const Eigen::Vector2d difference = residuals.difference(best.at, i);
     const Eigen::Vector2d along = (runs[i].measured.vector - difference).normalized();
     const auto& friction = runs[i].scenario.friction;
     rows.push_back({friction.pulse_width, friction.phase, along.dot(difference),
@@ -216,7 +216,7 @@ void check_model(const Residuals& residuals, const Minimum& best, const FitOptio
   }
   if (problem.trajectory_runs.empty()) return compare_models(residuals, best, options, result);
   const Thinned few(residuals, best);
-  if (!few.best().converged || few.best().jacobian.rows() == 0) return;
+  if (!few.best().converged || few.best().at.empty()) return;
   compare_models(few.residuals(), few.best(), options, result);
   result.left_out.push_back(
       "Models were compared at no more than some hundred points of each track, their correlated errors "
@@ -252,13 +252,13 @@ Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
     TrajectoryRun& run = problem.trajectory_runs[i];
     run.track.exposure = 0;
-    if (const Eigen::Index phase = unknowns.phase_index(i); phase >= 0)
-      run.scenario.start_phase += values(phase);
+    if (const NuisanceBlock* phase = unknowns.find(Nuisance::phase, i))
+      run.scenario.start_phase += values(phase->first);
     run.start_phase_sd = 0;
-    if (const Eigen::Index own = unknowns.own_index(i); own >= 0)
+    if (const NuisanceBlock* own = unknowns.find(Nuisance::own, i))
       for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
         run.scenario.set(run.own.parameters[k], run.scenario.get(run.own.parameters[k]) +
-                                                    values(own + static_cast<Eigen::Index>(k)));
+                                                    values(own->first + static_cast<Eigen::Index>(k)));
     run.own = {};
     thin(run.track, every_of(run));
   }
@@ -276,8 +276,9 @@ Thinned::Thinned(const Residuals& residuals, const Minimum& best)
   ExcessVariance scatter = residuals_.excess_variance();
   scatter.correlated = residuals.excess_variance().correlated;
   residuals_.set_excess_variance(scatter);
-  // The phases and own errors came last.
-  best_ = minimise(residuals_, best.z.head(unknowns_.size()), {.held = {}, .decrement = 1e-6});
+  const Unknowns& all = residuals.unknowns();
+  best_ = minimise(residuals_, unknowns_.z(unknowns_.values_of(all, all.values(best.z))),
+                   {.held = {}, .decrement = 1e-6});
 }
 
 }  // namespace tribotrack::fit::internal

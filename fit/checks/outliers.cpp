@@ -35,14 +35,14 @@ std::optional<double> looks_like(const SummaryRun& run, const Eigen::Vector2d& m
 std::pair<std::size_t, double> worst(const Residuals& residuals, const Minimum& best,
                                      const std::vector<bool>& out) {
   const Unknowns& unknowns = residuals.unknowns();
-  const Eigen::MatrixXd covariance =
-      uncertainty(unknowns, unknowns.values(best.z), best.jacobian).full_covariance;
+  const Eigen::MatrixXd covariance = uncertainty(unknowns, unknowns.values(best.z), best.at).shared;
+  const RowGroup& summary = best.at.groups.front();
   std::pair<std::size_t, double> found{0, 0};
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i]) continue;
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Vector2d r = best.residuals.segment<2>(row);
-    const Eigen::MatrixXd j = best.jacobian.middleRows(row, 2);
+    const Eigen::Vector2d r = summary.residuals.segment<2>(row);
+    const Eigen::MatrixXd j = summary.shared.middleRows(row, 2);
     const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - j * covariance * j.transpose();
     if (!(left.determinant() > 1e-6)) continue;  // the run alone pins something: nothing checks it
     const double drop = r.dot(left.inverse() * r);
@@ -77,8 +77,8 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   std::vector<bool> out(runs, false);
   std::vector<Outlier> found;
   double dof = residuals.degrees_of_freedom();
-  if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
-  while (found.size() < runs / 4 && dof > 3 && best.jacobian.rows() > 0) {
+  best = linearised(residuals, std::move(best));
+  while (found.size() < runs / 4 && dof > 3 && !best.at.empty()) {
     const auto [i, first_order] = worst(residuals, best, out);
     const double count = static_cast<double>(runs);
     if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
@@ -87,14 +87,14 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     Weights weights;
     for (std::size_t k = 0; k < runs; ++k) weights.runs.push_back(out[k] ? kLeftOut : 1);
     residuals.set_weights(weights);
-    Minimum without = minimise(residuals, best.z, {.held = {}, .decrement = 1e-6});
-    if (without.jacobian.rows() == 0) without = with_curvature(residuals, without).minimum;
+    const Minimum without =
+        linearised(residuals, minimise(residuals, best.z, {.held = {}, .decrement = 1e-6}));
     const double drop = best.chi2 - without.chi2;
     const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
-    if (!(probability < kOutlier) || without.jacobian.rows() == 0) break;
+    if (!(probability < kOutlier) || without.at.empty()) break;
     const double spread = std::sqrt(std::max(1.0, without.chi2 / (dof - 2)));
     const Eigen::Vector2d modelled =
-        problem.summary_runs[i].measured.vector - residuals.difference(without.residuals, i);
+        problem.summary_runs[i].measured.vector - residuals.difference(without.at, i);
     const double sigma = spread * std::sqrt(0.5 * residuals.covariance(i).trace());
     found.push_back(describe(problem.summary_runs[i], std::sqrt(drop) / spread, probability,
                              looks_like(problem.summary_runs[i], modelled, sigma)));

@@ -35,37 +35,14 @@ class RivalProblem {
   }
 
   std::optional<Eigen::VectorXd> at(const Eigen::VectorXd& step) const {
-    const Problem& problem = unknowns_.problem();
     Eigen::VectorXd values = unknowns_.values(step.head(unknowns_.size()));
     // A rise acts like half of it as a delay: the lag of its middle is what the data know.
     if (const auto lag = unknowns_.find(FitParameter::lag); lag && kind_ == Kind::rise_time)
       values(*lag) -= 0.5 * unknowns_.reference_frequency() * strength(step);
-    const Eigen::Index data = residuals_.trajectory_row(problem.trajectory_runs.size());
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(data + unknowns_.common() +
-                                              static_cast<Eigen::Index>(problem.trajectory_runs.size()));
-    try {
-      for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-        const SummaryRun& run = problem.summary_runs[i];
-        const auto applied = unknowns_.apply_summary(values, run, false);
-        const Eigen::Vector2d end = model::rival_displacement(applied.scenario, {kind_, strength(step)}) *
-                                    (applied.stretch / applied.scale);
-        r.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-            Factor2(residuals_.covariance(i)).whitened(run.measured.vector - end);
-      }
-      for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
-        r.segment(residuals_.trajectory_row(i), 2 * static_cast<Eigen::Index>(residuals_.point_count(i))) =
-            trajectory(values, i, {kind_, strength(step)});
-      residuals_.whiten_common(r);
-    } catch (const model::InvalidParameter&) {
-      return std::nullopt;
-    }
-    Eigen::Index row = data;
-    for (Eigen::Index i = 0; i < unknowns_.common(); ++i)
-      if (const auto prior = unknowns_.prior(i)) r(row++) = (values(i) - prior->mean) / prior->sd;
-    for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
-      if (const Eigen::Index k = unknowns_.deviation_index(i); k >= 0)
-        r(row++) = values(k) / problem.between_slides;
-    return r;
+    Residuals under_law = residuals_;
+    under_law.set_law({kind_, strength(step)});
+    const auto rows = under_law.at(values, false);
+    return rows ? std::optional(rows->residuals()) : std::nullopt;
   }
 
   std::optional<Eigen::MatrixXd> jacobian(const Eigen::VectorXd& step) const {
@@ -86,27 +63,6 @@ class RivalProblem {
   }
 
  private:
-  Eigen::VectorXd trajectory(const Eigen::VectorXd& values, std::size_t index,
-                             const model::RivalLaw& law) const {
-    const TrajectoryRun& run = unknowns_.problem().trajectory_runs[index];
-    const AppliedScenario applied = run.free_slide ? unknowns_.apply_free_slide(values, index, false)
-                                                   : unknowns_.apply_trajectory(values, index, false);
-    const std::size_t n = residuals_.point_count(index), first = run.track.time.size() - n;
-    std::vector<double> times;
-    for (std::size_t k = first; k < first + n; ++k)
-      times.push_back(run.track.time[k] - run.track.time[first]);
-    model::Scenario scenario = applied.scenario;
-    scenario.duration = times.back();
-    Eigen::Matrix2Xd positions = model::rival_positions(scenario, law, times);
-    if (!run.free_slide && !run.track.platform_frame)
-      for (std::size_t k = 0; k < n; ++k)
-        positions.col(static_cast<Eigen::Index>(k)) +=
-            scenario.drive.displacement(scenario.start_phase + scenario.drive.angular_frequency * times[k]);
-    Eigen::VectorXd r(2 * static_cast<Eigen::Index>(n));
-    residuals_.whiten(index, positions / applied.scale, r);
-    return r;
-  }
-
   const Residuals& residuals_;
   const Unknowns& unknowns_;
   Kind kind_;

@@ -20,7 +20,9 @@ constexpr std::size_t kMostPoints = 240;  ///< of a forecast track: more add no 
 }  // namespace
 
 Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values)
-    : residuals_(residuals), values_(values), units_(residuals.unknowns().natural_units(values)) {
+    : residuals_(residuals),
+      values_(values),
+      units_(residuals.unknowns().natural_units(values).head(residuals.unknowns().common())) {
   const Problem& problem = residuals.unknowns().problem();
   const auto& runs = problem.summary_runs;
   const auto driven = [](const TrajectoryRun& run) { return !run.free_slide; };
@@ -162,7 +164,7 @@ Forecast Forecaster::turned(const Forecast& forecast, double phi) const {
   const auto x = unknowns.find(FitParameter::tilt_x), y = unknowns.find(FitParameter::tilt_y);
   if (!x || !y) return result;
   const double angle = (phi - forecast.candidate.phi) * (clockwise_ ? -1 : 1);
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(unknowns.size(), unknowns.size());
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(unknowns.common(), unknowns.common());
   turn(*x, *x) = turn(*y, *y) = std::cos(angle);
   turn(*x, *y) = std::sin(angle);
   turn(*y, *x) = -std::sin(angle);
@@ -227,7 +229,7 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
       solved = solved && end.status == model::BatchStatus::done;
       return end.position / applied_to(k * runs + run).scale;
     };
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, unknowns.size());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, unknowns.common());
     for (std::size_t u = 0; u < columns; ++u)
       rows.col(static_cast<Eigen::Index>(u)) =
           (displacement(1 + 2 * u) - displacement(2 + 2 * u)) / (2 * kStep);

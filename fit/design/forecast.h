@@ -15,7 +15,8 @@ struct Candidate {
   double amplitude = 0, angular_frequency = 0;  ///< m, rad/s, of the first driven run's kind
 };
 
-/// What it would add to the information on all unknowns, in natural units: J'J of its whitened sensitivity.
+/// What it would add to the information on what all runs share, in natural units: J'J of its whitened
+/// sensitivity.
 struct Forecast {
   Candidate candidate;
   Eigen::MatrixXd information;

@@ -40,7 +40,7 @@ double size(const Eigen::MatrixXd& covariance, std::optional<Eigen::Index> aim) 
 
 class Search {
  public:
-  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Eigen::MatrixXd& jacobian, double t,
+  Search(const Residuals& residuals, const Eigen::VectorXd& values, const Linearised& at, double t,
          const FitOptions& options)
       : unknowns_(residuals.unknowns()),
         values_(values),
@@ -49,7 +49,7 @@ class Search {
         forecaster_(residuals, values),
         threads_(options.threads),
         stage_(options, "next experiment") {
-    information_ = units_.asDiagonal() * (jacobian.transpose() * jacobian) * units_.asDiagonal();
+    information_ = at.scaled(units_).eliminated().normal();
     for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
       const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
       information_(i, i) += 1 / (widest * widest);
@@ -172,11 +172,11 @@ class Search {
 }  // namespace
 
 NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
-                                 const Eigen::MatrixXd& jacobian, double t, const FitOptions& options) {
+                                 const Linearised& at, double t, const FitOptions& options) {
   NextExperiments result;
   const Unknowns& unknowns = residuals.unknowns();
   if (!(unknowns.reference_amplitude() > 0)) return result;
-  Search search(residuals, values, jacobian, t, options);
+  Search search(residuals, values, at, t, options);
   search.sample();
   result.best = search.best(std::nullopt, true);
   const auto same = [](const NextExperiment& a, const std::optional<NextExperiment>& b) {

@@ -23,6 +23,6 @@ struct NextExperiments {
 /// Forecast at one phi and turned to the others by the rotation law; the most promising are then forecast
 /// themselves at every phi. `t`: the two-sided 95 % quantile of the intervals. Empty without driven runs.
 NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
-                                 const Eigen::MatrixXd& jacobian, double t, const FitOptions& options);
+                                 const Linearised& at, double t, const FitOptions& options);
 
 }  // namespace tribotrack::fit::internal

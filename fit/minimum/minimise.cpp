@@ -4,13 +4,13 @@
 #include <glog/logging.h>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "fit/estimate.h"
-#include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit {
@@ -36,112 +36,97 @@ void quieten() {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-class WholeProblem final : public ceres::CostFunction {
+/// The point that Ceres looks at, all rows evaluated together.
+class Evaluation final : public ceres::EvaluationCallback {
  public:
-  WholeProblem(const Residuals& residuals, const Eigen::VectorXd& start, std::optional<Eigen::Index> held)
-      : residuals_(residuals), z_(start), held_(held) {
-    set_num_residuals(static_cast<int>(compressed_rows(residuals.size(), start.size())));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(start.size()) - (held ? 1 : 0));
-  }
+  Evaluation(const Residuals& residuals, const Eigen::VectorXd& start) : z(start), residuals_(residuals) {}
 
-  /// Residuals and Jacobian (by physical values) at a point.
   struct Point {
-    Eigen::VectorXd z, residuals;
-    Eigen::MatrixXd jacobian;
-    Rows rows;  ///< the same, compressed
-    bool is_at(const Eigen::VectorXd& place) const { return z.size() == place.size() && z == place; }
+    Eigen::VectorXd z;
+    Linearised at, by_z;  ///< as it is; by z, compressed
   };
 
-  void remember(const Minimum& evaluated) {
-    last_ = best_ = std::make_shared<Point>(Point{evaluated.z, evaluated.residuals, evaluated.jacobian,
-                                                  compress(evaluated.jacobian, evaluated.residuals)});
-  }
-  const Residuals& residuals() const { return residuals_; }
-  /// The last point or the lowest, which a step that was refused may lie behind; null for any other.
-  const Point* known(const Eigen::VectorXd& z) const {
-    return last_ && last_->is_at(z) ? last_.get() : best_ && best_->is_at(z) ? best_.get() : nullptr;
-  }
-  /// By the free z, compressed.
-  Eigen::MatrixXd free_jacobian(const Point& point) const {
-    const Eigen::VectorXd slopes = residuals_.unknowns().slopes(point.z);
-    Eigen::MatrixXd jacobian(point.rows.jacobian.rows(), parameter_block_sizes()[0]);
-    for (Eigen::Index i = 0, j = 0; i < point.z.size(); ++i)
-      if (i != held_) jacobian.col(j++) = point.rows.jacobian.col(i) * slopes(i);
-    return jacobian;
-  }
-  Eigen::VectorXd full(const double* free) const {
-    Eigen::VectorXd z = z_;
-    for (Eigen::Index i = 0, j = 0; i < z.size(); ++i)
-      if (i != held_) z(i) = free[j++];
-    return z;
-  }
-  std::vector<double> free_part() const {
-    std::vector<double> free;
-    for (Eigen::Index i = 0; i < z_.size(); ++i)
-      if (i != held_) free.push_back(z_(i));
-    return free;
-  }
+  Eigen::VectorXd z;  ///< where Ceres keeps it
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Eigen::VectorXd z = full(parameters[0]);
-    // Ceres needs the cost at a point first and, nearly always, its Jacobian next: one simulation does
-    // both.
-    const Point* point = known(z);
-    if (!point) {
-      // Room of the point before last, where that is not the lowest.
-      if (!last_ || last_ == best_) last_ = std::make_shared<Point>();
-      Point& here = *last_;
-      here.z.resize(0);
-      if (!z.allFinite() ||
-          !residuals_.evaluate(residuals_.unknowns().values(z), here.residuals, &here.jacobian))
-        return false;
-      here.z = z;
-      here.rows = compress(here.jacobian, here.residuals);
-      if (!best_ || here.rows.residuals.squaredNorm() < best_->rows.residuals.squaredNorm()) best_ = last_;
-      point = last_.get();
+  void PrepareForEvaluation(bool, bool) override { here(); }
+
+  /// Ceres needs the cost at a point first and, nearly always, its Jacobian next: one simulation does both.
+  /// Null where there is no motion.
+  const Point* here() {
+    if (const Point* point = known()) return point;
+    if (!z.allFinite() || (failed_.size() == z.size() && failed_ == z)) return nullptr;
+    auto at = residuals_.at(residuals_.unknowns().values(z));
+    if (!at) {
+      failed_ = z;
+      return nullptr;
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = point->rows.residuals;
-    if (jacobians && jacobians[0])
-      Eigen::Map<RowMajor>(jacobians[0], num_residuals(), parameter_block_sizes()[0]) = free_jacobian(*point);
-    return true;
+    return &keep(std::move(*at));
+  }
+  /// The last point or the lowest, which a step that was refused may lie behind; null for any other.
+  const Point* known() const {
+    const auto is_here = [&](const std::shared_ptr<Point>& point) { return point && point->z == z; };
+    return is_here(last_) ? last_.get() : is_here(best_) ? best_.get() : nullptr;
+  }
+  const Point& keep(Linearised at) {
+    last_ = std::make_shared<Point>(Point{z, std::move(at), {}});
+    last_->by_z = last_->at.scaled(residuals_.unknowns().slopes(z));
+    for (RowGroup& group : last_->by_z.groups) group = compress(group);
+    if (!best_ || last_->at.chi2() < best_->at.chi2()) best_ = last_;
+    return *last_;
   }
 
  private:
   const Residuals& residuals_;
-  Eigen::VectorXd z_;
-  std::optional<Eigen::Index> held_;
-  mutable std::shared_ptr<Point> last_, best_;  ///< one solver, one thread
+  std::shared_ptr<Point> last_, best_;  ///< one solver, one thread
+  Eigen::VectorXd failed_;
 };
 
-/// r'J (J'J)^-1 J'r, directions the data do not see left out.
-double newton_decrement(const Eigen::VectorXd& r, const Eigen::MatrixXd& jacobian) {
-  const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * normal * scale.asDiagonal());
-  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * (jacobian.transpose() * r));
-  double sum = 0;
-  for (Eigen::Index i = 0; i < along.size(); ++i)
-    if (eigen.values(i) > 1e-13) sum += along(i) * along(i) / eigen.values(i);
-  return sum;
-}
+/// Rows of one group by what all runs share and by its own.
+class GroupCost final : public ceres::CostFunction {
+ public:
+  GroupCost(Evaluation& evaluation, std::size_t group, Eigen::Index rows, Eigen::Index shared,
+            Eigen::Index own)
+      : evaluation_(evaluation), group_(group) {
+    set_num_residuals(static_cast<int>(compressed_rows(rows, shared + own)));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(shared));
+    if (own > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(own));
+  }
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    const Evaluation::Point* point = evaluation_.here();
+    if (!point) return false;
+    const RowGroup& rows = point->by_z.groups[group_];
+    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = rows.residuals;
+    if (!jacobians) return true;
+    const auto fill = [&](std::size_t block, const Eigen::MatrixXd& columns) {
+      if (block < parameter_block_sizes().size() && jacobians[block])
+        Eigen::Map<RowMajor>(jacobians[block], columns.rows(), columns.cols()) = columns;
+    };
+    fill(0, rows.shared);
+    fill(1, rows.own);
+    return true;
+  }
+
+ private:
+  Evaluation& evaluation_;
+  std::size_t group_;
+};
 
 /// Ends a descent that has arrived, has come within a fifth of a standard deviation of a minimum already
 /// known, or crawls far above one.
 class Watch final : public ceres::IterationCallback {
  public:
-  Watch(const MinimiseOptions& options, const WholeProblem& cost, const std::vector<double>& free)
-      : options_(options), cost_(cost), free_(free) {}
+  Watch(const Residuals& residuals, const MinimiseOptions& options, Evaluation& evaluation)
+      : residuals_(residuals), options_(options), evaluation_(evaluation) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    const Eigen::VectorXd z = cost_.full(free_.data());
     const double chi2 = 2 * summary.cost;
     if (options_.known) {
       double lowest = HUGE_VAL, spread = 1;
-      for (const auto& [minimum, curvature] : *options_.known) {
-        const Eigen::VectorXd distance = z - minimum.z;
-        const double excess = cost_.residuals().excess(minimum.chi2);
+      for (const Minimum& minimum : *options_.known) {
+        const double excess = residuals_.excess(minimum.chi2);
         if (minimum.chi2 < lowest) lowest = minimum.chi2, spread = excess;
-        if (distance.dot(curvature * distance) < 0.04 * excess && chi2 - minimum.chi2 < 0.08 * excess) {
+        if (chi2 - minimum.chi2 < 0.08 * excess &&
+            minimum.distance(residuals_.unknowns(), evaluation_.z) < 0.04 * excess) {
           joined = true;
           return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
         }
@@ -151,10 +136,10 @@ class Watch final : public ceres::IterationCallback {
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }
     }
-    const WholeProblem::Point* point = cost_.known(z);
-    if (point && newton_decrement(point->rows.residuals, cost_.free_jacobian(*point)) < options_.decrement)
-      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    return ceres::SOLVER_CONTINUE;
+    const Evaluation::Point* point = evaluation_.known();
+    return point && newton_decrement(point->by_z, options_.held) < options_.decrement
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
   }
 
   bool joined = false, abandoned = false;
@@ -168,35 +153,17 @@ class Watch final : public ceres::IterationCallback {
     return slow_steps_ >= 3 && summary.step_is_successful;
   }
 
+  const Residuals& residuals_;
   const MinimiseOptions& options_;
-  const WholeProblem& cost_;
-  const std::vector<double>& free_;
+  Evaluation& evaluation_;
   int slow_steps_ = 0;
 };
 
-}  // namespace
-
-Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const MinimiseOptions& options) {
-  WholeProblem cost(residuals, start, options.held);
-  if (options.evaluated && options.evaluated->jacobian.rows() > 0) cost.remember(*options.evaluated);
-  std::vector<double> free = cost.free_part();
-  Minimum minimum;
-  if (free.empty()) {
-    minimum.z = start;
-    minimum.chi2 = residuals.chi2(residuals.unknowns().values(start));
-    minimum.converged = std::isfinite(minimum.chi2);
-    return minimum;
-  }
-  ceres::Problem::Options ownership;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(ownership);
-  problem.AddResidualBlock(&cost, nullptr, free.data());
-
+ceres::Solver::Options solver_options(const MinimiseOptions& options) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
-  quieten();
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-15;  // the watch stops earlier
   solver.gradient_tolerance = 1e-14;
@@ -204,76 +171,80 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   // By the wall clock, which may be set from 1970 to today meanwhile.
   solver.max_solver_time_in_seconds = std::numeric_limits<double>::infinity();
   solver.initial_trust_region_radius = 100;
-  Watch watch(options, cost, free);
-  solver.callbacks.push_back(&watch);
   solver.update_state_every_iteration = true;
+  return solver;
+}
+
+}  // namespace
+
+double Minimum::distance(const Unknowns& unknowns, const Eigen::VectorXd& other) const {
+  return at.squared(unknowns.slopes(z).cwiseProduct(other - z));
+}
+
+Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const MinimiseOptions& options) {
+  const Unknowns& unknowns = residuals.unknowns();
+  Evaluation evaluation(residuals, start);
+  if (options.evaluated && !options.evaluated->at.empty()) evaluation.keep(options.evaluated->at);
+  Minimum minimum;
+  if (options.held && unknowns.size() == 1) {
+    minimum.z = start;
+    minimum.chi2 = residuals.chi2(unknowns.values(start));
+    minimum.converged = std::isfinite(minimum.chi2);
+    return minimum;
+  }
+  quieten();
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.evaluation_callback = &evaluation;
+  ceres::Problem problem(ownership);
+  ceres::Solver::Options solver = solver_options(options);
+  const auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  double* const shared = evaluation.z.data();
+  std::deque<GroupCost> costs;
+  for (std::size_t group = 0; group < residuals.groups(); ++group) {
+    const Range own = residuals.own(group);
+    if (residuals.rows(group) == 0) continue;
+    costs.emplace_back(evaluation, group, residuals.rows(group), unknowns.common(), own.count);
+    std::vector<double*> blocks{shared};
+    if (own.count > 0) {
+      blocks.push_back(shared + own.first);
+      ordering->AddElementToGroup(blocks.back(), 0);
+      solver.linear_solver_type = ceres::DENSE_SCHUR;
+    }
+    problem.AddResidualBlock(&costs.back(), nullptr, blocks);
+  }
+  if (options.held && unknowns.common() == 1)
+    problem.SetParameterBlockConstant(shared);
+  else if (options.held)
+    problem.SetManifold(shared, new ceres::SubsetManifold(static_cast<int>(unknowns.common()),
+                                                          {static_cast<int>(*options.held)}));
+  if (solver.linear_solver_type == ceres::DENSE_SCHUR) {
+    ordering->AddElementToGroup(shared, 1);
+    solver.linear_solver_ordering = ordering;
+  }
+  Watch watch(residuals, options, evaluation);
+  solver.callbacks.push_back(&watch);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
 
-  minimum.z = cost.full(free.data());
+  minimum.z = evaluation.z;
   minimum.chi2 =
       summary.IsSolutionUsable() ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   minimum.converged =  // IsSolutionUsable() is true for NO_CONVERGENCE, too
       summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
   minimum.joined = watch.joined;
   minimum.abandoned = watch.abandoned;
-  if (const WholeProblem::Point* point = cost.known(minimum.z)) {
-    minimum.residuals = point->residuals;
-    minimum.jacobian = point->jacobian;
-  } else if (std::isfinite(minimum.chi2)) {
-    residuals.evaluate(residuals.unknowns().values(minimum.z), minimum.residuals, &minimum.jacobian);
-  }
+  if (const Evaluation::Point* point = evaluation.known())
+    minimum.at = point->at;
+  else if (std::isfinite(minimum.chi2))
+    minimum = linearised(residuals, std::move(minimum));
   return minimum;
 }
 
-KnownMinimum with_curvature(const Residuals& residuals, const Minimum& minimum) {
-  KnownMinimum known{minimum, Eigen::MatrixXd::Zero(minimum.z.size(), minimum.z.size())};
-  Minimum& at = known.minimum;
-  const auto& unknowns = residuals.unknowns();
-  if (at.jacobian.rows() == 0 && !residuals.evaluate(unknowns.values(minimum.z), at.residuals, &at.jacobian))
-    return known;
-  const Eigen::MatrixXd by_z = at.jacobian * unknowns.slopes(minimum.z).asDiagonal();
-  known.curvature = by_z.transpose() * by_z;
-  return known;
-}
-
-namespace {
-
-constexpr Eigen::Index kBlock = 512;  ///< rows: their used columns lie in the cache
-
-/// Of each block, at most.
-Eigen::Index kept_of(Eigen::Index columns) {
-  return std::min(kBlock, columns + 1);
-}
-
-}  // namespace
-
-Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns) {
-  return rows <= kBlock ? rows : (rows + kBlock - 1) / kBlock * kept_of(columns);
-}
-
-Rows compress(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals) {
-  const Eigen::Index rows = jacobian.rows(), columns = jacobian.cols();
-  if (rows <= kBlock) return {jacobian, residuals};
-  const Eigen::Index all = compressed_rows(rows, columns);
-  Rows result{Eigen::MatrixXd::Zero(all, columns), Eigen::VectorXd::Zero(all)};
-  for (Eigen::Index first = 0, next = 0; first < rows; first += kBlock, next += kept_of(columns)) {
-    const Eigen::Index n = std::min(kBlock, rows - first);
-    std::vector<Eigen::Index> used;
-    for (Eigen::Index j = 0; j < columns; ++j)
-      if (!jacobian.col(j).segment(first, n).isZero(0)) used.push_back(j);
-    const auto width = static_cast<Eigen::Index>(used.size());
-    Eigen::MatrixXd block(n, width + 1);
-    for (Eigen::Index k = 0; k < width; ++k)
-      block.col(k) = jacobian.col(used[static_cast<std::size_t>(k)]).segment(first, n);
-    block.col(width) = residuals.segment(first, n);
-    const Eigen::Index kept = std::min(n, width + 1);
-    const Eigen::MatrixXd triangle = triangle_of(std::move(block));
-    for (Eigen::Index k = 0; k < width; ++k)
-      result.jacobian.col(used[static_cast<std::size_t>(k)]).segment(next, kept) = triangle.col(k);
-    result.residuals.segment(next, kept) = triangle.col(width);
-  }
-  return result;
+Minimum linearised(const Residuals& residuals, Minimum minimum) {
+  if (minimum.at.empty())
+    if (auto here = residuals.at(residuals.unknowns().values(minimum.z))) minimum.at = std::move(*here);
+  return minimum;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -19,11 +19,11 @@ constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 
 }  // namespace
 
-bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread) {
-  Eigen::VectorXd distance = b.z - a.minimum.z;
-  if (const auto lag = unknowns.find(FitParameter::lag)) distance(*lag) = model::wrap_angle(distance(*lag));
-  return distance.dot(a.curvature * distance) < 0.25 * spread &&
-         std::abs(b.chi2 - a.minimum.chi2) < 0.5 * spread;
+bool same(const Unknowns& unknowns, const Minimum& a, const Minimum& b, double spread) {
+  Eigen::VectorXd other = b.z;
+  if (const auto lag = unknowns.find(FitParameter::lag))
+    other(*lag) = a.z(*lag) + model::wrap_angle(b.z(*lag) - a.z(*lag));
+  return std::abs(b.chi2 - a.chi2) < 0.5 * spread && a.distance(unknowns, other) < 0.25 * spread;
 }
 
 bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z) {
@@ -63,13 +63,13 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     ++search.starts;
     if (!std::isfinite(minimum.chi2) || minimum.abandoned) return;
     for (std::size_t i = 0; i < search.minima.size(); ++i)
-      if (same(unknowns, search.minima[i], minimum, residuals.excess(search.minima[i].minimum.chi2))) {
+      if (same(unknowns, search.minima[i], minimum, residuals.excess(search.minima[i].chi2))) {
         ++hits[i];
-        if (minimum.chi2 < search.minima[i].minimum.chi2 && !minimum.joined)
-          search.minima[i] = with_curvature(rough, minimum);
+        if (minimum.chi2 < search.minima[i].chi2 && !minimum.joined)
+          search.minima[i] = linearised(rough, minimum);
         return;
       }
-    search.minima.push_back(with_curvature(rough, minimum));
+    search.minima.push_back(linearised(rough, minimum));
     hits.push_back(1);
   };
   // The most promising start finds the minimum that most others then join early.
@@ -82,7 +82,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
   const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places, Stage& told) {
     std::vector<Minimum> found(places.size());
-    const std::vector<KnownMinimum> known = search.minima;
+    const std::vector<Minimum> known = search.minima;
     descent.known = known.empty() ? nullptr : &known;
     parallel_for(places.size(), options.threads, [&](std::size_t i) {
       found[i] = minimise(rough, places[i], descent);
@@ -94,7 +94,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   // While chi^2 rejects the best minimum, the next points are tried as well.
   const auto surprising = [&] {
     double lowest = HUGE_VAL;
-    for (const KnownMinimum& known : search.minima) lowest = std::min(lowest, known.minimum.chi2);
+    for (const Minimum& known : search.minima) lowest = std::min(lowest, known.chi2);
     return !(chi2_survival(lowest, residuals.degrees_of_freedom()) >= kSurprise);
   };
   Stage further(options, "further starts",
@@ -108,11 +108,11 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   std::vector<std::size_t> order(search.minima.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return search.minima[a].minimum.chi2 < search.minima[b].minimum.chi2;
+    return search.minima[a].chi2 < search.minima[b].chi2;
   });
-  const auto raises = [&](std::size_t i) { return !admissible(unknowns, search.minima[i].minimum.z); };
+  const auto raises = [&](std::size_t i) { return !admissible(unknowns, search.minima[i].z); };
   if (!std::all_of(order.begin(), order.end(), raises)) std::erase_if(order, raises);
-  std::vector<KnownMinimum> sorted;
+  std::vector<Minimum> sorted;
   for (const std::size_t i : order) sorted.push_back(search.minima[i]);
   if (!order.empty()) search.at_best = hits[order.front()];
   search.minima = std::move(sorted);

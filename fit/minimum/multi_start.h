@@ -11,7 +11,7 @@ namespace tribotrack::fit::internal {
 
 struct Search {
   std::vector<ScreenedPoint> sample;  ///< of the whole box; empty where a single start was wanted
-  std::vector<KnownMinimum> minima;   ///< distinct, best first
+  std::vector<Minimum> minima;        ///< distinct, best first
   int starts = 0;                     ///< descents made
   int at_best = 0;
 };
@@ -25,7 +25,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options);
 
 /// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
 /// chi^2/dof).
-bool same(const Unknowns& unknowns, const KnownMinimum& a, const Minimum& b, double spread);
+bool same(const Unknowns& unknowns, const Minimum& a, const Minimum& b, double spread);
 
 /// Pulses lower friction: mu2 <= mu1.
 bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z);

@@ -81,14 +81,14 @@ void fill_profile(const Profile& profile, double level, ParameterEstimate& estim
   estimate.ci95_pieces = pieces;
 }
 
-void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result) {
+void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
-  const double excess = residuals.excess(minima.front().minimum.chi2);
+  const double excess = residuals.excess(minima.front().chi2);
   result.minima.emplace_back();
   for (const ParameterEstimate& p : result.parameters) result.minima.front().values[p.parameter] = p.estimate;
   for (std::size_t i = 1; i < minima.size(); ++i) {
-    const Minimum& other = minima[i].minimum;
-    const double above = (other.chi2 - minima.front().minimum.chi2) / excess;
+    const Minimum& other = minima[i];
+    const double above = (other.chi2 - minima.front().chi2) / excess;
     if (above > kNearMinimum) continue;
     const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, other.z));
     OneMinimum minimum;
@@ -115,7 +115,7 @@ void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& r
   double nearest = kInfinity;
   std::string reason;
   for (const auto& failure : residuals.failures().kept()) {
-    const double distance = (best.jacobian * (failure.values - values)).squaredNorm();
+    const double distance = best.at.squared(failure.values - values);
     if (!(distance < near)) continue;
     ++count;
     if (distance < nearest) nearest = distance, reason = failure.reason;
@@ -136,7 +136,7 @@ constexpr int kMostNamed = 5;
 RunResult summary_result(const Residuals& residuals, const Minimum& best, std::size_t index) {
   const SummaryRun& run = residuals.unknowns().problem().summary_runs[index];
   const Eigen::VectorXd values = residuals.unknowns().values(best.z);
-  const Eigen::Vector2d difference = residuals.difference(best.residuals, index);
+  const Eigen::Vector2d difference = residuals.difference(best.at, index);
   Displacement measured = run.measured;
   measured.covariance = residuals.covariance(index);
   if (!(measured.duration > 0)) measured.duration = run.scenario.end_time();
@@ -172,7 +172,7 @@ std::vector<Residual> displacement(const Residuals& residuals, const TrajectoryR
   const Eigen::Vector2d modelled = measured - points.residual[last] + points.residual[0];
   const auto& excess = residuals.excess_variance();
   double correlated = 0;
-  const ErrorShapes shapes = residuals.shapes(index, kAllParts);
+  const ErrorShapes shapes = residuals.track(index).shapes(kAllParts);
   for (std::size_t j = 0; j < shapes.count(); ++j) {
     const auto column = shapes.values.col(static_cast<Eigen::Index>(j));
     correlated += excess.correlated[shapes.part[j]] * std::pow(column(column.size() - 1) - column(0), 2);
@@ -196,8 +196,8 @@ void fill_nuisances(const Residuals& residuals, const Eigen::VectorXd& values, s
   auto& nuisance = result.nuisance;
   nuisance["start_x_mm"] = 1e3 * points.start_point.x();
   nuisance["start_y_mm"] = 1e3 * points.start_point.y();
-  if (const Eigen::Index phase = unknowns.phase_index(index); phase >= 0)
-    nuisance["start_phase_rad"] = run.scenario.start_phase + values(phase);
+  if (const NuisanceBlock* phase = unknowns.find(Nuisance::phase, index))
+    nuisance["start_phase_rad"] = run.scenario.start_phase + values(phase->first);
   nuisance["scatter_mm"] = 1e3 * excess.between_points;
   nuisance["correlation_time_points"] = excess.correlation_time;
   const std::size_t first = points.row.front();
@@ -224,7 +224,7 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
                 const PointResiduals& points, RunResult& result) {
   const TrajectoryRun& run = unknowns.problem().trajectory_runs[index];
   auto& nuisance = result.nuisance;
-  const Eigen::Vector2d velocity = values.segment<2>(unknowns.velocity_index(index));
+  const Eigen::Vector2d velocity = values.segment<2>(unknowns.find(Nuisance::velocity, index)->first);
   nuisance["velocity_x_mm_s"] = 1e3 * velocity.x();
   nuisance["velocity_y_mm_s"] = 1e3 * velocity.y();
   nuisance["initial_speed_mm_s"] = 1e3 * velocity.norm();
@@ -236,12 +236,12 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
   }
   nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
-  if (const Eigen::Index deviation = unknowns.deviation_index(index); deviation >= 0)
-    nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation);
-  if (const Eigen::Index spin = unknowns.spin_index(index); spin >= 0) {
-    nuisance["spin_rad_s"] = values(spin);
-    nuisance["bearing_over_radius"] = std::exp(values(spin + 1));
-    nuisance["spin_ratio"] = std::abs(values(spin)) * run.track.radius *
+  if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, index))
+    nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation->first);
+  if (const NuisanceBlock* spin = unknowns.find(Nuisance::spin, index)) {
+    nuisance["spin_rad_s"] = values(spin->first);
+    nuisance["bearing_over_radius"] = std::exp(values(spin->first + 1));
+    nuisance["spin_ratio"] = std::abs(values(spin->first)) * run.track.radius *
                              unknowns.value_of(FitParameter::scale, values) / velocity.norm();
   }
 }
@@ -275,8 +275,7 @@ RunResult trajectory_result(const Residuals& residuals, const Eigen::VectorXd& v
   RunResult result;
   result.name = run.name;
   result.points = points.row.size();
-  result.fitted = run.free_slide ? unknowns.apply_free_slide(values, index, false).scenario
-                                 : unknowns.apply_trajectory(values, index, false).scenario;
+  result.fitted = unknowns.apply_trajectory(values, index, false).scenario;
   const double n = static_cast<double>(points.row.size());
   for (const auto& residual : points.residual) result.rms_m += residual.squaredNorm() / n;
   result.rms_m = std::sqrt(result.rms_m);

@@ -20,7 +20,7 @@ void fill_profile(const Profile& profile, double level, ParameterEstimate& estim
 void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                     FitResult& result);
 /// All minima near the best, the lag folded; the best with its final values first.
-void fill_minima(const Residuals& residuals, const std::vector<KnownMinimum>& minima, FitResult& result);
+void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result);
 /// Counts trial values without a motion; a warning where some lie near the minimum.
 void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result);
 

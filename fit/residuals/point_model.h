@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/residuals/unknowns.h"
+#include "model/rival_laws.h"
 
 namespace tribotrack::fit::internal {
 
@@ -19,9 +20,10 @@ struct Seen {
   double exposure = 0;        ///< s: a point is the mean over it
 };
 
-/// At `times` (s from the start).
+/// At `times` (s from the start); under another law of friction without derivatives, exposures as of no
+/// length.
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,
-                        bool derivatives);
+                        bool derivatives, const model::RivalLaw* law = nullptr);
 
 }  // namespace tribotrack::fit::internal

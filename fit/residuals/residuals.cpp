@@ -1,10 +1,8 @@
 #include "fit/residuals/residuals.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "fit/estimate.h"
 #include "fit/residuals/end_point.h"
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/dense.h"
@@ -16,45 +14,21 @@ namespace tribotrack::fit::internal {
 
 Residuals::Residuals(const Unknowns& unknowns, int threads)
     : problem_(&unknowns.problem()), unknowns_(&unknowns), threads_(threads) {
-  const Problem& problem = *problem_;
-  rows_ = 2 * static_cast<Eigen::Index>(problem.summary_runs.size());
-  for (const auto& run : problem.trajectory_runs) {
-    first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
-    rows_ += 2 * static_cast<Eigen::Index>(point_count(first_point_.size() - 1));
-  }
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
     if (const auto prior = unknowns.prior(i)) priors_.emplace_back(i, *prior);
-  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run)
-    if (const Eigen::Index phase = unknowns.phase_index(run); phase >= 0)
-      priors_.emplace_back(phase, Prior{0, problem.trajectory_runs[run].start_phase_sd});
-  const auto know = [&](Eigen::Index unknown, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
-                        Nuisance kind) {
-    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(mean.size(), mean.size());
-    joint_.push_back({unknown, mean, Factor(covariance).whitened(one), kind});
-  };
-  for (std::size_t run = 0; run < problem.trajectory_runs.size(); ++run) {
-    if (const Eigen::Index own = unknowns.own_index(run); own >= 0) {
-      const Eigen::MatrixXd& covariance = problem.trajectory_runs[run].own.covariance;
-      know(own, Eigen::VectorXd::Zero(covariance.rows()), covariance, Nuisance::own);
-    }
-    if (const Eigen::Index spin = unknowns.spin_index(run); spin >= 0) {
-      const DiscSpin& known = *problem.trajectory_runs[run].spin;
-      know(spin, Eigen::Vector2d(known.rate, known.bearing), known.covariance, Nuisance::spin);
-    }
-    if (const Eigen::Index deviation = unknowns.deviation_index(run); deviation >= 0)
-      priors_.emplace_back(deviation, Prior{0, problem.between_slides});
-  }
-  rows_ += prior_rows();
-  scatter_.trajectories.resize(problem.trajectory_runs.size());
-  prepared_.resize(problem.trajectory_runs.size());
-  for (const auto& run : problem.trajectory_runs)
+  own_.assign(problem_->summary_runs.size(), Eigen::Matrix2d::Zero());
+  for (const auto& run : problem_->trajectory_runs) {
+    first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
     if (!run.free_slide)
       reference_time_ = std::max(reference_time_, run.track.time.back() - run.track.time.front());
+  }
+  excess_.trajectories.resize(first_point_.size());
+  tracks_.resize(first_point_.size());
   prepare();
 }
 
-void Residuals::set_excess_variance(const ExcessVariance& scatter) {
-  scatter_ = scatter;
+void Residuals::set_excess_variance(const ExcessVariance& excess) {
+  excess_ = excess;
   prepare();
 }
 
@@ -63,21 +37,75 @@ void Residuals::set_weights(const Weights& weights) {
   prepare();
 }
 
-std::size_t Residuals::point_count(std::size_t run) const {
-  return problem_->trajectory_runs[run].track.time.size() - first_point_[run];
+void Residuals::set_law(const model::RivalLaw& law) {
+  law_ = law;
+  failures_ = std::make_shared<FailedEvaluations>();
 }
 
-Eigen::Index Residuals::trajectory_row(std::size_t run) const {
-  std::size_t row = 2 * problem_->summary_runs.size();
-  for (std::size_t i = 0; i < run; ++i) row += 2 * point_count(i);
-  return static_cast<Eigen::Index>(row);
+void Residuals::prepare() {
+  parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
+    tracks_[i] = std::make_shared<TrackWhitening>(
+        problem_->trajectory_runs[i], first_point_[i], excess_.trajectories[i],
+        weights_.points.empty() ? std::vector<double>{} : weights_.points[i], excess_.correlated,
+        reference_time_);
+  });
+  common_.reset();
+  const auto sharing = std::find_if(tracks_.begin(), tracks_.end(),
+                                    [](const auto& track) { return track->common().count() > 0; });
+  if (sharing == tracks_.end()) return;
+  // (I + U G U')^(-1/2) behind the runs' own whitening, U their shapes one below the other.
+  const ErrorShapes& like = (*sharing)->common();
+  Eigen::Index row = 0;
+  Eigen::MatrixXd stacked(0, 2 * static_cast<Eigen::Index>(like.count()));
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Eigen::Index rows = track_rows(i);
+    stacked.conservativeResize(row + rows, Eigen::NoChange);
+    stacked.bottomRows(rows).setZero();
+    if (tracks_[i]->common().count() > 0)
+      stacked.middleRows(row, tracks_[i]->white().rows()) =
+          tracks_[i]->whitened(error_columns(tracks_[i]->common()));
+    row += rows;
+  }
+  common_ =
+      std::make_shared<CorrelatedWhitening>(std::move(stacked), column_variances(like, excess_.correlated));
+}
+
+Eigen::Index Residuals::track_rows(std::size_t run) const {
+  Eigen::Index rows = 2 * static_cast<Eigen::Index>(tracks_[run]->points());
+  for (const NuisanceBlock& block : unknowns_->nuisances(run)) rows += block.known.rows();
+  return rows;
+}
+
+Residuals::Place Residuals::place(std::size_t run) const {
+  if (!common_) return {1 + run, 0};
+  Place place{1, 0};
+  for (std::size_t i = 0; i < run; ++i) place.row += track_rows(i);
+  return place;
+}
+
+Eigen::Index Residuals::rows(std::size_t group) const {
+  if (group == 0) return static_cast<Eigen::Index>(2 * problem_->summary_runs.size() + priors_.size());
+  return common_ ? place(tracks_.size()).row : track_rows(group - 1);
+}
+
+Range Residuals::own(std::size_t group) const {
+  if (group == 0) return {unknowns_->common(), 0};
+  return common_ ? Range{unknowns_->common(), unknowns_->size() - unknowns_->common()}
+                 : unknowns_->own(group - 1);
+}
+
+Eigen::Index Residuals::size() const {
+  Eigen::Index rows = 0;
+  for (std::size_t group = 0; group < groups(); ++group) rows += this->rows(group);
+  return rows;
 }
 
 double Residuals::degrees_of_freedom() const {
-  double dof = 2.0 * static_cast<double>(problem_->summary_runs.size()) + static_cast<double>(prior_rows()) -
-               static_cast<double>(unknowns_->size());
-  for (std::size_t i = 0; i < first_point_.size(); ++i)
-    dof += 2.0 * static_cast<double>(point_count(i)) / scatter_.trajectories[i].correlation_time - 2;
+  double dof = static_cast<double>(size() - unknowns_->size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    dof +=
+        2.0 * static_cast<double>(tracks_[i]->points()) * (1 / excess_.trajectories[i].correlation_time - 1) -
+        2;
   return dof;
 }
 
@@ -89,104 +117,75 @@ double Residuals::excess(double chi2) const {
 double Residuals::tolerance_for(double share, double coarsest) const {
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
-    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + scatter_.runs();
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs();
     relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
   }
   for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
     const auto& track = problem_->trajectory_runs[i].track;
     const double sigma =
-        std::sqrt(0.5 * track.covariance.front().trace()) + scatter_.trajectories[i].between_points;
+        std::sqrt(0.5 * track.covariance.front().trace()) + excess_.trajectories[i].between_points;
     const double path = (track.position.back() - track.position.front()).norm();
     relative.push_back(sigma / std::max(path, sigma) / std::sqrt(static_cast<double>(track.time.size())));
   }
   return std::clamp(share * upper_median(relative), 1e-9, coarsest);
 }
 
-bool Residuals::evaluate(const Eigen::VectorXd& values, Eigen::VectorXd& residuals,
-                         Eigen::MatrixXd* jacobian) const {
-  residuals.setZero(rows_);
-  if (jacobian) jacobian->setZero(rows_, unknowns_->size());
+std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool derivatives) const {
+  Linearised result;
+  result.groups.resize(1 + tracks_.size());
+  RowGroup& shared = result.groups.front();
+  shared.residuals.resize(rows(0));
+  shared.shared.setZero(rows(0), derivatives ? unknowns_->common() : 0);
+  shared.own.resize(rows(0), 0);
   const std::size_t summaries = problem_->summary_runs.size();
   try {
-    parallel_for(summaries + first_point_.size(), threads_, [&](std::size_t i) {
-      if (i < summaries) {
-        const auto row = 2 * static_cast<Eigen::Index>(i);
-        summary(values, i, residuals.segment(row, 2), jacobian, row);
-      } else {
-        const std::size_t run = i - summaries;
-        const auto row = trajectory_row(run);
-        trajectory(values, run, residuals.segment(row, 2 * static_cast<Eigen::Index>(point_count(run))),
-                   jacobian, row);
-      }
+    parallel_for(summaries + tracks_.size(), threads_, [&](std::size_t i) {
+      if (i < summaries)
+        summary(values, i, derivatives, shared);
+      else
+        result.groups[1 + i - summaries] = trajectory(values, i - summaries, derivatives);
     });
   } catch (const model::InvalidParameter& no_motion) {
     failures_->add(values, no_motion.what());
-    return false;
+    return std::nullopt;
   } catch (const model::StepLimitExceeded& no_end) {
     failures_->add(values, no_end.what());
-    return false;
+    return std::nullopt;
+  }
+  auto row = static_cast<Eigen::Index>(2 * summaries);
+  for (const auto& [unknown, prior] : priors_) {
+    shared.residuals(row) = (values(unknown) - prior.mean) / prior.sd;
+    if (derivatives) shared.shared(row, unknown) = 1 / prior.sd;
+    ++row;
   }
   if (common_) {
-    whiten_common(residuals);
-    if (jacobian)
-      for (Eigen::Index j = 0; j < jacobian->cols(); ++j) whiten_common(jacobian->col(j));
+    RowGroup all;
+    const Linearised tracks{{result.groups.begin() + 1, result.groups.end()}};
+    all.residuals = tracks.residuals();
+    common_->apply(all.residuals);
+    all.first_own = unknowns_->common();
+    Eigen::MatrixXd jacobian =
+        derivatives ? tracks.jacobian(unknowns_->size()) : Eigen::MatrixXd(all.residuals.size(), 0);
+    for (Eigen::Index j = 0; j < jacobian.cols(); ++j) common_->apply(jacobian.col(j));
+    const Eigen::Index columns = std::min(unknowns_->common(), jacobian.cols());
+    all.shared = jacobian.leftCols(columns);
+    all.own = jacobian.rightCols(jacobian.cols() - columns);
+    result.groups = {std::move(shared), std::move(all)};
   }
-  Eigen::Index row = first_prior();
-  for (const auto& [unknown, prior] : priors_) {
-    residuals(row) = (values(unknown) - prior.mean) / prior.sd;
-    if (jacobian) (*jacobian)(row, unknown) = 1 / prior.sd;
-    ++row;
-  }
-  for (const JointPrior& prior : joint_) {
-    const Eigen::Index n = prior.mean.size();
-    residuals.segment(row, n) = prior.white * (values.segment(prior.unknown, n) - prior.mean);
-    if (jacobian) jacobian->block(row, prior.unknown, n, n) = prior.white;
-    row += n;
-  }
-  if (residuals.allFinite() && (!jacobian || jacobian->allFinite())) return true;
+  if (result.finite()) return result;
   failures_->add(values, "the modelled motion is not finite");
-  return false;
-}
-
-Eigen::Index Residuals::prior_rows() const {
-  auto rows = static_cast<Eigen::Index>(priors_.size());
-  for (const JointPrior& prior : joint_) rows += prior.mean.size();
-  return rows;
-}
-
-Eigen::Index Residuals::first_prior() const {
-  return rows_ - prior_rows();
-}
-
-std::vector<Residuals::NuisancePrior> Residuals::nuisance_priors() const {
-  std::vector<NuisancePrior> result;
-  Eigen::Index row = first_prior();
-  for (const auto& [unknown, prior] : priors_) {
-    if (unknown >= unknowns_->common()) {
-      bool deviation = false;
-      for (std::size_t run = 0; run < problem_->trajectory_runs.size(); ++run)
-        deviation = deviation || unknowns_->deviation_index(run) == unknown;
-      result.push_back({row, 1, deviation ? Nuisance::deviation : Nuisance::phase});
-    }
-    ++row;
-  }
-  for (const JointPrior& prior : joint_) {
-    result.push_back({row, prior.mean.size(), prior.kind});
-    row += prior.mean.size();
-  }
-  return result;
+  return std::nullopt;
 }
 
 double Residuals::chi2(const Eigen::VectorXd& values) const {
-  Eigen::VectorXd residuals;
-  return evaluate(values, residuals, nullptr) ? residuals.squaredNorm()
-                                              : std::numeric_limits<double>::infinity();
+  const auto here = at(values, false);
+  return here ? here->chi2() : std::numeric_limits<double>::infinity();
 }
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
   const Displacement& measured = problem_->summary_runs[index].measured;
-  const Eigen::Matrix2d known = measured.covariance + own_error(index);
-  const double along = scatter_.along * scatter_.along, across = scatter_.across * scatter_.across;
+  const Eigen::Matrix2d known = measured.covariance + own_[index];
+  const double along = excess_.along * excess_.along, across = excess_.across * excess_.across;
   const double length = measured.vector.norm();
   if (!(length > 0))  // no direction
     return known + std::max(along, across) * Eigen::Matrix2d::Identity();
@@ -195,9 +194,9 @@ Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
 }
 
 void Residuals::set_own_errors(const Eigen::VectorXd& values) {
-  own_.assign(problem_->summary_runs.size(), Eigen::Matrix2d::Zero());
   for (std::size_t i = 0; i < own_.size(); ++i) {
     const SummaryRun& run = problem_->summary_runs[i];
+    own_[i].setZero();
     if (run.own.parameters.empty()) continue;
     const AppliedScenario applied = unknowns_->apply_summary(values, run, false);
     try {
@@ -210,36 +209,85 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
   }
 }
 
-Eigen::Matrix2d Residuals::own_error(std::size_t index) const {
-  return own_.empty() ? Eigen::Matrix2d::Zero().eval() : own_[index];
-}
-
-Eigen::Vector2d Residuals::difference(const Eigen::VectorXd& whitened, std::size_t index) const {
-  return Factor2(covariance(index)).lower() * whitened.segment<2>(2 * static_cast<Eigen::Index>(index)) /
+Eigen::Vector2d Residuals::difference(const Linearised& at, std::size_t index) const {
+  return Factor2(covariance(index)).lower() *
+         at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(index)) /
          std::sqrt(run_weight(index));
 }
 
-void Residuals::summary(const Eigen::VectorXd& values, std::size_t index,
-                        Eigen::Ref<Eigen::VectorXd> residuals, Eigen::MatrixXd* jacobian,
-                        Eigen::Index row) const {
+void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool derivatives,
+                        RowGroup& group) const {
   const SummaryRun& run = problem_->summary_runs[index];
-  const auto applied = unknowns_->apply_summary(values, run, jacobian != nullptr);
+  const auto row = 2 * static_cast<Eigen::Index>(index);
+  const auto applied = unknowns_->apply_summary(values, run, derivatives);
   const Factor2 factor(covariance(index));
-  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
+  const EndPoint end = law_ ? EndPoint{model::rival_displacement(applied.scenario, *law_), {}}
+                            : end_point(applied.scenario, applied.wanted, tolerance_);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
   const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
   const double root = std::sqrt(run_weight(index));
-  residuals = root * factor.whitened(run.measured.vector - position);
-  if (!jacobian) return;
-  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->size());
+  group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - position);
+  if (!derivatives) return;
+  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->common());
   if (!applied.wanted.empty())
     by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
   if (const auto scale = unknowns_->find(FitParameter::scale))
     by_unknowns.col(*scale) += position / applied.scale;
   if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.given_as_velocity)
     by_unknowns.col(*w) -= position / values(*w);
-  jacobian->middleRows(row, 2) = root * factor.whiten_columns(by_unknowns);
+  group.shared.middleRows(row, 2) = root * factor.whiten_columns(by_unknowns);
+}
+
+PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index,
+                                      bool derivatives) const {
+  const TrajectoryRun& run = problem_->trajectory_runs[index];
+  const AppliedScenario applied = unknowns_->apply_trajectory(values, index, derivatives);
+  const Seen seen{!run.free_slide && !run.track.platform_frame, run.track.exposure};
+  return model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives,
+                      law_ ? &*law_ : nullptr);
+}
+
+RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index, bool derivatives) const {
+  const TrackWhitening& track = *tracks_[index];
+  const PointModel modelled = modelled_points(values, index, derivatives);
+  const Range own = unknowns_->own(index);
+  const Eigen::Index rows = track_rows(index), shared = derivatives ? unknowns_->common() : 0;
+  Eigen::Index row = modelled.positions.size();
+  RowGroup group{Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, shared),
+                 Eigen::MatrixXd::Zero(rows, derivatives ? own.count : 0), own.first};
+  group.residuals.head(row) = track.whitened(track.difference(modelled.positions));
+  if (derivatives) {
+    const Eigen::MatrixXd whitened = track.whitened(-modelled.jacobian);
+    group.shared.topRows(row) = whitened.leftCols(shared);
+    group.own.topRows(row) = whitened.rightCols(own.count);
+  }
+  for (const NuisanceBlock& block : unknowns_->nuisances(index)) {
+    if (block.known.size() == 0) continue;
+    const Eigen::Index n = block.size();
+    group.residuals.segment(row, n) = block.known * (values.segment(block.first, n) - block.guess);
+    if (derivatives) group.own.block(row, block.first - own.first, n, n) = block.known;
+    row += n;
+  }
+  return group;
+}
+
+PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index,
+                                 const Eigen::VectorXd& common) const {
+  return tracks_[index]->explained(modelled_points(values, index, false).positions, common);
+}
+
+Eigen::VectorXd Residuals::common_error(const Eigen::VectorXd& values) const {
+  const auto here = common_ ? at(values, false) : std::nullopt;
+  return here ? common_->coefficients(here->groups[1].residuals) : Eigen::VectorXd();
+}
+
+void Residuals::take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> column) const {
+  if (group == 0) return;
+  if (common_) common_->apply(column);
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    if (const Place here = place(i); here.group == group)
+      tracks_[i]->take_own(column.segment(here.row, 2 * static_cast<Eigen::Index>(tracks_[i]->points())));
 }
 
 }  // namespace tribotrack::fit::internal

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fit/residuals/free_slide.h"
+#include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -38,7 +39,7 @@ Transform transform_of(FitParameter parameter, double w, double threshold) {
 
 class Chain {
  public:
-  Chain(AppliedScenario& applied, Eigen::Index unknowns) : applied_(applied), unknowns_(unknowns) {}
+  explicit Chain(AppliedScenario& applied) : applied_(applied) {}
   void add(model::Parameter parameter, std::optional<Eigen::Index> unknown, double derivative) {
     if (!unknown || derivative == 0) return;
     auto& wanted = applied_.wanted;
@@ -46,7 +47,7 @@ class Chain {
     const auto row = place - wanted.begin();
     if (place == wanted.end()) {
       wanted.push_back(parameter);
-      applied_.chain.conservativeResize(row + 1, unknowns_);
+      applied_.chain.conservativeResize(row + 1, Eigen::NoChange);
       applied_.chain.row(row).setZero();
     }
     applied_.chain(row, *unknown) += derivative;
@@ -54,7 +55,6 @@ class Chain {
 
  private:
   AppliedScenario& applied_;
-  Eigen::Index unknowns_;
 };
 
 /// A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
@@ -88,36 +88,36 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     if (condition.sd > 0 && !find(condition.quantity)) common_.push_back(condition.quantity);
   for (const auto parameter : common_)
     transforms_.push_back(transform_of(parameter, frequency_, sliding_threshold().value_or(0.2)));
-  for (const auto& run : problem.trajectory_runs) {
-    velocity_.push_back(run.free_slide ? size() : -1);
-    spin_.push_back(-1);
-    deviation_.push_back(-1);
-    if (!run.free_slide) continue;
+
+  const auto add = [&](Nuisance kind, std::size_t run, const Eigen::VectorXd& guess,
+                       const Eigen::VectorXd& scale, const Eigen::MatrixXd& known = {}) {
+    nuisances_.push_back({kind, run, size(), guess, scale, known});
+    for (const double unit : scale) transforms_.emplace_back(Transform::Kind::linear, unit);
+    own_[run].count += scale.size();
+  };
+  const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    const TrajectoryRun& run = problem.trajectory_runs[i];
+    own_.push_back({size(), 0});
+    first_block_.push_back(nuisances_.size());
+    if (!run.free_slide) {
+      if (run.start_phase_sd > 0)
+        add(Nuisance::phase, i, one(0), one(run.start_phase_sd), one(1 / run.start_phase_sd));
+      const Eigen::MatrixXd& errors = run.own.covariance;
+      if (!run.own.parameters.empty())
+        add(Nuisance::own, i, Eigen::VectorXd::Zero(errors.rows()), errors.diagonal().cwiseSqrt(),
+            Factor(errors).whitened(Eigen::MatrixXd::Identity(errors.rows(), errors.rows())));
+      continue;
+    }
     const FreeSlideGuess guess = guess_free_slide(run);
-    slide_velocity_.push_back(guess.velocity);
     if (!slide_mu_) slide_mu_ = guess.mu;
     const double speed = std::max(guess.velocity.norm(), 1e-6);
-    transforms_.insert(transforms_.end(), 2, Transform(Transform::Kind::linear, speed));
-    if (run.spin) {
-      spin_.back() = size();
-      transforms_.emplace_back(Transform::Kind::linear, speed / run.track.radius);
-      transforms_.emplace_back(Transform::Kind::linear, 1);
-    }
-    if (problem.between_slides > 0 && find(FitParameter::mu1)) {
-      deviation_.back() = size();
-      transforms_.emplace_back(Transform::Kind::linear, problem.between_slides);
-    }
-  }
-  for (const auto& run : problem.trajectory_runs) {
-    const bool unknown = !run.free_slide && run.start_phase_sd > 0;
-    phase_.push_back(unknown ? size() : -1);
-    if (unknown) transforms_.emplace_back(Transform::Kind::linear, run.start_phase_sd);
-  }
-  for (const auto& run : problem.trajectory_runs) {
-    const bool known = !run.free_slide && !run.own.parameters.empty();
-    own_.push_back(known ? size() : -1);
-    for (Eigen::Index k = 0; known && k < run.own.covariance.rows(); ++k)
-      transforms_.emplace_back(Transform::Kind::linear, std::sqrt(run.own.covariance(k, k)));
+    add(Nuisance::velocity, i, guess.velocity, Eigen::Vector2d::Constant(speed));
+    if (run.spin)
+      add(Nuisance::spin, i, Eigen::Vector2d(run.spin->rate, run.spin->bearing),
+          Eigen::Vector2d(speed / run.track.radius, 1), Factor2(run.spin->covariance).inverse_lower());
+    if (problem.between_slides > 0 && find(FitParameter::mu1))
+      add(Nuisance::deviation, i, one(0), one(problem.between_slides), one(1 / problem.between_slides));
   }
 }
 
@@ -125,6 +125,18 @@ std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {
   const auto place = std::find(common_.begin(), common_.end(), parameter);
   if (place == common_.end()) return std::nullopt;
   return place - common_.begin();
+}
+
+std::span<const NuisanceBlock> Unknowns::nuisances(std::size_t run) const {
+  const std::size_t first = first_block_[run];
+  const std::size_t end = run + 1 < first_block_.size() ? first_block_[run + 1] : nuisances_.size();
+  return std::span(nuisances_).subspan(first, end - first);
+}
+
+const NuisanceBlock* Unknowns::find(Nuisance kind, std::size_t run) const {
+  const auto blocks = nuisances(run);
+  const auto place = std::ranges::find(blocks, kind, &NuisanceBlock::kind);
+  return place == blocks.end() ? nullptr : &*place;
 }
 
 Eigen::VectorXd Unknowns::values(const Eigen::VectorXd& z) const {
@@ -172,21 +184,42 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
         units(i) = std::abs(values(i));
     }
   }
-  for (const Eigen::Index v : velocity_)
-    if (v >= 0) units.segment<2>(v).setConstant(std::max(values.segment<2>(v).norm(), 1e-9));
-  for (std::size_t run = 0; run < spin_.size(); ++run) {
-    if (spin_[run] >= 0)
-      units.segment<2>(spin_[run]) << units(velocity_[run]) / problem_->trajectory_runs[run].track.radius, 1;
-    if (deviation_[run] >= 0) units(deviation_[run]) = mu1;
-  }
-  for (const Eigen::Index phase : phase_)
-    if (phase >= 0) units(phase) = 1;
-  for (std::size_t run = 0; run < own_.size(); ++run)
-    if (own_[run] >= 0) {
-      const Eigen::MatrixXd& covariance = problem_->trajectory_runs[run].own.covariance;
-      units.segment(own_[run], covariance.rows()) = covariance.diagonal().cwiseSqrt();
+  double speed = 0;
+  for (const NuisanceBlock& block : nuisances_) {
+    auto here = units.segment(block.first, block.size());
+    switch (block.kind) {
+      case Nuisance::velocity:
+        speed = std::max(values.segment<2>(block.first).norm(), 1e-9);
+        here.setConstant(speed);
+        break;
+      case Nuisance::spin:  // behind the velocity
+        here << speed / problem_->trajectory_runs[block.run].track.radius, 1;
+        break;
+      case Nuisance::deviation:
+        here.setConstant(mu1);
+        break;
+      case Nuisance::phase:
+        here.setOnes();
+        break;
+      case Nuisance::own:
+        here = block.scale;
     }
+  }
   return units;
+}
+
+Eigen::VectorXd Unknowns::values_of(const Unknowns& other, const Eigen::VectorXd& values) const {
+  Eigen::VectorXd result(size());
+  for (Eigen::Index i = 0; i < common(); ++i) {
+    const auto there = other.find(parameter(i));
+    result(i) = there ? values(*there) : as_given(parameter(i));
+  }
+  for (const NuisanceBlock& block : nuisances_) {
+    const NuisanceBlock* there = other.find(block.kind, block.run);
+    result.segment(block.first, block.size()) =
+        there ? values.segment(there->first, there->size()).eval() : block.guess;
+  }
+  return result;
 }
 
 Eigen::VectorXd Unknowns::first_guess() const {
@@ -207,12 +240,7 @@ Eigen::VectorXd Unknowns::first_guess() const {
     if (parameter(i) == FitParameter::mu2) value = 0.2 * mu1;
     guess(i) = own(parameter(i)).value_or(value);
   }
-  for (std::size_t run = 0, slide = 0; run < velocity_.size(); ++run)
-    if (velocity_[run] >= 0) guess.segment<2>(velocity_[run]) = slide_velocity_[slide++];
-  for (std::size_t run = 0; run < spin_.size(); ++run)
-    if (spin_[run] >= 0)
-      guess.segment<2>(spin_[run]) << problem_->trajectory_runs[run].spin->rate,
-          problem_->trajectory_runs[run].spin->bearing;
+  for (const NuisanceBlock& block : nuisances_) guess.segment(block.first, block.size()) = block.guess;
   return guess;
 }
 
@@ -256,7 +284,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
                                 bool amplitude_from_track, bool derivatives) const {
   AppliedScenario result;
   result.scenario = base;
-  result.chain.resize(0, size());
+  result.chain.resize(0, common());
   auto& drive = result.scenario.drive;
   auto& friction = result.scenario.friction;
   result.scale = value_of(FitParameter::scale, values);
@@ -286,7 +314,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   replace(FitParameter::gravity, drive.gravity);
   if (!derivatives) return result;
 
-  Chain chain(result, size());
+  Chain chain(result);
   chain.add(model::Parameter::mu1, find(FitParameter::mu1), 1);
   if (friction.pulse_width > 0) {
     chain.add(model::Parameter::mu2, find(FitParameter::mu2), 1);
@@ -326,18 +354,28 @@ AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const Sum
   return result;
 }
 
+void Unknowns::widen(std::size_t run, AppliedScenario& applied) const {
+  const Eigen::Index own = own_[run].count;
+  applied.chain.conservativeResize(Eigen::NoChange, common() + own);
+  applied.chain.rightCols(own).setZero();
+}
+
 AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t run,
                                            bool derivatives) const {
   const TrajectoryRun& data = problem_->trajectory_runs[run];
+  if (data.free_slide) return apply_free_slide(values, run, derivatives);
   AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
-  Chain chain(result, size());
+  widen(run, result);
+  Chain chain(result);
   const auto move = [&](model::Parameter parameter, Eigen::Index by) {
     result.scenario.set(parameter, result.scenario.get(parameter) + values(by));
-    if (derivatives) chain.add(parameter, by, 1);
+    if (derivatives) chain.add(parameter, common() + by - own_[run].first, 1);
   };
-  if (phase_[run] >= 0) move(model::Parameter::start_phase, phase_[run]);
-  for (std::size_t k = 0; own_[run] >= 0 && k < data.own.parameters.size(); ++k)
-    move(data.own.parameters[k], own_[run] + static_cast<Eigen::Index>(k));
+  if (const NuisanceBlock* phase = find(Nuisance::phase, run))
+    move(model::Parameter::start_phase, phase->first);
+  if (const NuisanceBlock* own = find(Nuisance::own, run))
+    for (Eigen::Index k = 0; k < own->size(); ++k)
+      move(data.own.parameters[static_cast<std::size_t>(k)], own->first + k);
   return result;
 }
 
@@ -355,7 +393,7 @@ void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& s
   rows_of(model::Parameter::gravity, std::cos(theta));
   rows_of(model::Parameter::tilt_x, 0);
   rows_of(model::Parameter::tilt_y, 0);
-  Chain chain(applied, size());
+  Chain chain(applied);
   const auto unknown = find(FitParameter::slope);
   const double steeper = 1 / (std::cos(theta) * std::cos(theta));  // d tan(theta) / d theta
   const model::Drive& drive = applied.scenario.drive;
@@ -373,32 +411,33 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   base.start = model::Start::rest;
   AppliedScenario result = apply(values, base, false, derivatives);
   if (slide.slope != 0) apply_slope(values, slide, derivatives, result);
-  const Eigen::Index v = velocity_[run];
+  widen(run, result);
+  const Eigen::Index v = find(Nuisance::velocity, run)->first, shared = common() - own_[run].first;
+  const NuisanceBlock *spin = find(Nuisance::spin, run), *deviation = find(Nuisance::deviation, run);
   result.scenario.initial_velocity = values.segment<2>(v);
-  const Eigen::Index spin = spin_[run], deviation = deviation_[run];
-  if (deviation >= 0) result.scenario.friction.nominal += values(deviation);
-  if (spin >= 0) {
+  if (deviation) result.scenario.friction.nominal += values(deviation->first);
+  if (spin) {
     // The radius was measured in the same picture. An even disc about its bearing face: k = (R/R_bearing)^2
     // / 2.
-    const double bearing = std::exp(values(spin + 1));
-    result.scenario.spin = {values(spin), slide.track.radius * result.scale * bearing,
+    const double bearing = std::exp(values(spin->first + 1));
+    result.scenario.spin = {values(spin->first), slide.track.radius * result.scale * bearing,
                             0.5 / (bearing * bearing)};
   }
-  if (derivatives) {
-    Chain chain(result, size());
-    chain.add(model::Parameter::velocity_x, v, 1);
-    chain.add(model::Parameter::velocity_y, v + 1, 1);
-    if (deviation >= 0) chain.add(model::Parameter::mu1, deviation, 1);
-    if (spin >= 0) {
-      // The path knows rate and radius by their product alone.
-      chain.add(model::Parameter::spin, spin, 1);
-      chain.add(model::Parameter::spin, spin + 1, values(spin));
-      chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin) / result.scale);
-      chain.add(model::Parameter::inertia, spin + 1, -2 * result.scenario.spin.inertia);
-    }
-    // The platform rests: its frequency is only the clock of the model.
-    if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
+  if (!derivatives) return result;
+  Chain chain(result);
+  chain.add(model::Parameter::velocity_x, shared + v, 1);
+  chain.add(model::Parameter::velocity_y, shared + v + 1, 1);
+  if (deviation) chain.add(model::Parameter::mu1, shared + deviation->first, 1);
+  if (spin) {
+    // The path knows rate and radius by their product alone.
+    const Eigen::Index rate = shared + spin->first;
+    chain.add(model::Parameter::spin, rate, 1);
+    chain.add(model::Parameter::spin, rate + 1, values(spin->first));
+    chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin->first) / result.scale);
+    chain.add(model::Parameter::inertia, rate + 1, -2 * result.scenario.spin.inertia);
   }
+  // The platform rests: its frequency is only the clock of the model.
+  if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "fit/problem.h"
@@ -16,14 +17,31 @@ struct AppliedScenario {
   double scale = 1;
   double stretch = 1;  ///< factor on the modelled displacement: w over the w by which v became a displacement
   std::vector<model::Parameter> wanted;  ///< to differentiate by
-  Eigen::MatrixXd chain;                 ///< d wanted / d unknowns
+  Eigen::MatrixXd chain;                 ///< d wanted / d unknowns: those that all runs share, then the run's
 };
 
-/// Order: the parameters of Problem::free, then the conditions, then the initial velocity (x, y) of each free
-/// slide, its spin where that is seen and the deviation of its mu1 from the mean where slides differ, and the
-/// shift of the platform's phase of each trajectory run whose phase has an sd,
-/// and then the errors of what it alone is known by. "Values" are physical (SI),
-/// "z" the optimiser's.
+/// Unknowns of one trajectory run: the initial velocity (x, y) of a free slide, its spin where that is seen
+/// (rate and ln of the bearing), the deviation of its mu1 from the mean where slides differ; the shift of the
+/// platform's phase where that has an sd, and the errors of what the run alone is known by.
+enum class Nuisance { velocity, spin, deviation, phase, own };
+
+struct NuisanceBlock {
+  Nuisance kind = Nuisance::velocity;
+  std::size_t run = 0;           ///< of Problem::trajectory_runs
+  Eigen::Index first = 0;        ///< place in the vector of unknowns
+  Eigen::VectorXd guess, scale;  ///< value = scale z
+  /// L^-1 of the covariance L L' with which they are known beforehand to be the guess; empty: they are not.
+  Eigen::MatrixXd known;
+  Eigen::Index size() const { return guess.size(); }
+};
+
+/// A part of the vector of unknowns.
+struct Range {
+  Eigen::Index first = 0, count = 0;
+};
+
+/// Order: what all runs share - the parameters of Problem::free, then the conditions -, then the nuisances,
+/// run by run. "Values" are physical (SI), "z" the optimiser's.
 class Unknowns {
  public:
   /// Refers to the problem, which must outlive the unknowns.
@@ -33,29 +51,25 @@ class Unknowns {
   Eigen::Index size() const { return static_cast<Eigen::Index>(transforms_.size()); }
   /// Those reported: Problem::free.
   Eigen::Index reported() const { return static_cast<Eigen::Index>(problem_->free.size()); }
-  /// Reported and conditions; the rest are initial velocities and phase shifts.
+  /// Reported and conditions.
   Eigen::Index common() const { return static_cast<Eigen::Index>(common_.size()); }
   FitParameter parameter(Eigen::Index i) const { return common_[static_cast<std::size_t>(i)]; }
   std::optional<Eigen::Index> find(FitParameter parameter) const;
-  /// Of the velocity of trajectory run `run`, -1 where it is no free slide.
-  Eigen::Index velocity_index(std::size_t run) const { return velocity_[run]; }
 
-  /// Of the spin of trajectory run `run`, the bearing face behind it, -1 where it has none.
-  Eigen::Index spin_index(std::size_t run) const { return spin_[run]; }
-
-  /// Of the deviation of its mu1, -1 where all slides share mu1.
-  Eigen::Index deviation_index(std::size_t run) const { return deviation_[run]; }
-
-  /// Of the phase shift of trajectory run `run`, -1 where its phase is taken as exact.
-  Eigen::Index phase_index(std::size_t run) const { return phase_[run]; }
-
-  /// Of what trajectory run `run` alone is known by (TrajectoryRun::own), -1 where nothing is.
-  Eigen::Index own_index(std::size_t run) const { return own_[run]; }
+  const std::vector<NuisanceBlock>& nuisances() const { return nuisances_; }
+  std::span<const NuisanceBlock> nuisances(std::size_t trajectory_run) const;
+  /// Null where the run has none of the kind.
+  const NuisanceBlock* find(Nuisance kind, std::size_t trajectory_run) const;
+  /// All that the run has.
+  Range own(std::size_t trajectory_run) const { return own_[trajectory_run]; }
 
   Eigen::VectorXd values(const Eigen::VectorXd& z) const;
   Eigen::VectorXd z(const Eigen::VectorXd& values) const;
   Eigen::VectorXd slopes(const Eigen::VectorXd& z) const;
   const Transform& transform(Eigen::Index i) const { return transforms_[static_cast<std::size_t>(i)]; }
+  /// Values of a problem with the same trajectory runs, whose unknowns may be others: those it does not have
+  /// are as given.
+  Eigen::VectorXd values_of(const Unknowns& other, const Eigen::VectorXd& values) const;
 
   /// The size against which a change of unknown i is judged: its own value for mu1, A, w and scale, 1 rad for
   /// the lag, 1/w for the delay, mu1 for a tilt (g tilt against mu1 g), its own value but at least mu1/20 for
@@ -73,13 +87,14 @@ class Unknowns {
   double as_given(FitParameter parameter) const;
   /// Value of a parameter that is fitted or fixed or the run's own.
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
+  /// By what all runs share.
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
                         bool derivatives) const;
   /// The run lasts as long as it was measured, whatever w is tried; given as alpha and v, it lasts its
   /// cycles.
   AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run, bool derivatives) const;
+  /// Of a trajectory run, driven or a free slide.
   AppliedScenario apply_trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
 
   /// A w^2 / g of the first driven run: the mu up to which the part slides. nullopt when all rest.
   std::optional<double> sliding_threshold() const;
@@ -88,16 +103,19 @@ class Unknowns {
   const Problem& problem() const { return *problem_; }
 
  private:
-  /// The scenario of a slide, chain and all, from a level platform to the slide's incline.
+  AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   void apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
                    AppliedScenario& applied) const;
+  /// With columns for the run's own unknowns behind those that all share.
+  void widen(std::size_t run, AppliedScenario& applied) const;
 
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;
-  std::vector<Eigen::Index> velocity_, spin_, deviation_, phase_, own_;
-  std::vector<Eigen::Vector2d> slide_velocity_;  ///< first guesses
-  std::optional<double> slide_mu_;
+  std::vector<NuisanceBlock> nuisances_;
+  std::vector<std::size_t> first_block_;  ///< of each trajectory run, in nuisances_
+  std::vector<Range> own_;                ///< of each trajectory run
+  std::optional<double> slide_mu_;        ///< first guess
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run
   double frequency_ = 0;
   double gravity_ = 9.81, tilt_x_ = 0, tilt_y_ = 0;

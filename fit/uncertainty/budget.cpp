@@ -72,14 +72,15 @@ class Sources {
         problem_(unknowns_.problem()),
         best_(best),
         uncertainty_(uncertainty),
-        n_(unknowns_.reported()),
-        by_rows_(-uncertainty.full_covariance.topRows(n_) * best.jacobian.transpose()) {}
+        n_(unknowns_.reported()) {
+    for (const RowGroup& group : best.at.eliminated().groups)
+      by_rows_.emplace_back(-uncertainty.shared.topRows(n_) * group.shared.transpose());
+  }
 
   std::vector<BudgetEntry> counted() {
     summary_runs();
     trajectory_runs();
     conditions_and_priors();
-    nuisances();
     std::erase_if(entries_, [&](const BudgetEntry& entry) { return negligible(entry.contribution); });
     std::stable_sort(entries_.begin(), entries_.end(), [&](const BudgetEntry& a, const BudgetEntry& b) {
       return weight(a.contribution) > weight(b.contribution);
@@ -100,17 +101,9 @@ class Sources {
       all.conditions.push_back({quantity, 1, ""});
     }
     const Unknowns wide(all);
-    Residuals rows(wide);
-    rows.set_tolerance(kTolerance);
-    rows.set_excess_variance(residuals_.excess_variance());
-    rows.set_weights(residuals_.weights());
-    const Eigen::VectorXd values = widened(wide);
-    rows.set_own_errors(values);
-    Eigen::VectorXd r;
-    Eigen::MatrixXd jacobian;
+    const auto at = evaluated(wide, wide.values_of(unknowns_, unknowns_.values(best_.z)), true);
     std::vector<BudgetEntry> entries;
-    if (!rows.evaluate(values, r, &jacobian)) return entries;
-    const Eigen::Index data = residuals_.first_prior();
+    if (!at) return entries;
     for (const FitParameter quantity : exact) {
       BudgetEntry entry;
       entry.source = source_name(quantity);
@@ -118,7 +111,13 @@ class Sources {
       entry.sd = assumed_error(quantity, wide.as_given(quantity));
       entry.from = "taken as exact";
       entry.counted = false;
-      entry.sensitivity = by_rows_.leftCols(data) * jacobian.col(*wide.find(quantity)).head(data);
+      entry.sensitivity = Eigen::VectorXd::Zero(n_);
+      for (std::size_t g = 0; g < by_rows_.size(); ++g) {
+        // Without the prior of the quantity, which stands in the first group behind the data.
+        const Eigen::Index rows = g == 0 ? data_rows() : by_rows_[g].cols();
+        entry.sensitivity +=
+            by_rows_[g].leftCols(rows) * at->groups[g].shared.col(*wide.find(quantity)).head(rows);
+      }
       entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
       if (!negligible(entry.contribution)) entries.push_back(entry);
     }
@@ -132,7 +131,7 @@ class Sources {
       entry.sd = assumed_error(quantity, unknowns_.as_given(quantity));
       entry.from = "taken as exact";
       entry.counted = false;
-      entry.sensitivity = uncertainty_.full_covariance.col(*unknown).head(n_) / (sd * sd);
+      entry.sensitivity = uncertainty_.shared.col(*unknown).head(n_) / (sd * sd);
       entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
       entries.push_back(entry);
     }
@@ -149,36 +148,28 @@ class Sources {
       if (run.scenario.start == model::Start::rest) run.scenario.start = model::Start::steady, at_rest = true;
     if (!at_rest || !problem_.trajectory_runs.empty()) return std::nullopt;
     const Unknowns unknowns(steady);
-    Residuals rows(unknowns);
-    rows.set_tolerance(kTolerance);
-    rows.set_excess_variance(residuals_.excess_variance());
-    rows.set_weights(residuals_.weights());
-    const Eigen::VectorXd values = unknowns_.values(best_.z);
-    rows.set_own_errors(values);
-    Eigen::VectorXd r;
-    if (!rows.evaluate(values, r, nullptr)) return std::nullopt;
+    const auto at = evaluated(unknowns, unknowns_.values(best_.z), false);
+    if (!at) return std::nullopt;
     BudgetEntry entry;
     entry.source = "start: steady instead of rest";
     entry.from = "as given";
     entry.counted = false;
-    entry.contribution = (by_rows_ * (r - best_.residuals)).cwiseAbs();
+    entry.contribution = (by_rows_[0] * (at->groups[0].residuals - best_.at.groups[0].residuals)).cwiseAbs();
     return entry;
   }
 
-  static constexpr double kTolerance = 1e-7;
-
-  /// The best values in the wider problem: what is new there has its given value.
-  Eigen::VectorXd widened(const Unknowns& wide) const {
-    const Eigen::VectorXd values = unknowns_.values(best_.z);
-    Eigen::VectorXd result(wide.size());
-    for (Eigen::Index i = 0; i < wide.common(); ++i) {
-      const auto here = unknowns_.find(wide.parameter(i));
-      result(i) = here ? values(*here) : wide.as_given(wide.parameter(i));
-    }
-    const Eigen::Index rest = values.size() - unknowns_.common();
-    result.tail(rest) = values.tail(rest);
-    return result;
+  /// The rows of another problem of the same runs, whitened as these.
+  std::optional<Linearised> evaluated(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                                      bool derivatives) const {
+    Residuals rows(unknowns);
+    rows.set_tolerance(1e-7);
+    rows.set_excess_variance(residuals_.excess_variance());
+    rows.set_weights(residuals_.weights());
+    rows.set_own_errors(values);
+    return rows.at(values, derivatives);
   }
+
+  Eigen::Index data_rows() const { return static_cast<Eigen::Index>(2 * problem_.summary_runs.size()); }
 
   /// Sum over the parameters of shares of the variance.
   double weight(const Eigen::VectorXd& contribution) const {
@@ -207,7 +198,7 @@ class Sources {
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
           std::sqrt(residuals_.run_weight(i)) *
-          Factor2(all).by_upper(by_rows_.middleCols(row, 2).transpose()).transpose();
+          Factor2(all).by_upper(by_rows_[0].middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
       };
@@ -219,19 +210,48 @@ class Sources {
     }
   }
 
+  /// Points by their rows, phases, spins and deviations of single runs by the rows of their priors.
   void trajectory_runs() {
-    const std::size_t runs = problem_.trajectory_runs.size();
-    if (runs == 0) return;
-    const Eigen::Index first = residuals_.trajectory_row(0), rows = residuals_.trajectory_row(runs) - first;
-    Eigen::VectorXd noise(n_), all(n_);
-    for (Eigen::Index p = 0; p < n_; ++p) {
-      Eigen::VectorXd by_row = by_rows_.row(p).segment(first, rows);
-      all(p) = by_row.squaredNorm();
-      residuals_.whiten_shared(by_row);
-      noise(p) = by_row.squaredNorm();
+    if (problem_.trajectory_runs.empty()) return;
+    std::vector<Eigen::MatrixXd> points = by_rows_;
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) {
+      auto [group, row] = residuals_.place(i);
+      row += 2 * static_cast<Eigen::Index>(residuals_.track(i).points());
+      for (const NuisanceBlock& block : unknowns_.nuisances(i)) {
+        const Eigen::Index rows = block.known.rows();
+        add_nuisance(block.kind, by_rows_[group].middleCols(row, rows).rowwise().squaredNorm());
+        points[group].middleCols(row, rows).setZero();
+        row += rows;
+      }
     }
+    Eigen::VectorXd noise = Eigen::VectorXd::Zero(n_), all = noise;
+    for (std::size_t g = 1; g < points.size(); ++g)
+      for (Eigen::Index p = 0; p < n_; ++p) {
+        Eigen::VectorXd by_row = points[g].row(p);
+        all(p) += by_row.squaredNorm();
+        residuals_.take_own_noise(g, by_row);
+        noise(p) += by_row.squaredNorm();
+      }
     add(kTracking, noise, "the points' own sds");
     add(kShared, all - noise, "tracks and their residuals");
+  }
+
+  void add_nuisance(Nuisance kind, const Eigen::VectorXd& variance) {
+    switch (kind) {
+      case Nuisance::velocity:  // not known beforehand
+        break;
+      case Nuisance::phase:
+        add(kStartPhase, variance, "marker of each run");
+        break;
+      case Nuisance::own:
+        add(kOwn, variance, "lamp, trace, or marker of each run");
+        break;
+      case Nuisance::spin:
+        add(kSpin, variance, "angle seen in each slide");
+        break;
+      case Nuisance::deviation:
+        add(kSlides, variance, "slides one by one");
+    }
   }
 
   void conditions_and_priors() {
@@ -239,7 +259,7 @@ class Sources {
       const auto prior = unknowns_.prior(i);
       if (!prior) continue;
       const FitParameter quantity = unknowns_.parameter(i);
-      const Eigen::VectorXd by_value = uncertainty_.full_covariance.col(i).head(n_) / (prior->sd * prior->sd);
+      const Eigen::VectorXd by_value = uncertainty_.shared.col(i).head(n_) / (prior->sd * prior->sd);
       const auto place = [&](double sd, const std::string& from) {
         BudgetEntry entry;
         entry.source = source_name(quantity);
@@ -258,33 +278,13 @@ class Sources {
     }
   }
 
-  /// Phases, spins and deviations of single runs: by their priors' rows.
-  void nuisances() {
-    for (const auto& [row, rows, unknown] : residuals_.nuisance_priors()) {
-      const Eigen::VectorXd variance = by_rows_.middleCols(row, rows).rowwise().squaredNorm();
-      switch (unknown) {
-        case Nuisance::phase:
-          add(kStartPhase, variance, "marker of each run");
-          break;
-        case Nuisance::own:
-          add(kOwn, variance, "lamp, trace, or marker of each run");
-          break;
-        case Nuisance::spin:
-          add(kSpin, variance, "angle seen in each slide");
-          break;
-        case Nuisance::deviation:
-          add(kSlides, variance, "slides one by one");
-      }
-    }
-  }
-
   const Residuals& residuals_;
   const Unknowns& unknowns_;
   const Problem& problem_;
   const Minimum& best_;
   const Uncertainty& uncertainty_;
   Eigen::Index n_;
-  Eigen::MatrixXd by_rows_;  ///< d parameters / d rows
+  std::vector<Eigen::MatrixXd> by_rows_;  ///< d parameters / d rows, of each group
   std::vector<BudgetEntry> entries_;
 };
 
@@ -307,7 +307,7 @@ const char* advice(const BudgetEntry& entry) {
 
 std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
                                 const Uncertainty& uncertainty) {
-  if (uncertainty.rank < residuals.unknowns().reported() || best.jacobian.rows() == 0) return {};
+  if (uncertainty.rank < residuals.unknowns().reported() || best.at.empty()) return {};
   Sources sources(residuals, best, uncertainty);
   std::vector<BudgetEntry> entries = sources.counted();
   for (BudgetEntry& entry : sources.taken_as_exact()) entries.push_back(std::move(entry));

@@ -43,19 +43,19 @@ Pseudo pseudo_inverse(const Eigen::MatrixXd& sensitivity) {
 
 }  // namespace
 
-Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                        const Eigen::MatrixXd& jacobian) {
-  const Eigen::VectorXd units = unknowns.natural_units(values);
-  const Eigen::MatrixXd sensitivity = jacobian * units.asDiagonal();
-  const Eigen::Index n = unknowns.reported(), nuisances = unknowns.size() - n;
+Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values, const Linearised& at) {
+  const Eigen::VectorXd units = unknowns.natural_units(values), shared = units.head(unknowns.common());
+  const Eigen::Index n = unknowns.reported(), conditions = unknowns.common() - n;
+  const Linearised sensitivity = at.scaled(units);
+  const Eigen::MatrixXd all = sensitivity.eliminated().triangle();
 
   Uncertainty result;
   result.units = units.head(n);
-  result.column_norms = sensitivity.leftCols(n).colwise().norm();
-  Eigen::MatrixXd own = sensitivity.leftCols(n);
-  if (nuisances > 0) {
-    // What the nuisances can imitate is no information.
-    const Eigen::MatrixXd q = orthonormal_basis(sensitivity.rightCols(nuisances));
+  result.column_norms = sensitivity.normal().diagonal().head(n).cwiseSqrt();
+  Eigen::MatrixXd own = all.leftCols(n);
+  if (conditions > 0) {
+    // What the conditions can imitate is no information.
+    const Eigen::MatrixXd q = orthonormal_basis(all.rightCols(conditions));
     own -= q * (q.transpose() * own).eval();
   }
   const Pseudo reported = pseudo_inverse(own);
@@ -63,7 +63,7 @@ Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values,
   result.directions = reported.directions;
   result.rank = reported.rank;
   result.covariance = result.units.asDiagonal() * reported.inverse * result.units.asDiagonal();
-  result.full_covariance = units.asDiagonal() * pseudo_inverse(sensitivity).inverse * units.asDiagonal();
+  result.shared = shared.asDiagonal() * pseudo_inverse(all).inverse * shared.asDiagonal();
   return result;
 }
 
@@ -73,7 +73,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kGone = 1e-9;           ///< of what all runs say: nothing else says anything of this unknown
 constexpr double kUndetermined = 1e-10;  ///< of the strongest direction
 
-/// The change of all unknowns, NaN where the others do not determine a direction that matters.
+/// The change of what all runs share, NaN where the others do not determine a direction that matters.
 Eigen::VectorXd change(const Eigen::MatrixXd& all, const Eigen::MatrixXd& rows, const Eigen::VectorXd& r) {
   const Eigen::Index n = all.rows();
   const Eigen::MatrixXd others = all - rows.transpose() * rows;
@@ -102,15 +102,21 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
   const auto trajectories = static_cast<Eigen::Index>(problem.trajectory_runs.size());
   const Eigen::Index reported = residuals.unknowns().reported();
   Eigen::MatrixXd influence = Eigen::MatrixXd::Constant(summary + trajectories, reported, kUnknown);
-  if (best.jacobian.rows() != best.residuals.size()) return influence;
-  const Eigen::MatrixXd all = best.jacobian.transpose() * best.jacobian;
+  if (best.at.empty()) return influence;
+  const Linearised left = best.at.eliminated();
+  const Eigen::MatrixXd all = left.normal();
   const Eigen::VectorXd sd = uncertainty.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index run = 0; run < summary + trajectories; ++run) {
-    const auto track = static_cast<std::size_t>(run - summary);
-    const Eigen::Index first = run < summary ? 2 * run : residuals.trajectory_row(track);
-    const Eigen::Index rows = run < summary ? 2 : 2 * static_cast<Eigen::Index>(residuals.point_count(track));
+    Residuals::Place place{0, 2 * run};
+    Eigen::Index rows = 2;
+    if (run >= summary) {
+      const auto track = static_cast<std::size_t>(run - summary);
+      place = residuals.place(track);
+      rows = 2 * static_cast<Eigen::Index>(residuals.track(track).points());
+    }
+    const RowGroup& group = left.groups[place.group];
     influence.row(run) =
-        change(all, best.jacobian.middleRows(first, rows), best.residuals.segment(first, rows))
+        change(all, group.shared.middleRows(place.row, rows), group.residuals.segment(place.row, rows))
             .head(reported)
             .cwiseQuotient(sd)
             .transpose();
@@ -160,14 +166,14 @@ class Draw {
   void draw_deviations(Eigen::VectorXd& values) {
     const Unknowns& unknowns = residuals_.unknowns();
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i)
-      if (const Eigen::Index deviation = unknowns.deviation_index(i); deviation >= 0)
-        values(deviation) = std::max(problem_.between_slides * normal_(random_),
-                                     -0.9 * unknowns.value_of(FitParameter::mu1, values));
+      if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, i))
+        values(deviation->first) = std::max(problem_.between_slides * normal_(random_),
+                                            -0.9 * unknowns.value_of(FitParameter::mu1, values));
   }
 
   void summary(std::size_t i) {
     auto& measured = problem_.summary_runs[i].measured;
-    measured.vector -= residuals_.difference(best_.residuals, i);
+    measured.vector -= residuals_.difference(best_.at, i);
     measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * pair());
   }
 
@@ -194,18 +200,20 @@ class Draw {
   void trajectory(std::size_t i, const Eigen::VectorXd& values) {
     TrajectoryRun& run = problem_.trajectory_runs[i];
     auto& track = run.track;
-    if (const Eigen::Index phase = residuals_.unknowns().phase_index(i); phase >= 0)
-      run.scenario.start_phase += values(phase) + run.start_phase_sd * normal_(random_);
-    if (const Eigen::Index own = residuals_.unknowns().own_index(i); own >= 0) {
-      Eigen::VectorXd drawn(run.own.covariance.rows());
+    const Unknowns& unknowns = residuals_.unknowns();
+    if (const NuisanceBlock* phase = unknowns.find(Nuisance::phase, i))
+      run.scenario.start_phase += values(phase->first) + run.start_phase_sd * normal_(random_);
+    if (const NuisanceBlock* own = unknowns.find(Nuisance::own, i)) {
+      Eigen::VectorXd drawn(own->size());
       for (double& value : drawn) value = normal_(random_);
-      drawn = values.segment(own, drawn.size()) + Factor(run.own.covariance).lower() * drawn;
+      drawn = values.segment(own->first, own->size()) + Factor(run.own.covariance).lower() * drawn;
       for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
         run.scenario.set(run.own.parameters[k],
                          run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
     }
-    if (const Eigen::Index spin = residuals_.unknowns().spin_index(i); spin >= 0) {
-      const Eigen::Vector2d drawn = values.segment<2>(spin) + Factor2(run.spin->covariance).lower() * pair();
+    if (const NuisanceBlock* spin = unknowns.find(Nuisance::spin, i)) {
+      const Eigen::Vector2d drawn =
+          values.segment<2>(spin->first) + Factor2(run.spin->covariance).lower() * pair();
       run.spin->rate = drawn.x();
       run.spin->bearing = drawn.y();
     }
@@ -223,7 +231,7 @@ class Draw {
       track.position[points.row[k]] +=
           noise_ * (Factor2(covariance).lower() * wander) + told[k] - points.residual[k];
     }
-    const ErrorShapes correlated = residuals_.shapes(i, kAllParts);
+    const ErrorShapes correlated = residuals_.track(i).shapes(kAllParts);
     std::size_t shared = 0;
     for (std::size_t j = 0; j < correlated.count(); ++j) {
       Eigen::Vector2d size = std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]]) * pair();

@@ -17,7 +17,7 @@ namespace tribotrack::fit::internal {
 /// marginalised, by the singular values of the whitened sensitivity in natural units.
 struct Uncertainty {
   Eigen::MatrixXd covariance;       ///< of the reported parameters, SI; flat directions left out
-  Eigen::MatrixXd full_covariance;  ///< of all unknowns, likewise
+  Eigen::MatrixXd shared;           ///< covariance of all unknowns that runs share, likewise
   Eigen::VectorXd singular_values;  ///< falling
   Eigen::MatrixXd directions;       ///< columns: right singular vectors, in natural units
   Eigen::VectorXd units;            ///< natural units of the reported parameters
@@ -25,14 +25,13 @@ struct Uncertainty {
   Eigen::VectorXd column_norms;  ///< how strongly each parameter alone moves the data
 };
 
-/// `jacobian` by physical values. A direction weaker than 1e-9 of the strongest is flat.
-Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                        const Eigen::MatrixXd& jacobian);
+/// A direction weaker than 1e-9 of the strongest is flat.
+Uncertainty uncertainty(const Unknowns& unknowns, const Eigen::VectorXd& values, const Linearised& at);
 
 /// The change of each reported parameter (columns) if a run (rows: summary runs, then trajectory runs) were
 /// left out, in standard deviations of the parameter: to first order (J'J - J_i'J_i)^-1 J_i' r_i with J_i,
-/// r_i the run's whitened rows [Belsley, Kuh and Welsch, Regression Diagnostics, 1980, section 2.1]. NaN
-/// where the others alone do not determine it.
+/// r_i the run's whitened rows, its own unknowns eliminated [Belsley, Kuh and Welsch, Regression Diagnostics,
+/// 1980, section 2.1]. NaN where the others alone do not determine it.
 Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& best,
                                   const Uncertainty& uncertainty);
 

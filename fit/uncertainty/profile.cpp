@@ -44,21 +44,11 @@ MinimiseOptions held_at(Eigen::Index parameter) {
   return options;
 }
 
-/// The pseudo-inverse of J'J, flat directions left out.
-Eigen::MatrixXd spread(const Eigen::MatrixXd& curvature) {
-  const Eigen::VectorXd scale = curvature.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * curvature * scale.asDiagonal());
-  Eigen::VectorXd inverse = eigen.values;
-  for (double& value : inverse) value = value > 1e-14 ? 1 / value : 0;
-  return scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
-         scale.asDiagonal();
-}
-
 /// From a point inside a region to where the constrained minimum leaves it.
 class OneSide {
  public:
   /// `level`: chi^2 at the border; `inside` lies below it.
-  OneSide(const Residuals& residuals, const KnownMinimum& inside, Eigen::Index parameter, double lowest,
+  OneSide(const Residuals& residuals, const Minimum& inside, Eigen::Index parameter, double lowest,
           double level)
       : residuals_(residuals),
         inside_(inside),
@@ -67,22 +57,25 @@ class OneSide {
         by_value_(residuals.unknowns().parameter(parameter) == FitParameter::mu2),
         lowest_(lowest),
         level_(level) {
-    const Eigen::MatrixXd covariance = spread(inside.curvature);
+    const Unknowns& unknowns = residuals.unknowns();
+    const Linearised by_z = inside.at.scaled(unknowns.slopes(inside.z));
+    const Eigen::MatrixXd covariance = shared_covariance(by_z, 1e-14);
     const double variance = covariance(index_, index_);
     sd_ = variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 1;
-    along_ = variance > 0 ? Eigen::VectorXd(covariance.col(index_) / variance)
-                          : Eigen::VectorXd(Eigen::VectorXd::Unit(inside.minimum.z.size(), index_));
+    along_ = by_z.following(variance > 0 ? Eigen::VectorXd(covariance.col(index_) / variance)
+                                         : Eigen::VectorXd(Eigen::VectorXd::Unit(unknowns.common(), index_)),
+                            unknowns.size());
     if (!by_value_) return;
-    const double slope = axis_.slope(inside.minimum.z(index_));
+    const double slope = axis_.slope(inside.z(index_));
     sd_ *= slope;
     along_ /= slope;
   }
 
   /// z where the profile crosses; nullopt when it does not before `limit`.
   std::optional<double> cross(double limit) {
-    const double direction = limit > inside_.minimum.z(index_) ? 1 : -1;
+    const double direction = limit > inside_.z(index_) ? 1 : -1;
     const double target = std::sqrt(level_ - lowest_), end = place(limit);
-    Point inside{inside_.minimum.z, height(inside_.minimum.chi2)};
+    Point inside{inside_.z, height(inside_.chi2)};
     std::optional<Point> outside;
     double step = std::max(-inside.height, 0.1 * target) * sd_;
     for (int i = 0; i < 25; ++i) {
@@ -152,7 +145,7 @@ class OneSide {
   }
 
   const Residuals& residuals_;
-  const KnownMinimum& inside_;
+  const Minimum& inside_;
   Eigen::Index index_;
   const Transform& axis_;
   bool by_value_;
@@ -214,11 +207,11 @@ class Pieces {
 
 class ParameterProfile {
  public:
-  ParameterProfile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
-                   Eigen::Index parameter, double rise)
+  ParameterProfile(const Residuals& residuals, const std::vector<Minimum>& minima, Eigen::Index parameter,
+                   double rise)
       : residuals_(residuals),
         unknowns_(residuals.unknowns()),
-        best_(minima.front().minimum),
+        best_(minima.front()),
         index_(parameter),
         name_(unknowns_.parameter(parameter)),
         level_(best_.chi2 + rise),
@@ -226,8 +219,8 @@ class ParameterProfile {
     const Transform& transform = unknowns_.transform(parameter);
     const Interval range = limits(unknowns_, name_, transform.value(best_.z(parameter)));
     limits_ = {transform.z(range.low), transform.z(range.high)};
-    for (const KnownMinimum& minimum : minima)
-      if (minimum.minimum.chi2 < level_) follow(minimum);
+    for (const Minimum& minimum : minima)
+      if (minimum.chi2 < level_) follow(minimum);
   }
 
   /// Is there more, where no piece lies? The lowest point of the sample in each of a number of classes of the
@@ -260,7 +253,7 @@ class ParameterProfile {
         better = held;
         return;
       }
-      follow(with_curvature(residuals_, held));
+      follow(linearised(residuals_, held));
     }
   }
 
@@ -288,31 +281,24 @@ class ParameterProfile {
     return name_ == FitParameter::lag || name_ == FitParameter::delay ? 2 * std::numbers::pi : 0;
   }
 
-  void follow(const KnownMinimum& from) {
+  void follow(const Minimum& from) {
     if (better) return;
     // On a circle the limits move with the start.
-    const double by = turn() > 0 ? from.minimum.z(index_) - best_.z(index_) : 0;
+    const double by = turn() > 0 ? from.z(index_) - best_.z(index_) : 0;
     OneSide side(residuals_, from, index_, best_.chi2, level_);
     const auto low = side.cross(limits_.low + by);
     const auto high = side.better ? std::nullopt : side.cross(limits_.high + by);
     better = side.better;
-    side.points.push_back({unknowns_.transform(index_).value(from.minimum.z(index_)),
-                           std::max(0.0, from.minimum.chi2 - best_.chi2)});
+    side.points.push_back(
+        {unknowns_.transform(index_).value(from.z(index_)), std::max(0.0, from.chi2 - best_.chi2)});
     points_.insert(points_.end(), side.points.begin(), side.points.end());
     pieces_.add({low.value_or(-kInfinity), high.value_or(kInfinity)}, best_.z(index_));
   }
 
   /// Would chi^2 come near the border if the model were linear?
   bool promises(const Eigen::VectorXd& z, double rise) const {
-    Eigen::VectorXd r;
-    Eigen::MatrixXd jacobian;
-    if (!residuals_.evaluate(unknowns_.values(z), r, &jacobian)) return false;
-    Eigen::MatrixXd by_z = jacobian * unknowns_.slopes(z).asDiagonal();
-    by_z.col(index_).setZero();
-    const Eigen::VectorXd scale = by_z.colwise().norm().cwiseMax(1e-300);
-    const Eigen::MatrixXd scaled = by_z * scale.cwiseInverse().asDiagonal();
-    const Eigen::VectorXd left = r - scaled * least_squares(scaled, r);
-    return left.squaredNorm() < level_ + kFar * rise;
+    const auto at = residuals_.at(unknowns_.values(z));
+    return at && at->chi2() - newton_decrement(*at, index_) < level_ + kFar * rise;
   }
 
   static constexpr std::size_t kClasses = 40;
@@ -334,14 +320,14 @@ Profile open_profile() {
   return {{{-kInfinity, kInfinity}}, {}, std::nullopt};
 }
 
-Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
+Profile profile(const Residuals& residuals, const std::vector<Minimum>& minima,
                 const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise) {
   ParameterProfile profile(residuals, minima, parameter, rise);
   profile.look_between(sample);
   return profile.result();
 }
 
-std::vector<Profile> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& minima,
                               const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
                               const std::vector<double>& rises, int threads) {
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
@@ -360,7 +346,7 @@ std::vector<Profile> profiles(const Residuals& residuals, std::vector<KnownMinim
         if (one.pieces.empty()) one.pieces = open_profile().pieces;
       return found;
     }
-    minima.insert(minima.begin(), with_curvature(residuals, minimise(residuals, better->better->z)));
+    minima.insert(minima.begin(), linearised(residuals, minimise(residuals, better->better->z)));
   }
 }
 

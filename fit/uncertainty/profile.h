@@ -29,12 +29,12 @@ Profile open_profile();
 /// point re-optimised from its neighbour's solution. Ends that are not reached within the parameter's range
 /// (half a turn for the lag, a factor of ten for scales, mu up to 10) are infinite; 0 for a mu that may be 0.
 /// Pieces of the lag lie within half a turn of the estimate.
-Profile profile(const Residuals& residuals, const std::vector<KnownMinimum>& minima,
+Profile profile(const Residuals& residuals, const std::vector<Minimum>& minima,
                 const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise);
 
 /// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
 /// minimum restarts them from there (three times at most); `minima.front()` is then the better one.
-std::vector<Profile> profiles(const Residuals& residuals, std::vector<KnownMinimum>& minima,
+std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& minima,
                               const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
                               const std::vector<double>& rises, int threads);
 

@@ -214,24 +214,40 @@ CorrelatedSums correlated_sums_of(const Residuals& residuals, const Eigen::Vecto
   ExcessVariance scatter = residuals.excess_variance();
   scatter.correlated = {};
   white.set_excess_variance(scatter);
-  Eigen::VectorXd r;
-  Eigen::MatrixXd rows;
   CorrelatedSums sums;
-  if (!white.evaluate(values, r, &rows)) return sums;
-  const Eigen::VectorXd units = residuals.unknowns().natural_units(values);
-  rows *= units.asDiagonal();
-  rows.conservativeResize(Eigen::NoChange, rows.cols() + 1);
-  rows.rightCols<1>() = r;
-  sums.data = rows.transpose() * rows;
+  const auto at = white.at(values);
+  if (!at) return sums;
+  const Unknowns& unknowns = residuals.unknowns();
+  const Linearised rows = at->scaled(unknowns.natural_units(values)), left = rows.eliminated();
+  // Unknowns of driven runs, whose rows the variances weigh anew, stay; those of slides are eliminated.
+  const auto& runs = unknowns.problem().trajectory_runs;
+  Eigen::Index width = unknowns.common() + 1;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].free_slide) width += unknowns.own(i).count;
+  sums.data = Eigen::MatrixXd::Zero(width, width);
+  std::vector<Eigen::MatrixXd> driven(runs.size());  // [J r] of each
+  Eigen::Index next = unknowns.common();
+  for (std::size_t g = 0; g < rows.groups.size(); ++g) {
+    const bool stays = g > 0 && !runs[g - 1].free_slide;
+    const RowGroup& group = stays ? rows.groups[g] : left.groups[g];
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(group.residuals.size(), width);
+    all.leftCols(unknowns.common()) = group.shared;
+    all.middleCols(next, group.own.cols()) = group.own;
+    all.rightCols<1>() = group.residuals;
+    sums.data += all.transpose() * all;
+    if (!stays) continue;
+    next += group.own.cols();
+    driven[g - 1] = std::move(all);
+  }
   PartNumbers count = PartNumbers::Zero(), square = PartNumbers::Zero();
   int sharing = 0;
-  for (std::size_t i = 0; i < residuals.excess_variance().trajectories.size(); ++i) {
-    const ErrorShapes shapes = white.shapes(i, kOwnParts);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const ErrorShapes shapes = white.track(i).shapes(kOwnParts);
     if (shapes.count() == 0) continue;
-    const Eigen::MatrixXd u = white.whitened(i, error_columns(shapes));
+    const Eigen::MatrixXd u = white.track(i).whitened(error_columns(shapes));
     std::vector<std::size_t> common_part;
     CorrelatedRunSums run{u.transpose() * u,
-                          u.transpose() * rows.middleRows(white.trajectory_row(i), u.rows()),
+                          u.transpose() * driven[i].topRows(u.rows()),
                           {},
                           common_columns(shapes, common_part)};
     if (common_part.size() > sums.common_part.size()) sums.common_part = common_part;

@@ -77,7 +77,7 @@ std::optional<std::size_t> least_common(const Place& place) {
 CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const Eigen::VectorXd& values) {
   CorrelatedEstimate result;
   result.degrees_of_freedom =
-      Eigen::VectorXd::Constant(values.size(), std::numeric_limits<double>::infinity());
+      Eigen::VectorXd::Constant(residuals.unknowns().common(), std::numeric_limits<double>::infinity());
   const CorrelatedSums sums = correlated_sums_of(residuals, values);
   if (sums.runs.empty()) return result;
 
@@ -114,7 +114,7 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
     result.variances[g] = best(present[k]) * sums.unit(present[k]);
     result.sd[g] = std::sqrt(spread(row, row)) * sums.unit(present[k]);
   }
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
+  for (Eigen::Index i = 0; i < result.degrees_of_freedom.size(); ++i) {
     Eigen::VectorXd slopes(static_cast<Eigen::Index>(present.size()));
     for (std::size_t k = 0; k < present.size(); ++k)
       slopes(static_cast<Eigen::Index>(k)) = at.by_variance[static_cast<std::size_t>(present[k])](i, i);

@@ -129,18 +129,19 @@ Replicates replicates(const Problem& problem) {
 }
 
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                        const Eigen::VectorXd& whitened) {
+                                        const Linearised& at) {
   const auto& problem = residuals.unknowns().problem();
   ExcessVariance result = residuals.excess_variance();
   const double data = 2.0 * static_cast<double>(problem.summary_runs.size());
   double points = 0;
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
-    points += 2.0 * static_cast<double>(residuals.point_count(i)) / result.trajectories[i].correlation_time;
+    points +=
+        2.0 * static_cast<double>(residuals.track(i).points()) / result.trajectories[i].correlation_time;
 
   std::vector<Eigen::Vector2d> differences;
   std::vector<Eigen::Matrix2d> covariances;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    differences.push_back(residuals.difference(whitened, i));
+    differences.push_back(residuals.difference(at, i));
     covariances.push_back(problem.summary_runs[i].measured.covariance);
   }
   // The unknowns take their share of the freedom from runs and points in proportion.

@@ -13,7 +13,7 @@ namespace tribotrack::fit::internal {
 /// 0.05 of runs, whose correlated tracking errors may be as large as their own sigma, which so few cannot
 /// show.
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                        const Eigen::VectorXd& whitened);
+                                        const Linearised& at);
 
 /// What runs with the same phi, dtau, drive, start and length scatter about their means, whatever the model
 /// predicts: chi^2 keeps its meaning beside it.

@@ -17,16 +17,17 @@ constexpr int kReweightings = 12;
 /// The same evaluation under other weights, without simulating again: summary rows only differ by factors.
 bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
   const Problem& problem = now.unknowns().problem();
-  if (!problem.trajectory_runs.empty() || at.jacobian.rows() == 0) return false;
+  if (!problem.trajectory_runs.empty() || at.at.empty()) return false;
+  RowGroup& rows = at.at.groups.front();
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
     const double root = std::sqrt(now.run_weight(i) / before.run_weight(i));
     const Eigen::Matrix2d factor =
         root * Factor2(now.covariance(i)).whiten_columns(Factor2(before.covariance(i)).lower());
-    at.residuals.segment<2>(row) = (factor * at.residuals.segment<2>(row)).eval();
-    at.jacobian.middleRows(row, 2) = (factor * at.jacobian.middleRows(row, 2)).eval();
+    rows.residuals.segment<2>(row) = (factor * rows.residuals.segment<2>(row)).eval();
+    rows.shared.middleRows(row, 2) = (factor * rows.shared.middleRows(row, 2)).eval();
   }
-  at.chi2 = at.residuals.squaredNorm();
+  at.chi2 = at.at.chi2();
   return true;
 }
 
@@ -62,7 +63,7 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
   CorrelatedEstimate correlated;
   for (int round = 0; round < kReweightings; ++round) {
     const Residuals before = residuals;
-    if (best.jacobian.rows() == 0) best = with_curvature(residuals, best).minimum;
+    best = linearised(residuals, std::move(best));
     const Eigen::VectorXd values = unknowns.values(best.z);
     if (reweighting.correlated_errors) {
       correlated = estimate_correlated_errors(residuals, values);
@@ -71,9 +72,9 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
       residuals.set_excess_variance(scatter);
     }
     if (reweighting.scatter)
-      residuals.set_excess_variance(squares ? estimate_excess_variance(residuals, values, best.residuals)
-                                            : robust_excess_variance(residuals, values, best.residuals));
-    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.residuals, reweighting.loss));
+      residuals.set_excess_variance(squares ? estimate_excess_variance(residuals, values, best.at)
+                                            : robust_excess_variance(residuals, values, best.at));
+    if (!squares) residuals.set_weights(robust_weights(residuals, values, best.at, reweighting.loss));
     const ExcessVariance &was = before.excess_variance(), &is = residuals.excess_variance();
     if (squares && !any(is) && is.correlated == CorrelatedVariances{} && was.correlated == is.correlated)
       return correlated;
@@ -91,8 +92,8 @@ namespace {
 constexpr double kHuber = 2, kCauchy = 3;
 constexpr double kMedianSquare = 2 * std::numbers::ln2;  ///< of chi^2 with two degrees of freedom
 
-double distance(const Residuals& residuals, const Eigen::VectorXd& whitened, std::size_t run) {
-  return whitened.segment<2>(2 * static_cast<Eigen::Index>(run)).norm() /
+double distance(const Residuals& residuals, const Linearised& at, std::size_t run) {
+  return at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(run)).norm() /
          std::sqrt(residuals.run_weight(run));
 }
 
@@ -142,12 +143,12 @@ double robust_weight(double s, Loss loss) {
   return 1;
 }
 
-Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values,
-                       const Eigen::VectorXd& whitened, Loss loss) {
+Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values, const Linearised& at,
+                       Loss loss) {
   const Problem& problem = residuals.unknowns().problem();
   Weights weights;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    const double s = distance(residuals, whitened, i);
+    const double s = distance(residuals, at, i);
     weights.runs.push_back(robust_weight(s, loss));
   }
   const Eigen::VectorXd common = residuals.common_error(values);
@@ -162,7 +163,7 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
 }
 
 ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                      const Eigen::VectorXd& whitened) {
+                                      const Linearised& at) {
   const Problem& problem = residuals.unknowns().problem();
   ExcessVariance result = residuals.excess_variance();
   const double runs = static_cast<double>(problem.summary_runs.size());
@@ -171,7 +172,7 @@ ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::V
     std::vector<Eigen::Vector2d> differences;
     double longest = 0;
     for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-      differences.push_back(residuals.difference(whitened, i));
+      differences.push_back(residuals.difference(at, i));
       longest = std::max(longest, differences.back().norm());
     }
     const auto squares_at = [&](double scatter) {
@@ -196,14 +197,14 @@ ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::V
   return result;
 }
 
-double robust_covariance_factor(const Residuals& residuals, const Eigen::VectorXd& whitened, Loss loss) {
+double robust_covariance_factor(const Residuals& residuals, const Linearised& at, Loss loss) {
   if (loss == Loss::squares) return 1;
   const auto runs = residuals.unknowns().problem().summary_runs.size();
   if (runs == 0) return 1;
   const double n = 2 * static_cast<double>(runs), p = static_cast<double>(residuals.unknowns().size());
   double psi_square = 0, mean = 0, square = 0;
   for (std::size_t i = 0; i < runs; ++i) {
-    const double s = distance(residuals, whitened, i), psi = s * robust_weight(s, loss), k = slope(s, loss);
+    const double s = distance(residuals, at, i), psi = s * robust_weight(s, loss), k = slope(s, loss);
     psi_square += psi * psi;
     mean += k / static_cast<double>(runs);
     square += k * k / static_cast<double>(runs);

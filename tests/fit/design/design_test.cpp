@@ -80,20 +80,20 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
-  std::vector<KnownMinimum> best = {with_curvature(residuals, minimise(residuals, unknowns.z(truth)))};
-  const double lowest = best.front().minimum.chi2;
+  std::vector<Minimum> best = {linearised(residuals, minimise(residuals, unknowns.z(truth)))};
+  const double lowest = best.front().chi2;
   const std::vector<bool> open(3, false);
   const std::vector<double> rises(3, 3.84);
   const auto expected = profiles(residuals, best, {}, open, rises, 1);
-  EXPECT_EQ(best.front().minimum.chi2, lowest);
+  EXPECT_EQ(best.front().chi2, lowest);
 
   Minimum mistaken;
   mistaken.z = unknowns.z(Eigen::Vector3d(1.05 * truth(0), truth(1), truth(2) - 0.1));
   mistaken.chi2 = residuals.chi2(unknowns.values(mistaken.z));
   ASSERT_GT(mistaken.chi2, lowest + 1);
-  std::vector<KnownMinimum> restarted = {with_curvature(residuals, mistaken)};
+  std::vector<Minimum> restarted = {linearised(residuals, mistaken)};
   const auto found = profiles(residuals, restarted, {}, open, rises, 2);
-  EXPECT_NEAR(restarted.front().minimum.chi2, lowest, 1e-6);
+  EXPECT_NEAR(restarted.front().chi2, lowest, 1e-6);
   for (std::size_t i = 0; i < 3; ++i) {
     ASSERT_EQ(found[i].pieces.size(), 1U);
     const Interval &there = found[i].pieces.front(), &here = expected[i].pieces.front();

@@ -24,15 +24,15 @@ TEST(FillResult, FailuresNearTheMinimumAreWarnedOf) {
   ASSERT_TRUE(best.converged);
 
   FitResult result;
-  Eigen::VectorXd r, far = unknowns.values(best.z), near = far;
+  Eigen::VectorXd far = unknowns.values(best.z), near = far;
   far(0) = -0.1;
-  EXPECT_FALSE(residuals.evaluate(far, r, nullptr));
+  EXPECT_FALSE(residuals.at(far));
   fill_failures(residuals, best, result);
   EXPECT_EQ(result.failed_evaluations, 1);
   EXPECT_TRUE(result.warnings.empty());
 
   near(1) = -1e-6;
-  EXPECT_FALSE(residuals.evaluate(near, r, nullptr));
+  EXPECT_FALSE(residuals.at(near));
   fill_failures(residuals, best, result);
   EXPECT_EQ(result.failed_evaluations, 2);
   ASSERT_EQ(result.warnings.size(), 1);

@@ -124,9 +124,10 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   EXPECT_GT(found.variances[circle], std::pow(1e-6, 2));
   EXPECT_LT(found.variances[circle], std::pow(8e-6, 2));
 
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
-  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+  const auto before = residuals.at(truth);
+  ASSERT_TRUE(before);
+  const Eigen::VectorXd r = before->residuals();
+  const Eigen::MatrixXd jacobian = before->jacobian(3);
   struct Dense {
     Eigen::MatrixXd v, x;
   };
@@ -137,9 +138,9 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
     x.leftCols(3) = jacobian * unknowns.natural_units(truth).asDiagonal();
     x.rightCols(6).setZero();
     for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::MatrixX2d white = residuals.white(i);
-      const ErrorShapes shapes = residuals.shapes(i, every);
-      const Eigen::Index row = residuals.trajectory_row(i);
+      const Eigen::MatrixX2d white = residuals.track(i).white();
+      const ErrorShapes shapes = residuals.track(i).shapes(every);
+      const auto row = static_cast<Eigen::Index>(i) * white.rows();
       x.block(row, 3 + 2 * static_cast<Eigen::Index>(i), white.rows(), 2) = white / white.norm();
       Eigen::Index shared = 0;
       for (std::size_t j = 0; j < shapes.count(); ++j)
@@ -183,19 +184,18 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   ExcessVariance scatter = residuals.excess_variance();
   scatter.correlated = found.variances;
   residuals.set_excess_variance(scatter);
-  const Eigen::VectorXd plain = r;
-  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
-  jacobian *= unknowns.natural_units(truth).asDiagonal();
+  const auto after = residuals.at(truth);
+  ASSERT_TRUE(after);
   const Eigen::LLT<Eigen::MatrixXd> factor(v);
   Eigen::MatrixXd data(v.rows(), 4);
-  data << x.leftCols(3), plain;
+  data << x.leftCols(3), r;
   const Eigen::MatrixXd start = x.rightCols(6), v_data = factor.solve(data),
                         crossed = start.transpose() * v_data;
   const Eigen::MatrixXd expected =
       data.transpose() * v_data -
       crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
   Eigen::MatrixXd whitened(v.rows(), 4);
-  whitened << jacobian, r;
+  whitened << after->scaled(unknowns.natural_units(truth)).jacobian(3), after->residuals();
   EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
   const Eigen::VectorXd common = residuals.common_error(truth);
   ASSERT_GE(common.size(), 4);
@@ -220,11 +220,9 @@ TEST(CorrelatedErrors, AForecastCountsThem) {
   for (const bool slow : {false, true}) {
     if (slow) scatter.correlated = {1e-12, 0.3e-12, 0.1e-12, 0.05e-12};
     residuals.set_excess_variance(scatter);
-    Eigen::VectorXd r;
-    Eigen::MatrixXd jacobian;
-    ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
-    jacobian *= unknowns.natural_units(truth).asDiagonal();
-    const Eigen::MatrixXd told = jacobian.transpose() * jacobian;
+    const auto at = residuals.at(truth);
+    ASSERT_TRUE(at);
+    const Eigen::MatrixXd told = at->scaled(unknowns.natural_units(truth)).normal();
     const auto& drive = scenario.drive;
     const auto forecast =
         Forecaster(residuals, truth).forecast({1, 1.2, drive.amplitude, drive.angular_frequency}, 1e-10);

@@ -54,18 +54,19 @@ TEST(Residuals, JacobianIsThatOfDifferences) {
   residuals.set_tolerance(1e-14);
   Eigen::VectorXd values(unknowns.size());
   values << 0.098, 0.013, 0.2, 1e-3, 0.27e-3, 62.1, 1.01, 1e-3, -2e-3, 0.03, -0.02;
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
-  ASSERT_TRUE(residuals.evaluate(values, r, &jacobian));
+  const auto at = residuals.at(values);
+  ASSERT_TRUE(at);
+  const Eigen::MatrixXd jacobian = at->jacobian(values.size());
   const Eigen::VectorXd units = unknowns.natural_units(values);
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     const double h = 1e-6 * units(i);
-    Eigen::VectorXd up, down, moved = values;
+    Eigen::VectorXd moved = values;
     moved(i) = values(i) + h;
-    ASSERT_TRUE(residuals.evaluate(moved, up, nullptr));
+    const auto up = residuals.at(moved, false);
     moved(i) = values(i) - h;
-    ASSERT_TRUE(residuals.evaluate(moved, down, nullptr));
-    const Eigen::VectorXd slope = (up - down) / (2 * h);
+    const auto down = residuals.at(moved, false);
+    ASSERT_TRUE(up && down);
+    const Eigen::VectorXd slope = (up->residuals() - down->residuals()) / (2 * h);
     EXPECT_LT((slope - jacobian.col(i)).norm(), 1e-5 * jacobian.col(i).norm()) << "unknown " << i;
   }
 }
@@ -118,13 +119,11 @@ TEST(Residuals, ScatterBetweenPointsIsAddedToTheirNoise) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::VectorXd values = unknowns.first_guess();
-  Eigen::VectorXd alone, scattered;
-  ASSERT_TRUE(residuals.evaluate(values, alone, nullptr));
+  const double alone = residuals.chi2(values);
   ExcessVariance scatter;
   scatter.trajectories = {{2e-6, 1}};
   residuals.set_excess_variance(scatter);
-  ASSERT_TRUE(residuals.evaluate(values, scattered, nullptr));
-  EXPECT_NEAR(scattered.squaredNorm() / alone.squaredNorm(), 1.0 / 5, 1e-3);
+  EXPECT_NEAR(residuals.chi2(values) / alone, 1.0 / 5, 1e-3);
 }
 
 /// Values outside the model's domain are a region to avoid, counted with their reason by all copies together.
@@ -133,10 +132,9 @@ TEST(Residuals, WithoutAMotionAreCounted) {
   const Unknowns unknowns(problem);
   const Residuals residuals(unknowns);
   const Residuals copy = residuals;
-  Eigen::VectorXd r;
-  EXPECT_TRUE(residuals.evaluate(Eigen::Vector3d(0.1, 0.0125, 0.1), r, nullptr));
+  EXPECT_TRUE(residuals.at(Eigen::Vector3d(0.1, 0.0125, 0.1)));
   EXPECT_EQ(residuals.failures().count(), 0);
-  EXPECT_FALSE(residuals.evaluate(Eigen::Vector3d(0.1, -0.01, 0.1), r, nullptr));
+  EXPECT_FALSE(residuals.at(Eigen::Vector3d(0.1, -0.01, 0.1)));
   EXPECT_EQ(copy.chi2(Eigen::Vector3d(-0.1, 0.01, 0.1)), HUGE_VAL);
   ASSERT_EQ(residuals.failures().count(), 2);
   EXPECT_EQ(residuals.failures().kept().front().values, Eigen::Vector3d(0.1, -0.01, 0.1));
@@ -149,8 +147,7 @@ TEST(Residuals, PassOnWhatIsNoPropertyOfTheParameters) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns, 2);
   residuals.set_tolerance(0.5);  // the integrator refuses it
-  Eigen::VectorXd r;
-  EXPECT_THROW(residuals.evaluate(Eigen::Vector3d(0.1, 0.0125, 0.1), r, nullptr), std::invalid_argument);
+  EXPECT_THROW(residuals.at(Eigen::Vector3d(0.1, 0.0125, 0.1)), std::invalid_argument);
   EXPECT_EQ(residuals.failures().count(), 0);
 }
 

@@ -68,9 +68,9 @@ TEST(ToldErrors, AreWhitenedAsTheDenseCovarianceSays) {
     return column;
   };
   data.col(3) = plain(truth);
-  Eigen::VectorXd r;
-  Eigen::MatrixXd jacobian;
-  ASSERT_TRUE(residuals.evaluate(truth, r, &jacobian));
+  const auto at = residuals.at(truth), plain_at = residuals.at(truth, false);
+  ASSERT_TRUE(at && plain_at);
+  Eigen::MatrixXd jacobian = at->jacobian(3);
   const Eigen::Vector3d step(1e-5, 1e-5, 1e-4);
   for (Eigen::Index k = 0; k < 3; ++k) {
     Eigen::Vector3d above = truth, below = truth;
@@ -86,8 +86,7 @@ TEST(ToldErrors, AreWhitenedAsTheDenseCovarianceSays) {
       data.transpose() * v_data -
       crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
   Eigen::MatrixXd whitened(2 * n, 4);
-  ASSERT_TRUE(residuals.evaluate(truth, r, nullptr));  // steps as for the points' residuals
-  whitened << jacobian, r;
+  whitened << jacobian, plain_at->residuals();  // steps as for the points' residuals
   const Eigen::MatrixXd found = whitened.transpose() * whitened;
   EXPECT_NEAR(found(3, 3), expected(3, 3), 1e-11 * expected(3, 3));
   EXPECT_LT((found - expected).norm(), 1e-5 * expected.norm()) << found << "\n\n" << expected;  // differences
@@ -111,10 +110,10 @@ TEST(ToldErrors, AreNotCountedTwice) {
       for (const double variance : estimate_correlated_errors(residuals, truth).variances)
         (tells ? told : silent) += variance > 0;
       if (!tells) continue;
-      Eigen::VectorXd r;
-      ASSERT_TRUE(residuals.evaluate(truth, r, nullptr));
-      ratio += r.squaredNorm() / (static_cast<double>(r.size() - 12) * trials);
-      for (const auto& run : estimate_excess_variance(residuals, truth, r).trajectories)
+      const auto at = residuals.at(truth, false);
+      ASSERT_TRUE(at);
+      ratio += at->chi2() / (static_cast<double>(residuals.size() - 12) * trials);
+      for (const auto& run : estimate_excess_variance(residuals, truth, *at).trajectories)
         scatter = std::max(scatter, run.between_points);
     }
   }

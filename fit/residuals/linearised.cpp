@@ -1,0 +1,171 @@
+#include "fit/residuals/linearised.h"
+
+#include <algorithm>
+
+#include "fit/tools/dense.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+constexpr Eigen::Index kFewRows = 64;  ///< are not worth compressing
+
+/// Columns of length 1; those that are zero stay so.
+Eigen::MatrixXd normalised(const Eigen::MatrixXd& columns) {
+  return columns * columns.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
+}
+
+/// By the roots of the diagonal of the normal matrix with nothing eliminated: a column that others imitate is
+/// then as small as rounding makes it.
+Eigen::VectorXd scale_of(const Linearised& at) {
+  return at.normal().diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+}
+
+}  // namespace
+
+double Linearised::chi2() const {
+  double sum = 0;
+  for (const RowGroup& group : groups) sum += group.residuals.squaredNorm();
+  return sum;
+}
+
+bool Linearised::finite() const {
+  return std::all_of(groups.begin(), groups.end(), [](const RowGroup& group) {
+    return group.residuals.allFinite() && group.shared.allFinite() && group.own.allFinite();
+  });
+}
+
+double Linearised::squared(const Eigen::VectorXd& step) const {
+  double sum = 0;
+  for (const RowGroup& group : groups)
+    sum += (group.shared * step.head(group.shared.cols()) +
+            group.own * step.segment(group.first_own, group.own.cols()))
+               .squaredNorm();
+  return sum;
+}
+
+Linearised Linearised::scaled(const Eigen::VectorXd& units) const {
+  Linearised result = *this;
+  for (RowGroup& group : result.groups) {
+    group.shared *= units.head(group.shared.cols()).asDiagonal();
+    group.own *= units.segment(group.first_own, group.own.cols()).asDiagonal();
+  }
+  return result;
+}
+
+Linearised Linearised::eliminated() const {
+  Linearised result = *this;
+  for (RowGroup& group : result.groups) {
+    if (group.own.cols() == 0) continue;
+    const Eigen::MatrixXd q = orthonormal_basis(normalised(group.own));
+    group.shared -= q * (q.transpose() * group.shared).eval();
+    group.residuals -= q * (q.transpose() * group.residuals).eval();
+    group.own.resize(group.shared.rows(), 0);
+  }
+  return result;
+}
+
+Eigen::MatrixXd Linearised::normal() const {
+  const Eigen::Index n = groups.front().shared.cols();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  for (const RowGroup& group : groups) sum += group.shared.transpose() * group.shared;
+  return sum;
+}
+
+Eigen::VectorXd Linearised::gradient() const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(groups.front().shared.cols());
+  for (const RowGroup& group : groups) sum += group.shared.transpose() * group.residuals;
+  return sum;
+}
+
+Eigen::MatrixXd Linearised::triangle() const {
+  Eigen::MatrixXd result(0, groups.front().shared.cols());
+  for (const RowGroup& group : groups) {
+    Eigen::MatrixXd stacked(result.rows() + group.shared.rows(), result.cols());
+    stacked << result, group.shared;
+    result = stacked.rows() > stacked.cols() ? triangle_of(std::move(stacked)) : stacked;
+  }
+  return result;
+}
+
+Eigen::VectorXd Linearised::following(const Eigen::VectorXd& shared_step, Eigen::Index unknowns) const {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(unknowns);
+  step.head(shared_step.size()) = shared_step;
+  for (const RowGroup& group : groups)
+    if (group.own.cols() > 0)
+      step.segment(group.first_own, group.own.cols()) =
+          -least_squares(normalised(group.own), group.shared * shared_step)
+               .cwiseQuotient(group.own.colwise().norm().transpose().cwiseMax(1e-300));
+  return step;
+}
+
+Eigen::VectorXd Linearised::residuals() const {
+  Eigen::VectorXd all;
+  for (const RowGroup& group : groups) {
+    all.conservativeResize(all.size() + group.residuals.size());
+    all.tail(group.residuals.size()) = group.residuals;
+  }
+  return all;
+}
+
+Eigen::MatrixXd Linearised::jacobian(Eigen::Index unknowns) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(residuals().size(), unknowns);
+  Eigen::Index row = 0;
+  for (const RowGroup& group : groups) {
+    const Eigen::Index rows = group.residuals.size();
+    all.block(row, 0, rows, group.shared.cols()) = group.shared;
+    all.block(row, group.first_own, rows, group.own.cols()) = group.own;
+    row += rows;
+  }
+  return all;
+}
+
+double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held) {
+  const Linearised left = at.eliminated();
+  double by_own = 0;  // what the own unknowns take
+  for (std::size_t g = 0; g < at.groups.size(); ++g)
+    by_own += (at.groups[g].residuals - left.groups[g].residuals).squaredNorm();
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < at.groups.front().shared.cols(); ++i)
+    if (i != held) free.push_back(i);
+  const Eigen::VectorXd scale = scale_of(at)(free);
+  const EigenSystem eigen =
+      eigen_symmetric(scale.asDiagonal() * left.normal()(free, free) * scale.asDiagonal());
+  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * left.gradient()(free));
+  double sum = by_own;
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    if (eigen.values(i) > 1e-13) sum += along(i) * along(i) / eigen.values(i);
+  return sum;
+}
+
+Eigen::MatrixXd shared_covariance(const Linearised& at, double flat) {
+  const Eigen::VectorXd scale = scale_of(at);
+  const EigenSystem eigen =
+      eigen_symmetric(scale.asDiagonal() * at.eliminated().normal() * scale.asDiagonal());
+  Eigen::VectorXd inverse = eigen.values;
+  for (double& value : inverse) value = value > flat ? 1 / value : 0;
+  return scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
+         scale.asDiagonal();
+}
+
+Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns) {
+  return rows <= kFewRows ? rows : std::min(rows, columns + 1);
+}
+
+RowGroup compress(const RowGroup& rows) {
+  const Eigen::Index n = rows.residuals.size(), shared = rows.shared.cols(), own = rows.own.cols();
+  if (compressed_rows(n, shared + own) == n) return rows;
+  constexpr Eigen::Index kBlock = 512;  // rows that lie in the cache
+  Eigen::MatrixXd triangle(0, shared + own + 1);
+  for (Eigen::Index first = 0; first < n; first += kBlock) {
+    const Eigen::Index count = std::min(kBlock, n - first), kept = triangle.rows();
+    Eigen::MatrixXd block(kept + count, triangle.cols());
+    block.topRows(kept) = triangle;
+    block.bottomRows(count) << rows.shared.middleRows(first, count), rows.own.middleRows(first, count),
+        rows.residuals.segment(first, count);
+    triangle = triangle_of(std::move(block));
+  }
+  return {triangle.rightCols<1>(), triangle.leftCols(shared), triangle.middleCols(shared, own),
+          rows.first_own};
+}
+
+}  // namespace tribotrack::fit::internal
