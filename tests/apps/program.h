@@ -44,6 +44,30 @@ std::string complaint_of(const Read& read) {
   return "no complaint";
 }
 
+/// A scene of 40 frames at 1000 frames/s: a disc of 12 px radius slides freely over a platform at rest.
+struct Slide {
+  std::string velocity_x = "100", velocity_y = "40";  ///< mm/s
+  std::string video = {};                             ///< further lines of [video]
+  int texture = 0;                                    ///< rms of the platform's
+};
+inline std::string scene_of(const Slide& slide) {
+  return "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = " + slide.velocity_x +
+         "\nvelocity_y_mm_s = " + slide.velocity_y +
+         "\n[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n" +
+         slide.video +
+         "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = 0\n[surface]\n"
+         "texture_rms = " +
+         std::to_string(slide.texture) + "\n";
+}
+/// A campaign of free slides; `camera`: further lines of [camera].
+inline std::string slides_campaign(const std::vector<std::string>& videos,
+                                   const std::string& camera = "mm_per_px = 0.05\n") {
+  std::string text = "[platform]\namplitude_mm = 0\n[camera]\n" + camera + "[fit]\nparameters = [\"mu1\"]\n";
+  for (const std::string& video : videos)
+    text += "[[run]]\nvideo = \"" + video + "\"\nkind = \"free_slide\"\n";
+  return text;
+}
+
 /// A folder of its own for each test, gone afterwards; relative paths on command lines are relative to it.
 class ProgramTest : public ::testing::Test {
  protected:
@@ -67,6 +91,11 @@ class ProgramTest : public ::testing::Test {
     std::filesystem::remove(folder_ / "stdout.txt");
     std::filesystem::remove(folder_ / "stderr.txt");
     return outcome;
+  }
+  void render_slide(const std::string& name, const Slide& slide = {}) const {
+    put(in_folder("scene.toml"), scene_of(slide));
+    const Outcome outcome = run("synth scene.toml -o " + name + " --overwrite -q");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
   std::filesystem::path in_folder(const std::string& name) const { return folder_ / name; }
   std::filesystem::path source(const std::string& name) const {

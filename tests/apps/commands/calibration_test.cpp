@@ -17,14 +17,7 @@ class Calibrated : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
-    put(in_folder("scene.toml"),
-        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s "
-        "= 40\n"
-        "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n"
-        "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = "
-        "0\n[surface]\ntexture_rms = "
-        "0\n");
-    ASSERT_EQ(run("synth scene.toml -o slide.cine -q").exit_code, 0);
+    render_slide("slide.cine");
   }
   /// A camera that looks straight down from 100 mm: 0.05 mm/px, distortion as given.
   void calibration(double k1, int width = 160) const {
@@ -92,9 +85,7 @@ TEST_F(Calibrated, HeightAboveTheCalibratedPlaneMakesLengthsShorter) {
 TEST_F(Calibrated, ACampaignNamesIt) {
   calibration(-20);
   put(in_folder("campaign.toml"),
-      "[platform]\namplitude_mm = 0\n[part]\nheight_mm = 0.8\n[camera]\ncalibration = "
-      "\"calibration.json\"\n[fit]\n"
-      "parameters = [\"mu1\"]\n[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n");
+      "[part]\nheight_mm = 0.8\n" + slides_campaign({"slide.cine"}, "calibration = \"calibration.json\"\n"));
   const Outcome outcome = run("run campaign.toml -o out");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, Not(HasSubstr("parallax")));

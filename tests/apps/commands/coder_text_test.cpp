@@ -9,24 +9,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kScene =
-    "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\n"
-    "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nframes = 40\n"
-    "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = 0\n"
-    "[surface]\ntexture_rms = 0\n";
-
-std::string campaign(const std::string& camera) {
-  return "[platform]\namplitude_mm = 0\n[camera]\n" + camera +
-         "mm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n"
-         "[[run]]\nvideo = \"coded.mp4\"\nkind = \"free_slide\"\n";
-}
-
 class CoderText : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
-    put(in_folder("scene.toml"), kScene);
-    ASSERT_EQ(run("synth scene.toml -o coded.mp4 -q").exit_code, 0);
+    render_slide("coded.mp4");
     put(in_folder("victim"), "somebody's work");
     std::string video = content_of(in_folder("coded.mp4"));
     const std::size_t begin = video.find("options: ");
@@ -37,8 +24,8 @@ class CoderText : public ProgramTest {
     ASSERT_LT(settings.size(), end - begin);
     settings.resize(end - begin, ' ');
     put(in_folder("coded.mp4"), video.replace(begin, settings.size(), settings));
-    put(in_folder("c.toml"), campaign(""));
-    put(in_folder("r.toml"), campaign("rehearse = true\n"));
+    put(in_folder("c.toml"), slides_campaign({"coded.mp4"}));
+    put(in_folder("r.toml"), slides_campaign({"coded.mp4"}, "rehearse = true\nmm_per_px = 0.05\n"));
   }
 };
 

@@ -71,9 +71,7 @@ TEST_F(Identity, TwoDiscsAreAQuestionWithAPictureAndWhatToPaste) {
 
 TEST_F(Identity, InACampaignThePictureLiesAmongTheTracks) {
   record_two("two.cine");
-  const std::string head =
-      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = [\"mu1\"]\n";
-  put(in_folder("c.toml"), head + "[[run]]\nvideo = \"two.cine\"\nkind = \"free_slide\"\n");
+  put(in_folder("c.toml"), slides_campaign({"two.cine"}, "mm_per_px = 0.1\n"));
   const Outcome asked = run("run c.toml -o out -q");
   expect_refused(asked, 3, {"two.cine", "out/tracks/two.discs.png", "2: --disc 120.2,60.3,11", "disc_px"});
   EXPECT_TRUE(std::filesystem::exists(in_folder("out/tracks/two.discs.png")));
@@ -85,9 +83,7 @@ TEST_F(Identity, ADiscThatNeverMovesIsNoPartUnlessItIsSaidToBe) {
   expect_refused(found, 4, {"never moves", "--disc 40.4,30.2,11"});
   EXPECT_TRUE(std::filesystem::exists(in_folder("t.csv")));
   EXPECT_EQ(run("track still.cine --mm-per-px 0.1 --disc 40.4,30.2,11 -o t.csv -q").exit_code, 0);
-  put(in_folder("c.toml"),
-      "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.1\n[fit]\nparameters = "
-      "[\"mu1\"]\n[[run]]\nvideo = \"still.cine\"\nkind = \"free_slide\"\n");
+  put(in_folder("c.toml"), slides_campaign({"still.cine"}, "mm_per_px = 0.1\n"));
   expect_refused(run("run c.toml -o out -q"), 3, {"still", "never moves", "disc_px"});
 }
 

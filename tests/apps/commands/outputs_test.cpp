@@ -2,34 +2,17 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
-
 #include "apps/program.h"
 
 namespace tribotrack::apps {
 namespace {
 
-using ::testing::HasSubstr;
-using Json = nlohmann::json;
-
-const std::string kScene =
-    "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 100\nvelocity_y_mm_s = "
-    "40\n"
-    "[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = 0.2e-3\nframes = 40\n"
-    "[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\nhighlight = 0\n"
-    "[surface]\ntexture_rms = 0\n";
-
-const std::string kCampaign =
-    "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n"
-    "[[run]]\nvideo = \"slide.cine\"\nkind = \"free_slide\"\n";
-
 class Outputs : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
-    put(in_folder("scene.toml"), kScene);
-    put(in_folder("c.toml"), kCampaign);
-    ASSERT_EQ(run("synth scene.toml -o slide.cine -q").exit_code, 0);
+    render_slide("slide.cine");
+    put(in_folder("c.toml"), slides_campaign({"slide.cine"}));
     video_ = content_of(in_folder("slide.cine"));
   }
   /// Exit 3 with one sentence, and every named file as it was.
@@ -71,8 +54,7 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
   // A recording that lies where `run` keeps its videos.
   std::filesystem::create_directories(in_folder("mixed/tracks"));
   std::filesystem::copy_file(in_folder("slide.cine"), in_folder("mixed/tracks/slide.mp4"));
-  put(in_folder("mixed.toml"), kCampaign.substr(0, kCampaign.find("slide.cine")) +
-                                   "mixed/tracks/slide.mp4\"\nkind = \"free_slide\"\n");
+  put(in_folder("mixed.toml"), slides_campaign({"mixed/tracks/slide.mp4"}));
   expect_kept("run mixed.toml -o mixed --overlay-videos -q", "mixed/tracks/slide.mp4", "is an input");
 }
 

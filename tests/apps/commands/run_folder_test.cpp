@@ -14,28 +14,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-const std::string kHead =
-    "[platform]\namplitude_mm = 0\n[camera]\nmm_per_px = 0.05\n[fit]\nparameters = [\"mu1\"]\n";
-
-std::string slide(const std::string& name) {
-  return "[[run]]\nvideo = \"" + name + ".cine\"\nkind = \"free_slide\"\n";
-}
-
-class RunFolders : public ProgramTest {
- protected:
-  void render(const std::string& name, const std::string& velocity = "100") {
-    put(in_folder("scene.toml"),
-        "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = " + velocity +
-            "\nvelocity_y_mm_s = 40\n[video]\nwidth = 160\nheight = 120\nframe_rate_hz = 1000\nexposure_s = "
-            "0.2e-3\nframes = 40\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = 12\nscratches = 0\n"
-            "highlight = 0\n[surface]\ntexture_rms = 0\n");
-    ASSERT_EQ(run("synth scene.toml -o " + name + ".cine -q").exit_code, 0);
-  }
-};
+class RunFolders : public ProgramTest {};
 
 TEST_F(RunFolders, ASecondRunIsRefusedWhileOneIsWriting) {
-  render("a");
-  put(in_folder("c.toml"), kHead + slide("a"));
+  render_slide("a.cine");
+  put(in_folder("c.toml"), slides_campaign({"a.cine"}));
   ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
   EXPECT_FALSE(fs::exists(in_folder("out/.lock")));
   const std::string fit = content_of(in_folder("out/fit.json"));
@@ -54,8 +37,8 @@ TEST_F(RunFolders, ASecondRunIsRefusedWhileOneIsWriting) {
 }
 
 TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
-  render("a");
-  put(in_folder("c.toml"), kHead + slide("a"));
+  render_slide("a.cine");
+  put(in_folder("c.toml"), slides_campaign({"a.cine"}));
   fs::create_directories(in_folder("out"));
   put(in_folder("wait.sh"),
       "( exec 9>out/.lock; flock 9; echo >taken; sleep 1.5 ) &\n"
@@ -71,9 +54,9 @@ TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
 
 // A fresh campaign is fitted from memory, a resumed one from its files.
 TEST_F(RunFolders, ResumingGivesTheSameBytes) {
-  render("a");
-  render("b", "90");
-  put(in_folder("c.toml"), kHead + slide("a") + slide("b"));
+  render_slide("a.cine");
+  render_slide("b.cine", {.velocity_x = "90"});
+  put(in_folder("c.toml"), slides_campaign({"a.cine", "b.cine"}));
   ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
   std::map<std::string, std::string> fresh;
   for (const char* file : {"out/fit.json", "out/fit.json.meta.json", "out/report.html", "out/tracks/a.csv",

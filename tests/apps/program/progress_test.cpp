@@ -42,15 +42,9 @@ TEST(ProgressLine, OnATerminalIsRewrittenAndTakenAway) {
             "\r\033[Kwork: 1/2\r\033[Kwork: 1/2\r\033[Kwork: 1/2\r\033[K");
 }
 
-TEST(ProgressLine, ElsewhereShortWorkSaysNothing) {
-  EXPECT_EQ(shown(ProgressStyle::plain, true), "");
-  EXPECT_EQ(shown(ProgressStyle::none, true), "");
-}
-
 // Several recordings at once, of different length, some of them done long ago.
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::string last_line(const std::vector<std::uintmax_t>& sizes,
                       const std::function<void(RunsProgress&)>& work) {
@@ -82,22 +76,7 @@ TEST(RunsProgress, TheShareDoneIsOfTheRecordingsSizes) {
               HasSubstr("runs: 2/2 (100 %), "));
 }
 
-TEST(RunsProgress, WhatWasCurrentTellsNothingOfTheTimeLeft) {
-  const std::string line = last_line({1000, 300, 100}, [](RunsProgress& progress) {
-    for (int k = 0; k < 3; ++k) progress.finish(0);
-  });
-  EXPECT_THAT(line, HasSubstr("(0 %)"));
-  EXPECT_THAT(line, Not(HasSubstr("left")));
-}
-
-class Streams : public ProgramTest {
- protected:
-  /// With redirections of one's own; `err` is what went to err.txt.
-  Outcome redirected(const std::string& command) const {
-    run(command + "; echo $? >code; :");
-    return {std::stoi(content_of(folder_ / "code")), "", content_of(folder_ / "err.txt")};
-  }
-};
+class Streams : public ProgramTest {};
 
 TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
   put(in_folder("t.csv"), "frame,\x1b]0;gone\x07\x1b[2J\n1,2\n");

@@ -90,18 +90,6 @@ TEST(JsonPlace, ValuesComeByTheirKind) {
   EXPECT_EQ(json.at("l").items().size(), 2u);
 }
 
-TEST(JsonPlace, WhatIsNotThereIsWhatTheCallerTakesInstead) {
-  const JsonPlace json{kJson, ""};
-  EXPECT_EQ(json.number("none", 7), 7);
-  EXPECT_EQ(json.number("nothing", 7), 7) << "null";
-  EXPECT_EQ(json.whole("none", 7), 7);
-  EXPECT_EQ(json.integer("k", 7), 20);
-  EXPECT_EQ(json.boolean("none", true), true);
-  EXPECT_EQ(json.text("none"), "");
-  EXPECT_TRUE(json.items("none").empty());
-  EXPECT_FALSE(json.find("nothing"));
-}
-
 TEST(JsonPlace, WhatIsOfAnotherKindIsRefusedByItsPlace) {
   EXPECT_EQ(refusal([](auto& j) { j.at("none"); }), "`none` is missing");
   EXPECT_EQ(refusal([](auto& j) { j.at("l").at(1).number(); }), "`l[1]` must be a number, not \"two\"");

@@ -30,70 +30,6 @@ TEST(StrictToml, HandsOutWhatIsThere) {
   t.finish();
 }
 
-TEST(StrictToml, ErrorsNameFileLineColumnAndRemedy) {
-  StrictTable t = StrictTable::parse("\namplitude_mm = \"x\"\n", "t.toml");
-  const std::string text = complaint_of([&] { t.number("amplitude_mm"); });
-  EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
-  EXPECT_THAT(text, HasSubstr("`amplitude_mm`"));
-  EXPECT_THAT(text, HasSubstr("number"));
-}
-
-TEST(StrictToml, AnUnknownKeyIsNamedWithTheNearestOne) {
-  StrictTable t = StrictTable::parse("[fit]\ncycels = 20\n", "t.toml");
-  StrictTable fit = *t.table("fit");
-  fit.integer("cycles");
-  fit.text("start");
-  const std::string text = complaint_of([&] { fit.finish(); });
-  EXPECT_THAT(text, HasSubstr("t.toml:2:1"));
-  EXPECT_THAT(text, HasSubstr("cycels"));
-  EXPECT_THAT(text, HasSubstr("did you mean `cycles`"));
-}
-
-TEST(StrictToml, AKeyOfAnotherTableIsSentThere) {
-  StrictTable t =
-      StrictTable::parse("[camera]\ndiameter_mm = 6\n[fit]\nmu1 = 0.2\ntitle = \"t\"\n", "t.toml");
-  t.say_where_keys_belong([] {
-    return std::vector<AskedKey>{{"", "title", "text"},
-                                 {"part", "diameter_mm", "number"},
-                                 {"fit.guess", "mu1", "number"},
-                                 {"run", "mu1", "number"}};
-  });
-  StrictTable camera = *t.table("camera"), fit = *t.table("fit");
-  EXPECT_EQ(complaint_of([&] { camera.finish(); }),
-            "t.toml:2:1: `diameter_mm` in [camera] does not belong here but in [part]");
-  EXPECT_EQ(complaint_of([&] { fit.finish(); }),
-            "t.toml:4:1: `mu1` in [fit] does not belong here but in [fit.guess] or in [[run]]");
-  fit.number("mu1");
-  EXPECT_THAT(complaint_of([&] { fit.finish(); }),
-              HasSubstr("at the top of the file, before the first [table]"));
-}
-
-TEST(StrictToml, DuplicateKeysAndBrokenSyntaxHaveAPlace) {
-  EXPECT_THAT(complaint_of([] { StrictTable::parse("a = 1\na = 2\n", "t.toml"); }), HasSubstr("t.toml:2:"));
-  EXPECT_THAT(complaint_of([] { StrictTable::parse("a = \n", "t.toml"); }), HasSubstr("t.toml:1:"));
-}
-
-TEST(StrictToml, NumbersMustBeFiniteAndInRange) {
-  StrictTable t = StrictTable::parse("a = nan\nb = inf\nc = 0\nd = -1\ne = [1, nan]\n", "t.toml");
-  EXPECT_THAT(complaint_of([&] { t.angle("a"); }), HasSubstr("finite"));
-  EXPECT_THAT(complaint_of([&] { t.number("b"); }), HasSubstr("finite"));
-  EXPECT_THAT(complaint_of([&] { t.positive("c"); }), HasSubstr("greater than 0"));
-  EXPECT_THAT(complaint_of([&] { t.not_negative("d"); }), HasSubstr("0 or more"));
-  EXPECT_THAT(complaint_of([&] { t.numbers("e", 2); }), HasSubstr("2 numbers"));
-}
-
-TEST(StrictToml, AChoiceListsItsWords) {
-  StrictTable t = StrictTable::parse("start = \"circlin\"\n", "t.toml");
-  const std::string text = complaint_of([&] { t.choice("start", {"rest", "circling", "steady"}); });
-  EXPECT_THAT(text, HasSubstr("rest, circling, steady"));
-  EXPECT_THAT(text, HasSubstr("did you mean \"circling\""));
-}
-
-TEST(StrictToml, NearestWordIsNearOrNothing) {
-  EXPECT_EQ(nearest_word("phase_lag", {"phi_rad", "phase_lag_rad"}), "phase_lag_rad");
-  EXPECT_EQ(nearest_word("zzzz", {"phi_rad", "mu1"}), "");
-}
-
 TEST(StrictToml, AnObjectStandsInPlaceOfAFile) {
   StrictTable t = StrictTable::of(Json::parse(R"({"phi_rad": "pi/2", "cycles": 20, "fit": {"mu1": 0.5},
       "on": true, "disc": [1, 2.5, 3], "run": [{"a": 1}, {"a": "b"}]})"),
@@ -134,14 +70,6 @@ TEST(TomlSlips, AnEncodingIsNamedWithThePlaceThatShowsIt) {
   EXPECT_THAT(encoding_slip("\xe2\x82"), HasSubstr("UTF-8"));                    // cut short
   for (const std::string_view bom : {"\xff\xfe", "\xfe\xff"})
     EXPECT_THAT(encoding_slip(bom), HasSubstr("UTF-16"));
-}
-
-TEST(TomlSlips, ABinaryFileIsNamedForWhatItIs) {
-  using namespace std::string_literals;
-  for (const std::string& recording :
-       {"CI,\0"s, "\0\0\0 ftypisom"s, "RIFF\0\0\0\0AVI "s, "\x1a\x45\xdf\xa3\0"s})
-    EXPECT_THAT(encoding_slip(recording), HasSubstr("is a recording"));
-  EXPECT_THAT(encoding_slip("PK\x03\x04\0\0"s), HasSubstr("no text file"));
 }
 
 TEST(TomlSlips, WhatIsWrongWithALine) {

@@ -25,14 +25,6 @@ TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
   EXPECT_THAT(run("--version", "TMPDIR=/nowhere ").out, HasSubstr("TMPDIR"));
 }
 
-TEST_F(Usage, WhatLeftSaysWhatToDoInstead) {
-  expect_refused(run("doctor --json"), 2, {"`doctor`", "--version"});
-  expect_refused(run("manual -o man"), 2, {"`manual`", "--help"});
-  expect_refused(run("completion bash"), 2, {"`completion`", "package"});
-  expect_refused(run("sweep s.toml --part 1/2 -o s.csv"), 2, {"`sweep --part`", "run --emit snakemake"});
-  expect_refused(run("sweep --join=1.csv 2.csv -o s.csv"), 2, {"`sweep --join`", "run --emit snakemake"});
-}
-
 // Made from --help when the package is.
 TEST_F(Usage, CompletionKnowsCommandsOptionsAndWords) {
   put(in_folder("c.bash"),
@@ -60,12 +52,6 @@ TEST_F(Usage, CampaignNamesOfTheDriveAreFlagsToo) {
   EXPECT_EQ(run("simulate s.toml --json -q").out, run("simulate t.toml --json -q").out);
   EXPECT_THAT(run("sweep t.toml --over phase_lag_rad=0,1 -o - -q").out, HasSubstr("phase_lag_rad,alpha_rad"));
   expect_refused(run("simulate --angular-frequency-rad-s fast"), 2, {"--omega-rad-s", "fast"});
-}
-
-TEST_F(Usage, EveryCommandPrintsJson) {
-  for (const char* command : {"run", "watch", "track", "measure", "fit", "report", "probe", "calibrate",
-                              "simulate", "sweep", "synth", "paper", "bench", "init"})
-    EXPECT_THAT(run(std::string(command) + " --help").out, HasSubstr("--json")) << command;
 }
 
 }  // namespace

@@ -153,19 +153,6 @@ TEST(GateTiming, SaturationAndUnknownExposureStillBracket) {
   EXPECT_LT(vague.timing->phi.sd, b.w / b.rate);
 }
 
-TEST(GateTiming, SaysWhyThereIsNothingToMeasure) {
-  std::mt19937 random(6);
-  Blinking b;
-  b.on = b.off;
-  EXPECT_THAT(measure_gate(record(b, random), {b.w, 0, 0}).why_not, testing::HasSubstr("blink"));
-  b = {};
-  b.dtau = 0.06;  // shorter than the exposure of 0.126 rad
-  EXPECT_THAT(measure_gate(record(b, random), {b.w, 0, 0}).why_not, testing::HasSubstr("shorter"));
-  b = {};
-  EXPECT_FALSE(measure_gate(record(b, random), {b.w * 1.37, 0, 0}).timing);  // not its frequency
-  EXPECT_FALSE(measure_gate({}, {b.w, 0, 0}).timing);
-}
-
 TEST(GateTiming, AFlashIsNotBelieved) {
   std::mt19937 random(7);
   const Blinking b;

@@ -9,8 +9,6 @@
 #include <numbers>
 #include <random>
 
-#include "fit/slow_friction.h"
-
 namespace tribotrack::fit {
 namespace {
 
@@ -86,51 +84,6 @@ TEST(Displacement, UncertaintyOfWMovesTheEnd) {
   EXPECT_NEAR(d.covariance(0, 0), std::pow(2e-3 * scale, 2), 1e-15);
   EXPECT_NEAR(d.covariance(0, 1), 2e-6 * scale * scale, 1e-15);
   EXPECT_NEAR(d.mean_velocity.sd, 0, 1e-9);  // of steady motion, v does not care where the end is
-}
-
-// The stated covariance is the scatter seen, with friction switches between the frames.
-TEST(Displacement, CovarianceIsHonestOnTheModelsOwnMotion) {
-  model::Scenario s;
-  s.friction = {0.1, 0.0125, 0.4, pi / 2, 0};
-  const unsigned seed = 20240611;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const double w = s.drive.angular_frequency;
-  for (const double rate : {250.0, 500.0, 1000.0}) {
-    const double sigma = 0.2e-6;
-    double sum = 0, interpolation = 0;
-    const int trials = 60;
-    for (int i = 0; i < trials; ++i) {
-      s.friction.phase = 2 * pi * uniform(random);
-      std::vector<double> times;
-      const double exact_end = 10 * 2 * pi / w;
-      for (int k = 0; k / rate < exact_end + 0.05; ++k) times.push_back(k / rate);
-      times.push_back(exact_end);
-      std::sort(times.begin(), times.end());
-      const auto points = test::SlowFriction(s).at(times, 300);
-      TrackTable track;
-      std::normal_distribution<double> noise;
-      Eigen::Vector2d truth = Eigen::Vector2d::Zero();
-      for (const auto& p : points) {
-        if (p.time == exact_end) {
-          truth = p.position;
-          continue;
-        }
-        track.time.push_back(p.time);
-        track.position.push_back(p.position + sigma * Eigen::Vector2d(noise(random), noise(random)));
-        track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
-      }
-      const auto d = measure_displacement(track, {w, 0}, 10);
-      const Eigen::Vector2d error = d.vector - truth;
-      sum += error.dot(d.covariance.inverse() * error);
-      interpolation += d.covariance.trace() / 2;
-    }
-    // chi^2 with 2 dof a trial: mean 2, sd of the mean 0.26; the interpolation error is no Gaussian.
-    EXPECT_GT(sum / trials, 0.8) << rate;
-    EXPECT_LT(sum / trials, 3.2) << rate;
-    EXPECT_LT(std::sqrt(interpolation / trials), rate < 400 ? 1.2e-6 : 0.5e-6) << rate;
-  }
 }
 
 TEST(Displacement, LostFramesNearTheEndWidenTheCovarianceOrCostACycle) {

@@ -62,18 +62,6 @@ TEST(PointNoise, LostFramesAndEverySecondFrameDoNotMatter) {
   EXPECT_NEAR(noise->x() / 0.004, 1, 0.12);
 }
 
-TEST(PointNoise, AMotionWithoutNoiseHasNone) {
-  Film f;
-  for (int k = 0; k < 200; ++k) {
-    f.frames.push_back(k);
-    f.positions.emplace_back(0.01 * k * k, 3.0 * k);
-  }
-  const auto noise = point_noise(f.frames, f.positions);
-  ASSERT_TRUE(noise);
-  EXPECT_LT(noise->x(), 1e-9);
-  EXPECT_LT(noise->y(), 1e-9);
-}
-
 TEST(PointNoise, TooFewFramesTellNothing) {
   const Film f = film(250, 29, 0.003, 0.003, 7);
   EXPECT_FALSE(point_noise(f.frames, f.positions));

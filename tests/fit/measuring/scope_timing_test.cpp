@@ -133,37 +133,6 @@ TEST(ScopeTiming, BurstsThatDoNotFollowThePlatformGiveNoTiming) {
   EXPECT_NE(gate.why_not.find("from turn to turn"), std::string::npos) << gate.why_not;
 }
 
-TEST(ScopeTiming, ChannelsThatShowNothingAreRefused) {
-  ScopeTrace swapped = trace_of({}, 4);
-  std::swap(swapped.sensor, swapped.actuator);
-  swapped.sensor.assign(swapped.sensor.size(), 1.0);
-  EXPECT_THROW(find_scope_events(swapped, {}), DataError);
-  ScopeTrace flat = trace_of({}, 4);
-  flat.actuator.assign(flat.actuator.size(), 0.1);
-  EXPECT_THROW(find_scope_events(flat, {}), DataError);
-  ScopeTrace coarse = trace_of({}, 4);
-  coarse.increment = 1e-4;
-  EXPECT_THROW(find_scope_events(coarse, {}), DataError);
-}
-
-TEST(ChannelLook, TellsPulsesFromBursts) {
-  for (const double dtau : {0.3, pi / 3, 5.0}) {
-    TraceTruth truth;
-    truth.dtau = dtau;
-    const ScopeTrace trace = trace_of(truth, 4);
-    const ChannelLook sensor = look_at_channel(trace.sensor, trace.increment);
-    EXPECT_EQ(sensor.kind, ChannelLook::Kind::pulses);
-    EXPECT_NEAR(2 * pi * sensor.repeat_hz, truth.w, 1e-3);
-    EXPECT_NEAR(sensor.high, 3.3, 0.1);
-    EXPECT_NEAR(sensor.low, 0, 0.1);
-    const ChannelLook actuator = look_at_channel(trace.actuator, trace.increment);
-    EXPECT_EQ(actuator.kind, ChannelLook::Kind::bursts);
-    EXPECT_NEAR(actuator.carrier_hz, 5890, 5);
-    EXPECT_NEAR(2 * pi * actuator.repeat_hz, truth.w, 0.05);
-    EXPECT_NEAR(actuator.samples_per_period, 1e5 / 5890, 0.02);
-  }
-}
-
 TEST(ChannelLook, WhatIsNeitherIsQuiet) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
