@@ -85,6 +85,8 @@ struct RunResult {
   } slide;
 };
 
+std::string slide_sentence(const RunResult& run);  ///< a free slide's initial speed and residual
+
 enum class Verdict { identifiable, weak, not_identifiable };
 
 struct Identifiability {
@@ -261,6 +263,9 @@ struct FitResult {
   std::string improve_first;        ///< a sentence: what to do about the largest
   /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
   Eigen::VectorXd sd_from(const std::string& place) const;
+  /// Whether what a lossy coder may do to the platform's motion exceeds the interval of a parameter without
+  /// it.
+  bool coder_exceeds_interval() const;
   /// What was taken as exact, a sentence each: "gravity is taken as exact; with 1 % more of it: mu1 down 1
   /// %".
   std::vector<std::string> systematics;

@@ -132,6 +132,24 @@ Eigen::VectorXd FitResult::sd_from(const std::string& place) const {
   return squares.cwiseSqrt();
 }
 
+bool FitResult::coder_exceeds_interval() const {
+  constexpr double kHalfWidth = 1.96;  // of a 95 % interval, in sd
+  const Eigen::VectorXd by_coder = sd_from(kFromCoder);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double coder = by_coder(static_cast<Eigen::Index>(i)), all = parameters[i].sd;
+    if (std::isfinite(all) && coder * coder > kHalfWidth * kHalfWidth * (all * all - coder * coder))
+      return true;
+  }
+  return false;
+}
+
+std::string slide_sentence(const RunResult& run) {
+  const auto speed = run.nuisance.find("initial_speed_mm_s");
+  if (speed == run.nuisance.end()) return "";
+  return fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.", speed->second,
+                     run.points, run.rms_m * 1e3);
+}
+
 std::string FitResult::brief_report() const {
   std::string text;
   for (const auto& p : parameters) {
