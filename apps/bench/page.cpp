@@ -8,15 +8,12 @@
 #include <fstream>
 #include <utility>
 
-#include "apps/figures/axes.h"
 #include "apps/page/page.h"
 #include "apps/page/text.h"
 
 namespace tribotrack::bench {
 
 using apps::Figure;
-using apps::FigurePanel;
-using apps::Series;
 
 namespace {
 
@@ -34,31 +31,27 @@ std::string legend_of(const std::string& method) {
                                                                        : method;
 }
 
-apps::FigureAxis decades(const std::string& title, const std::vector<double>& values) {
-  double low = HUGE_VAL, high = 0;
-  for (const double value : values)
-    if (value > 0 && std::isfinite(value)) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  apps::FigureAxis axis{.title = title, .scale = apps::AxisScale::logarithmic};
-  if (!(high > 0)) return axis;
-  axis.low = std::pow(10, std::floor(std::log10(low)));
-  axis.high = std::pow(10, std::max(std::ceil(std::log10(high)), std::log10(axis.low) + 1));
-  return axis;
+/// Whole decades that hold the positive values.
+apps::Json decades(const std::string& title, apps::Values values) {
+  std::erase_if(values, [](double value) { return !(value > 0) || !std::isfinite(value); });
+  if (values.empty()) return apps::plot::log_axis(title);
+  const double low = std::floor(std::log10(std::ranges::min(values)));
+  return apps::plot::log_axis(title, low, std::max(std::ceil(std::log10(std::ranges::max(values))), low + 1));
 }
 
-Series& series_of(FigurePanel& panel, std::vector<std::string>& legend, const ComparedRow& row) {
-  const std::string name = legend_of(row.method);
-  const auto there = std::ranges::find(panel.series, name, &Series::name);
-  if (there != panel.series.end()) return *there;
-  const auto entry = std::ranges::find(legend, name);
-  Series series{.name = name, .colour = static_cast<int>(entry - legend.begin())};
-  series.in_legend = entry == legend.end();
-  series.large = row.whose != Whose::peer;
-  if (series.in_legend) legend.push_back(name);
-  panel.series.push_back(series);
-  return panel.series.back();
+/// Points of one entry of the legend in one panel.
+struct Dots {
+  std::string name;
+  bool large = false;
+  apps::Values x = {}, y = {};
+  apps::Notes notes = {};
+};
+
+template <class List, class Member>
+auto& found_or_added(List& list, const std::string& name, Member member) {
+  auto found = std::ranges::find(list, name, member);
+  if (found == list.end()) found = list.insert(found, {name});
+  return *found;
 }
 
 /// Where a method ends, a point at each of its settings; what has no logarithm is drawn at the lower edge.
@@ -69,27 +62,41 @@ Figure figure_of(const Comparison& comparison) {
       "dots are "
       "tribotrack.";
   figure.alternative = comparison.title + ", a panel for each group of scenes over two logarithmic axes";
-  figure.columns = 2;
-  std::vector<double> times, errors;
+  apps::Values times, errors;
   for (const ComparedRow& row : comparison.rows) {
     times.push_back(row.time);
     errors.push_back(row.error);
   }
-  const apps::FigureAxis x = decades(comparison.time + ", s", times),
-                         y = decades(
-                             comparison.error + (comparison.unit == "x limit" ? "" : ", " + comparison.unit),
-                             errors);
-  std::vector<std::string> legend;
+  const apps::Json x = decades(comparison.time + ", s", times);
+  const apps::Json y =
+      decades(comparison.error + (comparison.unit == "x limit" ? "" : ", " + comparison.unit), errors);
+  struct Group {
+    std::string name;
+    std::vector<Dots> dots = {};
+  };
+  std::vector<Group> groups;
   for (const ComparedRow& row : comparison.rows) {
     if (!row.arrived) continue;
-    auto panel = std::ranges::find(figure.panels, row.group, &FigurePanel::title);
-    if (panel == figure.panels.end())
-      panel = figure.panels.insert(panel, FigurePanel{.x = x, .y = y, .title = row.group});
-    Series& series = series_of(*panel, legend, row);
-    series.x.push_back(row.time);
-    series.y.push_back(row.error > 0 ? row.error : y.low);
-    series.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene,
-                                       row.error, comparison.unit, verdict(row)));
+    Dots& dots = found_or_added(found_or_added(groups, row.group, &Group::name).dots, legend_of(row.method),
+                                &Dots::name);
+    dots.large = row.whose != Whose::peer;
+    dots.x.push_back(row.time);
+    dots.y.push_back(row.error > 0 ? row.error : std::pow(10, y["range"][0].get<double>()));
+    dots.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene, row.error,
+                                     comparison.unit, verdict(row)));
+  }
+  std::vector<std::string> legend;
+  for (const Group& group : groups) {
+    apps::Panel panel{.x = x, .y = y, .title = group.name};
+    for (const Dots& dots : group.dots) {
+      const auto entry = std::ranges::find(legend, dots.name);
+      const bool first = entry == legend.end();
+      const auto colour = static_cast<int>(entry - legend.begin());
+      if (first) legend.push_back(dots.name);
+      panel.traces.push_back(apps::plot::points(
+          dots.name, dots.x, dots.y, {.colour = colour, .legend = first, .large = dots.large}, dots.notes));
+    }
+    figure.panels.push_back(panel);
   }
   figure.columns = figure.panels.size() > 1 ? 2 : 1;
   figure.height = 0.35 * std::ceil(static_cast<double>(figure.panels.size()) / figure.columns);

@@ -11,7 +11,6 @@
 #include "apps/bench/page.h"
 #include "apps/bench/vision.h"
 #include "apps/commands/command.h"
-#include "apps/figures/figure_csv.h"
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/paper/paper.h"

@@ -1,78 +1,27 @@
-// A figure as data: what it shows, whoever draws it. The page draws it with plotly.js
-// (page/assets/figures.js), its numbers leave as CSV (figure_csv.h); both from this one
-// description.
+// Figures in the terms of plotly.js: its traces, axes and shapes as JSON. Each figure is a function that
+// returns one; the page (page/assets/figures.js) adds what depends on the screen: where the panels lie, and
+// the colours of a dark one.
 #pragma once
 
+#include <cstddef>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "apps/text/json.h"
 
 namespace tribotrack::apps {
 
 /// A number that is not there: a gap in a line, an end of an axis that the data decide.
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-enum class AxisScale { linear, logarithmic };
-
-struct FigureAxis {
-  std::string title = {};  ///< quantity and unit, plain text: "phase shift φ, rad"
-  AxisScale scale = AxisScale::linear;
-  double low = kNone, high = kNone;  ///< ends; kNone: see settle_axes() in axes.h
-  std::vector<double> ticks = {};    ///< where, with `labels`; empty: round numbers, as the drawer finds them
-  std::vector<std::string> labels = {};
-  bool shown = true;  ///< false: neither numbers nor title, as between panels that share an axis
-};
-
-enum class Mark {
-  points,
-  line,  ///< from point to point; kNone breaks it
-  band,  ///< from y to y_high over x
-  bars,  ///< from 0 to x at height y, lying
-  text,  ///< `notes` written at the points
-};
-
-/// Colours of series: an index into the palette of the drawers, or one of these.
-inline constexpr int kInk = -1;   ///< as the text
-inline constexpr int kGrey = -2;  ///< in the background
-
-struct Series {
-  Mark mark = Mark::points;
-  std::string name = {};  ///< series of one name share their entry in the legend, and are hidden together
-  std::vector<double> x = {}, y = {};
-  std::vector<double> sd = {};          ///< of y; empty: no bars
-  std::vector<double> y_high = {};      ///< of bands
-  std::vector<std::string> notes = {};  ///< what each point is: the run's name
-  int colour = 0;
-  double value = kNone;    ///< with Figure::colours the place on its scale, instead of `colour`
-  bool in_legend = false;  ///< one of those that share the name
-  bool dashed = false;
-  bool small = false;  ///< dots for many points, a thin line
-  bool large = false;  ///< dots that stand out among others
-};
-
-/// A stripe in the background: "19 of 20 lie within".
-struct Stripe {
-  double low = 0, high = 0;
-};
-
-struct FigurePanel {
-  FigureAxis x, y;
-  std::vector<Series> series = {};
-  std::vector<Stripe> stripes = {};  ///< of y
-  std::vector<Stripe> spans = {};    ///< of x, standing: times without a measurement
+struct Panel {
+  Json x, y;                      ///< axes: axis() and those after it
+  std::vector<Json> traces = {};  ///< points(), line(), ...; none: an empty place
+  std::vector<Json> shapes = {};  ///< stripe(), span()
   std::string title = {};
   double height = 1;         ///< of its row, relative to the others
   bool equal_scale = false;  ///< a millimetre is as long along y as along x
-  bool zero_line = false;    ///< y = 0 is drawn
-};
-
-/// What Series::value means, where there are too many groups for a legend.
-struct ColourScale {
-  std::string title;
-  double low = 0, high = 1;
-  std::vector<double> ticks = {};
-  std::vector<std::string> labels = {};
 };
 
 struct Figure {
@@ -81,9 +30,9 @@ struct Figure {
   std::string caption;  ///< HTML; the title is not repeated in it
   /// What a reader who cannot see it should know, plain text.
   std::string alternative = {};
-  int columns = 1;                       ///< of panels, row by row
-  std::vector<FigurePanel> panels = {};  ///< without series: an empty place
-  std::optional<ColourScale> colours = {};
+  int columns = 1;  ///< of panels, row by row
+  std::vector<Panel> panels = {};
+  Json colour_bar = {};   ///< colour_bar(); null: none
   bool shared_x = false;  ///< panels of a column share their x axis
   double height = 0.62;   ///< over width
   double width = 1;       ///< of the text's, on a wide screen
@@ -91,5 +40,111 @@ struct Figure {
 
 /// The most entries of a legend; more groups are told apart by a colour scale.
 inline constexpr std::size_t kMostInLegend = 8;
+
+using Values = std::vector<double>;
+using Notes = std::vector<std::string>;
+
+namespace plot {
+
+// Traces. Those of one name share their entry in the legend, and are hidden together.
+
+inline constexpr int kInk = -1;   ///< the colour of the text
+inline constexpr int kGrey = -2;  ///< in the background
+
+struct Look {
+  int colour = 0;          ///< of the palette, or kInk, kGrey
+  double on_ramp = kNone;  ///< 0 to 1: on the colour scale instead
+  bool legend = false;     ///< one of those that share the name
+  bool dashed = false;
+  bool small = false;  ///< dots for many points, a thin line
+  bool large = false;  ///< dots that stand out among others
+};
+
+/// `notes`: what each point is; `sd`: of y. Empty: none.
+Json points(const std::string& name, const Values& x, const Values& y, const Look& look = {},
+            const Notes& notes = {}, const Values& sd = {});
+/// From point to point; kNone breaks it.
+Json line(const std::string& name, const Values& x, const Values& y, const Look& look = {});
+/// From `low` to `high` over x.
+Json band(const std::string& name, const Values& x, const Values& low, const Values& high, const Look& look);
+/// Lying, from 0 to x at height y.
+Json bars(const Values& x, const Values& y, const Notes& notes, const Look& look);
+/// Notes in ink, written at the points.
+Json labels(const Values& x, const Values& y, const Notes& notes);
+
+/// x or y of a trace.
+Values values_of(const Json& trace, const char* key);
+
+// Axes.
+
+/// `title`: quantity and unit, plain text: "phase shift φ, rad". An end that is kNone: see settle_axes().
+Json axis(const std::string& title, double low = kNone, double high = kNone);
+/// Of a logarithm; ends as its exponents.
+Json log_axis(const std::string& title, double low = kNone, double high = kNone);
+/// An axis of angles in rad with ticks at multiples of pi/n, n of 1, 2, 3, 4, 6, 8, 12: the finest that gives
+/// no more than eight ticks, thirds where the `values` lie on sixths but not on quarters. A range that holds
+/// fewer than three of them has plotly's ticks.
+Json angle_axis(const std::string& title, double low, double high, const Values& values = {});
+/// Ticks at these places instead of round numbers.
+Json with_ticks(Json axis, const Values& places, const Notes& texts);
+Json with_zero_line(Json axis);
+/// Neither numbers nor title, as between panels that share an axis.
+Json hidden(Json axis);
+
+// Behind the traces: "19 of 20 lie within", from `low` to `high` of y; times without a measurement, of x.
+
+Json stripe(double low, double high);
+Json span(double low, double high);
+
+/// What Look::on_ramp means: 0 is `low`. `ticks`: an axis with such ends, and perhaps ticks.
+Json colour_bar(const std::string& title, const Json& ticks);
+
+}  // namespace plot
+
+/// "5π/6" for k pi / n, reduced; "−π", "0".
+std::string multiple_of_pi(long k, long n);
+
+/// Ends that the data decide: those of all traces of a panel, of its column where the x axis is shared, with
+/// a twentieth to spare, or whole decades. Equal scales take what room plotly has.
+void settle_axes(Figure& figure);
+
+// Ranges, and fewer points of long recordings: as many as an eye tells apart.
+
+/// The finite values' least and greatest; {0, 1} where there is none, and never of length 0.
+struct Range {
+  double low = 0, high = 1;
+  double size() const { return high - low; }
+};
+Range range_of(const Values& values);
+/// With a share of its length added on both sides.
+Range padded(const Range& range, double share);
+/// The range that holds both.
+Range hull(const Range& a, const Range& b);
+
+struct DrawnPath {
+  Values x, y;  ///< NaN where the pen is lifted
+};
+
+/// At most `most` points and the breaks between them: every n-th point, and a break wherever the path is
+/// interrupted in between, so that no line crosses a gap. NaN: not measured.
+DrawnPath thinned(const Values& x, const Values& y, std::size_t most);
+
+/// Which points of a series in time are drawn: of each of most/2 equal stretches the lowest and the highest,
+/// so that no outlier is lost; all where there are no more than `most`. A stretch without a finite value
+/// gives its first point.
+std::vector<std::size_t> envelope(const Values& y, std::size_t most);
+
+/// The values at these places.
+Values picked(const Values& values, const std::vector<std::size_t>& places);
+
+// A figure as the page and other programs take it.
+
+/// For plotly.js: "data" and "layout", panels numbered row by row, and "panels" with title and height of
+/// each. Numbers are good to a tenth of a pixel. Axes must be settled.
+Json plotly_json(const Figure& figure);
+
+/// One row a point: panel and trace by their number from 1, the mark ("points", "line", "band", "bars",
+/// "text"), the trace's name, x, y, sd, y_high, note. All digits; an empty cell for what is not there.
+std::string csv_of(const Figure& figure);
 
 }  // namespace tribotrack::apps

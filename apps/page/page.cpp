@@ -12,8 +12,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "apps/figures/axes.h"
-#include "apps/figures/figure_csv.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/page/filling.h"
 #include "apps/page/text.h"
@@ -281,7 +279,7 @@ constexpr int kNarrowest = 480;  // px, of a figure that is narrower than the te
 /// JSON inside a script element.
 std::string figures_json(const std::vector<Figure>& figures) {
   Json list = Json::array();
-  for (const Figure& figure : figures) list.push_back(json_of(figure));
+  for (const Figure& figure : figures) list.push_back(plotly_json(figure));
   return json_for_script(list);
 }
 

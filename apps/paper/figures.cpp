@@ -8,7 +8,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "apps/figures/axes.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/page/text.h"
 #include "apps/paper/paper.h"
@@ -99,13 +98,13 @@ std::string conditions_text(const Source& source, const std::vector<std::string>
                      model::to_string(s.start));
 }
 
-FigureAxis axis_of(const SweepAxis& swept) {
+Json axis_of(const SweepAxis& swept) {
   const Symbol& symbol = symbol_of(swept.name());
   const Range ends = padded({swept.value(0), swept.value(swept.count() - 1)}, 0.03);
   const std::string title =
       *symbol.unit ? fmt::format("{}, {}", symbol.quantity, symbol.unit) : symbol.quantity;
-  if (symbol.is_angle()) return angle_axis(title, ends.low, ends.high);
-  return {.title = title, .low = ends.low, .high = ends.high};
+  return symbol.is_angle() ? plot::angle_axis(title, ends.low, ends.high)
+                           : plot::axis(title, ends.low, ends.high);
 }
 
 // Figures 3, 4, 5 and 11: trajectories in millimetres, both axes to the same scale.
@@ -113,7 +112,7 @@ FigureAxis axis_of(const SweepAxis& swept) {
 constexpr double kLabelBeyondEnd = 0.06;  // of the panel's reach
 
 struct Path {
-  std::vector<double> time_s, x_mm, y_mm;
+  Values time_s, x_mm, y_mm;
 };
 
 Path path_of(const Source& source, std::size_t index) {
@@ -127,27 +126,28 @@ Path path_of(const Source& source, std::size_t index) {
   return path;
 }
 
-FigurePanel path_panel(const std::string& title) {
-  return {.x = {.title = "x, mm"}, .y = {.title = "y, mm"}, .title = title, .equal_scale = true};
+Panel path_panel(const std::string& title) {
+  return {.x = plot::axis("x, mm"), .y = plot::axis("y, mm"), .title = title, .equal_scale = true};
 }
 
 /// The numbers of the paths at their ends, a little further out.
-Series end_numbers(const std::vector<Series>& paths) {
-  std::vector<double> all;
-  for (const Series& path : paths) {
-    all.insert(all.end(), path.x.begin(), path.x.end());
-    all.insert(all.end(), path.y.begin(), path.y.end());
-  }
+Json end_numbers(const std::vector<Json>& paths) {
+  Values all, xs, ys;
+  Notes numbers;
+  for (const Json& path : paths)
+    for (const char* key : {"x", "y"}) {
+      const Values values = plot::values_of(path, key);
+      all.insert(all.end(), values.begin(), values.end());
+    }
   const double reach = range_of(all).size();
-  Series numbers{.mark = Mark::text, .colour = kInk};
-  for (const Series& path : paths) {
-    const double x = path.x.back(), y = path.y.back(), length = std::hypot(x, y);
+  for (const Json& path : paths) {
+    const double x = path["x"].back(), y = path["y"].back(), length = std::hypot(x, y);
     const double out = length > 0 ? 1 + kLabelBeyondEnd * reach / length : 1;
-    numbers.x.push_back(out * x);
-    numbers.y.push_back(out * y);
-    numbers.notes.push_back(fmt::format("{}", numbers.x.size()));
+    xs.push_back(out * x);
+    ys.push_back(out * y);
+    numbers.push_back(std::to_string(xs.size()));
   }
-  return numbers;
+  return plot::labels(xs, ys, numbers);
 }
 
 /// A panel for each file, or for each value of its first axis of two.
@@ -161,21 +161,15 @@ void add_paths(Figure& figure, const std::vector<std::string>& files) {
           alone ? fmt::format("{}, {}", setting_text("phi_rad", source.friction().phase),
                               setting_text("dtau_rad", source.friction().pulse_width))
                 : setting_text(source.sweep.axes()[0].name(), source.sweep.value(first, 0));
-      FigurePanel panel =
-          path_panel(fmt::format("{}: {}", static_cast<char>('a' + figure.panels.size()), setting));
+      Panel panel = path_panel(fmt::format("{}: {}", static_cast<char>('a' + figure.panels.size()), setting));
       for (std::size_t k = 0; k < count; ++k) {
         const Path path = path_of(source, first + k);
-        panel.series.push_back(
-            {.mark = Mark::line,
-             .name =
-                 fmt::format("({}) {}", k + 1, setting_text(source.last().name(), source.last().value(k))),
-             .x = path.x_mm,
-             .y = path.y_mm,
-             .colour = static_cast<int>(k),
-             .in_legend = figure.panels.empty(),
-             .small = true});
+        panel.traces.push_back(plot::line(
+            fmt::format("({}) {}", k + 1, setting_text(source.last().name(), source.last().value(k))),
+            path.x_mm, path.y_mm,
+            {.colour = static_cast<int>(k), .legend = figure.panels.empty(), .small = true}));
       }
-      panel.series.push_back(end_numbers(panel.series));
+      panel.traces.push_back(end_numbers(panel.traces));
       figure.panels.push_back(panel);
     }
     figure.caption = conditions_text(source, alone ? std::vector<std::string>{"phi_rad", "dtau_rad"}
@@ -185,65 +179,49 @@ void add_paths(Figure& figure, const std::vector<std::string>& files) {
 }
 
 /// The friction coefficient over the run's time, with upright edges.
-Series steps_of_friction(const model::Scenario& scenario) {
+Json steps_of_friction(const std::string& name, const model::Scenario& scenario, const plot::Look& look) {
   const model::Friction& friction = scenario.friction;
   const double w = scenario.drive.angular_frequency, end = w * scenario.end_time();
-  std::vector<double> edges = {0};
+  Values edges = {0}, times, mu;
   for (double pulse = friction.phase; pulse < end; pulse += kTurn)
     for (const double edge : {pulse, pulse + friction.pulse_width})
       if (edge > edges.back() && edge < end) edges.push_back(edge);
   edges.push_back(end);
-  Series steps{.mark = Mark::line};
   for (std::size_t k = 1; k < edges.size(); ++k) {
-    const double mu = friction.coefficient((edges[k - 1] + edges[k]) / 2);
-    steps.x.insert(steps.x.end(), {edges[k - 1] / w, edges[k] / w});
-    steps.y.insert(steps.y.end(), {mu, mu});
+    times.insert(times.end(), {edges[k - 1] / w, edges[k] / w});
+    mu.insert(mu.end(), 2, friction.coefficient((edges[k - 1] + edges[k]) / 2));
   }
-  return steps;
+  return plot::line(name, times, mu, look);
 }
 
 /// Displacement and friction over time, and the trajectory, at constant and at pulsed friction.
 void add_displacement(Figure& figure, const std::vector<std::string>& files) {
   constexpr double kClearOfCircle = 0.15;  // of the covered distance: P₁ stands outside of the circle
   const Source source = source_of(files.front());
-  FigurePanel displacement{.x = {.title = "time, s", .shown = false},
-                           .y = {.title = "displacement, mm"},
-                           .title = "a: displacement and friction over time",
-                           .height = 1.3};
-  FigurePanel friction{.x = {.title = "time, s"}, .y = {.title = "μ", .low = 0}, .height = 0.55};
-  FigurePanel paths = path_panel("b: trajectory");
+  Panel displacement{.x = plot::hidden(plot::axis("time, s")),
+                     .y = plot::axis("displacement, mm"),
+                     .title = "a: displacement and friction over time",
+                     .height = 1.3};
+  Panel friction{.x = plot::axis("time, s"), .y = plot::axis("μ", 0), .height = 0.55};
+  Panel paths = path_panel("b: trajectory");
   paths.height = 2.1;
   for (std::size_t k = 0; k < source.sweep.count(); ++k) {
     const model::Scenario s = source.sweep.scenario(k);
     const Path path = path_of(source, k);
     const bool pulsed = s.friction.pulse_width > 0;
-    Series line = steps_of_friction(s);
-    line.name = pulsed ? "μ ≠ const" : "μ = const";
-    line.colour = static_cast<int>(k);
-    friction.series.push_back(line);
-    line.x = path.time_s;
-    line.y = path.x_mm;
-    displacement.series.push_back(line);
-    line.y = path.y_mm;
-    displacement.series.push_back(line);
-    displacement.series.back().dashed = true;
-    line.x = path.x_mm;
-    line.in_legend = true;
-    paths.series.push_back(line);
+    const std::string name = pulsed ? "μ ≠ const" : "μ = const";
+    const int colour = static_cast<int>(k);
+    friction.traces.push_back(steps_of_friction(name, s, {.colour = colour}));
+    displacement.traces.push_back(plot::line(name, path.time_s, path.x_mm, {.colour = colour}));
+    displacement.traces.push_back(
+        plot::line(name, path.time_s, path.y_mm, {.colour = colour, .dashed = true}));
+    paths.traces.push_back(plot::line(name, path.x_mm, path.y_mm, {.colour = colour, .legend = true}));
     if (!pulsed) continue;
-    const Eigen::Vector2d end{path.x_mm.back(), path.y_mm.back()};
-    paths.series.push_back({.mark = Mark::line,
-                            .name = "covered distance",
-                            .x = {0, end.x()},
-                            .y = {0, end.y()},
-                            .colour = kInk,
-                            .in_legend = true,
-                            .dashed = true});
-    paths.series.push_back({.mark = Mark::text,
-                            .x = {-kClearOfCircle * end.x(), (1 + kLabelBeyondEnd) * end.x()},
-                            .y = {-kClearOfCircle * end.y(), (1 + kLabelBeyondEnd) * end.y()},
-                            .notes = {"P₁", "P₂"},
-                            .colour = kInk});
+    const Eigen::Vector2d end{path.x_mm.back(), path.y_mm.back()}, before = -kClearOfCircle * end,
+                                                                   beyond = (1 + kLabelBeyondEnd) * end;
+    paths.traces.push_back(plot::line("covered distance", {0, end.x()}, {0, end.y()},
+                                      {.colour = plot::kInk, .legend = true, .dashed = true}));
+    paths.traces.push_back(plot::labels({before.x(), beyond.x()}, {before.y(), beyond.y()}, {"P₁", "P₂"}));
     figure.caption =
         fmt::format("{}. Solid x, dashed y. P₁P₂ = {} mm at α = {} rad.", conditions_text(source),
                     number(end.norm()), number(model::displacement_angle(end)));
@@ -253,19 +231,22 @@ void add_displacement(Figure& figure, const std::vector<std::string>& files) {
 
 // Figures 6, 7, 9 and 10: alpha or v along a parameter.
 
-/// A point of a curve of angles in [0, 2 pi), which breaks where it starts again at the other end.
-void add_angle(Series& curve, double x, double alpha) {
-  if (!std::isfinite(alpha)) return;
-  if (!curve.y.empty() && std::abs(alpha - curve.y.back()) > std::numbers::pi) {
-    const bool upwards = alpha < curve.y.back();
-    const double to = alpha + (upwards ? kTurn : -kTurn), edge = upwards ? kTurn : 0;
-    const double share = (edge - curve.y.back()) / (to - curve.y.back());
-    const double at = curve.x.back() + share * (x - curve.x.back());
-    curve.x.insert(curve.x.end(), {at, at, at});
-    curve.y.insert(curve.y.end(), {edge, kNone, kTurn - edge});
+/// A curve of angles in [0, 2 pi), which breaks where it starts again at the other end.
+DrawnPath angle_curve(const Values& x, const Values& alpha) {
+  DrawnPath curve;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (!std::isfinite(alpha[k])) continue;
+    if (!curve.y.empty() && std::abs(alpha[k] - curve.y.back()) > std::numbers::pi) {
+      const bool upwards = alpha[k] < curve.y.back();
+      const double to = alpha[k] + (upwards ? kTurn : -kTurn), edge = upwards ? kTurn : 0;
+      const double share = (edge - curve.y.back()) / (to - curve.y.back());
+      curve.x.insert(curve.x.end(), 3, curve.x.back() + share * (x[k] - curve.x.back()));
+      curve.y.insert(curve.y.end(), {edge, kNone, kTurn - edge});
+    }
+    curve.x.push_back(x[k]);
+    curve.y.push_back(alpha[k]);
   }
-  curve.x.push_back(x);
-  curve.y.push_back(alpha);
+  return curve;
 }
 
 /// The names of a sweep's curves: by its first axis, or by mu1 where there is one axis only.
@@ -277,50 +258,47 @@ std::vector<std::string> curve_names(const Source& source) {
   return names;
 }
 
-/// One panel: alpha or v along the sweep's last axis. `names`: the figure's curves.
-FigurePanel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha,
-                        const std::vector<std::string>& names) {
-  FigurePanel panel{.x = axis_of(source.last()), .y = {.title = "velocity v, mm/s", .low = 0}};
+/// One panel: alpha or v along the sweep's last axis, from rest and dashed the steady motion. `names`: the
+/// figure's curves.
+Panel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha,
+                  const std::vector<std::string>& names, bool legend) {
   constexpr double kSpare = 0.12;  // rad, above and below the full circle
-  if (of_alpha) panel.y = angle_axis("angle α, rad", -kSpare, kTurn + kSpare);
-  std::size_t begin = 0;
+  Panel panel{.x = axis_of(source.last()),
+              .y = of_alpha ? plot::angle_axis("angle α, rad", -kSpare, kTurn + kSpare)
+                            : plot::axis("velocity v, mm/s", 0)};
+  const std::size_t count = source.last().count();
+  Values x;
+  for (std::size_t k = 0; k < count; ++k) x.push_back(source.last().value(k));
+  auto begin = std::ptrdiff_t{0};
   for (const std::string& name : curve_names(source)) {
     const auto colour = static_cast<int>(std::ranges::find(names, name) - names.begin());
     for (const bool steady : {false, true}) {
-      Series curve{.mark = Mark::line, .name = name, .colour = colour, .dashed = steady, .small = steady};
-      for (std::size_t k = 0; k < source.last().count(); ++k) {
-        const double x = source.last().value(k);
-        if (of_alpha) {
-          add_angle(curve, x, (steady ? solved.steady_alpha_rad : solved.alpha_rad)[begin + k]);
-        } else {
-          curve.x.push_back(x);
-          curve.y.push_back((steady ? solved.steady_v_mm_s : solved.v_mm_s)[begin + k]);
-        }
-      }
-      panel.series.push_back(curve);
+      const Values& all = of_alpha ? (steady ? solved.steady_alpha_rad : solved.alpha_rad)
+                                   : (steady ? solved.steady_v_mm_s : solved.v_mm_s);
+      const Values y(all.begin() + begin, all.begin() + begin + static_cast<std::ptrdiff_t>(count));
+      const DrawnPath curve = of_alpha ? angle_curve(x, y) : DrawnPath{x, y};
+      panel.traces.push_back(
+          plot::line(name, curve.x, curve.y,
+                     {.colour = colour, .legend = legend && !steady, .dashed = steady, .small = steady}));
     }
-    begin += source.last().count();
+    begin += static_cast<std::ptrdiff_t>(count);
   }
   return panel;
 }
 
 /// Where v is greatest along each curve from rest, and where the paper has it: figure 6a.
-void mark_greatest(FigurePanel& panel) {
+void mark_greatest(Panel& panel) {
   constexpr double kGreatestInPaper = 0.75 * kTurn;  // "increases up to 3 pi/2"
-  Series greatest{.mark = Mark::points, .name = "greatest v", .colour = kInk, .in_legend = true};
-  for (const Series& curve : panel.series) {
-    if (curve.dashed) continue;
-    const auto at = static_cast<std::size_t>(std::ranges::max_element(curve.y) - curve.y.begin());
-    greatest.x.push_back(curve.x[at]);
-    greatest.y.push_back(curve.y[at]);
+  Values xs, ys;
+  for (std::size_t k = 0; k < panel.traces.size(); k += 2) {  // those from rest
+    const Values x = plot::values_of(panel.traces[k], "x"), y = plot::values_of(panel.traces[k], "y");
+    const auto at = static_cast<std::size_t>(std::ranges::max_element(y) - y.begin());
+    xs.push_back(x[at]);
+    ys.push_back(y[at]);
   }
-  panel.series.push_back({.mark = Mark::line,
-                          .name = "3π/2, the paper’s",
-                          .x = {kGreatestInPaper, kGreatestInPaper},
-                          .y = {0, *std::ranges::max_element(greatest.y)},
-                          .colour = kGrey,
-                          .in_legend = true});
-  panel.series.push_back(greatest);
+  panel.traces.push_back(plot::line("3π/2, the paper’s", {kGreatestInPaper, kGreatestInPaper},
+                                    {0, std::ranges::max(ys)}, {.colour = plot::kGrey, .legend = true}));
+  panel.traces.push_back(plot::points("greatest v", xs, ys, {.colour = plot::kInk, .legend = true}));
 }
 
 /// A panel for each file; the one of most curves names them.
@@ -331,9 +309,9 @@ void add_curves(Figure& figure, const std::vector<std::string>& files, bool of_a
   const auto& most =
       *std::ranges::max_element(sources, {}, [](const Source& s) { return curve_names(s).size(); });
   for (const Source& source : sources) {
-    FigurePanel panel = curve_panel(source, solve(source.sweep, context), of_alpha, curve_names(most));
+    Panel panel =
+        curve_panel(source, solve(source.sweep, context), of_alpha, curve_names(most), &source == &most);
     if (sources.size() > 1) panel.title = std::string(1, static_cast<char>('a' + figure.panels.size()));
-    for (Series& series : panel.series) series.in_legend = &source == &most && !series.dashed;
     figure.caption +=
         fmt::format("{}{}. ", panel.title.empty() ? "" : panel.title + ": ", conditions_text(source));
     figure.panels.push_back(panel);

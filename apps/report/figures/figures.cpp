@@ -7,29 +7,17 @@
 #include <iterator>
 #include <numbers>
 
-#include "apps/figures/axes.h"
 #include "apps/page/text.h"
 #include "apps/report/data/curves.h"
-#include "apps/report/figures/parameters.h"
-#include "apps/report/figures/runs.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::apps {
 
 std::vector<Figure> campaign_figures(const ReportData& data) {
   std::vector<Figure> figures;
-  const auto add = [&](std::vector<Figure> more) { std::ranges::move(more, std::back_inserter(figures)); };
-  add(dependence_figures(data));
-  add(trajectory_figures(data));
-  add(residual_figures(data));
-  add(parameter_figures(data));
-  add(slide_figures(data));
-  for (Figure& figure : figures) settle_axes(figure);
-  return figures;
-}
-
-std::vector<Figure> run_figures(const ReportData& data, std::size_t index) {
-  std::vector<Figure> figures = figures_of_run(data, index);
+  for (const auto& part :
+       {dependence_figures, trajectory_figures, residual_figures, parameter_figures, slide_figures})
+    std::ranges::move(part(data), std::back_inserter(figures));
   for (Figure& figure : figures) settle_axes(figure);
   return figures;
 }
@@ -64,30 +52,23 @@ double shown_x(const ReportRun& run, const Dependence& figure) {
   return figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad;
 }
 
-Series measured(const ReportData& data, const ReportGroup& group, const Dependence& figure) {
-  Series points{.mark = Mark::points};
+/// What the runs of a group measured, beside the model in standard deviations of the measurement.
+struct Measured {
+  Values x, y, sd, residual;
+  Notes notes;
+};
+
+Measured measured(const ReportData& data, const ReportGroup& group, const Dependence& figure) {
+  Measured points;
   for (const std::size_t i : group.runs) {
     const ReportRun& run = data.runs[i];
+    const double sd = figure.of_alpha ? run.alpha_sd_rad : run.v_sd_mm_s;
     points.x.push_back(shown_x(run, figure));
     points.y.push_back(figure.of_alpha ? run.alpha_rad : run.v_mm_s);
-    points.sd.push_back(figure.of_alpha ? run.alpha_sd_rad : run.v_sd_mm_s);
-    points.notes.push_back(run_label(data, i));
-  }
-  return points;
-}
-
-/// In standard deviations of the measurement.
-Series residual(const ReportData& data, const ReportGroup& group, const Dependence& figure) {
-  Series points{.mark = Mark::points};
-  for (const std::size_t i : group.runs) {
-    const ReportRun& run = data.runs[i];
-    double difference = run.v_mm_s - run.modelled_v_mm_s, sd = run.v_sd_mm_s;
-    if (figure.of_alpha) {
-      difference = model::wrap_angle(run.alpha_rad - run.modelled_alpha_rad);
-      sd = run.alpha_sd_rad;
-    }
-    points.x.push_back(shown_x(run, figure));
-    points.y.push_back(difference / sd);
+    points.sd.push_back(sd);
+    points.residual.push_back((figure.of_alpha ? model::wrap_angle(run.alpha_rad - run.modelled_alpha_rad)
+                                               : run.v_mm_s - run.modelled_v_mm_s) /
+                              sd);
     points.notes.push_back(run_label(data, i));
   }
   return points;
@@ -95,18 +76,19 @@ Series residual(const ReportData& data, const ReportGroup& group, const Dependen
 
 /// A curve of angles in [0, 2 pi), broken where it starts again at the other end, with its band.
 struct Curve {
-  std::vector<double> x, y, half_width;
+  Values x, y, low, high;
   void add(double at, double value, double half) {
     x.push_back(at);
     y.push_back(value);
-    half_width.push_back(half);
+    low.push_back(value - half);
+    high.push_back(value + half);
   }
 };
 
 Curve curve_of(const ReportGroup& group, const Dependence& figure) {
   Curve curve;
-  const std::vector<double>& y = figure.of_alpha ? group.curve_alpha_rad : group.curve_v_mm_s;
-  const std::vector<double>& sd = figure.of_alpha ? group.curve_alpha_sd_rad : group.curve_v_sd_mm_s;
+  const Values& y = figure.of_alpha ? group.curve_alpha_rad : group.curve_v_mm_s;
+  const Values& sd = figure.of_alpha ? group.curve_alpha_sd_rad : group.curve_v_sd_mm_s;
   for (std::size_t i = 0; i < group.curve_x_rad.size(); ++i) {
     const double half = i < sd.size() ? kTwoSided95 * sd[i] : kNone;
     if (figure.of_alpha && i > 0 && std::abs(y[i] - y[i - 1]) > kPi) {
@@ -126,20 +108,35 @@ Curve curve_of(const ReportGroup& group, const Dependence& figure) {
 
 /// Directions in [0, 2 pi) as they are, or about a middle where all lie within less than a turn: no needless
 /// break at 0.
-void settle_alpha_axis(FigurePanel& panel) {
-  std::vector<double> values;
-  for (const Series& series : panel.series)
-    for (std::size_t i = 0; i < series.y.size(); ++i) {
-      const double bar = i < series.sd.size() && std::isfinite(series.sd[i]) ? series.sd[i] : 0;
-      values.push_back(series.y[i] - bar);
-      values.push_back(series.y[i] + bar);
+Json alpha_axis(const std::vector<Json>& traces) {
+  Values values;
+  for (const Json& trace : traces) {
+    const Values y = plot::values_of(trace, "y");
+    const Values sd = trace.contains("error_y") ? plot::values_of(trace["error_y"], "array") : Values();
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const double bar = i < sd.size() && std::isfinite(sd[i]) ? sd[i] : 0;
+      values.insert(values.end(), {y[i] - bar, y[i] + bar});
     }
+  }
   const Range reach = range_of(values);
   const Range shown = reach.size() > kPi
                           ? Range{std::min(reach.low, -0.12), std::max(reach.high, kTurn + 0.12)}
                           : Range{reach.low - std::max(0.08 * reach.size(), 0.1),
                                   reach.high + std::max(0.08 * reach.size(), 0.1)};
-  panel.y = angle_axis("displacement angle α, rad", shown.low, shown.high);
+  return plot::angle_axis("displacement angle α, rad", shown.low, shown.high);
+}
+
+/// From -`largest` to it, where the figure is not crowded with round numbers.
+Json residual_axis(double largest) {
+  const Json axis = plot::with_zero_line(plot::axis("residual, σ", -largest, largest));
+  if (largest >= 6) return axis;
+  Values ticks;
+  Notes texts;
+  for (int tick = largest < 4 ? -2 : -4; tick <= 4 && tick < largest; tick += 2) {
+    ticks.push_back(tick);
+    texts.push_back(tick < 0 ? fmt::format("−{}", -tick) : std::to_string(tick));
+  }
+  return plot::with_ticks(axis, ticks, texts);
 }
 
 std::string band_text(bool band, bool any_sd, std::size_t groups) {
@@ -155,83 +152,56 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
   const bool many = groups.size() > kMostInLegend;
   Figure figure{.id = which.id, .title = which.title, .caption = "", .shared_x = true, .height = 0.86};
   if (*which.place) figure.title += fmt::format(" ({})", which.place);
-  FigurePanel main, below;
-  main.height = 3;
-  std::vector<double> xs, shared;
+  Values shared;
+  for (const ReportGroup& group : groups) shared.push_back(group.shared_rad);
+  const Range scale = range_of(shared);
+  Panel main, below;
+  Values xs, measured_at;
+  double largest = 3;  // residual
   bool any_sd = false;
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const ReportGroup& group = groups[g];
-    const std::string name = (which.over_phi ? "Δτ = " : "φ = ") + angle(group.shared_rad);
-    const auto dressed = [&](Series series) {
-      series.name = many ? "" : name;
-      series.colour = static_cast<int>(g);
-      if (many) series.value = group.shared_rad;
-      return series;
-    };
-    const Curve curve = curve_of(group, which);
-    const bool band =
-        std::ranges::any_of(curve.half_width, [](double h) { return std::isfinite(h) && h > 0; });
-    any_sd = any_sd || band;
-    if (band && !many) {
-      Series area = dressed({.mark = Mark::band, .x = curve.x});
-      for (std::size_t i = 0; i < curve.x.size(); ++i) {
-        area.y.push_back(curve.y[i] - curve.half_width[i]);
-        area.y_high.push_back(curve.y[i] + curve.half_width[i]);
-      }
-      main.series.push_back(area);
-    }
-    main.series.push_back(dressed({.mark = Mark::line, .x = curve.x, .y = curve.y}));
-    Series points = dressed(measured(data, group, which));
-    points.in_legend = !many;
-    main.series.push_back(points);
-    Series left = dressed(residual(data, group, which));
-    if (std::ranges::any_of(left.y, [](double y) { return std::isfinite(y); })) below.series.push_back(left);
+    const std::string name = many ? "" : (which.over_phi ? "Δτ = " : "φ = ") + angle(shared[g]);
+    plot::Look look{.colour = static_cast<int>(g)};
+    if (many) look.on_ramp = (shared[g] - scale.low) / scale.size();
+    const Curve curve = curve_of(groups[g], which);
+    bool banded = false;
+    for (std::size_t i = 0; i < curve.y.size(); ++i) banded = banded || curve.high[i] > curve.y[i];
+    any_sd = any_sd || banded;
+    if (banded && !many) main.traces.push_back(plot::band(name, curve.x, curve.low, curve.high, look));
+    main.traces.push_back(plot::line(name, curve.x, curve.y, look));
+    const Measured points = measured(data, groups[g], which);
+    if (std::ranges::any_of(points.residual, [](double y) { return std::isfinite(y); }))
+      below.traces.push_back(plot::points(name, points.x, points.residual, look, points.notes));
+    look.legend = !many;
+    main.traces.push_back(plot::points(name, points.x, points.y, look, points.notes, points.sd));
     xs.insert(xs.end(), points.x.begin(), points.x.end());
     xs.insert(xs.end(), curve.x.begin(), curve.x.end());
-    shared.push_back(group.shared_rad);
+    measured_at.insert(measured_at.end(), points.x.begin(), points.x.end());
+    for (const double y : points.residual)
+      if (std::isfinite(y)) largest = std::max(largest, 1.1 * std::abs(y));
   }
-  std::vector<double> measured_at;
-  for (const ReportGroup& group : groups)
-    for (const std::size_t i : group.runs) measured_at.push_back(shown_x(data.runs[i], which));
   const Range across = padded(range_of(xs), 0.03);
-  const FigureAxis x = angle_axis(which.over_phi ? "phase shift φ, rad" : "pulse width Δτ, rad", across.low,
-                                  across.high, measured_at);
-  main.x = below.x = x;
-  main.y = {.title = "mean velocity v, mm/s"};
+  main.x = below.x = plot::angle_axis(which.over_phi ? "phase shift φ, rad" : "pulse width Δτ, rad",
+                                      across.low, across.high, measured_at);
+  main.height = 3;
   if (which.of_alpha) {
-    settle_alpha_axis(main);
+    main.y = alpha_axis(main.traces);
   } else {
     Range reach{0, 0};
-    for (const Series& series : main.series) reach = hull(reach, range_of(series.y));
-    main.y.low = std::min(0.0, reach.low);
-    main.y.high = 1.08 * reach.high;
+    for (const Json& trace : main.traces) reach = hull(reach, range_of(plot::values_of(trace, "y")));
+    main.y = plot::axis("mean velocity v, mm/s", std::min(0.0, reach.low), 1.08 * reach.high);
   }
-  figure.panels = {main};
-  if (!below.series.empty()) {
-    double largest = 3;
-    for (const Series& series : below.series)
-      for (const double y : series.y)
-        if (std::isfinite(y)) largest = std::max(largest, 1.1 * std::abs(y));
-    below.y = {.title = "residual, σ", .low = -largest, .high = largest};
-    if (largest < 6)
-      for (int tick = largest < 4 ? -2 : -4; tick <= 4 && tick < largest; tick += 2) {
-        below.y.ticks.push_back(tick);
-        below.y.labels.push_back(tick < 0 ? fmt::format("−{}", -tick) : std::to_string(tick));
-      }
-    below.stripes = {{-2, 2}};
-    below.zero_line = true;
-    figure.panels.front().x.shown = false;
-    figure.panels.push_back(below);
+  if (below.traces.empty()) {
+    figure.panels = {main};
+  } else {
+    below.y = residual_axis(largest);
+    below.shapes = {plot::stripe(-2, 2)};
+    main.x = plot::hidden(main.x);
+    figure.panels = {main, below};
   }
-  if (many) {
-    const Range ends = range_of(shared);
-    const FigureAxis scale = angle_axis("", ends.low, ends.high, {});
-    figure.colours = ColourScale{.title = which.over_phi ? "pulse width Δτ, rad" : "phase shift φ, rad",
-                                 .low = ends.low,
-                                 .high = ends.high,
-                                 .ticks = scale.ticks,
-                                 .labels = scale.labels};
-  }
+  if (many)
+    figure.colour_bar = plot::colour_bar(which.over_phi ? "pulse width Δτ, rad" : "phase shift φ, rad",
+                                         plot::angle_axis("", scale.low, scale.high));
   std::string caption =
       which.of_alpha && which.over_phi ? "α is the angle of the displacement, counter-clockwise from the "
                                          "platform’s x axis; it starts again at 0 "

@@ -1,5 +1,3 @@
-#include "apps/report/figures/parameters.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,78 +24,72 @@ std::string axis_title(const ReportParameter& p) {
 }
 
 /// Four sd to either side: what profile and ellipses reach.
-FigureAxis axis_of(const ReportParameter& p) {
+Json axis_of(const ReportParameter& p) {
   double low = p.estimate - 3.2 * p.sd, high = p.estimate + 3.2 * p.sd;
   if (!p.profile.value.empty()) {
     low = std::min(low, p.profile.value.front());
     high = std::max(high, p.profile.value.back());
   }
-  return {.title = axis_title(p), .low = low, .high = high};
+  return plot::axis(axis_title(p), low, high);
 }
 
 /// Between the points that were looked at: the root of the rise, with the side as its sign, straight from one
 /// to the next, which is exact for a parabola.
-Series profile_curve(const ReportParameter& p) {
-  Series curve{.mark = Mark::line, .name = "profile likelihood", .colour = 0, .in_legend = true};
-  const std::vector<double>& value = p.profile.value;
+Json profile_curve(const ReportParameter& p, bool legend) {
+  const Values& value = p.profile.value;
   const auto root = [&](std::size_t i) {
     return std::copysign(std::sqrt(p.profile.rise[i]), value[i] - p.estimate);
   };
   constexpr int kSteps = 24;
+  Values x, y;
   for (std::size_t i = 0; i + 1 < value.size(); ++i)
     for (int k = i == 0 ? 0 : 1; k <= kSteps; ++k) {
       const double share = static_cast<double>(k) / kSteps;
       const double at = root(i) + share * (root(i + 1) - root(i));
-      curve.x.push_back(value[i] + share * (value[i + 1] - value[i]));
-      curve.y.push_back(at * at);
+      x.push_back(value[i] + share * (value[i + 1] - value[i]));
+      y.push_back(at * at);
     }
-  return curve;
+  return plot::line("profile likelihood", x, y, {.colour = 0, .legend = legend});
 }
 
-FigurePanel profile_panel(const ReportParameter& p) {
-  FigurePanel panel{.x = axis_of(p), .y = {.title = "rise of χ²"}};
+Panel profile_panel(const ReportParameter& p, bool legend) {
   const double level = std::isfinite(p.profile.level) ? p.profile.level : 3.84;
-  panel.y.low = 0;
-  panel.y.high = 2 * level;
-  Series parabola{.mark = Mark::line,
-                  .name = "parabola by the covariance",
-                  .colour = kGrey,
-                  .in_legend = true,
-                  .dashed = true};
+  Panel panel{.x = axis_of(p), .y = plot::axis("rise of χ²", 0, 2 * level)};
+  Values x, y;
   for (int k = -40; k <= 40; ++k) {
-    parabola.x.push_back(p.estimate + 0.08 * k * p.sd);
-    parabola.y.push_back(0.08 * 0.08 * k * k);
+    x.push_back(p.estimate + 0.08 * k * p.sd);
+    y.push_back(0.08 * 0.08 * k * k);
   }
-  panel.series.push_back(parabola);
+  panel.traces.push_back(plot::line("parabola by the covariance", x, y,
+                                    {.colour = plot::kGrey, .legend = legend, .dashed = true}));
   if (!p.profile.value.empty()) {
-    panel.series.push_back(profile_curve(p));
-    panel.series.push_back({.mark = Mark::points,
-                            .name = "profile likelihood",
-                            .x = p.profile.value,
-                            .y = p.profile.rise,
-                            .colour = 0,
-                            .small = true});
+    panel.traces.push_back(profile_curve(p, legend));
+    panel.traces.push_back(
+        plot::points("profile likelihood", p.profile.value, p.profile.rise, {.colour = 0, .small = true}));
   }
-  panel.series.push_back({.mark = Mark::line,
-                          .name = "95 % level",
-                          .x = {panel.x.low, panel.x.high},
-                          .y = {level, level},
-                          .colour = 1,
-                          .in_legend = true,
-                          .small = true});
+  panel.traces.push_back(plot::line("95 % level", plot::values_of(panel.x, "range"), {level, level},
+                                    {.colour = 1, .legend = legend, .small = true}));
   return panel;
 }
 
-Series ellipse(const ReportParameter& a, const ReportParameter& b, double r, double radius, const char* name,
-               bool dashed) {
-  Series line{.mark = Mark::line, .name = name, .colour = 0, .dashed = dashed};
-  const double along = std::sqrt(std::max(0.0, 1 - r * r));
-  for (int k = 0; k <= 72; ++k) {
-    const double t = 2 * std::numbers::pi * k / 72;
-    line.x.push_back(a.estimate + radius * a.sd * std::cos(t));
-    line.y.push_back(b.estimate + radius * b.sd * (r * std::cos(t) + along * std::sin(t)));
-  }
-  return line;
+/// A pair's regions by the covariance, and the estimate.
+Panel pair_panel(const ReportParameter& a, const ReportParameter& b, double r, bool legend) {
+  Panel panel{.x = axis_of(a), .y = axis_of(b)};
+  if (std::isfinite(r))
+    for (const double share : {0.683, 0.95}) {
+      const double radius = std::sqrt(-2 * std::log(1 - share)), along = std::sqrt(std::max(0.0, 1 - r * r));
+      Values x, y;
+      for (int k = 0; k <= 72; ++k) {
+        const double t = 2 * std::numbers::pi * k / 72;
+        x.push_back(a.estimate + radius * a.sd * std::cos(t));
+        y.push_back(b.estimate + radius * b.sd * (r * std::cos(t) + along * std::sin(t)));
+      }
+      panel.traces.push_back(plot::line(share < 0.9 ? "68 % region" : "95 % region", x, y,
+                                        {.legend = legend, .dashed = share < 0.9}));
+    }
+  panel.traces.push_back(
+      plot::points("estimate", {a.estimate}, {b.estimate}, {.colour = 1, .legend = legend}));
+  return panel;
 }
 
 /// Below the diagonal pairs, on it profiles.
@@ -111,31 +103,15 @@ std::vector<Figure> corner(const ReportData& data) {
   figure.columns = static_cast<int>(n);
   figure.height = n == 1 ? 0.6 : n == 2 ? 0.75 : 0.8;
   figure.width = n == 1 ? 0.45 : n == 2 ? 0.6 : 0.72;
-  const double r68 = std::sqrt(-2 * std::log(1 - 0.683)), r95 = std::sqrt(-2 * std::log(0.05));
-  bool named = false;
   for (std::size_t row = 0; row < n; ++row)
     for (std::size_t column = 0; column < n; ++column) {
-      const ReportParameter& a = data.parameters[shown[column]];
-      const ReportParameter& b = data.parameters[shown[row]];
-      FigurePanel panel;
-      if (row == column) {
-        panel = profile_panel(a);
-        if (named)
-          for (Series& series : panel.series) series.in_legend = false;
-        named = true;
-      } else if (row > column && shown[row] < data.correlation.size()) {
-        const double r = data.correlation[shown[row]][shown[column]];
-        panel = {.x = axis_of(a), .y = axis_of(b)};
-        if (std::isfinite(r)) {
-          panel.series.push_back(ellipse(a, b, r, r68, "68 % region", true));
-          panel.series.push_back(ellipse(a, b, r, r95, "95 % region", false));
-        }
-        panel.series.push_back(
-            {.mark = Mark::points, .name = "estimate", .x = {a.estimate}, .y = {b.estimate}, .colour = 1});
-        if (row == 1 && column == 0)
-          for (Series& series : panel.series) series.in_legend = true;
-      }
-      panel.x.shown = row + 1 == n;
+      const ReportParameter &a = data.parameters[shown[column]], &b = data.parameters[shown[row]];
+      Panel panel;
+      if (row == column)
+        panel = profile_panel(a, row == 0);
+      else if (row > column && shown[row] < data.correlation.size())
+        panel = pair_panel(a, b, data.correlation[shown[row]][shown[column]], row == 1 && column == 0);
+      if (row + 1 < n) panel.x = plot::hidden(panel.x);
       figure.panels.push_back(panel);
     }
   figure.caption =
@@ -158,22 +134,20 @@ std::vector<Figure> budget(const ReportData& data) {
   for (std::size_t i = 0; i < data.parameters.size() && i < kMostParameters; ++i) {
     const ReportParameter& p = data.parameters[i];
     if (!determined(p)) continue;
-    FigurePanel panel{.x = {.title = "share of the variance, %", .low = 0, .high = 100},
-                      .y = {.low = -0.6, .high = static_cast<double>(counted.size()) - 0.4}};
-    Series bars{.mark = Mark::bars, .colour = static_cast<int>(i)};
+    Values shares, places;
+    Notes sources;
     for (std::size_t k = 0; k < counted.size(); ++k) {
       const double contribution = i < counted[k]->contribution.size() ? counted[k]->contribution[i] : kNone;
-      const double at = static_cast<double>(counted.size() - 1 - k);
-      bars.x.push_back(100 * contribution * contribution / (p.sd * p.sd));
-      bars.y.push_back(at);
-      bars.notes.push_back(counted[k]->source);
-      panel.y.ticks.push_back(at);
-      panel.y.labels.push_back(counted[k]->source);
+      shares.push_back(100 * contribution * contribution / (p.sd * p.sd));
+      places.push_back(static_cast<double>(counted.size() - 1 - k));
+      sources.push_back(counted[k]->source);
     }
-    panel.series = {bars};
-    panel.title = plain_symbol(p.name);
-    panel.y.shown = figure.panels.empty();
-    figure.panels.push_back(panel);
+    const Json y =
+        plot::with_ticks(plot::axis("", -0.6, static_cast<double>(counted.size()) - 0.4), places, sources);
+    figure.panels.push_back({.x = plot::axis("share of the variance, %", 0, 100),
+                             .y = figure.panels.empty() ? y : plot::hidden(y),
+                             .traces = {plot::bars(shares, places, sources, {.colour = static_cast<int>(i)})},
+                             .title = plain_symbol(p.name)});
   }
   if (figure.panels.empty()) return {};
   figure.columns = static_cast<int>(figure.panels.size());
@@ -185,33 +159,37 @@ std::vector<Figure> budget(const ReportData& data) {
   return {figure};
 }
 
+/// Runs by their numbers, at most 24 of these written.
+Json run_axis(const std::string& title, std::size_t runs) {
+  Values places;
+  Notes numbers;
+  for (std::size_t i = 0; i < runs; i += (runs + 23) / 24) {
+    places.push_back(static_cast<double>(i + 1));
+    numbers.push_back(std::to_string(i + 1));
+  }
+  return plot::with_ticks(plot::axis(title, 0.4, static_cast<double>(runs) + 0.6), places, numbers);
+}
+
 std::vector<Figure> influence(const ReportData& data) {
-  FigurePanel panel{
-      .x = {.title = "run left out", .low = 0.4, .high = static_cast<double>(data.runs.size()) + 0.6},
-      .y = {.title = "change of the parameter, σ"},
-      .stripes = {{-1, 1}},
-      .zero_line = true};
+  Panel panel{.x = run_axis("run left out", data.runs.size()),
+              .y = plot::with_zero_line(plot::axis("change of the parameter, σ")),
+              .shapes = {plot::stripe(-1, 1)}};
   for (std::size_t p = 0; p < data.parameters.size(); ++p) {
-    Series points{.mark = Mark::points,
-                  .name = plain_symbol(data.parameters[p].name),
-                  .colour = static_cast<int>(p),
-                  .in_legend = true};
+    const double beside =
+        0.15 * (static_cast<double>(p) - 0.5 * static_cast<double>(data.parameters.size() - 1));
+    Values x, y;
+    Notes notes;
     for (std::size_t i = 0; i < data.runs.size(); ++i) {
       if (p >= data.runs[i].influence.size()) continue;
-      points.x.push_back(
-          static_cast<double>(i + 1) +
-          0.15 * (static_cast<double>(p) - 0.5 * static_cast<double>(data.parameters.size() - 1)));
-      points.y.push_back(data.runs[i].influence[p]);
-      points.notes.push_back(run_label(data, i));
+      x.push_back(static_cast<double>(i + 1) + beside);
+      y.push_back(data.runs[i].influence[p]);
+      notes.push_back(run_label(data, i));
     }
-    if (!points.x.empty()) panel.series.push_back(points);
+    if (!x.empty())
+      panel.traces.push_back(plot::points(plain_symbol(data.parameters[p].name), x, y,
+                                          {.colour = static_cast<int>(p), .legend = true}, notes));
   }
-  if (panel.series.empty() || panel.series.front().x.size() < 2) return {};
-  const std::size_t step = (data.runs.size() + 23) / 24;
-  for (std::size_t i = 0; i < data.runs.size(); i += step) {
-    panel.x.ticks.push_back(static_cast<double>(i + 1));
-    panel.x.labels.push_back(std::to_string(i + 1));
-  }
+  if (panel.traces.empty() || panel.traces.front()["x"].size() < 2) return {};
   Figure figure{
       .id = "influence", .title = "Influence of each run", .caption = "", .panels = {panel}, .height = 0.34};
   figure.caption =
@@ -242,7 +220,8 @@ bool shown_apart(const std::string& observable) {
 
 struct Shown {
   std::string observable;
-  Series points;
+  Values x = {}, y = {};
+  Notes notes = {};
 };
 
 }  // namespace
@@ -256,36 +235,26 @@ std::vector<Figure> residual_figures(const ReportData& data) {
     for (const ReportResidual& r : all) {
       if (vector && !shown_apart(r.observable)) continue;
       auto kind = std::ranges::find(kinds, r.observable, &Shown::observable);
-      if (kind == kinds.end()) {
-        Series points{.mark = Mark::points};
-        points.colour = static_cast<int>(kinds.size());
-        points.name = observable_text(r.observable).substr(0, observable_text(r.observable).find(" ("));
-        points.in_legend = true;
-        kind = kinds.insert(kinds.end(), {r.observable, points});
-      }
+      if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {r.observable});
       const double beside = 0.18 * (static_cast<double>(kind - kinds.begin()) - 0.5);
-      kind->points.x.push_back(static_cast<double>(i + 1) + beside);
-      kind->points.y.push_back(r.standardised);
-      kind->points.notes.push_back(fmt::format("{}: measured {}, model {}, sd {}", run_label(data, i),
-                                               number(r.measured, 6), number(r.modelled, 6),
-                                               number(r.sd, 2)));
+      kind->x.push_back(static_cast<double>(i + 1) + beside);
+      kind->y.push_back(r.standardised);
+      kind->notes.push_back(fmt::format("{}: measured {}, model {}, sd {}", run_label(data, i),
+                                        number(r.measured, 6), number(r.modelled, 6), number(r.sd, 2)));
       if (std::isfinite(r.standardised)) largest = std::max(largest, 1.1 * std::abs(r.standardised));
     }
   }
   const auto judged =
       std::ranges::count_if(data.runs, [](const ReportRun& run) { return !run.residuals.empty(); });
   if (judged < 2) return {};
-  const auto count = static_cast<double>(data.runs.size());
-  FigurePanel panel{.x = {.title = "run", .low = 0.4, .high = count + 0.6},
-                    .y = {.title = "residual, σ", .low = -largest, .high = largest},
-                    .stripes = {{-2, 2}},
-                    .zero_line = true};
-  const std::size_t step = (data.runs.size() + 23) / 24;
-  for (std::size_t i = 0; i < data.runs.size(); i += step) {
-    panel.x.ticks.push_back(static_cast<double>(i + 1));
-    panel.x.labels.push_back(std::to_string(i + 1));
+  Panel panel{.x = run_axis("run", data.runs.size()),
+              .y = plot::with_zero_line(plot::axis("residual, σ", -largest, largest)),
+              .shapes = {plot::stripe(-2, 2)}};
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const std::string name = observable_text(kinds[k].observable);
+    panel.traces.push_back(plot::points(name.substr(0, name.find(" (")), kinds[k].x, kinds[k].y,
+                                        {.colour = static_cast<int>(k), .legend = true}, kinds[k].notes));
   }
-  for (Shown& kind : kinds) panel.series.push_back(std::move(kind.points));
   Figure figure{
       .id = "residuals", .title = "Residuals, run by run", .caption = "", .panels = {panel}, .height = 0.36};
   figure.caption =

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/figures/axes.h"
 #include "apps/page/text.h"
 
 namespace tribotrack::apps {

@@ -94,8 +94,8 @@ TEST(BenchPage, ShowsWhatWasRun) {
     EXPECT_TRUE(holds(page, part)) << part;
   EXPECT_FALSE(holds(page, "<section id=\"coverage\""));
   const apps::Figure figure = figures_of(results).at(0);
-  EXPECT_EQ(figure.panels.at(0).series.at(0).x, std::vector<double>{1e-5});
-  EXPECT_DOUBLE_EQ(figure.panels[0].y.low, 1e-9);
+  EXPECT_EQ(figure.panels.at(0).traces.at(0)["x"][0], 1e-5);
+  EXPECT_EQ(figure.panels[0].y["range"][0], -9);
 }
 
 std::string text_in(const fs::path& path) {

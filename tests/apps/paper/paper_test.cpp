@@ -45,23 +45,25 @@ model::Scenario conditions_of(const std::string& name) {
   return read_scenario_file(fs::path(TRIBOTRACK_SOURCE_DIR) / "data" / (name + ".toml")).scenario;
 }
 
-const Series& series(const Figure& figure, std::size_t panel, const std::string& name, bool dashed = false) {
-  for (const Series& s : figure.panels.at(panel).series)
-    if (s.mark == Mark::line && s.name == name && s.dashed == dashed) return s;
+/// A line of a panel by its name.
+DrawnPath series(const Figure& figure, std::size_t panel, const std::string& name, bool dashed = false) {
+  for (const Json& trace : figure.panels.at(panel).traces)
+    if (trace["mode"] == "lines" && trace["name"] == name && (trace["line"]["dash"] == "dash") == dashed)
+      return {plot::values_of(trace, "x"), plot::values_of(trace, "y")};
   throw std::runtime_error(figure.id + " has no series " + name);
 }
 
 /// The y of the point nearest to x, which must lie there.
-double y_at(const Series& series, double x) {
+double y_at(const DrawnPath& series, double x) {
   const auto nearest = std::ranges::min_element(series.x, {}, [x](double at) { return std::abs(at - x); });
-  EXPECT_NEAR(*nearest, x, 1e-12) << series.name;
+  EXPECT_NEAR(*nearest, x, 1e-12);
   return series.y[static_cast<std::size_t>(nearest - series.x.begin())];
 }
 
-void expect_ends_like(const Series& path, const model::Scenario& scenario) {
+void expect_ends_like(const DrawnPath& path, const model::Scenario& scenario) {
   const Eigen::Vector2d end = 1e3 * model::integrate(scenario).end().position;
-  EXPECT_NEAR(path.x.back(), end.x(), 1e-9) << path.name;
-  EXPECT_NEAR(path.y.back(), end.y(), 1e-9) << path.name;
+  EXPECT_NEAR(path.x.back(), end.x(), 1e-9);
+  EXPECT_NEAR(path.y.back(), end.y(), 1e-9);
   EXPECT_EQ(path.x.front(), 0);
 }
 
@@ -81,19 +83,18 @@ TEST(PaperFigures, EachHasItsPanelsAndCurves) {
   for (const Figure& f : paper().figures) {
     ids.push_back(f.id);
     panels.push_back(f.panels.size());
-    for (const FigurePanel& panel : f.panels)
-      for (const Series& s : panel.series) {
-        EXPECT_EQ(s.x.size(), s.y.size()) << f.id;
-        EXPECT_FALSE(s.x.empty()) << f.id;
+    for (const Panel& panel : f.panels)
+      for (const Json& trace : panel.traces) {
+        EXPECT_EQ(trace["x"].size(), trace["y"].size()) << f.id;
+        EXPECT_FALSE(trace["x"].empty()) << f.id;
       }
   }
   EXPECT_EQ(ids, (std::vector<std::string>{"figure3", "figure4", "figure5", "figure6", "figure7", "figure9",
                                            "figure10", "figure11"}));
   EXPECT_EQ(panels, (std::vector<std::size_t>{3, 4, 2, 4, 4, 2, 1, 3}));
   for (const int number : {4, 5, 11})
-    for (const FigurePanel& panel : figure(number).panels) EXPECT_TRUE(panel.equal_scale);
-  for (const FigurePanel& panel : figure(5).panels)
-    EXPECT_EQ(panel.series.size(), 9u) << "eight and their numbers";
+    for (const Panel& panel : figure(number).panels) EXPECT_TRUE(panel.equal_scale);
+  for (const Panel& panel : figure(5).panels) EXPECT_EQ(panel.traces.size(), 9u) << "eight and their numbers";
 }
 
 TEST(PaperFigures, TrajectoriesEndWhereARunEnds) {
@@ -116,7 +117,7 @@ TEST(PaperFigures, TrajectoriesEndWhereARunEnds) {
 
 TEST(PaperFigures, FrictionOfFigure3IsThatOfEquation6) {
   const model::Scenario s = conditions_of("figure3");
-  const Series& mu = series(figure(3), 1, "μ ≠ const");
+  const DrawnPath mu = series(figure(3), 1, "μ ≠ const");
   double reduced = 0;  // time
   for (std::size_t k = 1; k < mu.x.size(); ++k)
     if (mu.y[k] == s.friction.reduced) reduced += mu.x[k] - mu.x[k - 1];
@@ -146,7 +147,7 @@ TEST(PaperFigures, CurvesAreWhatARunGives) {
 }
 
 TEST(PaperFigures, AnglesBreakWhereTheyStartAgain) {
-  const Series& alpha = series(figure(7), 0, "μ₁ = 0.1");
+  const DrawnPath alpha = series(figure(7), 0, "μ₁ = 0.1");
   EXPECT_EQ(std::ranges::count_if(alpha.y, [](double y) { return std::isnan(y); }), 1);
   for (std::size_t k = 1; k < alpha.y.size(); ++k) {
     const double step = std::abs(alpha.y[k] - alpha.y[k - 1]);

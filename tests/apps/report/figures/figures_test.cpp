@@ -16,10 +16,21 @@ using sample::pi;
 using testing::HasSubstr;
 using testing::Not;
 
-const Series& first(const FigurePanel& panel, Mark mark) {
-  const auto found = std::ranges::find(panel.series, mark, &Series::mark);
-  EXPECT_NE(found, panel.series.end());
+const Json& first(const Panel& panel, const std::string& mode, bool filled = false) {
+  const auto found = std::ranges::find_if(panel.traces, [&](const Json& trace) {
+    return trace.value("mode", "") == mode && trace.contains("fill") == filled;
+  });
+  if (found == panel.traces.end()) throw std::runtime_error("no trace of " + mode);
   return *found;
+}
+
+/// A trace's places, by the names of a drawn path.
+DrawnPath path_of(const Json& trace) {
+  return {plot::values_of(trace, "x"), plot::values_of(trace, "y")};
+}
+
+bool dashed(const Json& trace) {
+  return trace.contains("line") && trace["line"].value("dash", "") == "dash";
 }
 
 ReportData with_curve(std::vector<double> x, std::vector<double> alpha) {
@@ -32,13 +43,13 @@ ReportData with_curve(std::vector<double> x, std::vector<double> alpha) {
   return data;
 }
 
-Series line_of(std::vector<double> x, std::vector<double> alpha) {
-  return first(dependence_figures(with_curve(std::move(x), std::move(alpha)))[0].panels[0], Mark::line);
+DrawnPath line_of(Values x, Values alpha) {
+  return path_of(first(dependence_figures(with_curve(std::move(x), std::move(alpha)))[0].panels[0], "lines"));
 }
 
 TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
   // 2 pi - 0.1 to 0.3: crosses 2 pi at a quarter of the step.
-  const Series line = line_of({0, 1}, {2 * pi - 0.1, 0.3});
+  const DrawnPath line = line_of({0, 1}, {2 * pi - 0.1, 0.3});
   ASSERT_EQ(line.x.size(), 5u);
   EXPECT_NEAR(line.x[1], 0.25, 1e-12);
   EXPECT_EQ(line.y[1], 2 * pi);
@@ -49,7 +60,7 @@ TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
 }
 
 TEST(Dependence, ACurveRunningDownThrough0IsBrokenThere) {
-  const Series line = line_of({0, 1}, {0.3, 2 * pi - 0.1});
+  const DrawnPath line = line_of({0, 1}, {0.3, 2 * pi - 0.1});
   ASSERT_EQ(line.x.size(), 5u);
   EXPECT_NEAR(line.x[1], 0.75, 1e-12);
   EXPECT_EQ(line.y[1], 0);
@@ -64,7 +75,7 @@ TEST(Dependence, NoVerticalLineIsEverDrawn) {
     x.push_back(0.05 * i);
     y.push_back(sample::alpha_of(0.05 * i, 1));
   }
-  const Series line = line_of(x, y);
+  const DrawnPath line = line_of(x, y);
   int breaks = 0;
   for (std::size_t i = 1; i < line.y.size(); ++i) {
     breaks += std::isnan(line.y[i]);
@@ -82,22 +93,25 @@ TEST(Dependence, HoldsTheMeasuredPointsTheModelAndItsBand) {
   ASSERT_EQ(figures.size(), 4u);
   EXPECT_EQ(figures[0].id, "alpha-phi");
   EXPECT_EQ(figures[3].id, "v-dtau");
-  const FigurePanel& main = figures[0].panels[0];
-  const Series& points = first(main, Mark::points);
-  EXPECT_EQ(points.name, "Δτ = π/3");
-  EXPECT_TRUE(points.in_legend);
+  const Panel& main = figures[0].panels[0];
+  const Json& trace = first(main, "markers");
+  EXPECT_EQ(trace["name"], "Δτ = π/3");
+  EXPECT_TRUE(trace["showlegend"]);
+  const DrawnPath points = path_of(trace);
+  const Values sd = plot::values_of(trace["error_y"], "array");
   ASSERT_EQ(points.x.size(), 8u);
   for (std::size_t k = 0; k < 8; ++k) {
     EXPECT_NEAR(points.x[k], static_cast<double>(k) * pi / 4, 1e-12);
     EXPECT_EQ(points.y[k], data.runs[k].alpha_rad);
-    EXPECT_EQ(points.sd[k], data.runs[k].alpha_sd_rad);
+    EXPECT_EQ(sd[k], data.runs[k].alpha_sd_rad);
   }
-  const Series &line = first(main, Mark::line), &band = first(main, Mark::band);
+  const DrawnPath line = path_of(first(main, "lines")), band = path_of(first(main, "lines", true));
+  const Values high = plot::values_of(first(main, "lines", true), "customdata");
   ASSERT_EQ(band.x.size(), line.x.size());
   for (std::size_t i = 0; i < line.x.size(); ++i) {
     if (std::isnan(line.y[i])) continue;
     EXPECT_NEAR(band.y[i], line.y[i] - 0.0196, 1e-9);
-    EXPECT_NEAR(band.y_high[i], line.y[i] + 0.0196, 1e-9);
+    EXPECT_NEAR(high[i], line.y[i] + 0.0196, 1e-9);
   }
 }
 
@@ -106,10 +120,10 @@ TEST(Dependence, BelowStandTheResidualsInStandardDeviations) {
   data.runs[0].alpha_rad = 0.05;  // across the seam at 2 pi
   data.runs[0].modelled_alpha_rad = 2 * pi - 0.05;
   data.runs[0].alpha_sd_rad = 0.05;
-  const FigurePanel below = dependence_figures(data)[0].panels[1];
-  EXPECT_NEAR(first(below, Mark::points).y[0], 2, 1e-9);
-  ASSERT_EQ(below.stripes.size(), 1u);
-  EXPECT_EQ(below.stripes[0].high, 2);
+  const Panel below = dependence_figures(data)[0].panels[1];
+  EXPECT_NEAR(path_of(first(below, "markers")).y[0], 2, 1e-9);
+  ASSERT_EQ(below.shapes.size(), 1u);
+  EXPECT_EQ(below.shapes[0]["y1"], 2);
 }
 
 TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
@@ -120,14 +134,15 @@ TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
     data.over_phi.back().shared_rad += 0.1 * k;
   }
   const Figure figure = dependence_figures(data)[0];
-  ASSERT_TRUE(figure.colours);
-  EXPECT_NEAR(figure.colours->high - figure.colours->low, 1.1, 1e-12);
-  for (const FigurePanel& panel : figure.panels)
-    for (const Series& series : panel.series) {
-      EXPECT_FALSE(series.in_legend);
-      EXPECT_FALSE(std::isnan(series.value));
-      EXPECT_NE(series.mark, Mark::band);
+  const Json& scale = figure.colour_bar["marker"];
+  EXPECT_NEAR(scale["cmax"].get<double>() - scale["cmin"].get<double>(), 1.1, 1e-12);
+  for (const Panel& panel : figure.panels)
+    for (const Json& trace : panel.traces) {
+      EXPECT_FALSE(trace["showlegend"]);
+      EXPECT_FALSE(trace.contains("fill"));
     }
+  EXPECT_EQ(first(figure.panels[0], "lines")["line"]["color"], scale["colorscale"][0][1]);
+  EXPECT_EQ(figure.panels[0].traces.back()["marker"]["color"], scale["colorscale"].back()[1]);
   EXPECT_THAT(figure.caption, HasSubstr("With 12 groups colour tells the value they share"));
 }
 
@@ -154,9 +169,9 @@ Figure figure(const std::vector<Figure>& figures, const std::string& id) {
 
 std::size_t legend_entries(const Figure& figure) {
   std::set<std::string> names;
-  for (const FigurePanel& panel : figure.panels)
-    for (const Series& series : panel.series)
-      if (series.in_legend) names.insert(series.name);
+  for (const Panel& panel : figure.panels)
+    for (const Json& trace : panel.traces)
+      if (trace["showlegend"]) names.insert(trace["name"]);
   return names.size();
 }
 
@@ -165,10 +180,9 @@ TEST(ReportFigures, EachHasItsAxesSettledALegendThatCanBeReadAndAnAlternative) {
     EXPECT_LE(legend_entries(f), kMostInLegend) << f.id;
     EXPECT_NE(f.alternative, "") << f.id;
     EXPECT_NE(f.caption, "") << f.id;
-    for (const FigurePanel& panel : f.panels) {
-      if (panel.series.empty()) continue;
-      EXPECT_LT(panel.x.low, panel.x.high) << f.id;
-      EXPECT_LT(panel.y.low, panel.y.high) << f.id;
+    for (const Panel& panel : f.panels) {
+      if (panel.traces.empty()) continue;
+      for (const Json& axis : {panel.x, panel.y}) EXPECT_LT(axis["range"][0], axis["range"][1]) << f.id;
     }
   }
 }
@@ -177,17 +191,17 @@ TEST(ReportFigures, TrajectoriesHoldPathModelAndCycleMarksWithTheGapsOfTheTrack)
   const ReportData data = sample::campaign();
   const Figure f = figure(campaign_figures(data), "trajectories");
   EXPECT_TRUE(f.panels[0].equal_scale);
-  long lines = 0, dashed = 0, marks = 0;
-  for (const Series& series : f.panels[0].series) {
-    lines += series.mark == Mark::line && !series.dashed;
-    dashed += series.mark == Mark::line && series.dashed;
-    marks += series.mark == Mark::points;
+  long lines = 0, models = 0, marks = 0;
+  for (const Json& trace : f.panels[0].traces) {
+    lines += trace["mode"] == "lines" && !dashed(trace);
+    models += dashed(trace);
+    marks += trace["mode"] == "markers";
   }
   EXPECT_EQ(lines, 13);
-  EXPECT_EQ(dashed, 13);
+  EXPECT_EQ(models, 13);
   EXPECT_EQ(marks, 13);
   // Frames 200 to 202 of run 8 were lost: a gap, which no line crosses.
-  const Series& path = f.panels[0].series[3 * 7];
+  const DrawnPath path = path_of(f.panels[0].traces[3 * 7]);
   EXPECT_TRUE(std::isfinite(path.y[199]));
   EXPECT_TRUE(std::isnan(path.y[200]));
 }
@@ -201,9 +215,9 @@ TEST(ReportFigures, ResidualsAreAsManyAsDegreesOfFreedom) {
     }
   const Figure f = figure(campaign_figures(data), "residuals");
   std::size_t shown = 0;
-  for (const Series& series : f.panels[0].series) {
-    EXPECT_TRUE(series.name == "dx" || series.name == "dy") << series.name;
-    shown += series.y.size();
+  for (const Json& trace : f.panels[0].traces) {
+    EXPECT_TRUE(trace["name"] == "dx" || trace["name"] == "dy") << trace["name"];
+    shown += trace["y"].size();
   }
   EXPECT_EQ(shown, 2u * 14);
 }
@@ -212,13 +226,12 @@ TEST(ReportFigures, TheProfileOfAParabolaIsTheParabola) {
   const ReportData data = sample::campaign();
   const Figure f = figure(campaign_figures(data), "corner");
   EXPECT_EQ(f.panels.size(), 9u);
-  EXPECT_TRUE(f.panels[1].series.empty()) << "above the diagonal";
+  EXPECT_TRUE(f.panels[1].traces.empty()) << "above the diagonal";
   const ReportParameter& mu1 = data.parameters[0];
-  const auto& series = f.panels[0].series;
-  const auto profile = std::ranges::find(series, std::string("profile likelihood"), &Series::name);
-  ASSERT_NE(profile, series.end());
-  for (std::size_t i = 0; i < profile->x.size(); ++i)
-    EXPECT_NEAR(profile->y[i], std::pow((profile->x[i] - mu1.estimate) / mu1.sd, 2), 1e-6);
+  ASSERT_EQ(f.panels[0].traces[1]["name"], "profile likelihood");
+  const DrawnPath profile = path_of(f.panels[0].traces[1]);
+  for (std::size_t i = 0; i < profile.x.size(); ++i)
+    EXPECT_NEAR(profile.y[i], std::pow((profile.x[i] - mu1.estimate) / mu1.sd, 2), 1e-6);
 }
 
 // Every point of the 95 % ellipse lies where the quadratic form of the covariance is -2 ln 0.05.
@@ -227,8 +240,8 @@ TEST(ReportFigures, PairsLieInTheirRegions) {
   const Figure f = figure(campaign_figures(data), "corner");
   const ReportParameter &a = data.parameters[0], &b = data.parameters[1];
   const double r = data.correlation[1][0];
-  const Series& outer = f.panels[3].series[1];
-  ASSERT_EQ(outer.name, "95 % region");
+  ASSERT_EQ(f.panels[3].traces[1]["name"], "95 % region");
+  const DrawnPath outer = path_of(f.panels[3].traces[1]);
   for (std::size_t i = 0; i < outer.x.size(); ++i) {
     const double x = (outer.x[i] - a.estimate) / a.sd, y = (outer.y[i] - b.estimate) / b.sd;
     EXPECT_NEAR((x * x - 2 * r * x * y + y * y) / (1 - r * r), -2 * std::log(0.05), 1e-9);
@@ -238,9 +251,9 @@ TEST(ReportFigures, PairsLieInTheirRegions) {
 TEST(ReportFigures, SharesOfTheBudgetAreThoseOfTheVariance) {
   const Figure f = figure(campaign_figures(sample::campaign()), "budget-shares");
   ASSERT_EQ(f.panels.size(), 3u);
-  const Series& bars = f.panels[0].series[0];
-  EXPECT_THAT(bars.notes, testing::ElementsAre("tracking noise", "scale"));
-  EXPECT_NEAR(bars.x[0], 100 * std::pow(0.00029 / 0.00031, 2), 1e-9);
+  const Json& bars = f.panels[0].traces[0];
+  EXPECT_THAT(bars["text"].get<Notes>(), testing::ElementsAre("tracking noise", "scale"));
+  EXPECT_NEAR(bars["x"][0].get<double>(), 100 * std::pow(0.00029 / 0.00031, 2), 1e-9);
 }
 
 TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
@@ -248,12 +261,12 @@ TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   const Figure f = run_figures(data, 7).front();
   EXPECT_EQ(f.id, "run-8");
   ASSERT_EQ(f.panels.size(), 4u);  // position, residual, sigma, score; the part does not turn
-  ASSERT_EQ(f.panels[0].spans.size(), 1u);
-  EXPECT_NEAR(f.panels[0].spans[0].low, 200 / 250.0, 1e-12);
-  EXPECT_NEAR(f.panels[0].spans[0].high, 203 / 250.0, 1e-12);
+  ASSERT_EQ(f.panels[0].shapes.size(), 1u);
+  EXPECT_NEAR(f.panels[0].shapes[0]["x0"].get<double>(), 200 / 250.0, 1e-12);
+  EXPECT_NEAR(f.panels[0].shapes[0]["x1"].get<double>(), 203 / 250.0, 1e-12);
   EXPECT_THAT(f.caption, HasSubstr("Shaded: the part was not found"));
   EXPECT_THAT(f.caption, HasSubstr("Of 501 frames at most 180 points"));
-  const Series& left = f.panels[1].series[0];
+  const DrawnPath left = path_of(f.panels[1].traces[0]);
   double largest = 0, wanted = 0;
   for (const double y : left.y)
     if (std::isfinite(y)) largest = std::max(largest, y);

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "apps/chromium.h"
-#include "apps/figures/figure_csv.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/tables/tables.h"
 #include "apps/report_sample.h"

@@ -1,0 +1,501 @@
+#include "apps/figures/figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "apps/text/csv_table.h"
+#include "apps/text/number_text.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Okabe and Ito's colours, distinct to colour-blind eyes; symbols and dashes carry the same without colour.
+// Those of the page's light theme: figures.js knows what each is on a dark screen.
+constexpr std::array kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                 "#e69f00", "#56b4e9", "#7f7f7f", "#8a5f00"};
+constexpr std::array kSymbols = {"circle", "square", "diamond", "triangle-up",
+                                 "x",      "cross",  "star",    "hexagon"};
+constexpr const char *kInkColour = "#1a1a1a", *kGreyColour = "#666666", *kPaper = "#ffffff",
+                     *kStripe = "#ededed";
+constexpr const char *kFaded = "38", *kFainter = "2e";  // behind six digits of a colour: 0.22, 0.18
+
+/// Cividis.
+constexpr std::array<std::array<int, 3>, 5> kRamp = {
+    {{0x00, 0x22, 0x4e}, {0x35, 0x45, 0x6c}, {0x7c, 0x7b, 0x78}, {0xbc, 0xaf, 0x6f}, {0xfe, 0xe8, 0x38}}};
+
+std::string on_ramp(double share) {
+  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(kRamp.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(place), kRamp.size() - 2);
+  std::string colour = "#";
+  for (std::size_t c = 0; c < 3; ++c)
+    colour += fmt::format(
+        "{:02x}", std::lround(std::lerp(kRamp[k][c], kRamp[k + 1][c], place - static_cast<double>(k))));
+  return colour;
+}
+
+bool ramped(const plot::Look& look) {
+  return !std::isnan(look.on_ramp);
+}
+
+std::string colour_of(const plot::Look& look) {
+  if (ramped(look)) return on_ramp(look.on_ramp);
+  if (look.colour == plot::kInk) return kInkColour;
+  if (look.colour == plot::kGrey) return kGreyColour;
+  return kColours[static_cast<std::size_t>(look.colour) % kColours.size()];
+}
+
+Json trace(const std::string& name, const Values& x, const Values& y, const plot::Look& look) {
+  Json json = {{"name", name}, {"showlegend", look.legend}, {"x", x}, {"y", y}};
+  if (!name.empty()) json["legendgroup"] = name;
+  return json;
+}
+
+std::string hover_text(const std::string& name, const std::string& places) {
+  return (name.empty() ? "" : name + "<br>") + places + "<extra></extra>";
+}
+
+}  // namespace
+
+namespace plot {
+
+Json points(const std::string& name, const Values& x, const Values& y, const Look& look, const Notes& notes,
+            const Values& sd) {
+  const bool dots = look.small || ramped(look);
+  Json json = trace(name, x, y, look);
+  json["mode"] = "markers";
+  json["marker"] = {
+      {"color", colour_of(look)},
+      {"symbol", kSymbols[look.colour < 0 ? 0 : static_cast<std::size_t>(look.colour) % kSymbols.size()]},
+      {"size", look.small     ? 3
+               : ramped(look) ? 5
+               : look.large   ? 11
+                              : 7.5},
+      {"line", {{"color", kPaper}, {"width", dots ? 0 : 0.8}}}};
+  json["hovertemplate"] =
+      hover_text(notes.empty() ? name : "%{text}",
+                 sd.empty() ? "%{x:.5g}, %{y:.5g}" : "%{x:.5g}, %{y:.5g} ± %{customdata:.2g}");
+  if (!notes.empty()) json["text"] = notes;
+  if (!sd.empty())
+    json["error_y"] = {{"type", "data"},
+                       {"array", sd},
+                       {"color", colour_of(look)},
+                       {"thickness", look.small ? 0.7 : 1.3},
+                       {"width", look.small ? 0 : 3}};
+  return json;
+}
+
+Json line(const std::string& name, const Values& x, const Values& y, const Look& look) {
+  Json json = trace(name, x, y, look);
+  json["mode"] = "lines";
+  json["hovertemplate"] = hover_text(name, "%{x:.5g}, %{y:.5g}");
+  json["line"] = {{"color", colour_of(look)},
+                  {"width", look.small || ramped(look) ? 1.1 : 1.9},
+                  {"dash", look.dashed ? "dash" : "solid"},
+                  {"simplify", false}};
+  return json;
+}
+
+Json band(const std::string& name, const Values& x, const Values& low, const Values& high, const Look& look) {
+  Json json = trace(name, x, low, look);
+  json["mode"] = "lines";
+  json["fill"] = "toself";  // the page closes the outline along the upper edge
+  json["customdata"] = high;
+  json["fillcolor"] = colour_of(look) + kFaded;
+  json["line"] = {{"width", 0}, {"color", colour_of(look)}};
+  json["hoverinfo"] = "skip";
+  return json;
+}
+
+Json bars(const Values& x, const Values& y, const Notes& notes, const Look& look) {
+  Json json = trace("", x, y, look);
+  json.update(
+      {{"type", "bar"}, {"orientation", "h"}, {"width", 0.62}, {"marker", {{"color", colour_of(look)}}}});
+  json.update(
+      {{"text", notes}, {"textposition", "none"}, {"hovertemplate", hover_text("%{text}", "%{x:.4g}")}});
+  return json;
+}
+
+Json labels(const Values& x, const Values& y, const Notes& notes) {
+  Json json = trace("", x, y, {});
+  json.update({{"mode", "text"}, {"text", notes}, {"hoverinfo", "skip"}, {"cliponaxis", false}});
+  json["textfont"] = {{"color", kInkColour}, {"size", 12}, {"weight", "bold"}};
+  return json;
+}
+
+Values values_of(const Json& trace, const char* key) {
+  return trace.at(key).get<Values>();
+}
+
+Json axis(const std::string& title, double low, double high) {
+  return {{"title", {{"text", title}}}, {"range", {low, high}}};
+}
+
+Json log_axis(const std::string& title, double low, double high) {
+  Json json = axis(title, low, high);
+  json["type"] = "log";
+  return json;
+}
+
+Json with_ticks(Json axis, const Values& places, const Notes& texts) {
+  axis["tickmode"] = "array";
+  axis["tickvals"] = places;
+  axis["ticktext"] = texts;
+  return axis;
+}
+
+Json with_zero_line(Json axis) {
+  axis["zeroline"] = true;
+  return axis;
+}
+
+Json hidden(Json axis) {
+  axis["showticklabels"] = false;
+  return axis;
+}
+
+namespace {
+
+/// Do all values lie on multiples of pi/n?
+bool lie_on(const Values& values, long n) {
+  return std::ranges::all_of(values, [&](double v) {
+    const double k = v * static_cast<double>(n) / kPi;
+    return !std::isfinite(v) || std::abs(k - std::round(k)) < 1e-3;
+  });
+}
+
+}  // namespace
+
+Json angle_axis(const std::string& title, double low, double high, const Values& values) {
+  constexpr double kMostTicks = 8.5;
+  constexpr std::array<long, 5> quarters = {12, 8, 4, 2, 1};
+  constexpr std::array<long, 5> thirds = {12, 6, 3, 2, 1};
+  const double turns = (high - low) / kPi;
+  Values ticks;
+  Notes texts;
+  for (const long n : lie_on(values, 4) || !lie_on(values, 6) ? quarters : thirds) {
+    if (turns * static_cast<double>(n) > kMostTicks && n > 1) continue;
+    const double step = kPi / static_cast<double>(n);
+    for (long k = std::lround(std::ceil(low / step - 1e-9)); static_cast<double>(k) * step <= high + 1e-9;
+         ++k) {
+      ticks.push_back(static_cast<double>(k) * step);
+      texts.push_back(multiple_of_pi(k, n));
+    }
+    break;
+  }
+  const Json plain = axis(title, low, high);
+  return ticks.size() < 3 ? plain : with_ticks(plain, ticks, texts);
+}
+
+Json stripe(double low, double high) {
+  return {{"type", "rect"},
+          {"layer", "below"},
+          {"xref", "x domain"},
+          {"x0", 0},
+          {"x1", 1},
+          {"yref", "y"},
+          {"y0", low},
+          {"y1", high},
+          {"fillcolor", kStripe},
+          {"line", {{"width", 0}}}};
+}
+
+Json span(double low, double high) {
+  return {{"type", "rect"},
+          {"layer", "below"},
+          {"xref", "x"},
+          {"x0", low},
+          {"x1", high},
+          {"yref", "y domain"},
+          {"y0", 0},
+          {"y1", 1},
+          {"fillcolor", std::string(kColours[1]) + kFainter},
+          {"line", {{"width", 0}}}};
+}
+
+Json colour_bar(const std::string& title, const Json& ticks) {
+  Json scale = Json::array(),
+       bar = {{"orientation", "h"}, {"title", {{"text", title}, {"side", "top"}, {"font", {{"size", 12}}}}},
+              {"thickness", 10},    {"len", 0.8},
+              {"x", 0.5},           {"y", 0},
+              {"yanchor", "top"},   {"ypad", 6},
+              {"outlinewidth", 0}};
+  for (std::size_t k = 0; k < kRamp.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(kRamp.size() - 1);
+    scale.push_back({share, on_ramp(share)});
+  }
+  for (const char* key : {"tickvals", "ticktext"})
+    if (ticks.contains(key)) bar[key] = ticks[key];
+  const Json &low = ticks.at("range")[0], &high = ticks.at("range")[1];
+  return {{"x", {nullptr}},
+          {"y", {nullptr}},
+          {"mode", "markers"},
+          {"showlegend", false},
+          {"hoverinfo", "skip"},
+          {"marker",
+           {{"color", {low}},
+            {"cmin", low},
+            {"cmax", high},
+            {"colorscale", scale},
+            {"showscale", true},
+            {"colorbar", bar}}}};
+}
+
+}  // namespace plot
+
+std::string multiple_of_pi(long k, long n) {
+  if (k == 0) return "0";
+  const long divisor = std::gcd(k, n), top = std::abs(k) / divisor, bottom = n / divisor;
+  return (k < 0 ? "−" : "") + (top == 1 ? std::string() : std::to_string(top)) + "π" +
+         (bottom == 1 ? std::string() : "/" + std::to_string(bottom));
+}
+
+Range range_of(const Values& values) {
+  Range range{HUGE_VAL, -HUGE_VAL};
+  for (const double value : values)
+    if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
+  if (range.low > range.high) return {};
+  if (!(range.high > range.low)) range.high = range.low + std::max(std::abs(range.low), 1e-3);
+  return range;
+}
+
+Range padded(const Range& range, double share) {
+  return {range.low - share * range.size(), range.high + share * range.size()};
+}
+
+Range hull(const Range& a, const Range& b) {
+  return {std::min(a.low, b.low), std::max(a.high, b.high)};
+}
+
+namespace {
+
+bool is_log(const Json& axis) {
+  return axis.contains("type");
+}
+
+/// All that the traces of a panel reach along one axis.
+Values reach(const Panel& panel, bool along_x) {
+  Values all;
+  for (const Json& trace : panel.traces) {
+    const Values values = plot::values_of(trace, along_x ? "x" : "y");
+    all.insert(all.end(), values.begin(), values.end());
+    if (along_x && trace.contains("orientation")) all.push_back(0);
+    if (!along_x && trace.contains("fill")) {
+      const Values high = plot::values_of(trace, "customdata");
+      all.insert(all.end(), high.begin(), high.end());
+    }
+    if (along_x || !trace.contains("error_y")) continue;
+    const Values sd = plot::values_of(trace["error_y"], "array");
+    for (std::size_t i = 0; i < sd.size(); ++i)
+      if (std::isfinite(sd[i])) all.insert(all.end(), {values[i] - sd[i], values[i] + sd[i]});
+  }
+  return all;
+}
+
+void settle(Json& axis, Values values) {
+  if (is_log(axis))
+    for (double& value : values) value = value > 0 ? std::log10(value) : kNone;
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  Range ends;
+  if (!values.empty()) ends = {std::ranges::min(values), std::ranges::max(values)};
+  if (is_log(axis)) {
+    ends = {std::floor(ends.low + 1e-9), std::ceil(ends.high - 1e-9)};
+    if (!(ends.high > ends.low)) ends.high = ends.low + 1;
+  } else {
+    const double spare = ends.high > ends.low ? 0 : std::max(0.5 * std::abs(ends.low), 1e-9);
+    ends = padded({ends.low - spare, ends.high + spare}, 0.05);
+  }
+  Json& range = axis["range"];
+  if (std::isnan(range[0].get<double>())) range[0] = ends.low;
+  if (std::isnan(range[1].get<double>())) range[1] = ends.high;
+}
+
+}  // namespace
+
+void settle_axes(Figure& figure) {
+  const auto columns = static_cast<std::size_t>(figure.columns);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    Panel& panel = figure.panels[i];
+    if (panel.traces.empty()) continue;
+    Values y = reach(panel, false), x;
+    for (const Json& shape : panel.shapes)
+      if (shape["yref"] == "y") y.insert(y.end(), {shape["y0"].get<double>(), shape["y1"].get<double>()});
+    if (panel.y.contains("zeroline")) y.push_back(0);
+    settle(panel.y, y);
+    for (std::size_t k = 0; k < figure.panels.size(); ++k)
+      if (k == i || (figure.shared_x && k % columns == i % columns)) {
+        const Values more = reach(figure.panels[k], true);
+        x.insert(x.end(), more.begin(), more.end());
+      }
+    settle(panel.x, x);
+  }
+}
+
+DrawnPath thinned(const Values& x, const Values& y, std::size_t most) {
+  const std::size_t count = std::min(x.size(), y.size());
+  const std::size_t step = std::max<std::size_t>(1, (count + most - 1) / most);
+  DrawnPath path;
+  const auto add = [&](double px, double py) {
+    path.x.push_back(px);
+    path.y.push_back(py);
+  };
+  bool gap = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool measured = std::isfinite(x[i]) && std::isfinite(y[i]);
+    gap = gap || !measured;
+    if (i % step != 0) continue;
+    if (gap) add(kNone, kNone);
+    if (measured) add(x[i], y[i]);
+    gap = false;
+  }
+  return path;
+}
+
+std::vector<std::size_t> envelope(const Values& y, std::size_t most) {
+  std::vector<std::size_t> places;
+  if (y.size() <= most) {
+    places.resize(y.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    return places;
+  }
+  const std::size_t stretches = std::max<std::size_t>(1, most / 2);
+  for (std::size_t k = 0; k < stretches; ++k) {
+    const std::size_t begin = k * y.size() / stretches, end = (k + 1) * y.size() / stretches;
+    std::size_t lowest = begin, highest = begin;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!std::isfinite(y[i])) continue;
+      if (!std::isfinite(y[lowest]) || y[i] < y[lowest]) lowest = i;
+      if (!std::isfinite(y[highest]) || y[i] > y[highest]) highest = i;
+    }
+    places.push_back(std::min(lowest, highest));
+    if (lowest != highest) places.push_back(std::max(lowest, highest));
+  }
+  return places;
+}
+
+Values picked(const Values& values, const std::vector<std::size_t>& places) {
+  Values chosen;
+  chosen.reserve(places.size());
+  for (const std::size_t place : places) chosen.push_back(place < values.size() ? values[place] : kNone);
+  return chosen;
+}
+
+namespace {
+
+constexpr int kDigits = 7;            // of what stands by itself
+constexpr double kTellsApart = 1e-4;  // of an axis: a tenth of a pixel where it is a thousand long
+
+void shorten(Json& number, int digits = kDigits) {
+  const double value = number.is_number() ? number.get<double>() : kNone;
+  number = std::isfinite(value) ? Json(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr))
+                                : Json();
+}
+
+/// As fine as the axis can show.
+void shorten_places(Json& numbers, const Json& axis) {
+  const Json& range = axis.at("range");
+  const double step = kTellsApart * std::abs(range[1].get<double>() - range[0].get<double>());
+  for (Json& number : numbers) {
+    const double size = number.is_number() ? std::abs(number.get<double>()) : kNone;
+    const bool plain = is_log(axis) || !(step > 0) || !std::isfinite(size);
+    const double digits = plain ? kDigits : std::ceil(std::log10(std::max(size / step, 1.0))) + 1;
+    shorten(number, static_cast<int>(std::clamp(digits, 1.0, 15.0)));
+  }
+}
+
+Json shortened(Json trace, const Panel& panel) {
+  shorten_places(trace["x"], panel.x);
+  shorten_places(trace["y"], panel.y);
+  if (trace.contains("fill")) shorten_places(trace["customdata"], panel.y);
+  if (trace.contains("error_y"))
+    for (Json& sd : trace["error_y"]["array"]) shorten(sd, 3);
+  return trace;
+}
+
+Json shortened(Json axis) {
+  for (const char* key : {"range", "tickvals"})
+    if (axis.contains(key))
+      for (Json& number : axis[key]) shorten(number);
+  return axis;
+}
+
+/// Of the axes of panel `i`: "" for the first, "2", ...
+std::string axis_number(std::size_t i) {
+  return i == 0 ? "" : std::to_string(i + 1);
+}
+
+std::string mark_of(const Json& trace) {
+  if (trace.contains("orientation")) return "bars";
+  if (trace.contains("fill")) return "band";
+  const std::string mode = trace.at("mode");
+  return mode == "lines" ? "line" : mode == "markers" ? "points" : "text";
+}
+
+std::string cell_of(const Json& trace, const char* key, std::size_t i) {
+  return trace.contains(key) && i < trace[key].size() ? exact(trace[key][i].get<double>()) : std::string();
+}
+
+}  // namespace
+
+Json plotly_json(const Figure& figure) {
+  Json json = {{"id", figure.id},         {"title", figure.title}, {"columns", figure.columns},
+               {"height", figure.height}, {"width", figure.width}, {"shared_x", figure.shared_x},
+               {"panels", Json::array()}, {"data", Json::array()}, {"layout", {{"shapes", Json::array()}}}};
+  std::vector<std::string> first(static_cast<std::size_t>(figure.columns), "none");  // axes of a column
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const Panel& panel = figure.panels[i];
+    json["panels"].push_back({{"title", panel.title}, {"height", panel.height}});
+    if (panel.traces.empty()) continue;
+    const std::string n = axis_number(i);
+    Json x = shortened(panel.x), y = shortened(panel.y);
+    x["anchor"] = "y" + n;
+    y["anchor"] = "x" + n;
+    if (panel.equal_scale) y.update({{"scaleanchor", "x" + n}, {"scaleratio", 1}});
+    std::string& column = first[i % first.size()];
+    if (column == "none")
+      column = n;
+    else if (figure.shared_x)
+      x["matches"] = "x" + column;
+    json["layout"]["xaxis" + n] = x;
+    json["layout"]["yaxis" + n] = y;
+    for (Json shape : panel.shapes) {
+      for (const char* key : {"xref", "yref"}) shape[key] = shape[key].get<std::string>().insert(1, n);
+      for (const char* key : {"x0", "x1", "y0", "y1"}) shorten(shape[key]);
+      json["layout"]["shapes"].push_back(shape);
+    }
+    for (const Json& trace : panel.traces) {
+      Json& drawn = json["data"].emplace_back(shortened(trace, panel));
+      drawn.update({{"xaxis", "x" + n}, {"yaxis", "y" + n}});
+    }
+  }
+  if (!figure.colour_bar.is_null()) json["data"].push_back(figure.colour_bar);
+  return json;
+}
+
+std::string csv_of(const Figure& figure) {
+  std::string csv = "panel,series,mark,name,x,y,sd,y_high,note\n";
+  for (std::size_t p = 0; p < figure.panels.size(); ++p)
+    for (std::size_t s = 0; s < figure.panels[p].traces.size(); ++s) {
+      const Json& trace = figure.panels[p].traces[s];
+      for (std::size_t i = 0; i < trace["x"].size(); ++i) {
+        const bool noted = trace.contains("text") && i < trace["text"].size();
+        std::string note = noted ? trace["text"][i] : "";
+        csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", p + 1, s + 1, mark_of(trace),
+                           csv_cell(trace.at("name")), cell_of(trace, "x", i), cell_of(trace, "y", i),
+                           trace.contains("error_y") ? cell_of(trace["error_y"], "array", i) : "",
+                           cell_of(trace, "customdata", i), csv_cell(note));
+      }
+    }
+  return csv;
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,195 @@
+#include "apps/figures/figure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace tribotrack::apps {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsNan;
+
+constexpr double kPi = std::numbers::pi;
+
+Notes texts(const Json& axis) {
+  return axis.at("ticktext").get<Notes>();
+}
+
+Values ends(const Json& axis) {
+  return plot::values_of(axis, "range");
+}
+
+Figure settled(std::vector<Panel> panels, bool shared_x = false) {
+  Figure figure{.id = "f", .title = "f", .caption = "", .panels = std::move(panels), .shared_x = shared_x};
+  settle_axes(figure);
+  return figure;
+}
+
+TEST(MultipleOfPi, IsReduced) {
+  EXPECT_EQ(multiple_of_pi(0, 4), "0");
+  EXPECT_EQ(multiple_of_pi(4, 4), "π");
+  EXPECT_EQ(multiple_of_pi(-2, 4), "−π/2");
+  EXPECT_EQ(multiple_of_pi(10, 12), "5π/6");
+}
+
+TEST(AngleAxis, AWholeTurnHasQuarters) {
+  EXPECT_THAT(texts(plot::angle_axis("", 0, 2 * kPi)),
+              ElementsAre("0", "π/4", "π/2", "3π/4", "π", "5π/4", "3π/2", "7π/4", "2π"));
+}
+
+TEST(AngleAxis, ValuesOnSixthsHaveThirds) {
+  EXPECT_THAT(texts(plot::angle_axis("", 0.4, 3.2, {kPi / 6, kPi / 3, kPi})),
+              ElementsAre("π/6", "π/3", "π/2", "2π/3", "5π/6", "π"));
+}
+
+// 43 pi / 24 is no sensible tick.
+TEST(AngleAxis, ARangeTooShortForTwelfthsHasDecimals) {
+  EXPECT_FALSE(plot::angle_axis("", 5.6, 5.7).contains("tickvals"));
+}
+
+TEST(SettleAxes, EndsThatAreGivenStayAndTheOthersHoldTheData) {
+  const Panel panel = settled({{.x = plot::axis("", 0),
+                                .y = plot::axis(""),
+                                .traces = {plot::points("", {1, 2}, {-3, 4}, {}, {}, {1, 1})}}})
+                          .panels[0];
+  EXPECT_EQ(ends(panel.x)[0], 0);
+  EXPECT_GT(ends(panel.x)[1], 2);
+  EXPECT_LT(ends(panel.y)[0], -4);
+  EXPECT_GT(ends(panel.y)[1], 5);
+}
+
+TEST(SettleAxes, BarsBeginAtZeroAndBandsHaveAnUpperEdge) {
+  const Panel bars =
+      settled({{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::bars({5}, {1}, {"a"}, {})}}})
+          .panels[0];
+  EXPECT_LT(ends(bars.x)[0], 0);
+  const Panel band = settled({{.x = plot::axis(""),
+                               .y = plot::axis(""),
+                               .traces = {plot::band("", {0, 1}, {0, 1}, {2, 3}, {})}}})
+                         .panels[0];
+  EXPECT_GT(ends(band.y)[1], 3);
+}
+
+TEST(SettleAxes, LogarithmicOnesEndAtWholeDecades) {
+  const Panel panel = settled({{.x = plot::log_axis(""),
+                                .y = plot::log_axis(""),
+                                .traces = {plot::points("", {0.03, 5, 0, kNone}, {1e-9, 1e-3, 1, 1})}}})
+                          .panels[0];
+  EXPECT_THAT(ends(panel.x), ElementsAre(-2, 1));
+  EXPECT_THAT(ends(panel.y), ElementsAre(-9, 0));
+}
+
+TEST(SettleAxes, PanelsOfAColumnShareTheirX) {
+  const auto panel = [](Values x) {
+    return Panel{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::points("", x, {0, 1})}};
+  };
+  const Figure figure = settled({panel({0, 1}), panel({5, 9})}, true);
+  EXPECT_EQ(ends(figure.panels[0].x), ends(figure.panels[1].x));
+  EXPECT_GT(ends(figure.panels[0].x)[1], 9);
+}
+
+TEST(SettleAxes, NothingToShowStillHasARange) {
+  const Panel panel =
+      settled({{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::line("", {kNone}, {kNone})}}})
+          .panels[0];
+  EXPECT_LT(ends(panel.y)[0], ends(panel.y)[1]);
+}
+
+TEST(Thinned, AShortPathStaysAsItIs) {
+  const DrawnPath path = thinned({1, 2, 3}, {4, 5, 6}, 3);
+  EXPECT_THAT(path.x, ElementsAre(1, 2, 3));
+  EXPECT_THAT(path.y, ElementsAre(4, 5, 6));
+}
+
+TEST(Thinned, EveryKthPointOfALongOne) {
+  std::vector<double> x(10);
+  std::iota(x.begin(), x.end(), 0);
+  EXPECT_THAT(thinned(x, x, 5).x, ElementsAre(0, 2, 4, 6, 8));
+  EXPECT_THAT(thinned(x, x, 4).x, ElementsAre(0, 3, 6, 9));
+  EXPECT_THAT(thinned(x, x, 1).x, ElementsAre(0));
+}
+
+TEST(Thinned, EveryGapStaysAGap) {
+  EXPECT_THAT(thinned({0, kNone, 2, 3}, {0, 1, 2, 3}, 4).x, ElementsAre(0, IsNan(), 2, 3));
+  EXPECT_THAT(thinned({0, 1, 2, 3}, {0, 1, kNone, 3}, 4).y, ElementsAre(0, 1, IsNan(), 3));
+  EXPECT_THAT(thinned({0, kNone, 2, 3}, {0, 1, 2, 3}, 2).x, ElementsAre(0, IsNan(), 2))
+      << "between drawn points";
+  EXPECT_THAT(thinned({0, 1, kNone, 3, 4, 5}, {0, 1, 2, 3, 4, 5}, 3).x, ElementsAre(0, IsNan(), 4))
+      << "on a drawn point";
+}
+
+TEST(Thinned, NothingGivesNothing) {
+  EXPECT_TRUE(thinned({}, {}, 10).x.empty());
+}
+
+TEST(Envelope, AShortSeriesStaysAsItIs) {
+  EXPECT_THAT(envelope({3, 1, 2}, 3), ElementsAre(0, 1, 2));
+}
+
+TEST(Envelope, NoOutlierIsLost) {
+  std::vector<double> y(10000, 1.0);
+  y[1234] = 7;
+  y[5678] = -7;
+  y[9999] = 2;
+  const std::vector<double> drawn = picked(y, envelope(y, 100));
+  EXPECT_LE(drawn.size(), 100u);
+  EXPECT_THAT(drawn, testing::Contains(7));
+  EXPECT_THAT(drawn, testing::Contains(-7));
+  EXPECT_THAT(drawn, testing::Contains(2));
+}
+
+TEST(Envelope, PlacesAscendAndGapsStayGaps) {
+  std::vector<double> y(1000, 0.5);
+  std::fill(y.begin() + 200, y.begin() + 400, kNone);
+  const std::vector<std::size_t> places = envelope(y, 50);
+  EXPECT_TRUE(std::ranges::is_sorted(places));
+  EXPECT_THAT(picked(y, places), testing::Contains(IsNan()));
+}
+
+/// Values a millionth apart at 0.1, as parameters are.
+Figure narrow() {
+  return settled({{.x = plot::axis(""), .y = plot::axis(""), .traces = {}},
+                  {.x = plot::axis(""),
+                   .y = plot::axis(""),
+                   .traces = {plot::points("a, \"b\"", {0.1000001, 0.1000002, 0.10000034567}, {1, kNone, 3},
+                                           {}, {"r1", "r2", "r3"}, {0.5, kNone, 0.123456})},
+                   .shapes = {plot::stripe(-2, 2)}}});
+}
+
+// No more than a tenth of a pixel is lost, whatever part of the number that is.
+TEST(PlotlyJson, PlacesAreAsFineAsTheAxisShows) {
+  const Figure figure = narrow();
+  const Json trace = plotly_json(figure)["data"][0];
+  const Values wanted = plot::values_of(figure.panels[1].traces[0], "x"), axis = ends(figure.panels[1].x);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(trace["x"][i].get<double>(), wanted[i], 1e-4 * (axis[1] - axis[0]));
+  EXPECT_TRUE(trace["y"][1].is_null());
+  EXPECT_EQ(trace["error_y"]["array"][2], 0.123);
+}
+
+TEST(PlotlyJson, PanelsAreNumberedAndAnEmptyPlaceHasNoAxes) {
+  const Json json = plotly_json(narrow()), &layout = json["layout"];
+  EXPECT_EQ(json["panels"].size(), 2u);
+  EXPECT_FALSE(layout.contains("xaxis"));
+  EXPECT_EQ(layout["xaxis2"]["anchor"], "y2");
+  EXPECT_EQ(json["data"][0]["yaxis"], "y2");
+  EXPECT_EQ(layout["shapes"][0]["xref"], "x2 domain");
+  EXPECT_EQ(layout["shapes"][0]["yref"], "y2");
+}
+
+TEST(FigureCsv, HoldsAllDigitsARowAPoint) {
+  const std::string csv = csv_of(narrow());
+  EXPECT_THAT(csv, HasSubstr("panel,series,mark,name,x,y,sd,y_high,note\n"));
+  EXPECT_THAT(csv, HasSubstr("2,1,points,\"a, \"\"b\"\"\",0.10000034567,3,0.123456,,r3\n"));
+  EXPECT_THAT(csv, HasSubstr(",0.1000002,,,,r2\n"));
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
