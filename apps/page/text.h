@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "fit/problem.h"
+
 namespace tribotrack::apps {
 
 /// Text made safe for HTML, in elements and in quoted attributes.
@@ -54,6 +56,9 @@ struct ParameterText {
 
 /// By its campaign key ("mu1", "phase_lag_rad", ...); an unknown key stands for itself.
 ParameterText parameter_text(const std::string& key);
+inline ParameterText parameter_text(fit::FitParameter parameter) {
+  return parameter_text(std::string(fit::to_string(parameter)));
+}
 
 /// The symbol as plain text, for figures: "μ₁".
 std::string plain_symbol(const std::string& key);

@@ -10,7 +10,7 @@
 
 #include "apps/page/page.h"
 #include "apps/page/text.h"
-#include "apps/report/data/from_files.h"
+#include "apps/report/data/collect.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/findings/verdict.h"
 #include "apps/report/page/page.h"
@@ -55,13 +55,6 @@ std::string condition_row(const ReportCondition& c) {
 std::string condition_table(const ReportData& data) {
   std::string rows;
   for (const ReportCondition& c : data.conditions) rows += condition_row(c);
-  for (const ReportGiven& given : data.given) {
-    const bool pooled =
-        std::ranges::any_of(data.conditions, [&](const auto& c) { return c.quantity == given.name; });
-    if (pooled) continue;
-    rows += condition_row(
-        {.quantity = given.name, .given = given.value, .used = given.value, .from = given.source});
-  }
   if (rows.empty()) return "";
   return "<h3>Conditions: given, measured, used</h3>\n<div class=\"wide\"><table id=\"conditions\" "
          "class=\"compact "
@@ -80,18 +73,19 @@ std::string correlation_colour(double r) {
 }
 
 std::string correlation_table(const ReportData& data) {
-  const std::size_t n = data.parameters.size();
-  if (n < 2 || data.correlation.size() != n) return "";
+  const auto& parameters = data.fit.parameters;
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  if (n < 2 || data.fit.correlation.rows() != n) return "";
   std::string html =
       "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table id=\"correlation\" "
       "class=\"compact correlation\"><thead><tr><td></td>";
-  for (const ReportParameter& p : data.parameters)
-    html += "<th class=\"n\">" + parameter_text(p.name).symbol + "</th>";
+  for (const fit::ParameterEstimate& p : parameters)
+    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
   html += "</tr></thead><tbody>";
-  for (std::size_t i = 0; i < n; ++i) {
-    html += "<tr><th>" + parameter_text(data.parameters[i].name).symbol + "</th>";
-    for (std::size_t k = 0; k < n && k < data.correlation[i].size(); ++k) {
-      const double r = data.correlation[i][k];
+  for (Eigen::Index i = 0; i < n; ++i) {
+    html += "<tr><th>" + parameter_text(parameters[static_cast<std::size_t>(i)].parameter).symbol + "</th>";
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double r = data.fit.correlation(i, k);
       html += i == k ? "<td class=\"n\">1</td>"
                      : fmt::format("<td class=\"n\" style=\"{}\">{}</td>", correlation_colour(r),
                                    std::isnan(r) ? "–" : rounded(r, 0.1));
@@ -106,38 +100,40 @@ std::string correlation_table(const ReportData& data) {
 
 std::string identifiability_text(const ReportData& data) {
   std::string html = "<h3>Do the data determine each parameter?</h3>\n<p>";
-  switch (data.identifiability) {
-    case ReportVerdict::identifiable:
+  switch (data.fit.identifiability.verdict) {
+    case fit::Verdict::identifiable:
       html += "Yes: every parameter is determined by these runs.";
       break;
-    case ReportVerdict::weak:
+    case fit::Verdict::weak:
       html += "Only weakly: these runs depend little on some combination of the parameters.";
       break;
-    case ReportVerdict::not_identifiable:
+    case fit::Verdict::not_identifiable:
       html += "<b>No</b>: these runs leave some combination of the parameters undetermined.";
       break;
   }
   html += "</p>\n";
-  if (!data.weak_directions.empty()) html += html_list(data.weak_directions);
-  const std::string remedy = !data.next_experiment.empty() ? data.next_experiment
-                             : !data.next_runs.empty()     ? data.next_runs.front().sentence
-                                                           : std::string();
-  if (data.identifiability != ReportVerdict::identifiable && !remedy.empty())
-    html += "<p><b>Remedy:</b> " + sentence_html(remedy) + "</p>\n";
-  if (!data.other_minima.empty())
+  const fit::Identifiability& judged = data.fit.identifiability;
+  if (!judged.weak_directions.empty()) html += html_list(judged.weak_directions);
+  const std::vector<fit::NextExperiment> next = data.next_runs();
+  if (judged.verdict != fit::Verdict::identifiable && !next.empty())
+    html += "<p><b>Remedy:</b> " + sentence_html(next.front().sentence) + "</p>\n";
+  std::vector<std::string> other_minima;
+  for (std::size_t k = 1; k < data.fit.minima.size(); ++k)
+    other_minima.push_back(data.fit.minima[k].sentence);
+  if (!other_minima.empty())
     html +=
         "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
         "them where they are within 95 %.</p>\n" +
-        html_list(data.other_minima);
+        html_list(other_minima);
   return html;
 }
 
 /// Of files without a budget.
 std::string systematics(const ReportData& data) {
-  if (data.systematics.empty() || !data.budget.empty()) return "";
+  if (data.fit.systematics.empty() || !data.fit.budget.empty()) return "";
   return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
          "χ² may not show and which the intervals above do not include.</p>\n" +
-         html_list(data.systematics);
+         html_list(data.fit.systematics);
 }
 
 std::string shared_scale(const ReportData& data) {
@@ -162,7 +158,7 @@ std::string warning_box(const ReportData& data) {
 
 PageSection parameter_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"parameters", "Parameters", ""};
-  if (!data.fitted || data.parameters.empty()) return section;
+  if (!data.fitted()) return section;
   section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
                  systematics(data) + shared_scale(data) + "</div>\n<div>" + correlation_table(data) +
                  "</div>\n</div>\n" + figure_box(figures, "corner") + condition_table(data);
@@ -171,8 +167,9 @@ PageSection parameter_section(const ReportData& data, const std::vector<Figure>&
 
 PageSection budget_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"budget", "Where the uncertainty comes from", ""};
-  if (!data.fitted || data.parameters.empty()) return section;
-  section.html = budget_table(data) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
+  if (!data.fitted()) return section;
+  section.html =
+      budget_table(data.fit) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
   return section;
 }
 
@@ -205,12 +202,12 @@ PageSection provenance_section(const ReportData& data) {
 namespace {
 
 std::string result_table(const ReportData& data) {
-  if (!data.fitted || data.parameters.empty()) return "";
+  if (!data.fitted()) return "";
   std::string html =
       "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Value, and 95 % "
       "interval</th></tr></thead><tbody>\n";
-  for (const ReportParameter& p : data.parameters) {
-    const ParameterText shown = parameter_text(p.name);
+  for (const fit::ParameterEstimate& p : data.fit.parameters) {
+    const ParameterText shown = parameter_text(p.parameter);
     const bool determined = std::isfinite(p.estimate) && std::isfinite(p.sd);
     html += fmt::format(
         "<tr><th>{}</th><td class=\"value\" data-v=\"{}\">{}{}<br><span class=\"ends\">{}</span></td></tr>\n",
@@ -274,11 +271,11 @@ Report report_of(const ReportData& data) {
 }  // namespace
 
 Report report_of(const ReportInput& input) {
-  return report_of(data_from_results(input));
+  return report_of(collect(input));
 }
 
 Report report_of(const RunFolder& folder) {
-  return report_of(data_from_files(folder));
+  return report_of(collect(folder));
 }
 
 }  // namespace tribotrack::apps

@@ -7,7 +7,7 @@
 
 #include "apps/figures/figure.h"
 #include "apps/files/run_folder.h"
-#include "apps/report/data/from_results.h"
+#include "apps/report/data/collect.h"
 
 namespace tribotrack::apps {
 

@@ -1,6 +1,6 @@
 // fit.json, as `report` reads it, beside a meta file that is as it should be. Its runs were measured
 // elsewhere: tracks have a target of their own.
-#include "apps/report/data/from_files.h"
+#include "apps/report/data/collect.h"
 #include "fuzz/target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -17,6 +17,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
                      {"alpha_rad": 3, "alpha_sd_rad": 0.01, "v_mm_s": 4, "v_sd_mm_s": 0.1, "cycles": 20}]}})");
   folder.write("fit.json", data, size);
   constexpr long few_steps = 2'000;  // of the model, which sanitizers make hundreds of times as slow
-  fuzz::read_or_refuse(data, size, [&] { apps::data_from_files({folder.path()}, few_steps); });
+  fuzz::read_or_refuse(data, size, [&] { apps::collect(apps::RunFolder{folder.path()}, few_steps); });
   return 0;
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -16,37 +15,24 @@
 namespace tribotrack::apps {
 namespace {
 
-using fit::FitParameter;
-
 constexpr std::size_t kFewGroups = 8;  // more curves than that are drawn with fewer points each
 
-constexpr std::array kParameters = {
-    FitParameter::mu1,   FitParameter::mu2,       FitParameter::lag,
-    FitParameter::delay, FitParameter::amplitude, FitParameter::angular_frequency,
-    FitParameter::scale, FitParameter::tilt_x,    FitParameter::tilt_y};
-
-/// In SI; nullopt where a parameter is not known by that name, or not determined: then there is no band.
-std::optional<fit::FittedParameters> known_parameters(const ReportData& data) {
-  const auto n = static_cast<Eigen::Index>(data.parameters.size());
-  if (data.correlation.size() != data.parameters.size()) return std::nullopt;
+/// In SI; nullopt where a parameter is not determined: then there is no band.
+std::optional<fit::FittedParameters> known_parameters(const fit::FitResult& fit) {
+  const auto n = static_cast<Eigen::Index>(fit.parameters.size());
+  if (fit.correlation.rows() != n || fit.correlation.cols() != n || !fit.correlation.allFinite())
+    return std::nullopt;
   fit::FittedParameters known{{}, Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
   Eigen::VectorXd sd(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const ReportParameter& p = data.parameters[static_cast<std::size_t>(i)];
-    const auto found = std::ranges::find_if(
-        kParameters, [&](FitParameter parameter) { return p.name == fit::to_string(parameter); });
-    if (found == kParameters.end() || !std::isfinite(p.sd)) return std::nullopt;
-    const double unit = *found == FitParameter::amplitude ? 1e-3 : 1;
-    known.parameters.push_back(*found);
+    const fit::ParameterEstimate& p = fit.parameters[static_cast<std::size_t>(i)];
+    if (!std::isfinite(p.sd)) return std::nullopt;
+    const double unit = p.parameter == fit::FitParameter::amplitude ? 1e-3 : 1;
+    known.parameters.push_back(p.parameter);
     known.estimates(i) = unit * p.estimate;
     sd(i) = unit * p.sd;
   }
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double r = data.correlation[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      if (!std::isfinite(r)) return std::nullopt;
-      known.covariance(i, j) = r * sd(i) * sd(j);
-    }
+  known.covariance = sd.asDiagonal() * fit.correlation * sd.asDiagonal();
   return known;
 }
 
@@ -79,8 +65,8 @@ std::size_t evaluate(model::Scenario scenario, bool over_phi,
 
 }  // namespace
 
-void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data, long most_steps) {
-  const std::optional<fit::FittedParameters> known = known_parameters(data);
+void add_curves(ReportData& data, long most_steps) {
+  const std::optional<fit::FittedParameters> known = known_parameters(data.fit);
   data.over_phi = group_over_phi(data.runs);
   data.over_dtau = group_over_dtau(data.runs);
   const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
@@ -89,11 +75,11 @@ void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data,
   std::size_t left_out = 0;
   for (ReportGroup& group : data.over_phi) {
     group.curve_x_rad = curve_phis(group, data.runs, points);
-    left_out += evaluate(scenarios[group.runs.front()], true, known, share, group);
+    left_out += evaluate(data.runs[group.runs.front()].fitted.fitted, true, known, share, group);
   }
   for (ReportGroup& group : data.over_dtau) {
     group.curve_x_rad = curve_dtaus(group, data.runs, points);
-    left_out += evaluate(scenarios[group.runs.front()], false, known, share, group);
+    left_out += evaluate(data.runs[group.runs.front()].fitted.fitted, false, known, share, group);
   }
   if (left_out > 0)
     data.warnings.push_back(fmt::format(
@@ -112,8 +98,8 @@ struct Angles {
 };
 
 bool belongs_in_a_figure(const ReportRun& run) {
-  return run.failure.empty() && run.kind != "free_slide" && std::isfinite(run.phi_rad) &&
-         std::isfinite(run.dtau_rad) && std::isfinite(run.v_mm_s);
+  return run.failure.empty() && !run.free_slide && std::isfinite(run.phi_rad) &&
+         std::isfinite(run.dtau_rad) && std::isfinite(run.value("v_mm_s").value);
 }
 
 std::vector<double> phis(const std::vector<ReportRun>& runs, double tolerance) {
@@ -195,27 +181,28 @@ std::vector<double> curve_dtaus(const ReportGroup& group, const std::vector<Repo
 
 namespace {
 
-std::size_t first_measured(const ReportRun& run) {
+std::size_t first_measured(const Track& track) {
   std::size_t first = 0;
-  while (first < run.x_mm.size() && !(std::isfinite(run.x_mm[first]) && std::isfinite(run.y_mm[first])))
+  while (first < track.x_mm.size() && !(std::isfinite(track.x_mm[first]) && std::isfinite(track.y_mm[first])))
     ++first;
   return first;
 }
 
 /// Straight between the two frames about each whole cycle; none where one of them is lost.
 void mark_cycles(double start, double period, ReportRun& run) {
+  const Track& track = run.track;
   std::size_t right = 1;
   for (int cycle = 0;; ++cycle) {
     const double time = start + cycle * period;
-    while (right < run.time_s.size() && run.time_s[right] < time) ++right;
-    if (right >= run.time_s.size()) return;
-    const double share = (time - run.time_s[right - 1]) / (run.time_s[right] - run.time_s[right - 1]);
+    while (right < track.time_s.size() && track.time_s[right] < time) ++right;
+    if (right >= track.time_s.size()) return;
+    const double share = (time - track.time_s[right - 1]) / (track.time_s[right] - track.time_s[right - 1]);
     const auto between = [&](const std::vector<double>& v) {
       return v[right - 1] + share * (v[right] - v[right - 1]);
     };
-    if (!std::isfinite(between(run.x_mm)) || !std::isfinite(between(run.y_mm))) continue;
-    run.cycle_x_mm.push_back(between(run.x_mm));
-    run.cycle_y_mm.push_back(between(run.y_mm));
+    if (!std::isfinite(between(track.x_mm)) || !std::isfinite(between(track.y_mm))) continue;
+    run.cycle_x_mm.push_back(between(track.x_mm));
+    run.cycle_y_mm.push_back(between(track.y_mm));
   }
 }
 
@@ -231,24 +218,26 @@ std::optional<model::Trajectory> followed(const model::Scenario& scenario, long 
 
 }  // namespace
 
-bool add_model_path(const model::Scenario& scenario, bool in_camera_frame, ReportRun& run, long most_steps) {
+bool add_model_path(ReportRun& run, long most_steps) {
+  const model::Scenario& scenario = run.fitted.fitted;
+  const Track& track = run.track;
   const double w = scenario.drive.angular_frequency;
-  if (in_camera_frame || run.kind == "free_slide" || run.time_s.size() < 2 ||
-      run.x_mm.size() != run.time_s.size() || !(w > 0))
+  if (track.in_camera_frame || run.free_slide || track.time_s.size() < 2 ||
+      track.x_mm.size() != track.time_s.size() || !(w > 0))
     return true;
-  const std::size_t first = first_measured(run);
-  if (first == run.x_mm.size()) return true;
-  const double start = run.time_s[first];
+  const std::size_t first = first_measured(track);
+  if (first == track.x_mm.size()) return true;
+  const double start = track.time_s[first];
   mark_cycles(start, 2 * std::numbers::pi / w, run);
   const std::optional<model::Trajectory> path = followed(scenario, most_steps);
   if (!path) return false;
-  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
-    const double time = run.time_s[i] - start;
+  for (const double frame_time : track.time_s) {
+    const double time = frame_time - start;
     const bool modelled = time >= 0 && time <= path->end_time();
     const Eigen::Vector2d at =
         modelled ? Eigen::Vector2d(1e3 * path->at(time).position) : Eigen::Vector2d::Constant(no_value);
-    run.model_x_mm.push_back(run.x_mm[first] + at.x());
-    run.model_y_mm.push_back(run.y_mm[first] + at.y());
+    run.model_x_mm.push_back(track.x_mm[first] + at.x());
+    run.model_y_mm.push_back(track.y_mm[first] + at.y());
   }
   return true;
 }
@@ -258,50 +247,26 @@ void note_no_model_path(const ReportRun& run, ReportData& data) {
       "run {}: the model's path is left out: the motion takes too many steps to follow", run.name));
 }
 
-namespace {
-
-void add_orbit(const Track& track, const fit::PlatformMotion& motion, ReportPlatform& platform) {
-  const fit::PlatformPicture picture = fit::picture_of(track.table, motion);
-  for (std::size_t k = 0; k < picture.orbit.size(); ++k) {
-    platform.orbit_x_mm.push_back(picture.orbit[k].x() * 1e3);
-    platform.orbit_y_mm.push_back(picture.orbit[k].y() * 1e3);
-    platform.time_s.push_back(track.table.time[k]);
-    platform.phase_left_mrad.push_back(picture.phase_left[k] * 1e3);
-  }
-  for (const Eigen::Vector2d& m : picture.model) {
-    platform.model_x_mm.push_back(m.x() * 1e3);
-    platform.model_y_mm.push_back(m.y() * 1e3);
-  }
-}
-
-void add_lamp(const fit::LampRecord& lamp, const fit::PlatformMotion& motion, ReportPlatform& platform) {
+void add_drawings(ReportRun& run) {
+  const auto value = [&](const char* key) { return run.value(key).value; };
+  if (std::isnan(value("amplitude_mm")) || run.track.table.marker.empty()) return;
+  fit::PlatformMotion motion;
+  motion.amplitude.value = value("amplitude_mm") * 1e-3;
+  motion.amplitude_y.value = value("amplitude_y_mm") * 1e-3;
+  motion.angular_frequency.value = value("angular_frequency_rad_s");
+  motion.phase_shift.value = value("phase_shift_rad");
+  motion.phase_at_zero.value = value("phase_at_zero_rad");
+  run.platform = fit::picture_of(run.track.table, motion);
+  const bool lamp_gave_phi = std::isfinite(value("lamp_on_level")) && std::isfinite(value("phi_rad"));
+  if (!lamp_gave_phi || run.track.lamp.time.empty()) return;
   const fit::PhaseClock clock{motion.angular_frequency.value, motion.phase_at_zero.value, 0};
   fit::GateTiming gate;
-  gate.phi.value = platform.phi_rad;
-  gate.dtau.value = platform.dtau_rad;
-  gate.off_level = platform.lamp_off_level;
-  gate.on_level = platform.lamp_on_level;
-  const fit::FoldedLamp folded = fit::fold_lamp(lamp, clock, gate);
-  platform.gate_phase_rad = folded.phase;
-  platform.gate_share = folded.share;
-  const fit::FoldedLamp model = fit::modelled_lamp(lamp, clock, gate);
-  platform.gate_model_phase_rad = model.phase;
-  platform.gate_model_share = model.share;
-}
-
-}  // namespace
-
-void add_drawings(const Track& track, ReportPlatform& platform) {
-  if (!std::isfinite(platform.amplitude_mm) || track.table.marker.empty()) return;
-  fit::PlatformMotion motion;
-  motion.amplitude.value = platform.amplitude_mm * 1e-3;
-  motion.amplitude_y.value = platform.amplitude_y_mm * 1e-3;
-  motion.angular_frequency.value = platform.w_rad_s;
-  motion.phase_shift.value = platform.epsilon_rad;
-  motion.phase_at_zero.value = platform.phase_at_zero_rad;
-  add_orbit(track, motion, platform);
-  const bool lamp_gave_phi = std::isfinite(platform.lamp_on_level) && std::isfinite(platform.phi_rad);
-  if (lamp_gave_phi && !track.lamp.time.empty()) add_lamp(track.lamp, motion, platform);
+  gate.phi.value = value("phi_rad");
+  gate.dtau.value = value("dtau_rad");
+  gate.off_level = value("lamp_off_level");
+  gate.on_level = value("lamp_on_level");
+  run.lamp = fit::fold_lamp(run.track.lamp, clock, gate);
+  run.modelled_lamp = fit::modelled_lamp(run.track.lamp, clock, gate);
 }
 
 }  // namespace tribotrack::apps

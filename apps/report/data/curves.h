@@ -3,21 +3,18 @@
 
 #include <vector>
 
-#include "apps/files/track_file.h"
 #include "apps/report/data/data.h"
-#include "model/scenario.h"
 
 namespace tribotrack::apps {
 
 /// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
 inline constexpr long kMostCurveSteps = 5'000'000;
 
-/// Groups data.runs (groups.h) and evaluates the model for each group: the scenario of its first run with one
-/// angle varied. `scenarios`: one per run, at the fitted parameters.
+/// Groups data.runs and evaluates the model for each group: the scenario of its first run, at the fitted
+/// parameters, with one angle varied.
 /// A point that takes more than its share of `most_steps` is left out, and a warning says so: friction next
 /// to nothing takes thousands of cycles to settle.
-void add_curves(const std::vector<model::Scenario>& scenarios, ReportData& data,
-                long most_steps = kMostCurveSteps);
+void add_curves(ReportData& data, long most_steps = kMostCurveSteps);
 
 // Which runs belong in one curve of the report's figures, and where to evaluate the model for it.
 
@@ -46,15 +43,12 @@ inline constexpr long kMostPathSteps = 1'000'000;
 /// the first frame in which the part was measured. Nothing for a free slide, a run without a path, or a path
 /// in the camera's frame, which holds the platform's motion too.
 /// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
-bool add_model_path(const model::Scenario& scenario, bool in_camera_frame, ReportRun& run,
-                    long most_steps = kMostPathSteps);
+bool add_model_path(ReportRun& run, long most_steps = kMostPathSteps);
 void note_no_model_path(const ReportRun& run, ReportData& data);
 
-// The platform's and the lamp's points for drawing: orbit, phase residual over time, brightness over phase.
-
-/// Adds the drawings' points to a platform whose measured numbers are filled in; nothing where it was not
-/// seen to move. The lines drawn are those numbers, not a new measurement: `track` must have the scale they
-/// were measured at.
-void add_drawings(const Track& track, ReportPlatform& platform);
+/// Platform and lamp of a run as drawn: orbit, phase residual over time, brightness over phase; nothing where
+/// the platform was not seen to move. The lines drawn are the numbers of ReportRun::measured, not a new
+/// measurement.
+void add_drawings(ReportRun& run);
 
 }  // namespace tribotrack::apps

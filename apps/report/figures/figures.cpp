@@ -62,13 +62,13 @@ Measured measured(const ReportData& data, const ReportGroup& group, const Depend
   Measured points;
   for (const std::size_t i : group.runs) {
     const ReportRun& run = data.runs[i];
-    const double sd = figure.of_alpha ? run.alpha_sd_rad : run.v_sd_mm_s;
+    const char* observable = figure.of_alpha ? "alpha_rad" : "v_mm_s";
+    const fit::Estimate seen = run.value(observable);
+    const double difference = seen.value - run.modelled(observable);
     points.x.push_back(shown_x(run, figure));
-    points.y.push_back(figure.of_alpha ? run.alpha_rad : run.v_mm_s);
-    points.sd.push_back(sd);
-    points.residual.push_back((figure.of_alpha ? model::wrap_angle(run.alpha_rad - run.modelled_alpha_rad)
-                                               : run.v_mm_s - run.modelled_v_mm_s) /
-                              sd);
+    points.y.push_back(seen.value);
+    points.sd.push_back(seen.sd);
+    points.residual.push_back((figure.of_alpha ? model::wrap_angle(difference) : difference) / seen.sd);
     points.notes.push_back(run_label(data, i));
   }
   return points;

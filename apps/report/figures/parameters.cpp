@@ -13,47 +13,46 @@ namespace {
 constexpr std::size_t kMostParameters = 5;  // panels of a corner picture that can still be read
 constexpr std::size_t kMostSources = 8;
 
-bool determined(const ReportParameter& p) {
+bool determined(const fit::ParameterEstimate& p) {
   return std::isfinite(p.estimate) && std::isfinite(p.sd) && p.sd > 0;
 }
 
 /// "μ₁", with its unit.
-std::string axis_title(const ReportParameter& p) {
-  const ParameterText shown = parameter_text(p.name);
-  return plain_symbol(p.name) + (shown.unit.empty() ? "" : ", " + shown.unit);
+std::string axis_title(const fit::ParameterEstimate& p) {
+  const ParameterText shown = parameter_text(p.parameter);
+  return plain_symbol(fit::to_string(p.parameter)) + (shown.unit.empty() ? "" : ", " + shown.unit);
 }
 
 /// Four sd to either side: what profile and ellipses reach.
-Json axis_of(const ReportParameter& p) {
+Json axis_of(const fit::ParameterEstimate& p) {
   double low = p.estimate - 3.2 * p.sd, high = p.estimate + 3.2 * p.sd;
-  if (!p.profile.value.empty()) {
-    low = std::min(low, p.profile.value.front());
-    high = std::max(high, p.profile.value.back());
+  if (!p.profile.empty()) {
+    low = std::min(low, p.profile.front().value);
+    high = std::max(high, p.profile.back().value);
   }
   return plot::axis(axis_title(p), low, high);
 }
 
 /// Between the points that were looked at: the root of the rise, with the side as its sign, straight from one
 /// to the next, which is exact for a parabola.
-Json profile_curve(const ReportParameter& p, bool legend) {
-  const Values& value = p.profile.value;
+Json profile_curve(const fit::ParameterEstimate& p, bool legend) {
   const auto root = [&](std::size_t i) {
-    return std::copysign(std::sqrt(p.profile.rise[i]), value[i] - p.estimate);
+    return std::copysign(std::sqrt(p.profile[i].rise), p.profile[i].value - p.estimate);
   };
   constexpr int kSteps = 24;
   Values x, y;
-  for (std::size_t i = 0; i + 1 < value.size(); ++i)
+  for (std::size_t i = 0; i + 1 < p.profile.size(); ++i)
     for (int k = i == 0 ? 0 : 1; k <= kSteps; ++k) {
       const double share = static_cast<double>(k) / kSteps;
       const double at = root(i) + share * (root(i + 1) - root(i));
-      x.push_back(value[i] + share * (value[i + 1] - value[i]));
+      x.push_back(p.profile[i].value + share * (p.profile[i + 1].value - p.profile[i].value));
       y.push_back(at * at);
     }
   return plot::line("profile likelihood", x, y, {.colour = 0, .legend = legend});
 }
 
-Panel profile_panel(const ReportParameter& p, bool legend) {
-  const double level = std::isfinite(p.profile.level) ? p.profile.level : 3.84;
+Panel profile_panel(const fit::ParameterEstimate& p, bool legend) {
+  const double level = p.profile_level > 0 ? p.profile_level : 3.84;
   Panel panel{.x = axis_of(p), .y = plot::axis("rise of χ²", 0, 2 * level)};
   Values x, y;
   for (int k = -40; k <= 40; ++k) {
@@ -62,10 +61,14 @@ Panel profile_panel(const ReportParameter& p, bool legend) {
   }
   panel.traces.push_back(plot::line("parabola by the covariance", x, y,
                                     {.colour = plot::kGrey, .legend = legend, .dashed = true}));
-  if (!p.profile.value.empty()) {
+  if (!p.profile.empty()) {
     panel.traces.push_back(profile_curve(p, legend));
-    panel.traces.push_back(
-        plot::points("profile likelihood", p.profile.value, p.profile.rise, {.colour = 0, .small = true}));
+    Values tried, rise;
+    for (const fit::ProfilePoint& point : p.profile) {
+      tried.push_back(point.value);
+      rise.push_back(point.rise);
+    }
+    panel.traces.push_back(plot::points("profile likelihood", tried, rise, {.colour = 0, .small = true}));
   }
   panel.traces.push_back(plot::line("95 % level", plot::values_of(panel.x, "range"), {level, level},
                                     {.colour = 1, .legend = legend, .small = true}));
@@ -73,7 +76,7 @@ Panel profile_panel(const ReportParameter& p, bool legend) {
 }
 
 /// A pair's regions by the covariance, and the estimate.
-Panel pair_panel(const ReportParameter& a, const ReportParameter& b, double r, bool legend) {
+Panel pair_panel(const fit::ParameterEstimate& a, const fit::ParameterEstimate& b, double r, bool legend) {
   Panel panel{.x = axis_of(a), .y = axis_of(b)};
   if (std::isfinite(r))
     for (const double share : {0.683, 0.95}) {
@@ -95,8 +98,8 @@ Panel pair_panel(const ReportParameter& a, const ReportParameter& b, double r, b
 /// Below the diagonal pairs, on it profiles.
 std::vector<Figure> corner(const ReportData& data) {
   std::vector<std::size_t> shown;
-  for (std::size_t i = 0; i < data.parameters.size() && shown.size() < kMostParameters; ++i)
-    if (determined(data.parameters[i])) shown.push_back(i);
+  for (std::size_t i = 0; i < data.fit.parameters.size() && shown.size() < kMostParameters; ++i)
+    if (determined(data.fit.parameters[i])) shown.push_back(i);
   if (shown.empty()) return {};
   const std::size_t n = shown.size();
   Figure figure{.id = "corner", .title = "Profiles and pairs of parameters", .caption = ""};
@@ -105,12 +108,16 @@ std::vector<Figure> corner(const ReportData& data) {
   figure.width = n == 1 ? 0.45 : n == 2 ? 0.6 : 0.72;
   for (std::size_t row = 0; row < n; ++row)
     for (std::size_t column = 0; column < n; ++column) {
-      const ReportParameter &a = data.parameters[shown[column]], &b = data.parameters[shown[row]];
+      const fit::ParameterEstimate &a = data.fit.parameters[shown[column]],
+                                   &b = data.fit.parameters[shown[row]];
       Panel panel;
       if (row == column)
         panel = profile_panel(a, row == 0);
-      else if (row > column && shown[row] < data.correlation.size())
-        panel = pair_panel(a, b, data.correlation[shown[row]][shown[column]], row == 1 && column == 0);
+      else if (row > column)
+        panel = pair_panel(a, b,
+                           data.fit.correlation(static_cast<Eigen::Index>(shown[row]),
+                                                static_cast<Eigen::Index>(shown[column])),
+                           row == 1 && column == 0);
       if (row + 1 < n) panel.x = plot::hidden(panel.x);
       figure.panels.push_back(panel);
     }
@@ -126,18 +133,18 @@ std::vector<Figure> corner(const ReportData& data) {
 }
 
 std::vector<Figure> budget(const ReportData& data) {
-  std::vector<const ReportBudgetEntry*> counted;
-  for (const ReportBudgetEntry& entry : data.budget)
+  std::vector<const fit::BudgetEntry*> counted;
+  for (const fit::BudgetEntry& entry : data.fit.budget)
     if (entry.counted && counted.size() < kMostSources) counted.push_back(&entry);
   if (counted.empty()) return {};
   Figure figure{.id = "budget-shares", .title = "Uncertainty budget", .caption = ""};
-  for (std::size_t i = 0; i < data.parameters.size() && i < kMostParameters; ++i) {
-    const ReportParameter& p = data.parameters[i];
+  for (std::size_t i = 0; i < data.fit.parameters.size() && i < kMostParameters; ++i) {
+    const fit::ParameterEstimate& p = data.fit.parameters[i];
     if (!determined(p)) continue;
     Values shares, places;
     Notes sources;
     for (std::size_t k = 0; k < counted.size(); ++k) {
-      const double contribution = i < counted[k]->contribution.size() ? counted[k]->contribution[i] : kNone;
+      const double contribution = counted[k]->contribution(static_cast<Eigen::Index>(i));
       shares.push_back(100 * contribution * contribution / (p.sd * p.sd));
       places.push_back(static_cast<double>(counted.size() - 1 - k));
       sources.push_back(counted[k]->source);
@@ -147,7 +154,7 @@ std::vector<Figure> budget(const ReportData& data) {
     figure.panels.push_back({.x = plot::axis("share of the variance, %", 0, 100),
                              .y = figure.panels.empty() ? y : plot::hidden(y),
                              .traces = {plot::bars(shares, places, sources, {.colour = static_cast<int>(i)})},
-                             .title = plain_symbol(p.name)});
+                             .title = plain_symbol(fit::to_string(p.parameter))});
   }
   if (figure.panels.empty()) return {};
   figure.columns = static_cast<int>(figure.panels.size());
@@ -174,20 +181,20 @@ std::vector<Figure> influence(const ReportData& data) {
   Panel panel{.x = run_axis("run left out", data.runs.size()),
               .y = plot::with_zero_line(plot::axis("change of the parameter, σ")),
               .shapes = {plot::stripe(-1, 1)}};
-  for (std::size_t p = 0; p < data.parameters.size(); ++p) {
+  for (std::size_t p = 0; p < data.fit.parameters.size(); ++p) {
     const double beside =
-        0.15 * (static_cast<double>(p) - 0.5 * static_cast<double>(data.parameters.size() - 1));
+        0.15 * (static_cast<double>(p) - 0.5 * static_cast<double>(data.fit.parameters.size() - 1));
     Values x, y;
     Notes notes;
     for (std::size_t i = 0; i < data.runs.size(); ++i) {
-      if (p >= data.runs[i].influence.size()) continue;
+      if (p >= data.runs[i].fitted.influence.size()) continue;
       x.push_back(static_cast<double>(i + 1) + beside);
-      y.push_back(data.runs[i].influence[p]);
+      y.push_back(data.runs[i].fitted.influence[p]);
       notes.push_back(run_label(data, i));
     }
     if (!x.empty())
-      panel.traces.push_back(plot::points(plain_symbol(data.parameters[p].name), x, y,
-                                          {.colour = static_cast<int>(p), .legend = true}, notes));
+      panel.traces.push_back(plot::points(plain_symbol(fit::to_string(data.fit.parameters[p].parameter)), x,
+                                          y, {.colour = static_cast<int>(p), .legend = true}, notes));
   }
   if (panel.traces.empty() || panel.traces.front()["x"].size() < 2) return {};
   Figure figure{
@@ -203,7 +210,7 @@ std::vector<Figure> influence(const ReportData& data) {
 }  // namespace
 
 std::vector<Figure> parameter_figures(const ReportData& data) {
-  if (!data.fitted) return {};
+  if (!data.fitted()) return {};
   std::vector<Figure> figures = corner(data);
   for (const auto& more : {budget(data), influence(data)})
     figures.insert(figures.end(), more.begin(), more.end());
@@ -230,9 +237,9 @@ std::vector<Figure> residual_figures(const ReportData& data) {
   std::vector<Shown> kinds;
   double largest = 3;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
-    const auto& all = data.runs[i].residuals;
+    const auto& all = data.runs[i].fitted.residuals;
     const bool vector = std::ranges::any_of(all, [](const auto& r) { return shown_apart(r.observable); });
-    for (const ReportResidual& r : all) {
+    for (const fit::Residual& r : all) {
       if (vector && !shown_apart(r.observable)) continue;
       auto kind = std::ranges::find(kinds, r.observable, &Shown::observable);
       if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {r.observable});
@@ -245,7 +252,7 @@ std::vector<Figure> residual_figures(const ReportData& data) {
     }
   }
   const auto judged =
-      std::ranges::count_if(data.runs, [](const ReportRun& run) { return !run.residuals.empty(); });
+      std::ranges::count_if(data.runs, [](const ReportRun& run) { return !run.fitted.residuals.empty(); });
   if (judged < 2) return {};
   Panel panel{.x = run_axis("run", data.runs.size()),
               .y = plot::with_zero_line(plot::axis("residual, σ", -largest, largest)),

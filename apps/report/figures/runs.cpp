@@ -15,7 +15,7 @@ constexpr std::size_t kMostOfOrbit = 200;
 constexpr double kTurns = 5;  // standard deviations: less may be chance
 
 /// Stretches of frames in which the part was not measured.
-std::vector<Json> lost_spans(const ReportRun& run) {
+std::vector<Json> lost_spans(const Track& run) {
   std::vector<Json> spans;
   const std::size_t count = std::min(run.time_s.size(), run.x_mm.size());
   for (std::size_t i = 0, from = 0; i < count; ++i) {
@@ -47,7 +47,7 @@ std::vector<double> left_um(const std::vector<double>& measured, const std::vect
 bool part_turns(const ReportRun& run) {
   if (!run.failure.empty()) return false;
   double low = HUGE_VAL, high = -low;
-  for (const double theta : run.theta_rad)
+  for (const double theta : run.track.theta_rad)
     if (std::isfinite(theta)) {
       low = std::min(low, theta);
       high = std::max(high, theta);
@@ -56,7 +56,8 @@ bool part_turns(const ReportRun& run) {
 }
 
 std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
-  const ReportRun& run = data.runs[index];
+  const ReportRun& shown = data.runs[index];
+  const Track& run = shown.track;
   if (run.time_s.empty() || run.x_mm.empty()) return {};
   Figure figure{
       .id = fmt::format("run-{}", index + 1), .title = "Over time: " + run_label(data, index), .caption = ""};
@@ -82,15 +83,15 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
   };
   panel(plot::axis("x, y, mm"), {drawn(plot::line, "x", run.x_mm, 0), drawn(plot::line, "y", run.y_mm, 1)},
         1.6);
-  if (!run.model_x_mm.empty())
+  if (!shown.model_x_mm.empty())
     panel(plot::with_zero_line(plot::axis("residual, µm")),
-          {drawn(dots, "x", left_um(run.x_mm, run.model_x_mm), 0, false),
-           drawn(dots, "y", left_um(run.y_mm, run.model_y_mm), 1, false)});
-  if (any(run.sigma_all_px))
-    panel(plot::axis("σ, px", 0, 1.2 * range_of(run.sigma_all_px).high),
-          {drawn(dots, "σ", run.sigma_all_px, 2)}, 0.8);
+          {drawn(dots, "x", left_um(run.x_mm, shown.model_x_mm), 0, false),
+           drawn(dots, "y", left_um(run.y_mm, shown.model_y_mm), 1, false)});
+  if (any(run.sigma_px))
+    panel(plot::axis("σ, px", 0, 1.2 * range_of(run.sigma_px).high), {drawn(dots, "σ", run.sigma_px, 2)},
+          0.8);
   if (any(run.ncc)) panel(plot::axis("NCC score"), {drawn(dots, "NCC", run.ncc, 3)}, 0.8);
-  if (part_turns(run)) panel(plot::axis("rotation θ, rad"), {drawn(plot::line, "θ", run.theta_rad, 4)});
+  if (part_turns(shown)) panel(plot::axis("rotation θ, rad"), {drawn(plot::line, "θ", run.theta_rad, 4)});
   figure.panels.back().x = plot::axis("time, s");
   figure.shared_x = true;
   figure.height = 0.1 + 0.14 * static_cast<double>(figure.panels.size());
@@ -98,7 +99,7 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
       "Position relative to the first frame; σ: standard deviation of a position per axis; NCC: score of the "
       "template, 1 "
       "where it fits exactly.";
-  if (!run.model_x_mm.empty())
+  if (!shown.model_x_mm.empty())
     figure.caption += " Residual: measured less modelled position at the fitted parameters, about its mean.";
   if (!lost.empty()) figure.caption += " Shaded: the part was not found.";
   if (run.time_s.size() > kMostOverTime)
@@ -125,24 +126,31 @@ Json fitted(const Values& x, const Values& y, bool legend) {
 }
 
 std::vector<Figure> platform(const ReportData& data, std::size_t index) {
-  const ReportPlatform& p = data.runs[index].platform;
-  if (p.orbit_x_mm.empty()) return {};
+  const ReportRun& run = data.runs[index];
+  if (run.platform.orbit.empty()) return {};
+  const auto in_mm = [](const std::vector<Eigen::Vector2d>& points, Eigen::Index axis) {
+    Values mm;
+    for (const Eigen::Vector2d& point : points) mm.push_back(1e3 * point[axis]);
+    return mm;
+  };
+  Values left_mrad;
+  for (const double rad : run.platform.phase_left) left_mrad.push_back(1e3 * rad);
   Figure figure{.id = fmt::format("platform-{}", index + 1),
                 .title = "Platform: " + run_label(data, index),
                 .caption = ""};
-  figure.panels = {
-      {.x = plot::axis("ξ, mm"),
-       .y = plot::axis("η, mm"),
-       .traces = {frames(p.orbit_x_mm, p.orbit_y_mm, true), fitted(p.model_x_mm, p.model_y_mm, true)},
-       .equal_scale = true},
-      {.x = plot::axis("time, s"),
-       .y = plot::with_zero_line(plot::axis("phase residual, mrad")),
-       .traces = {frames(p.time_s, p.phase_left_mrad, false)}}};
-  if (!p.gate_share.empty())
+  figure.panels = {{.x = plot::axis("ξ, mm"),
+                    .y = plot::axis("η, mm"),
+                    .traces = {frames(in_mm(run.platform.orbit, 0), in_mm(run.platform.orbit, 1), true),
+                               fitted(in_mm(run.platform.model, 0), in_mm(run.platform.model, 1), true)},
+                    .equal_scale = true},
+                   {.x = plot::axis("time, s"),
+                    .y = plot::with_zero_line(plot::axis("phase residual, mrad")),
+                    .traces = {frames(run.track.table.time, left_mrad, false)}}};
+  if (!run.lamp.share.empty())
     figure.panels.push_back({.x = plot::angle_axis("ωt, rad", 0, 2 * std::numbers::pi),
                              .y = plot::axis("lit share", -0.1, 1.1),
-                             .traces = {frames(p.gate_phase_rad, p.gate_share, false),
-                                        fitted(p.gate_model_phase_rad, p.gate_model_share, false)}});
+                             .traces = {frames(run.lamp.phase, run.lamp.share, false),
+                                        fitted(run.modelled_lamp.phase, run.modelled_lamp.share, false)}});
   figure.columns = static_cast<int>(figure.panels.size());
   figure.height = figure.columns == 3 ? 0.34 : 0.42;
   figure.caption =
@@ -150,7 +158,7 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
       "where a bend "
       "is a drift of the drive";
   figure.caption +=
-      p.gate_share.empty()
+      run.lamp.share.empty()
           ? "."
           : "; the lamp’s brightness over the platform’s phase, whose slopes are exposures during which it "
             "switched.";
@@ -174,8 +182,8 @@ constexpr std::size_t kMostOfSlide = 600;
 
 /// What the slide says by itself, its blows included.
 std::string own_sentence(const ReportData& data, const std::string& name) {
-  for (const ReportSlideResult& slide : data.slide_results)
-    if (slide.name == name && !slide.sentence.empty()) return " By itself: " + slide.sentence;
+  for (const fit::SlideResult& slide : data.fit.slides)
+    if (slide.run == name && !slide.sentence.empty()) return " By itself: " + slide.sentence;
   return "";
 }
 
@@ -183,34 +191,36 @@ std::string own_sentence(const ReportData& data, const std::string& name) {
 
 std::vector<Figure> slide_figures(const ReportData& data) {
   std::vector<Figure> figures;
-  for (std::size_t i = 0; i < data.slides.size(); ++i) {
-    const ReportSlide& slide = data.slides[i];
-    Values left_um, sd_um;
-    for (std::size_t k = 0; k < std::min(slide.position_mm.size(), slide.fitted_mm.size()); ++k)
-      left_um.push_back(1000 * (slide.position_mm[k] - slide.fitted_mm[k]));
+  for (const ReportRun& run : data.runs) {
+    const auto& slide = run.fitted.slide;
+    if (slide.time.empty()) continue;
+    Values position_mm, fitted_mm, left_um;
+    for (std::size_t k = 0; k < std::min(slide.measured.size(), slide.modelled.size()); ++k) {
+      position_mm.push_back(1e3 * slide.measured[k]);
+      fitted_mm.push_back(1e3 * slide.modelled[k]);
+      left_um.push_back(1000 * (position_mm[k] - fitted_mm[k]));
+    }
     const std::vector<std::size_t> places = envelope(left_um, kMostOfSlide);
-    const Values time = picked(slide.time_s, places);
-    if (!slide.sigma_mm.empty())
-      for (const double sigma : picked(slide.sigma_mm, places)) sd_um.push_back(1000 * sigma);
+    const Values time = picked(slide.time, places);
     const Panel main{.x = plot::hidden(plot::axis("time, s")),
                      .y = plot::axis("distance, mm"),
-                     .traces = {plot::points("measured", time, picked(slide.position_mm, places),
+                     .traces = {plot::points("measured", time, picked(position_mm, places),
                                              {.legend = true, .small = true}),
-                                plot::line("law of friction", time, picked(slide.fitted_mm, places),
+                                plot::line("law of friction", time, picked(fitted_mm, places),
                                            {.colour = 1, .legend = true})},
                      .height = 2.4};
-    const Panel below{
-        .x = plot::axis("time, s"),
-        .y = plot::with_zero_line(plot::axis("residual, µm")),
-        .traces = {plot::points("", time, picked(left_um, places), {.small = true}, {}, sd_um)}};
-    Figure figure{.id = fmt::format("slide-{}", i + 1), .title = "Free slide " + slide.name, .caption = ""};
+    const Panel below{.x = plot::axis("time, s"),
+                      .y = plot::with_zero_line(plot::axis("residual, µm")),
+                      .traces = {plot::points("", time, picked(left_um, places), {.small = true})}};
+    Figure figure{
+        .id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name, .caption = ""};
     figure.caption =
         "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
         "spin a "
         "parabola, deceleration μ<sub>1</sub> g); below, measured minus fitted. " +
-        sentence_html(slide.sentence + own_sentence(data, slide.name));
+        sentence_html(fit::slide_sentence(run.fitted) + own_sentence(data, run.name));
     figure.alternative =
-        fmt::format("Free slide {}: distance against time and the residual below.", slide.name);
+        fmt::format("Free slide {}: distance against time and the residual below.", run.name);
     figure.panels = {main, below};
     figure.shared_x = true;
     figure.height = 0.5;
@@ -225,7 +235,7 @@ constexpr std::size_t kMostOfPath = 1200;   // per path: 20 cycles keep their lo
 constexpr std::size_t kMostOfAll = 30'000;  // in one figure
 
 bool has_path(const ReportRun& run) {
-  return run.failure.empty() && !run.x_mm.empty() && run.kind != "free_slide";
+  return run.failure.empty() && !run.track.x_mm.empty() && !run.free_slide;
 }
 
 /// Numbers at the ends of the paths; those that end at the same place share one.
@@ -233,7 +243,7 @@ Json end_labels(const ReportData& data, const std::vector<std::size_t>& drawn, d
   Values xs, ys;
   Notes texts;
   for (const std::size_t i : drawn) {
-    const ReportRun& run = data.runs[i];
+    const Track& run = data.runs[i].track;
     for (std::size_t k = run.x_mm.size(); k-- > 0;) {
       if (!std::isfinite(run.x_mm[k]) || !std::isfinite(run.y_mm[k])) continue;
       const double length = std::hypot(run.x_mm[k], run.y_mm[k]);
@@ -264,8 +274,8 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   const bool many = drawn.size() > kMostInLegend;
   Values across, along;
   for (const std::size_t i : drawn) {
-    across.insert(across.end(), data.runs[i].x_mm.begin(), data.runs[i].x_mm.end());
-    along.insert(along.end(), data.runs[i].y_mm.begin(), data.runs[i].y_mm.end());
+    across.insert(across.end(), data.runs[i].track.x_mm.begin(), data.runs[i].track.x_mm.end());
+    along.insert(along.end(), data.runs[i].track.y_mm.begin(), data.runs[i].track.y_mm.end());
   }
   const Range reach = hull(range_of(across), range_of(along));
   Panel panel{.x = plot::axis("x, mm"), .y = plot::axis("y, mm"), .equal_scale = true};
@@ -275,7 +285,7 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
     const ReportRun& run = data.runs[drawn[k]];
     const int colour = static_cast<int>(k);
     const std::string name = many ? "" : run_label(data, drawn[k]);
-    const DrawnPath path = thinned(run.x_mm, run.y_mm, most);
+    const DrawnPath path = thinned(run.track.x_mm, run.track.y_mm, most);
     panel.traces.push_back(
         plot::line(name, path.x, path.y, {.colour = colour, .legend = !many, .small = true}));
     if (!run.model_x_mm.empty()) {

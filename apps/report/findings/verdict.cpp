@@ -10,10 +10,11 @@
 
 namespace tribotrack::apps {
 
-std::string quoted_interval(const ReportParameter& parameter) {
-  if (parameter.pieces.empty()) return interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd);
+std::string quoted_interval(const fit::ParameterEstimate& parameter) {
+  if (parameter.ci95_pieces.size() < 2)
+    return interval_text(parameter.ci95.low, parameter.ci95.high, parameter.sd);
   std::string text;
-  for (const ReportInterval& piece : parameter.pieces)
+  for (const fit::Interval& piece : parameter.ci95_pieces)
     text += (text.empty() ? "" : " or ") + interval_text(piece.low, piece.high, parameter.sd);
   return text;
 }
@@ -52,58 +53,59 @@ std::string runs_used(const ReportData& data) {
   return text;
 }
 
-std::string agreement_text(const ReportData& data) {
-  switch (data.agreement) {
+std::string agreement_text(const fit::FitResult& fit) {
+  switch (fit.agreement) {
     case Agreement::only_with_scatter:
       return fmt::format(
           "The measurements deviate from the model by more than their own errors. Scatter of up to {} mm per "
           "axis was added so that χ² agrees: the intervals include it, but χ² no longer tests the model.",
-          number(data.scatter_mm, 2));
+          number(1e3 * fit.scatter, 2));
     case Agreement::unknown:
       return "There are no more data than parameters, so the model could not be checked against them.";
     case Agreement::good:
       return fmt::format(
           "The model describes the measurements within their errors: χ² per degree of freedom is {}; "
           "{} is expected.",
-          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
+          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
     case Agreement::poor:
       return fmt::format(
           "The measurements deviate from the model by more than their errors: χ² per degree of freedom is "
           "{}, "
           "{} is expected. The residuals show which run or trend does not fit.",
-          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
+          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
     case Agreement::too_good:
       return fmt::format(
           "The measurements scatter less about the model than their stated errors (χ² per degree of freedom "
           "{}, {} is expected): the stated errors, and with them the intervals, are probably too wide.",
-          number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
+          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
   }
   return "";
 }
 
 /// "the data contradict the model, 2 runs failed"; empty where there are none.
 std::string reasons_for_care(const ReportData& data) {
+  const fit::FitResult& fit = data.fit;
   std::vector<std::string> reasons;
-  if (data.identifiability == ReportVerdict::weak)
+  if (fit.identifiability.verdict == fit::Verdict::weak)
     reasons.push_back("some parameters are determined only weakly");
-  if (data.agreement == Agreement::poor) reasons.push_back("the data contradict the model");
-  if (data.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
-  if (data.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
+  if (fit.agreement == Agreement::poor) reasons.push_back("the data contradict the model");
+  if (fit.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
+  if (fit.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
   // The scatter that was added makes chi^2 agree: it must not pass for a test.
-  if (data.agreement == Agreement::only_with_scatter && !data.slide_results.empty())
+  if (fit.agreement == Agreement::only_with_scatter && !fit.slides.empty())
     reasons.push_back(
         fmt::format("free slides deviate from the law of friction by more than their errors (p {})",
-                    data.p_value > 1e-300 ? "= " + number(data.p_value, 2) : "below 1e-300"));
-  if (data.between_slides_p_value < 0.05)
+                    fit.p_value > 1e-300 ? "= " + number(fit.p_value, 2) : "below 1e-300"));
+  if (fit.slides.size() > 1 && fit.between_slides_p_value < 0.05)
     reasons.push_back("μ<sub>1</sub> differs from slide to slide by more than chance");
-  if (std::any_of(data.slide_results.begin(), data.slide_results.end(),
-                  [](const ReportSlideResult& slide) { return !slide.blow_frames.empty(); }))
+  if (std::any_of(fit.slides.begin(), fit.slides.end(),
+                  [](const fit::SlideResult& slide) { return !slide.blows.empty(); }))
     reasons.push_back("a slide was struck on its way");
-  if (!data.outliers.empty())
-    reasons.push_back(data.outliers.size() == 1
+  if (!fit.outliers.empty())
+    reasons.push_back(fit.outliers.size() == 1
                           ? "one run contradicts the others"
-                          : fmt::format("{} runs contradict the others", data.outliers.size()));
-  if (!data.other_minima.empty()) reasons.push_back("other values fit nearly as well");
+                          : fmt::format("{} runs contradict the others", fit.outliers.size()));
+  if (fit.minima.size() > 1) reasons.push_back("other values fit nearly as well");
   const std::size_t failed = failed_runs(data);
   if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
   std::string text;
@@ -119,33 +121,34 @@ std::string expected_chi2_text(int dof) {
 }
 
 Verdict verdict_of(const ReportData& data) {
+  const fit::FitResult& fit = data.fit;
   Verdict verdict;
-  if (!data.fitted || data.parameters.empty()) {
+  if (!data.fitted()) {
     verdict = {.trust = Trust::no_fit,
                .heading = "Measurements only",
                .paragraph = fmt::format("No parameters were fitted; the page shows what was measured in {}.",
                                         runs_used(data))};
-  } else if (!data.converged) {
+  } else if (!fit.converged) {
     verdict = {.trust = Trust::do_not_use,
                .heading = "Do not use these values",
                .paragraph =
                    "The fit did not converge: the numbers are where it stopped, not a result. "
                    "Check the first guesses and the runs marked below."};
-  } else if (data.identifiability == ReportVerdict::not_identifiable) {
+  } else if (fit.identifiability.verdict == fit::Verdict::not_identifiable) {
     verdict = {.trust = Trust::do_not_use,
                .heading = "Do not use these values",
                .paragraph =
                    "These runs do not determine all the parameters: quite different values describe the data "
                    "equally well."};
-  } else if (data.scatter_dominates) {
+  } else if (fit.scatter_dominates) {
     verdict = {
         .trust = Trust::do_not_use,
         .heading = "Do not use these values",
         .paragraph = fmt::format("The runs scatter about the model by {} mm per axis, more than a tenth of "
                                  "what they measure: they do not follow it.",
-                                 number(data.scatter_mm, 2))};
+                                 number(1e3 * fit.scatter, 2))};
   } else {
-    const bool weak = data.identifiability == ReportVerdict::weak;
+    const bool weak = fit.identifiability.verdict == fit::Verdict::weak;
     const std::string doubts = reasons_for_care(data);
     verdict.trust = doubts.empty() ? Trust::usable : Trust::with_care;
     verdict.heading = doubts.empty() ? "Can be used" : "Use with care: " + doubts;
@@ -153,11 +156,11 @@ Verdict verdict_of(const ReportData& data) {
         fmt::format("The fit to {} converged{} {}", runs_used(data),
                     weak ? ", but the data determine some combination of the parameters only weakly."
                          : ", and the data determine every parameter.",
-                    agreement_text(data));
-    if (data.scatter_mm > 0 && data.agreement != Agreement::only_with_scatter)
+                    agreement_text(fit));
+    if (fit.scatter > 0 && fit.agreement != Agreement::only_with_scatter)
       verdict.paragraph += fmt::format(
           " Scatter of {} mm per axis beyond the measurement errors was added; the intervals include it.",
-          number(data.scatter_mm, 2));
+          number(1e3 * fit.scatter, 2));
   }
   if (!data.warnings.empty())
     verdict.paragraph +=
@@ -175,15 +178,17 @@ std::string list_of(const std::vector<std::string>& words) {
   return text;
 }
 
+bool is_tracked(const ReportRun& run) {
+  return run.failure.empty() && run.frames_ok() > 0;
+}
+
 std::size_t tracked_runs(const ReportData& data) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      data.runs, [](const ReportRun& run) { return run.failure.empty() && run.frames_ok > 0; }));
+  return static_cast<std::size_t>(std::ranges::count_if(data.runs, is_tracked));
 }
 
 bool marker_used(const ReportData& data) {
-  return std::ranges::any_of(data.runs, [](const ReportRun& run) {
-    return run.failure.empty() && run.frames_ok > 0 && !run.in_camera_frame;
-  });
+  return std::ranges::any_of(
+      data.runs, [](const ReportRun& run) { return is_tracked(run) && !run.track.in_camera_frame; });
 }
 
 std::string version(const ReportData& data) {
@@ -201,9 +206,10 @@ std::string methods_text(const ReportData& data) {
         "cross-correlation) with a standard deviation per point{}. ",
         tracked, tracked == 1 ? "" : "s",
         marker_used(data) ? ", relative to the platform, whose motion was measured in the same frames" : "");
-  if (!data.fitted || data.parameters.empty()) return text + fmt::format("Computed with {}.", version(data));
+  if (!data.fitted()) return text + fmt::format("Computed with {}.", version(data));
   std::vector<std::string> names;
-  for (const ReportParameter& p : data.parameters) names.push_back(plain_symbol(p.name));
+  for (const fit::ParameterEstimate& p : data.fit.parameters)
+    names.push_back(plain_symbol(fit::to_string(p.parameter)));
   text += fmt::format(
       "{} {} estimated by weighted least squares from {} run{}, with the equation of motion of the part "
       "under pulsed dry "
@@ -213,10 +219,10 @@ std::string methods_text(const ReportData& data) {
       list_of(names), names.size() == 1 ? "was" : "were",
       std::ranges::count_if(data.runs, [](const ReportRun& run) { return run.failure.empty(); }),
       data.runs.size() == 1 ? "" : "s",
-      std::ranges::any_of(data.parameters, [](const auto& p) { return !p.profile.value.empty(); })
+      std::ranges::any_of(data.fit.parameters, [](const auto& p) { return !p.profile.empty(); })
           ? "profile likelihood where it differs from the covariance"
           : "the covariance",
-      data.budget.empty() ? "the errors of the measurements" : "the sources of the uncertainty budget",
+      data.fit.budget.empty() ? "the errors of the measurements" : "the sources of the uncertainty budget",
       version(data));
   return text;
 }

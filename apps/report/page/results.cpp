@@ -17,16 +17,15 @@ std::string box_unless(const std::vector<Figure>& figures, const std::string& id
   return id == shown ? std::string() : figure_box(figures, id);
 }
 
-std::string slide_row(const ReportSlideResult& s) {
+std::string slide_row(const fit::SlideResult& s) {
   std::string blows;
-  for (const std::int64_t frame : s.blow_frames)
-    blows += fmt::format("{}{}", blows.empty() ? "" : ", ", frame);
-  std::string html = "<tr><th>" + escape_html(s.name) + "</th>";
-  html += number_cell(quoted_value(s.mu1, s.mu1_sd));
-  html += number_cell(interval_text(s.ci95.low, s.ci95.high, s.mu1_sd));
-  html += number_cell(s.slope_rad != 0 ? fmt::format("incline of {} rad", number(std::abs(s.slope_rad), 3))
+  for (const fit::Blow& blow : s.blows) blows += fmt::format("{}{}", blows.empty() ? "" : ", ", blow.frame);
+  std::string html = "<tr><th>" + escape_html(s.run) + "</th>";
+  html += number_cell(quoted_value(s.mu1.value, s.mu1.sd));
+  html += number_cell(interval_text(s.ci95.low, s.ci95.high, s.mu1.sd));
+  html += number_cell(s.slope != 0 ? fmt::format("incline of {} rad", number(std::abs(s.slope), 3))
                       : s.spin_seen
-                          ? quoted_value(s.spin_ratio, s.spin_ratio_sd)
+                          ? quoted_value(s.spin_ratio.value, s.spin_ratio.sd)
                           : fmt::format("not seen (half: +{} %)", number(100 * s.change_by_half_spin, 2)));
   html += number_cell(fmt::format("{} / {}", number(s.chi2, 3), s.dof));
   html += number_cell(fmt::format("{}–{}", s.first_frame, s.last_frame));
@@ -34,28 +33,28 @@ std::string slide_row(const ReportSlideResult& s) {
 }
 
 /// mu1 slide by slide, and whether they differ by chance.
-std::string slide_table(const ReportData& data) {
-  if (data.slide_results.empty()) return "";
+std::string slide_table(const fit::FitResult& fit) {
+  if (fit.slides.empty()) return "";
   std::string html =
       "<div class=\"wide\"><table id=\"slide-table\" class=\"compact\"><thead><tr><th>slide</th><th "
       "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">rim speed / slide "
       "speed</th><th class=\"n\">χ² / d.o.f.</th><th class=\"n\">frames used</th><th>blow or "
       "collision</th></tr></thead><tbody>";
-  for (const ReportSlideResult& slide : data.slide_results) html += slide_row(slide);
+  for (const fit::SlideResult& slide : fit.slides) html += slide_row(slide);
   html += "</tbody></table></div>\n";
   html +=
       "<p class=\"note\">A spinning disc is braked less; where its turning is seen, that is counted. Where "
       "not, “half” says how much larger μ<sub>1</sub> would be had the rim moved half as fast as the part "
       "slid.";
-  if (!std::isnan(data.between_slides_p_value))
+  if (fit.slides.size() > 1)
     html += fmt::format(
         " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
         "the mean counts it, by Student’s t of {} degrees of freedom.",
-        number(data.between_slides, 2),
-        data.between_slides_p_value < 0.05
-            ? "more than chance explains, p = " + number(data.between_slides_p_value, 2)
+        number(fit.between_slides, 2),
+        fit.between_slides_p_value < 0.05
+            ? "more than chance explains, p = " + number(fit.between_slides_p_value, 2)
             : "no more than chance explains",
-        data.slide_results.size() - 1);
+        fit.slides.size() - 1);
   return html + "</p>\n";
 }
 
@@ -97,10 +96,10 @@ PageSection slide_section(const ReportData& data, const std::vector<Figure>& fig
                           const std::string& shown) {
   PageSection section{"slides", "Free slides: friction on the resting platform", ""};
   std::string boxes;
-  for (std::size_t i = 0; i < data.slides.size(); ++i)
-    boxes += box_unless(figures, fmt::format("slide-{}", i + 1), shown);
-  if (data.slides.empty()) return section;
-  section.html = slide_table(data) + boxes;
+  const auto slides =
+      std::ranges::count_if(data.runs, [](const ReportRun& run) { return !run.fitted.slide.time.empty(); });
+  for (int k = 1; k <= slides; ++k) boxes += box_unless(figures, fmt::format("slide-{}", k), shown);
+  if (slides > 0) section.html = slide_table(data.fit) + boxes;
   return section;
 }
 
@@ -109,30 +108,30 @@ namespace {
 /// One way to an interval, shown where any parameter has it.
 struct IntervalColumn {
   const char* heading;
-  ReportInterval ReportParameter::*interval;
+  fit::Interval fit::ParameterEstimate::*interval;
 };
 
 std::vector<IntervalColumn> interval_columns(const ReportData& data) {
-  std::vector<IntervalColumn> columns = {{"95 % interval", &ReportParameter::ci95},
-                                         {"by covariance", &ReportParameter::covariance_ci95},
-                                         {"by profile", &ReportParameter::profile_ci95},
-                                         {"by bootstrap", &ReportParameter::bootstrap_ci95}};
+  std::vector<IntervalColumn> columns = {{"95 % interval", &fit::ParameterEstimate::ci95},
+                                         {"by covariance", &fit::ParameterEstimate::covariance_ci95},
+                                         {"by profile", &fit::ParameterEstimate::profile_ci95},
+                                         {"by bootstrap", &fit::ParameterEstimate::bootstrap_ci95}};
   std::erase_if(columns, [&](const IntervalColumn& column) {
-    return std::all_of(data.parameters.begin(), data.parameters.end(), [&](const ReportParameter& p) {
+    return std::ranges::all_of(data.fit.parameters, [&](const fit::ParameterEstimate& p) {
       return std::isnan((p.*column.interval).low) || std::isnan((p.*column.interval).high);
     });
   });
   return columns;
 }
 
-bool has_column(const std::vector<IntervalColumn>& columns, ReportInterval ReportParameter::*interval) {
+bool has_column(const std::vector<IntervalColumn>& columns, fit::Interval fit::ParameterEstimate::*interval) {
   return std::any_of(columns.begin(), columns.end(),
                      [&](const IntervalColumn& column) { return column.interval == interval; });
 }
 
 /// What each interval shown is, and which covariance stands behind the first.
 std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
-  const bool profile = has_column(columns, &ReportParameter::profile_ci95);
+  const bool profile = has_column(columns, &fit::ParameterEstimate::profile_ci95);
   std::string html =
       profile
           ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from "
@@ -142,13 +141,13 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
             "parameters fitted again at every step"
           : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
             "parabola about its minimum";
-  if (has_column(columns, &ReportParameter::bootstrap_ci95))
+  if (has_column(columns, &fit::ParameterEstimate::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
-                        data.bootstrap_refits, data.bootstrap_seed);
+                        data.fit.bootstrap, data.fit.bootstrap_seed);
   html += ".</p>\n";
-  if (!data.covariance_meaning.empty())
-    html += "<p class=\"note\"><b>Which covariance this is:</b> " + sentence_html(data.covariance_meaning) +
-            "</p>\n";
+  if (!data.fit.covariance_meaning.empty())
+    html += "<p class=\"note\"><b>Which covariance this is:</b> " +
+            sentence_html(data.fit.covariance_meaning) + "</p>\n";
   return html;
 }
 
@@ -163,13 +162,13 @@ std::string interval_table(const ReportData& data) {
       columns.size() > 2 ? " many" : "");
   for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
-  for (const ReportParameter& p : data.parameters) {
-    const ParameterText shown = parameter_text(p.name);
+  for (const fit::ParameterEstimate& p : data.fit.parameters) {
+    const ParameterText shown = parameter_text(p.parameter);
     html += "<tr><th>" + shown.symbol + "</th>" +
             (std::isfinite(p.sd) ? quoted_cell(p.estimate, p.sd) : number_cell("not determined"));
     for (const IntervalColumn& column : columns)
       html += "<td class=\"n ends\">" +
-              (column.interval == &ReportParameter::ci95
+              (column.interval == &fit::ParameterEstimate::ci95
                    ? quoted_interval(p)
                    : interval_text((p.*column.interval).low, (p.*column.interval).high, p.sd)) +
               "</td>";
@@ -182,20 +181,20 @@ namespace {
 
 /// Runs that are the same but for their aim stand in one row.
 struct Row {
-  ReportNextRun run;
+  fit::NextExperiment run;
   std::string aims;  ///< HTML
 };
 
-bool same(const ReportNextRun& a, const ReportNextRun& b) {
+bool same(const fit::NextExperiment& a, const fit::NextExperiment& b) {
   const auto alike = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  return alike(a.phi_rad, b.phi_rad) && alike(a.dtau_rad, b.dtau_rad) &&
-         alike(a.amplitude_mm, b.amplitude_mm) && alike(a.w_rad_s, b.w_rad_s);
+  return alike(a.phi, b.phi) && alike(a.dtau, b.dtau) && alike(a.amplitude, b.amplitude) &&
+         alike(a.angular_frequency, b.angular_frequency);
 }
 
-std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
+std::vector<Row> rows_of(const std::vector<fit::NextExperiment>& runs) {
   std::vector<Row> rows;
-  for (const ReportNextRun& run : runs) {
-    const std::string aim = run.aim.empty() ? "all together" : parameter_text(run.aim).symbol + " alone";
+  for (const fit::NextExperiment& run : runs) {
+    const std::string aim = run.aim ? parameter_text(*run.aim).symbol + " alone" : "all together";
     const auto known = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return same(r.run, run); });
     if (known == rows.end())
       rows.push_back({run, aim});
@@ -206,7 +205,7 @@ std::vector<Row> rows_of(const std::vector<ReportNextRun>& runs) {
 }
 
 /// Rounded to its own width: a quarter of it is about one sd.
-std::string interval(const ReportInterval& range) {
+std::string interval(const fit::Interval& range) {
   return interval_text(range.low, range.high, (range.high - range.low) / 4);
 }
 
@@ -215,27 +214,29 @@ std::string next_table(const ReportData& data) {
       "<div class=\"wide\"><table id=\"next-runs\" class=\"next\"><thead><tr><th>Best for</th><th "
       "class=\"n\">φ</th><th "
       "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
-  for (const ReportParameter& parameter : data.parameters) {
-    const ParameterText shown = parameter_text(parameter.name);
+  for (const fit::ParameterEstimate& p : data.fit.parameters) {
+    const ParameterText shown = parameter_text(p.parameter);
     html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
                         shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
   }
   html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
-  for (const ReportParameter& parameter : data.parameters) html += number_cell(interval(parameter.ci95));
+  for (const fit::ParameterEstimate& p : data.fit.parameters) html += number_cell(interval(p.ci95));
   html += "</tr>\n";
-  for (const Row& row : rows_of(data.next_runs)) {
-    html += "<tr>" + cell("<b>" + row.aims + "</b>") + number_cell(angle(row.run.phi_rad)) +
-            number_cell(angle(row.run.dtau_rad)) + number_cell(number(row.run.amplitude_mm)) +
-            number_cell(number(row.run.w_rad_s));
-    for (std::size_t i = 0; i < data.parameters.size(); ++i)
-      html += number_cell(i < row.run.predicted_ci95.size() ? interval(row.run.predicted_ci95[i]) : "–");
+  for (const Row& row : rows_of(data.next_runs())) {
+    html += "<tr>" + cell("<b>" + row.aims + "</b>") + number_cell(angle(row.run.phi)) +
+            number_cell(angle(row.run.dtau)) + number_cell(number(1e3 * row.run.amplitude)) +
+            number_cell(number(row.run.angular_frequency));
+    for (const fit::ParameterEstimate& p : data.fit.parameters) {
+      const auto predicted = row.run.predicted_ci95.find(p.parameter);
+      html += number_cell(predicted != row.run.predicted_ci95.end() ? interval(predicted->second) : "–");
+    }
     html += "</tr>\n";
   }
   html +=
       "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
       "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
       "so.";
-  if (data.identifiability == ReportVerdict::not_identifiable)
+  if (data.fit.identifiability.verdict == fit::Verdict::not_identifiable)
     html +=
         " The prediction assumes the values above, which these runs do not determine: the widths of the "
         "intervals are meaningful, their places are not.";
@@ -246,12 +247,8 @@ std::string next_table(const ReportData& data) {
 
 PageSection next_section(const ReportData& data) {
   PageSection section{"next", "What to film next", ""};
-  if (!data.fitted || data.parameters.empty()) return section;
-  if (data.next_experiment.empty() && data.next_runs.empty()) return section;
-  const std::string sentence =
-      data.next_experiment.empty() ? data.next_runs.front().sentence : data.next_experiment;
-  section.html = "<p>" + sentence_html(sentence) + "</p>\n";
-  if (!data.next_runs.empty()) section.html += next_table(data);
+  if (const std::vector<fit::NextExperiment> next = data.next_runs(); data.fitted() && !next.empty())
+    section.html = "<p>" + sentence_html(next.front().sentence) + "</p>\n" + next_table(data);
   return section;
 }
 

@@ -20,8 +20,7 @@ std::string video_line(const ReportRun& run) {
 }
 
 std::string angle_cell(const ReportRun& run, double rad, const char* of_slide) {
-  if (run.kind == "free_slide" || !std::isfinite(rad))
-    return number_cell(run.kind == "free_slide" ? of_slide : "–");
+  if (run.free_slide || !std::isfinite(rad)) return number_cell(run.free_slide ? of_slide : "–");
   return fmt::format("<td class=\"n\" data-v=\"{}\">{}</td>", rad, angle(rad));
 }
 
@@ -33,34 +32,35 @@ std::string run_row(const ReportRun& run, std::size_t index) {
     return html + "<td colspan=\"10\">failed: " + escape_html(run.failure) + "</td></tr>\n";
   html += angle_cell(run, run.phi_rad, "free slide");
   html += angle_cell(run, run.dtau_rad, "–");
-  html += quoted_cell(run.alpha_rad, run.alpha_sd_rad);
-  html += number_cell(rounded(run.modelled_alpha_rad, run.alpha_sd_rad));
-  html += quoted_cell(run.v_mm_s, run.v_sd_mm_s);
-  html += number_cell(rounded(run.modelled_v_mm_s, run.v_sd_mm_s));
+  for (const char* observable : {"alpha_rad", "v_mm_s"}) {
+    const fit::Estimate measured = run.value(observable);
+    html += quoted_cell(measured.value, measured.sd);
+    html += number_cell(rounded(run.modelled(observable), measured.sd));
+  }
   html += number_cell(run.cycles > 0 ? std::to_string(run.cycles) : "–");
-  const bool tracked = run.frames_ok + run.frames_lost + run.frames_edge > 0;
-  html += number_cell(tracked ? fmt::format("{} / {} / {}", run.frames_ok, run.frames_lost, run.frames_edge)
-                              : "no video");
+  const Track& track = run.track;
+  html += number_cell(track.frames > 0 ? fmt::format("{} / {} / {}", run.frames_ok(), track.lost, track.edge)
+                                       : "no video");
   html += number_cell(rounded(run.sigma_px, run.sigma_px));
-  std::string time_base = std::isnan(run.frame_rate_hz) ? "" : number(run.frame_rate_hz, 6) + " Hz";
-  if (!run.time_base.empty()) time_base += (time_base.empty() ? "" : ", ") + escape_html(run.time_base);
+  std::string time_base = track.frame_rate_hz ? number(*track.frame_rate_hz, 6) + " Hz" : "";
+  if (!track.time_base.empty()) time_base += (time_base.empty() ? "" : ", ") + escape_html(track.time_base);
   html += cell(time_base.empty() ? "–" : time_base);
   return html + "</tr>\n";
 }
 
-std::string error_bound(const ReportStage& stage) {
+std::string error_bound(const vision::PlanStage& stage) {
   if (stage.on) return "";
-  if (std::isnan(stage.error_bound_px)) return "not known";
-  return stage.error_bound_px == 0 ? "none" : number(stage.error_bound_px, 2) + " px";
+  if (!stage.error_bound_px) return "not known";
+  return *stage.error_bound_px == 0 ? "none" : number(*stage.error_bound_px, 2) + " px";
 }
 
-std::string stage_table(const std::vector<ReportStage>& stages) {
+std::string stage_table(const std::vector<vision::PlanStage>& stages) {
   std::string html =
       "<table class=\"compact plan\"><thead><tr><th>Stage</th><th>State</th><th>Reason</th><th>Error this "
       "can "
       "add</th></tr></thead><tbody>";
-  for (const ReportStage& stage : stages)
-    html += "<tr>" + cell(escape_html(stage.stage)) + cell(stage.on ? "done" : "<b>left out</b>") +
+  for (const vision::PlanStage& stage : stages)
+    html += "<tr>" + cell(escape_html(stage.name)) + cell(stage.on ? "done" : "<b>left out</b>") +
             cell(sentence_html(stage.reason)) + cell(error_bound(stage)) + "</tr>";
   return html + "</tbody></table>\n";
 }
@@ -68,22 +68,23 @@ std::string stage_table(const std::vector<ReportStage>& stages) {
 /// Runs in which the same stages were left out; the figures in the reasons are those of the first.
 struct PlanGroup {
   std::vector<std::size_t> runs;
-  const std::vector<ReportStage>* plan = nullptr;
+  const std::vector<vision::PlanStage>* plan = nullptr;
 };
 
-bool same_stages(const std::vector<ReportStage>& a, const std::vector<ReportStage>& b) {
-  return std::ranges::equal(
-      a, b, [](const ReportStage& x, const ReportStage& y) { return x.stage == y.stage && x.on == y.on; });
+bool same_stages(const std::vector<vision::PlanStage>& a, const std::vector<vision::PlanStage>& b) {
+  return std::ranges::equal(a, b, [](const vision::PlanStage& x, const vision::PlanStage& y) {
+    return x.name == y.name && x.on == y.on;
+  });
 }
 
 std::vector<PlanGroup> plan_groups(const std::vector<ReportRun>& runs) {
   std::vector<PlanGroup> groups;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (runs[i].plan.empty()) continue;
-    const auto same =
-        std::ranges::find_if(groups, [&](const PlanGroup& g) { return same_stages(*g.plan, runs[i].plan); });
+    if (runs[i].track.plan.empty()) continue;
+    const auto same = std::ranges::find_if(
+        groups, [&](const PlanGroup& g) { return same_stages(*g.plan, runs[i].track.plan); });
     if (same == groups.end())
-      groups.push_back({{i}, &runs[i].plan});
+      groups.push_back({{i}, &runs[i].track.plan});
     else
       same->runs.push_back(i);
   }
@@ -99,9 +100,9 @@ std::string group_name(const PlanGroup& group, const std::vector<ReportRun>& run
   return text;
 }
 
-std::string left_out_text(const std::vector<ReportStage>& stages) {
+std::string left_out_text(const std::vector<vision::PlanStage>& stages) {
   const auto left_out =
-      std::count_if(stages.begin(), stages.end(), [](const ReportStage& s) { return !s.on; });
+      std::count_if(stages.begin(), stages.end(), [](const vision::PlanStage& s) { return !s.on; });
   return fmt::format("{} of {} stages left out", left_out, stages.size());
 }
 
@@ -138,27 +139,25 @@ PageSection run_section(const ReportData& data) {
 
 namespace {
 
-std::string with_sd(const char* symbol, double value, double sd, const char* unit) {
-  return std::isnan(value) ? "" : fmt::format("{} = {} {}", symbol, quoted_value(value, sd), unit);
-}
-
-std::string platform_numbers(const ReportPlatform& p) {
+std::string platform_numbers(const ReportRun& run) {
   std::vector<std::string> parts;
-  const auto add = [&](const std::string& text) {
-    if (!text.empty()) parts.push_back(text);
+  const auto add = [&](const char* symbol, const char* key, const char* unit) {
+    const fit::Estimate seen = run.value(key);
+    if (!std::isnan(seen.value))
+      parts.push_back(fmt::format("{} = {} {}", symbol, quoted_value(seen.value, seen.sd), unit));
   };
-  add(with_sd("A", p.amplitude_mm, p.amplitude_sd_mm, "mm"));
-  add(with_sd("A<sub>y</sub>", p.amplitude_y_mm, p.amplitude_y_sd_mm, "mm"));
-  add(with_sd("ω", p.w_rad_s, p.w_sd_rad_s, "rad/s"));
-  add(with_sd("ε", p.epsilon_rad, p.epsilon_sd_rad, "rad"));
-  add(with_sd("dω/dt", p.drift_rad_s2, p.drift_sd_rad_s2, "rad/s²"));
-  for (const ReportHarmonic& h : p.harmonics)
-    add(fmt::format("{}ω: {} mm along x, {} mm along y", h.order,
-                    quoted_value(h.amplitude_mm, h.amplitude_sd_mm),
-                    quoted_value(h.amplitude_y_mm, h.amplitude_y_sd_mm)));
-  add(with_sd("φ", p.phi_rad, p.phi_sd_rad, "rad"));
-  add(with_sd("Δτ", p.dtau_rad, p.dtau_sd_rad, "rad"));
-  if (!p.gate_source.empty()) add("gate from the " + escape_html(p.gate_source));
+  add("A", "amplitude_mm", "mm");
+  add("A<sub>y</sub>", "amplitude_y_mm", "mm");
+  add("ω", "angular_frequency_rad_s", "rad/s");
+  add("ε", "phase_shift_rad", "rad");
+  add("dω/dt", "angular_frequency_drift_rad_s2", "rad/s²");
+  for (const fit::Harmonic& h : run.harmonics)
+    parts.push_back(fmt::format("{}ω: {} mm along x, {} mm along y", h.order,
+                                quoted_value(1e3 * h.amplitude.value, 1e3 * h.amplitude.sd),
+                                quoted_value(1e3 * h.amplitude_y.value, 1e3 * h.amplitude_y.sd)));
+  add("φ", "phi_rad", "rad");
+  add("Δτ", "dtau_rad", "rad");
+  if (!run.gate_source.empty()) parts.push_back("gate from the " + escape_html(run.gate_source));
   return parts.empty() ? "over time" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
@@ -168,7 +167,7 @@ PageSection audit_section(const ReportData& data) {
   PageSection section{"audit", "What the recordings say of σ", "", true};
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
-    const vision::Audit& audit = data.runs[i].audit;
+    const vision::Audit& audit = data.runs[i].track.audit;
     const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.lag1};
     if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
       continue;
@@ -215,7 +214,7 @@ PageSection detail_section(const ReportData& data, const std::vector<std::vector
     if (of_runs[i].empty()) continue;
     section.html +=
         fmt::format("<details class=\"screen-only\" id=\"details-{0}\"><summary>{0} {1}: {2}</summary>\n",
-                    i + 1, escape_html(data.runs[i].name), platform_numbers(data.runs[i].platform));
+                    i + 1, escape_html(data.runs[i].name), platform_numbers(data.runs[i]));
     for (const Figure& figure : of_runs[i]) section.html += figure_box(figure);
     section.html += "</details>\n";
   }
@@ -233,7 +232,7 @@ namespace {
 constexpr std::size_t most_points_drawn = 500;  // over a picture a few hundred pixels wide
 
 std::string phi_and_dtau(const ReportRun& run) {
-  if (run.kind == "free_slide") return "free slide";
+  if (run.free_slide) return "free slide";
   std::string text;
   if (std::isfinite(run.phi_rad)) text += "φ = " + angle(run.phi_rad);
   if (std::isfinite(run.dtau_rad)) text += (text.empty() ? "Δτ = " : ", Δτ = ") + angle(run.dtau_rad);
@@ -242,7 +241,7 @@ std::string phi_and_dtau(const ReportRun& run) {
 
 /// An SVG path through the measured points; a gap where the part was not measured.
 std::string path_commands(const ReportRun& run) {
-  const DrawnPath path = thinned(run.x_px, run.y_px, most_points_drawn);
+  const DrawnPath path = thinned(run.track.x_px, run.track.y_px, most_points_drawn);
   std::string commands;
   bool pen_down = false;
   for (std::size_t i = 0; i < path.x.size(); ++i) {
@@ -260,10 +259,10 @@ struct Ends {
   bool any = false;
 };
 
-Ends measured_ends(const ReportRun& run) {
+Ends measured_ends(const Track& track) {
   Ends ends;
-  for (std::size_t i = 0; i < std::min(run.x_px.size(), run.y_px.size()); ++i) {
-    if (!std::isfinite(run.x_px[i]) || !std::isfinite(run.y_px[i])) continue;
+  for (std::size_t i = 0; i < std::min(track.x_px.size(), track.y_px.size()); ++i) {
+    if (!std::isfinite(track.x_px[i]) || !std::isfinite(track.y_px[i])) continue;
     if (!ends.any) ends.first = i;
     ends.last = i;
     ends.any = true;
@@ -277,22 +276,23 @@ std::string mime_type(const std::vector<unsigned char>& bytes) {
 
 /// `place`: an id of its own on the page.
 std::string picture(const ReportRun& run, std::size_t index, const std::string& place) {
-  const Ends ends = measured_ends(run);
-  const double radius = 0.012 * std::max(run.frame_width_px, run.frame_height_px);
+  const Track& track = run.track;
+  const Ends ends = measured_ends(track);
+  const double radius = 0.012 * std::max(track.width_px, track.height_px);
   std::string html = fmt::format(
       "<figure class=\"frame\" id=\"{5}\"><svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"path of the "
       "part in run {2}\"><image "
       "href=\"data:{3};base64,{4}\" width=\"{0}\" height=\"{1}\" preserveAspectRatio=\"none\"/>",
-      run.frame_width_px, run.frame_height_px, escape_html(run.name), mime_type(run.first_frame),
+      track.width_px, track.height_px, escape_html(run.name), mime_type(run.first_frame),
       base64(run.first_frame), place);
   if (ends.any) {
     const std::string path = path_commands(run);
     html += fmt::format("<path class=\"halo\" d=\"{0}\"/><path class=\"path\" d=\"{0}\"/>", path);
     html += fmt::format("<circle class=\"start\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>",
-                        run.x_px[ends.first] + 0.5, run.y_px[ends.first] + 0.5, radius);
+                        track.x_px[ends.first] + 0.5, track.y_px[ends.first] + 0.5, radius);
     html += fmt::format("<rect class=\"end\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
-                        run.x_px[ends.last] + 0.5 - radius, run.y_px[ends.last] + 0.5 - radius, 2 * radius,
-                        2 * radius);
+                        track.x_px[ends.last] + 0.5 - radius, track.y_px[ends.last] + 0.5 - radius,
+                        2 * radius, 2 * radius);
   }
   html += fmt::format("</svg><figcaption><b>{}</b> {}<br>{}</figcaption></figure>\n", index + 1,
                       escape_html(run.name), phi_and_dtau(run));
@@ -300,7 +300,7 @@ std::string picture(const ReportRun& run, std::size_t index, const std::string& 
 }
 
 bool has_picture(const ReportRun& run) {
-  return !run.first_frame.empty() && run.frame_width_px > 0 && run.frame_height_px > 0;
+  return !run.first_frame.empty() && run.track.width_px > 0 && run.track.height_px > 0;
 }
 
 }  // namespace
@@ -321,11 +321,11 @@ std::string first_picture(const ReportData& data) {
   std::optional<std::size_t> longest;
   double length = -1;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
-    const ReportRun& run = data.runs[i];
-    const Ends ends = measured_ends(run);
-    if (!has_picture(run) || !ends.any) continue;
-    const double here =
-        std::hypot(run.x_px[ends.last] - run.x_px[ends.first], run.y_px[ends.last] - run.y_px[ends.first]);
+    const Track& track = data.runs[i].track;
+    const Ends ends = measured_ends(track);
+    if (!has_picture(data.runs[i]) || !ends.any) continue;
+    const double here = std::hypot(track.x_px[ends.last] - track.x_px[ends.first],
+                                   track.y_px[ends.last] - track.y_px[ends.first]);
     if (here > length) {
       longest = i;
       length = here;

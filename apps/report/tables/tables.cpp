@@ -15,11 +15,6 @@
 namespace tribotrack::apps {
 namespace {
 
-double residual_of(const ReportRun& run, const char* observable, double ReportResidual::*number) {
-  const auto found = std::ranges::find(run.residuals, observable, &ReportResidual::observable);
-  return found == run.residuals.end() ? no_value : (*found).*number;
-}
-
 /// One column of runs.csv: its name and a run's cell.
 struct Column {
   const char* name;
@@ -30,16 +25,20 @@ Column numbers(const char* name, double ReportRun::*member) {
   return {name, [member](const ReportRun& run) { return exact(run.*member); }};
 }
 
-Column of_platform(const char* name, double ReportPlatform::*member) {
-  return {name, [member](const ReportRun& run) { return exact(run.platform.*member); }};
+/// Of measurements/NAME.json.
+Column measured(const char* name) {
+  return {name, [=](const ReportRun& run) { return exact(run.value(name).value); }};
+}
+Column measured_sd(const char* name, const char* of) {
+  return {name, [=](const ReportRun& run) { return exact(run.value(of).sd); }};
 }
 
-Column of_residual(const char* name, const char* observable, double ReportResidual::*member) {
-  return {name, [=](const ReportRun& run) { return exact(residual_of(run, observable, member)); }};
+Column of_residual(const char* name, const char* observable, double fit::Residual::*member) {
+  return {name, [=](const ReportRun& run) { return exact(run.residual(observable, member)); }};
 }
 
-Column counts(const char* name, std::size_t ReportRun::*member) {
-  return {name, [member](const ReportRun& run) { return std::to_string(run.*member); }};
+Column counts(const char* name, std::size_t Track::*member) {
+  return {name, [=](const ReportRun& run) { return std::to_string(run.track.*member); }};
 }
 
 Column texts(const char* name, std::string ReportRun::*member) {
@@ -47,19 +46,19 @@ Column texts(const char* name, std::string ReportRun::*member) {
 }
 
 const std::vector<Column>& columns() {
-  using R = ReportResidual;
+  using R = fit::Residual;
   static const std::vector<Column> all = {
       texts("name", &ReportRun::name),
-      texts("kind", &ReportRun::kind),
+      {"kind", [](const ReportRun& run) { return run.free_slide ? "free_slide" : "displacement"; }},
       texts("video", &ReportRun::video),
       numbers("phi_rad", &ReportRun::phi_rad),
       numbers("dtau_rad", &ReportRun::dtau_rad),
-      numbers("alpha_rad", &ReportRun::alpha_rad),
-      numbers("alpha_rad_sd", &ReportRun::alpha_sd_rad),
-      numbers("alpha_model_rad", &ReportRun::modelled_alpha_rad),
-      numbers("v_mm_s", &ReportRun::v_mm_s),
-      numbers("v_mm_s_sd", &ReportRun::v_sd_mm_s),
-      numbers("v_model_mm_s", &ReportRun::modelled_v_mm_s),
+      measured("alpha_rad"),
+      measured_sd("alpha_rad_sd", "alpha_rad"),
+      of_residual("alpha_model_rad", "alpha_rad", &R::modelled),
+      measured("v_mm_s"),
+      measured_sd("v_mm_s_sd", "v_mm_s"),
+      of_residual("v_model_mm_s", "v_mm_s", &R::modelled),
       of_residual("dx_mm", "dx_mm", &R::measured),
       of_residual("dx_mm_sd", "dx_mm", &R::sd),
       of_residual("dx_model_mm", "dx_mm", &R::modelled),
@@ -69,16 +68,17 @@ const std::vector<Column>& columns() {
       of_residual("dy_model_mm", "dy_mm", &R::modelled),
       of_residual("dy_residual_sd", "dy_mm", &R::standardised),
       {"cycles", [](const ReportRun& run) { return run.cycles > 0 ? std::to_string(run.cycles) : ""; }},
-      of_platform("amplitude_mm", &ReportPlatform::amplitude_mm),
-      of_platform("amplitude_mm_sd", &ReportPlatform::amplitude_sd_mm),
-      of_platform("angular_frequency_rad_s", &ReportPlatform::w_rad_s),
-      of_platform("angular_frequency_rad_s_sd", &ReportPlatform::w_sd_rad_s),
-      of_platform("phase_shift_rad", &ReportPlatform::epsilon_rad),
-      of_platform("phase_shift_rad_sd", &ReportPlatform::epsilon_sd_rad),
-      counts("frames_ok", &ReportRun::frames_ok),
-      counts("frames_lost", &ReportRun::frames_lost),
-      counts("frames_edge", &ReportRun::frames_edge),
-      numbers("frame_rate_hz", &ReportRun::frame_rate_hz),
+      measured("amplitude_mm"),
+      measured_sd("amplitude_mm_sd", "amplitude_mm"),
+      measured("angular_frequency_rad_s"),
+      measured_sd("angular_frequency_rad_s_sd", "angular_frequency_rad_s"),
+      measured("phase_shift_rad"),
+      measured_sd("phase_shift_rad_sd", "phase_shift_rad"),
+      {"frames_ok", [](const ReportRun& run) { return std::to_string(run.frames_ok()); }},
+      counts("frames_lost", &Track::lost),
+      counts("frames_edge", &Track::edge),
+      {"frame_rate_hz",
+       [](const ReportRun& run) { return exact(run.track.frame_rate_hz.value_or(no_value)); }},
       numbers("sigma_px", &ReportRun::sigma_px),
       texts("failure", &ReportRun::failure)};
   return all;
@@ -100,18 +100,17 @@ std::string parameters_csv(const ReportData& data) {
   std::string csv =
       "parameter,estimate,sd,ci95_low,ci95_high,covariance_ci95_low,covariance_ci95_high,profile_ci95_low,"
       "profile_ci95_high";
-  for (const ReportParameter& p : data.parameters) csv += ",correlation_with_" + p.name;
+  const auto& parameters = data.fit.parameters;
+  for (const fit::ParameterEstimate& p : parameters)
+    csv += fmt::format(",correlation_with_{}", fit::to_string(p.parameter));
   csv += "\n";
-  for (std::size_t i = 0; i < data.parameters.size(); ++i) {
-    const ReportParameter& p = data.parameters[i];
-    csv += fmt::format("{},{},{}", p.name, exact(p.estimate), exact(p.sd));
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const fit::ParameterEstimate& p = parameters[i];
+    csv += fmt::format("{},{},{}", fit::to_string(p.parameter), exact(p.estimate), exact(p.sd));
     // An open end is no number: an empty cell.
-    for (const ReportInterval& range : {p.ci95, p.covariance_ci95, p.profile_ci95})
+    for (const fit::Interval& range : {p.ci95, p.covariance_ci95, p.profile_ci95})
       csv += fmt::format(",{},{}", exact(range.low), exact(range.high));
-    for (std::size_t k = 0; k < data.parameters.size(); ++k)
-      csv +=
-          "," + (i < data.correlation.size() && k < data.correlation[i].size() ? exact(data.correlation[i][k])
-                                                                               : "");
+    for (const double r : data.fit.correlation.row(static_cast<Eigen::Index>(i))) csv += "," + exact(r);
     csv += "\n";
   }
   return csv;
@@ -119,44 +118,43 @@ std::string parameters_csv(const ReportData& data) {
 
 namespace {
 
-std::string unit_of(const ReportParameter& p) {
-  const std::string unit = parameter_text(p.name).unit;
-  return unit.empty() ? "" : " " + unit;
-}
-
-std::string values(const ReportData& data) {
+std::string values(const fit::FitResult& fit) {
   std::string text;
-  for (const ReportParameter& p : data.parameters)
-    text += fmt::format("  {:<14} {:>20}{}   95 %: {}\n", p.name, quoted(p.estimate, p.sd), unit_of(p),
-                        quoted_interval(p));
-  for (std::size_t i = 0; i < data.correlation.size(); ++i)
-    for (std::size_t k = 0; k < i && k < data.correlation[i].size(); ++k)
-      text += fmt::format("  correlation of {} and {}: {:.2f}\n", data.parameters[i].name,
-                          data.parameters[k].name, data.correlation[i][k]);
+  for (const fit::ParameterEstimate& p : fit.parameters) {
+    const std::string unit = parameter_text(p.parameter).unit;
+    text += fmt::format("  {:<14} {:>20}{}   95 %: {}\n", fit::to_string(p.parameter),
+                        quoted(p.estimate, p.sd), unit.empty() ? "" : " " + unit, quoted_interval(p));
+  }
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      text += fmt::format("  correlation of {} and {}: {:.2f}\n", fit::to_string(fit.parameters[i].parameter),
+                          fit::to_string(fit.parameters[k].parameter),
+                          fit.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)));
   return text;
 }
 
-std::string goodness_text(const ReportData& data) {
-  if (!std::isfinite(data.chi2)) return "";
-  std::string text = fmt::format("  chi2 = {:.4g} with {} degrees of freedom", data.chi2, data.dof);
-  if (std::isfinite(data.p_value) && data.dof > 0)
-    text += data.p_value > 0 ? fmt::format(", p = {:.2g} (threshold 0.001)", data.p_value)
-                             : ", p < 1e-300 (threshold 0.001)";
+std::string goodness_text(const fit::FitResult& fit) {
+  if (!std::isfinite(fit.chi2)) return "";
+  std::string text = fmt::format("  chi2 = {:.4g} with {} degrees of freedom", fit.chi2, fit.dof);
+  if (std::isfinite(fit.p_value) && fit.dof > 0)
+    text += fit.p_value > 0 ? fmt::format(", p = {:.2g} (threshold 0.001)", fit.p_value)
+                            : ", p < 1e-300 (threshold 0.001)";
   return text + "\n";
 }
 
-std::string budget(const ReportData& data) {
+std::string budget(const fit::FitResult& fit) {
   std::string text;
-  for (const ReportBudgetEntry& entry : data.budget) {
+  for (const fit::BudgetEntry& entry : fit.budget) {
     if (!entry.counted) continue;
     text += fmt::format("  {:<34}", entry.source);
-    for (std::size_t i = 0; i < data.parameters.size() && i < entry.contribution.size(); ++i)
-      text += fmt::format(" {:>14}", rounded_to_sd(entry.contribution[i], std::abs(entry.contribution[i])));
+    for (const double contribution : entry.contribution)
+      text += fmt::format(" {:>14}", rounded_to_sd(contribution, std::abs(contribution)));
     text += "\n";
   }
   if (text.empty()) return "";
   std::string head = fmt::format("uncertainty budget, sd given to each parameter\n  {:<34}", "source");
-  for (const ReportParameter& p : data.parameters) head += fmt::format(" {:>14}", p.name);
+  for (const fit::ParameterEstimate& p : fit.parameters)
+    head += fmt::format(" {:>14}", fit::to_string(p.parameter));
   return head + "\n" + text + "\n";
 }
 
@@ -165,9 +163,9 @@ std::string budget(const ReportData& data) {
 std::string report_text(const ReportData& data) {
   std::string text = data.title + "\n" + subtitle_of(data) + "\n\n" + plain_text(verdict_of(data).heading) +
                      ". " + plain_text(verdict_of(data).paragraph) + "\n\n";
-  if (data.fitted && !data.parameters.empty())
-    text += "parameters: value(sd of the last digits)\n" + values(data) + goodness_text(data) + "\n" +
-            budget(data);
+  if (data.fitted())
+    text += "parameters: value(sd of the last digits)\n" + values(data.fit) + goodness_text(data.fit) + "\n" +
+            budget(data.fit);
   if (!data.warnings.empty()) {
     text += "warnings\n";
     for (const std::string& warning : data.warnings) text += "  - " + warning + "\n";
@@ -196,40 +194,39 @@ std::string chance(double probability) {
   return probability == 0 ? "&lt; 1e-300" : number(probability, 1);
 }
 
-std::string goodness(const ReportData& data) {
-  if (!std::isfinite(data.chi2)) return "<p>χ² was not computed.</p>\n";
-  std::string html = fmt::format("<p>χ² = {} with {} degree{} of freedom", number(data.chi2), data.dof,
-                                 data.dof == 1 ? "" : "s");
-  if (data.dof > 0) {
+std::string goodness(const fit::FitResult& fit) {
+  if (!std::isfinite(fit.chi2)) return "<p>χ² was not computed.</p>\n";
+  std::string html = fmt::format("<p>χ² = {} with {} degree{} of freedom", number(fit.chi2), fit.dof,
+                                 fit.dof == 1 ? "" : "s");
+  if (fit.dof > 0) {
     html += fmt::format(
         ": {} per degree of freedom, where {} is expected (probability 0.99) if the model and the stated "
         "errors are right",
-        number(data.chi2 / data.dof, 3), expected_chi2_text(data.dof));
+        number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
   }
-  html += data.dof > 0 ? "." : ": as many data as unknowns, so that nothing checks the model.";
-  if (data.scatter_mm > 0)
+  html += fit.dof > 0 ? "." : ": as many data as unknowns, so that nothing checks the model.";
+  if (fit.scatter > 0)
     html += fmt::format(" Scatter of up to {} mm per axis beyond the measurement errors is included.",
-                        number(data.scatter_mm, 2));
+                        number(1e3 * fit.scatter, 2));
   html += "</p>\n";
-  if (std::isfinite(data.p_value) && data.dof > 0)
+  if (std::isfinite(fit.p_value) && fit.dof > 0)
     html += fmt::format(
         "<p><b>p {}</b>: {}chance alone would make χ² so large {}. Below p = {} the data are taken to "
         "contradict the "
         "model{}.</p>\n",
-        data.p_value > 0 ? "= " + number(data.p_value, 2) : "&lt; 1e-300",
-        data.scatter_mm > 0 ? "without the scatter estimated from the residuals, " : "",
-        how_often(data.p_value), number(fit_rejects, 1),
-        data.p_value < fit_rejects ? ": they do" : ": they do not");
+        fit.p_value > 0 ? "= " + number(fit.p_value, 2) : "&lt; 1e-300",
+        fit.scatter > 0 ? "without the scatter estimated from the residuals, " : "", how_often(fit.p_value),
+        number(fit_rejects, 1), fit.p_value < fit_rejects ? ": they do" : ": they do not");
   return html;
 }
 
 long used_runs(const ReportData& data) {
   return std::ranges::count_if(
-      data.runs, [](const ReportRun& run) { return run.failure.empty() && !run.residuals.empty(); });
+      data.runs, [](const ReportRun& run) { return run.failure.empty() && !run.fitted.residuals.empty(); });
 }
 
 std::string runs_test(const ReportData& data) {
-  const double p = data.runs_test_p_value;
+  const double p = data.fit.runs_test_p_value;
   if (!std::isfinite(p)) return "";
   const char* result =
       p < runs_test_rejects
@@ -248,24 +245,24 @@ std::string phi_or_dash(double phi) {
 }
 
 std::string outlier_table(const ReportData& data) {
-  if (data.outliers.empty()) return "";
-  const bool mislabelled = std::any_of(data.outliers.begin(), data.outliers.end(), [](const auto& outlier) {
-    return std::isfinite(outlier.looks_like_phi_rad);
-  });
+  const std::vector<fit::Outlier>& outliers = data.fit.outliers;
+  if (outliers.empty()) return "";
+  const bool mislabelled = std::ranges::any_of(
+      outliers, [](const fit::Outlier& outlier) { return outlier.looks_like_phi.has_value(); });
   std::string html =
       "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
       "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table id=\"outliers\" class=\"compact "
       "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
   if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
   html += "</tr></thead><tbody>";
-  for (const ReportOutlier& outlier : data.outliers) {
+  for (const fit::Outlier& outlier : outliers) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
             number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
     if (mislabelled) {
       const auto run = std::find_if(data.runs.begin(), data.runs.end(),
                                     [&](const ReportRun& r) { return r.name == outlier.run; });
       html += number_cell(run != data.runs.end() ? phi_or_dash(run->phi_rad) : "–") +
-              number_cell(phi_or_dash(outlier.looks_like_phi_rad));
+              number_cell(phi_or_dash(outlier.looks_like_phi.value_or(no_value)));
     }
     html += "</tr>";
   }
@@ -275,18 +272,18 @@ std::string outlier_table(const ReportData& data) {
 std::string outlying_points(const ReportData& data) {
   std::string items;
   for (const ReportRun& run : data.runs)
-    if (run.outlying_points > 0)
-      items += fmt::format("<li><b>{}</b>: {} of {} points.</li>", escape_html(run.name), run.outlying_points,
-                           run.points);
+    if (run.outlying_points() > 0)
+      items += fmt::format("<li><b>{}</b>: {} of {} points.</li>", escape_html(run.name),
+                           run.outlying_points(), run.fitted.points);
   if (items.empty()) return "";
   return "<h3>Points that contradict their run</h3>\n<p>They lie beyond 6 σ of the run’s other points; the "
          "warnings name their frames.</p>\n<ul>" +
          items + "</ul>\n";
 }
 
-std::string model_table(const ReportData& data) {
-  if (data.models.empty()) return "";
-  const ReportModel& fitted = data.models.front();
+std::string model_table(const std::vector<fit::ModelComparison>& models) {
+  if (models.empty()) return "";
+  const fit::ModelComparison& fitted = models.front();
   std::string html =
       "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
       "unknowns: lower is better; Δ is the difference from the first model, and less than 6 in AIC is not "
@@ -298,37 +295,38 @@ std::string model_table(const ReportData& data) {
     const double difference = value - first;
     return std::isfinite(difference) ? (difference > 0 ? "+" : "") + rounded(difference, 1) : "–";
   };
-  for (const ReportModel& model : data.models) {
+  for (const fit::ModelComparison& model : models) {
     const bool first = &model == &fitted;
     const std::string name = escape_html(model.name);
     html +=
         "<tr>" + cell(first ? "<b>" + name + "</b> (fitted)" : name) +
-        number_cell(std::to_string(model.unknowns)) + number_cell(number(model.chi2)) +
+        number_cell(std::to_string(model.parameters)) + number_cell(number(model.chi2)) +
         number_cell(number(model.aic)) + number_cell(first ? "" : signed_difference(model.aic, fitted.aic)) +
         number_cell(number(model.bic)) + number_cell(first ? "" : signed_difference(model.bic, fitted.bic)) +
-        cell(sentence_html(model.finding)) + "</tr>\n";
+        cell(sentence_html(model.sentence)) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
 }
 
-std::string not_needed(const ReportData& data) {
-  if (data.left_out.empty()) return "";
-  return "<h3>Analyses that were not needed</h3>\n" + html_list(data.left_out);
+std::string not_needed(const fit::FitResult& fit) {
+  if (fit.left_out.empty()) return "";
+  return "<h3>Analyses that were not needed</h3>\n" + html_list(fit.left_out);
 }
 
 }  // namespace
 
 PageSection check_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"check", "Does the model describe the data?", ""};
-  if (!data.fitted || data.parameters.empty()) return section;
-  section.html = goodness(data) + runs_test(data) + figure_box(figures, "residuals") + outlier_table(data) +
-                 outlying_points(data) + model_table(data) + not_needed(data);
+  if (!data.fitted()) return section;
+  section.html = goodness(data.fit) + runs_test(data) + figure_box(figures, "residuals") +
+                 outlier_table(data) + outlying_points(data) + model_table(data.fit.models) +
+                 not_needed(data.fit);
   return section;
 }
 
 namespace {
 
-std::string source_sd(const ReportBudgetEntry& entry) {
+std::string source_sd(const fit::BudgetEntry& entry) {
   if (entry.quantity.empty() || !std::isfinite(entry.sd)) return "";
   const ParameterText shown = parameter_text(entry.quantity);
   return rounded(entry.sd, entry.sd) + (shown.unit.empty() ? "" : " " + shown.unit);
@@ -340,38 +338,39 @@ std::string bar_cell(double contribution, double sd) {
                      rounded(contribution, contribution));
 }
 
-std::string row(const ReportData& data, const ReportBudgetEntry& entry) {
+std::string row(const fit::FitResult& fit, const fit::BudgetEntry& entry) {
   std::string html = fmt::format("<tr{}><th>{}</th>{}{}", entry.counted ? "" : " class=\"exact\"",
                                  escape_html(entry.source), number_cell(source_sd(entry)), cell(entry.from));
-  for (std::size_t i = 0; i < data.parameters.size() && i < entry.contribution.size(); ++i)
-    html += bar_cell(entry.contribution[i], entry.counted ? data.parameters[i].sd : 0);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    html +=
+        bar_cell(entry.contribution(static_cast<Eigen::Index>(i)), entry.counted ? fit.parameters[i].sd : 0);
   return html + "</tr>\n";
 }
 
 }  // namespace
 
-std::string budget_table(const ReportData& data) {
-  if (data.budget.empty()) return "";
+std::string budget_table(const fit::FitResult& fit) {
+  if (fit.budget.empty()) return "";
   std::string html;
-  if (!data.improve_first.empty()) html += "<p>" + sentence_html(data.improve_first) + "</p>\n";
+  if (!fit.improve_first.empty()) html += "<p>" + sentence_html(fit.improve_first) + "</p>\n";
   html +=
       "<div class=\"wide\"><table id=\"budget-table\" class=\"budget\"><thead><tr><th>Source</th><th "
       "class=\"n\">Its standard deviation</th><th>From</th>";
-  for (const ReportParameter& p : data.parameters) {
-    const ParameterText shown = parameter_text(p.name);
+  for (const fit::ParameterEstimate& p : fit.parameters) {
+    const ParameterText shown = parameter_text(p.parameter);
     html +=
         fmt::format("<th class=\"n\">{}{}</th>", shown.symbol, shown.unit.empty() ? "" : ", " + shown.unit);
   }
   html += "</tr></thead><tbody>\n";
-  for (const ReportBudgetEntry& entry : data.budget)
-    if (entry.counted) html += row(data, entry);
+  for (const fit::BudgetEntry& entry : fit.budget)
+    if (entry.counted) html += row(fit, entry);
   html += "<tr><th>All together</th><td></td><td></td>";
-  for (const ReportParameter& p : data.parameters) html += number_cell(rounded(p.sd, p.sd));
+  for (const fit::ParameterEstimate& p : fit.parameters) html += number_cell(rounded(p.sd, p.sd));
   html += "</tr>\n";
   bool exact = false;
-  for (const ReportBudgetEntry& entry : data.budget) {
+  for (const fit::BudgetEntry& entry : fit.budget) {
     if (entry.counted) continue;
-    html += row(data, entry);
+    html += row(fit, entry);
     exact = true;
   }
   html +=

@@ -31,6 +31,6 @@ PageSection check_section(const ReportData& data, const std::vector<Figure>& fig
 
 /// Sources down, parameters across: what each source gives to each parameter's standard deviation, the bar as
 /// long as its share of it. Empty without a budget.
-std::string budget_table(const ReportData& data);
+std::string budget_table(const fit::FitResult& fit);
 
 }  // namespace tribotrack::apps

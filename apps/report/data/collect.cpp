@@ -1,0 +1,348 @@
+#include "apps/report/data/collect.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "apps/campaign/compared_runs.h"
+#include "apps/program/errors.h"
+#include "fit/fit_result_json.h"
+
+namespace tribotrack::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Runs `read`; what it misses becomes an InvalidInput that names the file, too.
+template <class Read>
+auto reading(const fs::path& file, const Read& read) {
+  try {
+    return read();
+  } catch (const WrongContent& error) {
+    throw InvalidInput(file.string() + ": " + error.what() +
+                       "; it is not what `tribotrack run` writes: run it again");
+  }
+}
+
+/// NaN where there is no number.
+double number_at(const JsonPlace& place, const std::string& key) {
+  return place.number(key, no_value);
+}
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+ReportSource source_of(const Input& input) {
+  return {file_name(input.path.string()),
+          "xxh3-128:" + input.xxh3_128 + (input.hashed.empty() ? "" : ", " + input.hashed)};
+}
+
+// From the meta file.
+
+/// A campaign by its file's name, or by its folder's where the file is just called campaign.toml.
+std::string title_of(const fs::path& campaign) {
+  const std::string folder = campaign.parent_path().filename().string();
+  const bool plain = campaign.stem() == "campaign" && !folder.empty() && folder != "." && folder != "..";
+  return plain ? folder : campaign.stem().string();
+}
+
+/// "6 × 0.8 mm", as far as it was given.
+std::string part_text(const JsonPlace& configuration) {
+  const auto part = configuration.find("part");
+  if (!part) return "";
+  const double diameter = number_at(*part, "diameter_mm"), height = number_at(*part, "height_mm");
+  if (std::isnan(diameter)) return "";
+  return std::isnan(height) ? fmt::format("⌀ {:g} mm", diameter)
+                            : fmt::format("⌀ {:g} × {:g} mm", diameter, height);
+}
+
+bool is_sd(const std::string& name) {
+  return name.ends_with("_sd") || name == "diameter_sd_mm";
+}
+
+/// What is neither fitted nor pooled stands beside the pooled conditions as it was given.
+void add_given(const JsonPlace& configuration, ReportData& data) {
+  const std::vector<ReportCondition> pooled = data.conditions;
+  const auto add = [&](const std::string& name, double value, const std::string& from) {
+    if (std::ranges::find(pooled, name, &ReportCondition::quantity) == pooled.end())
+      data.conditions.push_back({.quantity = name, .given = value, .used = value, .from = from});
+  };
+  const auto fitted = [&](const std::string& name) {
+    return std::ranges::any_of(data.fit.parameters,
+                               [&](const auto& p) { return name == fit::to_string(p.parameter); });
+  };
+  for (const char* section : {"platform", "part"})
+    if (const auto found = configuration.find(section))
+      for (const auto& [name, value] : found->object().value.items()) {
+        if (!value.is_number() || fitted(name) || is_sd(name)) continue;
+        const double sd = number_at(*found, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
+        add(name, value.get<double>(),
+            sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, taken as exact");
+      }
+  const JsonPlace fixed = configuration.at("fit").at("fixed").object();
+  for (const auto& item : fixed.value.items())
+    add(item.key(), fixed.at(item.key()).number(), "campaign, held fixed");
+}
+
+void read_meta(const Json& meta, const fs::path& file, ReportData& data) {
+  const JsonPlace place{meta, ""};
+  place.at("schema").integer();
+  require_known_schema(meta, file);
+  const JsonPlace configuration = place.at("configuration");
+  add_given(configuration, data);
+  data.program_version = place.text("version");
+  data.part = part_text(configuration);
+  const JsonPlace inputs = place.at("inputs").list();
+  for (const JsonPlace& input : inputs.items())
+    data.inputs.push_back(
+        source_of({input.at("path").text(), input.at("xxh3_128").text(), input.text("hashed")}));
+  if (!data.inputs.empty()) data.title = title_of(inputs.at(std::size_t{0}).at("path").text());
+  if (const std::string title = configuration.text("title"); !title.empty()) data.title = title;
+  data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+// From fit.json.
+
+void read_fit(const Json& json, ReportData& data) {
+  const JsonPlace place{json, ""};
+  data.fit = json.get<fit::FitResult>();
+  data.warnings = std::exchange(data.fit.warnings, {});
+  data.phase_reference = place.text("phase_reference");
+  if (const auto shared = place.find("shared_scale")) data.shared_scale = shared->text("finding");
+  for (const JsonPlace& row : place.items("conditions"))
+    data.conditions.push_back({.quantity = row.text("quantity"),
+                               .given = number_at(row, "given"),
+                               .given_sd = number_at(row, "given_sd"),
+                               .measured = number_at(row, "measured"),
+                               .sd = number_at(row, "sd"),
+                               .difference_in_sd = number_at(row, "difference_in_sd"),
+                               .used = number_at(row, "used"),
+                               .used_sd = number_at(row, "used_sd"),
+                               .from = row.text("from")});
+}
+
+/// Its runs, each with its part of the fit.
+void read_runs(const Json& json, ReportData& data) {
+  const JsonPlace list = JsonPlace{json, ""}.at("runs").list();
+  if (list.value.empty()) list.refuse("a list with the campaign's runs");
+  auto fitted = data.fit.runs.begin();
+  for (const JsonPlace& entry : list.items()) {
+    ReportRun& run = data.runs.emplace_back();
+    const JsonPlace name = entry.at("name");
+    run.name = name.text();
+    if (run.name.find('/') != std::string::npos) name.refuse("the name of a run, without `/`");
+    run.free_slide = entry.at("kind").text() == "free_slide";
+    run.failure = entry.text("failure");
+    if (entry.find("scenario")) run.fitted = std::move(*fitted++);
+    if (!run.failure.empty()) continue;
+    entry.at("observables").list();
+    run.phi_rad = number_at(entry, "phi_rad");
+    run.dtau_rad = number_at(entry, "dtau_rad");
+  }
+  data.fit.runs.clear();
+}
+
+// Of each run.
+
+/// The median; NaN where none is finite.
+double median_of_finite(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return no_value;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// "2021-03-04", or the first and the last day.
+void add_day(const std::string& time, ReportData& data) {
+  constexpr std::size_t kDay = 10;  // "2021-03-04"
+  if (time.size() < kDay) return;
+  const std::string day = time.substr(0, kDay), to = " to ";
+  const auto at = data.filmed.find(to);
+  std::string first = data.filmed.substr(0, kDay),
+              last = at == std::string::npos ? first : data.filmed.substr(at + to.size());
+  if (data.filmed.empty()) first = last = day;
+  first = std::min(first, day);
+  last = std::max(last, day);
+  data.filmed = first == last ? first : first + to + last;
+}
+
+/// What the page would show and is not there, by its name in the folder.
+void note_missing(const RunFolder& folder, const std::string& run, const fs::path& file,
+                  const std::string& consequence, ReportData& data) {
+  data.missing.push_back(
+      fmt::format("run {}: {} {}", run, file.lexically_relative(folder.root).string(), consequence));
+}
+
+/// PNG or JPEG, as `run` writes them.
+bool is_picture(const std::vector<unsigned char>& bytes) {
+  constexpr std::array<unsigned char, 4> kPng = {0x89, 'P', 'N', 'G'};
+  constexpr std::array<unsigned char, 2> kJpeg = {0xff, 0xd8};
+  const auto begins_with = [&](const auto& signature) {
+    return bytes.size() > signature.size() && std::equal(signature.begin(), signature.end(), bytes.begin());
+  };
+  return begins_with(kPng) || begins_with(kJpeg);
+}
+
+/// The object of measurements/NAME.json.
+void add_measurement(const JsonPlace& m, ReportRun& run) {
+  const auto value = [](const JsonPlace& from, const std::string& key, double unit = 1) {
+    return fit::Estimate{number_at(from, key) * unit, number_at(from, key + "_sd") * unit};
+  };
+  for (const char* key :
+       {"alpha_rad", "v_mm_s", "amplitude_mm", "amplitude_y_mm", "angular_frequency_rad_s", "phase_shift_rad",
+        "phase_at_zero_rad", "angular_frequency_drift_rad_s2", "phi_rad", "dtau_rad"})
+    if (const fit::Estimate seen = value(m, key); !std::isnan(seen.value)) run.measured[key] = seen;
+  run.cycles = m.integer("cycles", 0);
+  if (const auto gate = m.find("gate")) {
+    run.gate_source = gate->text("source");
+    for (const char* level : {"lamp_off_level", "lamp_on_level"})
+      run.measured[level] = {number_at(*gate, level), no_value};
+  }
+  for (const JsonPlace& h : m.items("harmonics"))
+    if (h.boolean("seen", false))
+      run.harmonics.push_back(
+          {h.integer("order", 0), value(h, "amplitude_mm", 1e-3), value(h, "amplitude_y_mm", 1e-3)});
+}
+
+/// run.track, its picture and what is drawn from both.
+void add_track(const RunFolder& folder, ReportRun& run, ReportData& data) {
+  const Track& track = run.track;
+  run.sigma_px = median_of_finite(track.sigma_px);
+  run.sigma_theta_rad = median_of_finite(track.sigma_theta_rad);
+  if (track.in_camera_frame && !run.free_slide)
+    run.notes.push_back("measured in the camera's frame: no marker");
+  run.notes.insert(run.notes.end(), track.warnings.begin(), track.warnings.end());
+  if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
+    run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
+  if (!run.first_frame.empty() && !is_picture(run.first_frame)) {
+    run.first_frame.clear();
+    note_missing(folder, run.name, folder.first_frame(run.name), "is no picture: it is not shown", data);
+  }
+  if (!run.free_slide) add_drawings(run);
+  add_day(track.recorded_at, data);
+  for (const Input& input : track.recorded_in) data.inputs.push_back(source_of(input));
+}
+
+/// A run's track, and the object of its measurement.
+struct Seen {
+  std::optional<Track> track;
+  Json measurement = Json::object();
+};
+
+/// Of a run with a track; notes what is missing.
+using Look = std::function<Seen(const ReportRun& run, ReportData& data)>;
+
+void add_run(const JsonPlace& configuration, const RunFolder& folder, const Look& look, ReportRun& run,
+             ReportData& data) {
+  run.video = configuration.text("video");
+  if (run.video.empty()) run.video = configuration.text("track");
+  if (!run.failure.empty()) return;
+  if (const std::vector<std::string> lines = configuration.texts("pooled_from"); !lines.empty())
+    run.notes.push_back(fmt::format("mean of {} measurements: {}", lines.size(), fmt::join(lines, ", ")));
+  if (run.video.empty()) {
+    run.measured["alpha_rad"] = {number_at(configuration, "alpha_rad"),
+                                 number_at(configuration, "alpha_sd_rad")};
+    run.measured["v_mm_s"] = {number_at(configuration, "v_mm_s"), number_at(configuration, "v_sd_mm_s")};
+    run.cycles = configuration.integer("cycles", 0);
+    return;
+  }
+  Seen seen = look(run, data);
+  reading(folder.measurement(run.name), [&] { add_measurement({seen.measurement, ""}, run); });
+  if (!seen.track) return;
+  run.track = std::move(*seen.track);
+  add_track(folder, run, data);
+}
+
+ReportData collect(const Json& fit, const Json& meta, const RunFolder& folder, const Look& look,
+                   long most_steps) {
+  const fs::path meta_file = folder.fit().string() + ".meta.json";
+  ReportData data;
+  reading(folder.fit(), [&] { read_fit(fit, data); });
+  add_provenance(meta, meta_file, data);
+  reading(folder.fit(), [&] { read_runs(fit, data); });
+  for (std::size_t k = 0; k < data.runs.size(); ++k) {
+    ReportRun& run = data.runs[k];
+    reading(meta_file, [&] {
+      add_run(JsonPlace{meta, ""}.at("configuration").at("runs").at(k), folder, look, run, data);
+    });
+    if (!run.fitted.name.empty() && !add_model_path(run)) note_no_model_path(run, data);
+  }
+  add_curves(data, most_steps);
+  data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
+  return data;
+}
+
+/// From the folder.
+Seen read_recording(const RunFolder& folder, const ReportRun& run, ReportData& data) {
+  const fs::path csv = folder.track(run.name), measurement = folder.measurement(run.name);
+  Seen seen;
+  if (fs::exists(measurement))
+    seen.measurement = read_json(measurement);
+  else if (!run.free_slide)
+    note_missing(folder, run.name, measurement, "is missing: what was measured in it is not shown", data);
+  if (!fs::exists(csv)) {
+    note_missing(folder, run.name, csv, "is missing: its path and platform are not shown", data);
+    return seen;
+  }
+  seen.track = read_track_file(csv);
+  const auto [used, used_sd] = reading(measurement, [&] {
+    const JsonPlace m{seen.measurement, ""};
+    return std::pair(number_at(m, "mm_per_px"), number_at(m, "mm_per_px_sd"));
+  });
+  if (seen.track->mm_per_px && std::isfinite(used) && used != *seen.track->mm_per_px)
+    rescale(*seen.track, {used, used_sd, ""});
+  return seen;
+}
+
+[[noreturn]] void refuse_file(const fs::path& file) {
+  if (file.filename() == "fit.json")
+    throw InvalidInput(
+        fmt::format("{}: is no folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
+                    file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
+  throw InvalidInput(fmt::format(
+      "{}: is no folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
+}
+
+}  // namespace
+
+void add_provenance(const Json& meta, const fs::path& file, ReportData& data) {
+  reading(file, [&] { read_meta(meta, file, data); });
+}
+
+ReportData collect(const ReportInput& input) {
+  const Look look = [&](const ReportRun& shown, ReportData&) {
+    Seen seen;
+    const auto run = std::ranges::find(input.runs, shown.name, [](const Run& r) { return r.given.name; });
+    seen.track = run->track;
+    if (run->measurement && run->track) seen.measurement = measurement_json(*run->measurement, *run->track);
+    return seen;
+  };
+  return collect(input.fit, input.meta, input.folder, look, kMostCurveSteps);
+}
+
+ReportData collect(const RunFolder& folder, long most_steps) {
+  if (fs::exists(folder.root) && !fs::is_directory(folder.root)) refuse_file(folder.root);
+  if (!fs::exists(folder.fit()))
+    throw InvalidInput(
+        fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
+                    folder.root.string(), folder.root.string()));
+  const fs::path meta_file = folder.fit().string() + ".meta.json";
+  if (!fs::exists(meta_file))
+    throw InvalidInput(
+        fmt::format("{}: is missing, and with it the campaign's configuration; run it again: `tribotrack run "
+                    "CAMPAIGN.toml -o {}`",
+                    meta_file.string(), folder.root.string()));
+  const Look look = [&](const ReportRun& run, ReportData& data) { return read_recording(folder, run, data); };
+  return collect(read_json(folder.fit()), read_json(meta_file), folder, look, most_steps);
+}
+
+}  // namespace tribotrack::apps
