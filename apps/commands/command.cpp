@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/program/streams.h"
-#include "apps/survey/campaign_keys.h"
+#include "apps/files/campaign/keys.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/version.h"
@@ -107,6 +107,14 @@ std::vector<std::string> arguments_of(int argc, const char* const* argv) {
   return typed;
 }
 
+/// `help campaign`, and with --json the JSON Schema of its keys.
+std::optional<std::string> help_on_campaigns(const std::vector<std::string>& typed) {
+  using Words = std::vector<std::string>;
+  if (typed == Words{"campaign", "--help"}) return campaign_reference();
+  if (typed == Words{"campaign", "--json", "--help"}) return text_of(campaign_schema());
+  return std::nullopt;
+}
+
 /// Help and version go to stdout, through CLI11's own printing.
 int print_help(const CLI::App& app, const CLI::ParseError& error) {
   app.exit(error);
@@ -133,8 +141,8 @@ int run_program(int argc, const char* const* argv) {
   const std::vector<std::string> typed = arguments_of(argc, argv);
   const LastWords stopped("stopped: nothing half-written is left");
   try {
-    if (typed == std::vector<std::string>{"campaign", "--help"}) {
-      print_text(campaign_reference());
+    if (const auto what = help_on_campaigns(typed)) {
+      print_text(*what);
       flush_output();
       return kDone;
     }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -28,64 +29,42 @@ struct SimulateOptions {
   bool json = false;
   bool explain = false;
   std::optional<double> samples_per_cycle;
-  // name in scenario_parameter_names() -> value from the command line
-  std::vector<std::pair<std::string, std::optional<double>>> values = {{"mu1", {}},
-                                                                       {"mu2", {}},
-                                                                       {"mu1_over_mu2", {}},
-                                                                       {"amplitude_mm", {}},
-                                                                       {"amplitude_y_mm", {}},
-                                                                       {"omega_rad_s", {}},
-                                                                       {"epsilon_rad", {}},
-                                                                       {"phi_rad", {}},
-                                                                       {"dtau_rad", {}},
-                                                                       {"lag_rad", {}},
-                                                                       {"gravity_m_s2", {}},
-                                                                       {"tilt_x_rad", {}},
-                                                                       {"tilt_y_rad", {}},
-                                                                       {"cycles", {}},
-                                                                       {"start_phase_rad", {}},
-                                                                       {"velocity_x_mm_s", {}},
-                                                                       {"velocity_y_mm_s", {}}};
+  std::vector<std::pair<std::string, std::optional<double>>> values;  ///< by the names of parameters
 };
 
-std::string help_for(const std::string& name) {
-  if (name == "mu1") return "Nominal friction coefficient mu1";
-  if (name == "mu2") return "Reduced friction coefficient mu2, inside the pulse";
-  if (name == "mu1_over_mu2") return "Give mu2 as this ratio mu1/mu2 instead";
-  if (name == "amplitude_mm") return "Platform amplitude A (and A_y)";
-  if (name == "amplitude_y_mm") return "Platform amplitude along y, if different";
-  if (name == "omega_rad_s") return "Angular frequency w of the platform";
-  if (name == "epsilon_rad")
-    return "Phase shift epsilon between the axes (pi/2: a circle, clockwise with y up)";
-  if (name == "phi_rad") return "Phase phi at which the pulse of reduced friction opens";
-  if (name == "dtau_rad") return "Width dtau of the pulse, 0 .. 2pi";
-  if (name == "lag_rad") return "Phase lag of the actuator, added to phi";
-  if (name == "gravity_m_s2") return "Gravity g";
-  if (name == "tilt_x_rad") return "Slope of the platform towards +x (right)";
-  if (name == "tilt_y_rad") return "Slope of the platform towards +y (up)";
-  if (name == "cycles") return "Platform cycles to simulate";
-  if (name == "start_phase_rad") return "Platform phase wt at the start";
-  return "Initial velocity relative to the platform (start = rest)";
-}
-
 /// " (default 0.28)": what holds without a scenario, the paper's conditions.
-std::string default_of(const std::string& name) {
-  if (name == "epsilon_rad") return " (default pi/2)";
-  const Json conditions = json_of(model::Scenario());
-  return conditions.contains(name) && name != "amplitude_y_mm"
-             ? fmt::format(" (default {:.10g})", conditions[name].get<double>())
-             : "";
+std::string default_text(const Key<ScenarioFile>& parameter) {
+  if (parameter.name == "epsilon_rad") return " (default pi/2)";
+  const auto value = default_of(parameter);
+  return value ? fmt::format(" (default {:.10g})", *value) : "";
 }
 
-/// With the name that campaigns have for it, where that differs.
 std::string flag_of(std::string name) {
-  const std::string of_campaign = name == "omega_rad_s"   ? ",--angular-frequency-rad-s"
-                                  : name == "epsilon_rad" ? ",--phase-shift-rad"
-                                  : name == "lag_rad"     ? ",--phase-lag-rad"
-                                                          : "";
-  for (char& c : name)
-    if (c == '_') c = '-';
-  return "--" + name + of_campaign;
+  std::ranges::replace(name, '_', '-');
+  return "--" + name;
+}
+
+/// A flag for each parameter with a meaning. Names in another unit are flags of their own.
+void add_parameters(CLI::App& command, SimulateOptions& options) {
+  struct Flag {
+    std::string flags, name, help;
+  };
+  std::vector<Flag> flags;
+  for (const Key<ScenarioFile>& parameter : scenario_parameters()) {
+    if (parameter.meaning.empty()) continue;
+    flags.push_back({flag_of(parameter.name), parameter.name, parameter.meaning + default_text(parameter)});
+    const std::size_t own = flags.size() - 1;
+    for (const OtherName& other : other_names(parameter.name))
+      if (other.factor == 1)
+        flags[own].flags += "," + flag_of(other.name);
+      else
+        flags.push_back({flag_of(other.name), other.name, "The same by another unit"});
+  }
+  options.values.reserve(flags.size());  // CLI11 keeps references
+  for (const auto& [flag, name, help] : flags) {
+    auto& value = options.values.emplace_back(name, std::nullopt).second;
+    name.ends_with("_rad") ? add_angle(command, flag, value, help) : add_number(command, flag, value, help);
+  }
 }
 
 GivenScenario given_of(const SimulateOptions& options) {
@@ -162,12 +141,7 @@ void add_simulate(CLI::App& app, Context& context) {
       "SCENARIO", options->scenario,
       "Scenario file (TOML); the flags override it. Without one: the paper's platform (A, w, epsilon, g) and "
       "the defaults below, in which friction is constant: mu2 and dtau make pulses");
-  for (auto& [name, value] : options->values) {
-    if (name.ends_with("_rad"))
-      add_angle(command, flag_of(name), value, help_for(name) + default_of(name));
-    else
-      add_number(command, flag_of(name), value, help_for(name) + default_of(name));
-  }
+  add_parameters(command, *options);
   command
       .add_option("--start", options->start,
                   "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "

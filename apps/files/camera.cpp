@@ -6,6 +6,7 @@
 #include <cctype>
 #include <stdexcept>
 
+#include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
 #include "apps/text/json.h"
 
@@ -13,10 +14,10 @@ namespace tribotrack::apps {
 
 namespace {
 
-using Kind = vision::MarkerChoice::Kind;
+using Mark = vision::MarkerChoice::Kind;
 
 vision::MarkerChoice tag_named(const std::string& name) {
-  vision::MarkerChoice marker{Kind::tag, {}};
+  vision::MarkerChoice marker{Mark::tag, {}};
   const auto colon = name.find(':');
   marker.dictionary = name.substr(0, colon);
   vision::require_tag_family(marker.dictionary);
@@ -33,9 +34,9 @@ vision::MarkerChoice tag_named(const std::string& name) {
 }  // namespace
 
 std::optional<vision::MarkerChoice> marker_named(const std::string& word) {
-  if (word == "auto") return vision::MarkerChoice{Kind::find, {}};
-  if (word == "texture") return vision::MarkerChoice{Kind::texture, {}};
-  if (word == "none") return vision::MarkerChoice{Kind::none, {}};
+  if (word == "auto") return vision::MarkerChoice{Mark::find, {}};
+  if (word == "texture") return vision::MarkerChoice{Mark::texture, {}};
+  if (word == "none") return vision::MarkerChoice{Mark::none, {}};
   if (word.starts_with("tag:")) return tag_named(word.substr(4));
   return std::nullopt;
 }
@@ -84,13 +85,11 @@ PartPlace read_place(StrictTable& table, const char* key) {
 namespace {
 
 /// A tag of known size sets the scale.
-void read_tag_size(StrictTable& table, CameraSection& camera) {
-  if (camera.marker_px && camera.marker.kind == vision::MarkerChoice::Kind::tag)
+void check_tag(const StrictTable& table, const CameraSection& camera) {
+  if (camera.marker_px && camera.marker.kind == Mark::tag)
     table.fail("marker_px", "and a tag are two marks of the platform; give one of them");
-  camera.tag_mm = table.positive("tag_mm");
-  camera.tag_mm_sd = read_sd(table, "tag_mm").value_or(0);
   if (!camera.tag_mm) return;
-  if (camera.marker.kind != vision::MarkerChoice::Kind::tag)
+  if (camera.marker.kind != Mark::tag)
     table.fail("tag_mm", "is the size of a tag; say which: marker = \"tag:apriltag_36h11\"");
   if (camera.mm_per_px || camera.calibration)
     table.fail("tag_mm", fmt::format("gives the scale, and so does {}: leave one out",
@@ -99,69 +98,62 @@ void read_tag_size(StrictTable& table, CameraSection& camera) {
 
 }  // namespace
 
-CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
-  CameraSection camera;
-  camera.frame_rate_hz = table.positive("frame_rate_hz");
-  camera.frame_rate_reason = table.text("frame_rate_reason").value_or("");
-  if (!camera.frame_rate_reason.empty() && !camera.frame_rate_hz)
-    table.fail("frame_rate_reason", "needs frame_rate_hz");
-  camera.mm_per_px = table.positive("mm_per_px");
-  camera.mm_per_px_sd = table.not_negative("mm_per_px_sd").value_or(0);
-  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
-  if (const auto file = table.text("calibration")) {
-    if (camera.mm_per_px) table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
-    camera.calibration = folder / *file;
-    if (!fs::exists(*camera.calibration))
-      table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
-                                            "`tribotrack calibrate`",
-                                            camera.calibration->string()));
+void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
+  const auto word = table.text("marker");
+  if (!word) return;
+  try {
+    const auto marker = marker_named(*word);
+    if (!marker) table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
+    camera.marker = *marker;
+  } catch (const std::invalid_argument& error) {
+    table.fail("marker", fmt::format("names no tag: {}", error.what()));
   }
-  camera.xi_axis_rad = table.angle("xi_axis_rad").value_or(0);
+}
+
+Json written_marker(const CameraSection& camera) {
+  switch (camera.marker.kind) {
+    case Mark::texture:
+      return "texture";
+    case Mark::find:
+      return "auto";
+    case Mark::none:
+      return "none";
+    case Mark::tag:
+      return tag_word(camera.marker);
+    default:
+      return "texture where the ground moves";
+  }
+}
+
+CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   if (table.has("rehearse"))
     table.fail("rehearse",
                "has left: standard deviations count what the coder may have done; leave the key out, and for "
                "smaller ones film uncompressed or FFV1");
-  camera.row_time_s = table.number("row_time_s").value_or(0);
-  camera.working_distance_mm = table.positive("working_distance_mm");
-  if (with_sd == WithSd::yes) {
-    camera.frame_rate_sd_hz = read_sd(table, "frame_rate_hz");
-    camera.xi_axis_sd_rad = read_sd(table, "xi_axis_rad");
-    camera.working_distance_sd_mm = read_sd(table, "working_distance_mm");
-  }
-  camera.disc_px = read_circle(table, "disc_px");
-  camera.template_px = read_template(table);
-  camera.marker_px = read_circle(table, "marker_px");
-  camera.gate_px = read_circle(table, "gate_px");
-  if (const auto word = table.text("marker")) {
-    try {
-      const auto marker = marker_named(*word);
-      if (!marker) table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
-      camera.marker = *marker;
-    } catch (const std::invalid_argument& error) {
-      table.fail("marker", fmt::format("names no tag: {}", error.what()));
-    }
-  }
-  read_tag_size(table, camera);
+  CameraSection camera;
+  read_keys(table, camera_keys(), camera, folder, with_sd);
+  if (!camera.frame_rate_reason.empty() && !camera.frame_rate_hz)
+    table.fail("frame_rate_reason", "needs frame_rate_hz");
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (camera.calibration && camera.mm_per_px)
+    table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+  if (camera.calibration && !fs::exists(*camera.calibration))
+    table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
+                                          "`tribotrack calibrate`",
+                                          camera.calibration->string()));
+  check_tag(table, camera);
   table.finish();
   return camera;
 }
 
 PartSection read_part(StrictTable& table, WithSd with_sd) {
   PartSection part;
-  part.name = table.text("name").value_or("");
-  part.disc_px = read_circle(table, "disc_px");
-  part.template_px = read_template(table);
-  part.diameter_mm = table.positive("diameter_mm");
-  const auto earlier_name = table.not_negative("diameter_sd_mm");
-  const auto diameter_sd = read_sd(table, "diameter_mm");
-  if (earlier_name && diameter_sd)
+  read_keys(table, part_keys(), part, {}, with_sd);
+  if (table.has("diameter_sd_mm") && table.has("diameter_mm_sd"))
     table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
-  if (earlier_name.value_or(0) > 0 && !part.diameter_mm)
+  if (part.diameter_sd_mm > 0 && !part.diameter_mm)
     table.fail("diameter_sd_mm",
                "is the sd of `diameter_mm`, which is not given here: give both, or neither");
-  part.diameter_sd_mm = diameter_sd.value_or(earlier_name.value_or(0));
-  part.height_mm = table.positive("height_mm");
-  if (with_sd == WithSd::yes) part.height_sd_mm = read_sd(table, "height_mm");
   table.finish();
   return part;
 }

@@ -60,6 +60,10 @@ struct CameraSection {
 PartSection read_part(StrictTable& table, WithSd with_sd);
 CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder, WithSd with_sd);
 
+/// `marker`: without marker_px, how the platform's motion is seen.
+void read_marker(StrictTable& table, CameraSection& camera, const std::filesystem::path& folder);
+Json written_marker(const CameraSection& camera);
+
 /// [x, y, radius] under a key, the radius above 0.
 std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <numbers>
 #include <optional>
 
+#include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
 #include "apps/text/json.h"
 
@@ -52,65 +52,8 @@ namespace {
 
 const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
 
-using Setter = std::function<void(ScenarioFile&, double)>;
-
-const std::map<std::string, Setter>& setters() {
-  static const std::map<std::string, Setter> table = {
-      {"mu1", [](ScenarioFile& f, double v) { f.scenario.friction.nominal = v; }},
-      {"mu2",
-       [](ScenarioFile& f, double v) {
-         f.scenario.friction.reduced = v;
-         f.mu1_over_mu2.reset();
-       }},
-      {"mu1_over_mu2", [](ScenarioFile& f, double v) { f.mu1_over_mu2 = v; }},
-      {"phi_rad", [](ScenarioFile& f, double v) { f.scenario.friction.phase = v; }},
-      {"dtau_rad", [](ScenarioFile& f, double v) { f.scenario.friction.pulse_width = v; }},
-      {"lag_rad", [](ScenarioFile& f, double v) { f.scenario.friction.lag = v; }},
-      {"amplitude_mm",
-       [](ScenarioFile& f, double v) {
-         f.scenario.drive.amplitude = f.scenario.drive.amplitude_y = v * 1e-3;
-       }},
-      {"amplitude_y_mm", [](ScenarioFile& f, double v) { f.scenario.drive.amplitude_y = v * 1e-3; }},
-      {"omega_rad_s", [](ScenarioFile& f, double v) { f.scenario.drive.angular_frequency = v; }},
-      {"epsilon_rad", [](ScenarioFile& f, double v) { f.scenario.drive.phase_shift = v; }},
-      {"gravity_m_s2", [](ScenarioFile& f, double v) { f.scenario.drive.gravity = v; }},
-      {"tilt_x_rad", [](ScenarioFile& f, double v) { f.scenario.drive.tilt_x = v; }},
-      {"tilt_y_rad", [](ScenarioFile& f, double v) { f.scenario.drive.tilt_y = v; }},
-      {"velocity_x_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.x() = v * 1e-3; }},
-      {"velocity_y_mm_s", [](ScenarioFile& f, double v) { f.scenario.initial_velocity.y() = v * 1e-3; }},
-      {"spin_rad_s", [](ScenarioFile& f, double v) { f.scenario.spin.rate = v; }},
-      {"radius_mm", [](ScenarioFile& f, double v) { f.scenario.spin.radius = v * 1e-3; }},
-      {"spin_inertia", [](ScenarioFile& f, double v) { f.scenario.spin.inertia = v; }},
-      {"start_phase_rad", [](ScenarioFile& f, double v) { f.scenario.start_phase = v; }},
-      {"cycles", [](ScenarioFile& f, double v) { f.scenario.cycles = v; }},
-  };
-  return table;
-}
-
-void read_sds(StrictTable& table, PlatformSection& platform) {
-  const auto millimetres = [&](const char* key) {
-    auto sd = read_sd(table, key);
-    if (sd) *sd *= 1e-3;
-    return sd;
-  };
-  platform.amplitude_sd = millimetres("amplitude_mm");
-  platform.amplitude_y_sd = millimetres("amplitude_y_mm");
-  platform.angular_frequency_sd = read_sd(table, "angular_frequency_rad_s");
-  platform.phase_shift_sd = read_sd(table, "phase_shift_rad");
-  platform.gravity_sd = read_sd(table, "gravity_m_s2");
-  platform.tilt_x_sd = read_sd(table, "tilt_x_rad");
-  platform.tilt_y_sd = read_sd(table, "tilt_y_rad");
-}
-
 /// A platform tilted by more is no platform.
 constexpr double kSteepest = std::numbers::pi / 4;
-
-double read_tilt(StrictTable& table, const char* key) {
-  const double tilt = table.angle(key).value_or(0);
-  if (std::abs(tilt) > kSteepest)
-    table.fail(key, fmt::format("must lie within pi/4, not {}: degrees? write \"{}deg\"", tilt, tilt));
-  return tilt;
-}
 
 /// Gravity as it is on earth, by a factor.
 void refuse_other_units(const StrictTable& table, double gravity) {
@@ -125,20 +68,12 @@ void refuse_other_units(const StrictTable& table, double gravity) {
 
 PlatformSection read_platform(StrictTable& table, WithSd with_sd) {
   PlatformSection platform;
-  const auto millimetres = [&](const char* key) {
-    auto value = table.not_negative(key);
-    if (value) *value *= 1e-3;
-    return value;
-  };
-  platform.amplitude = millimetres("amplitude_mm");
-  platform.amplitude_y = millimetres("amplitude_y_mm");
-  platform.angular_frequency = table.positive("angular_frequency_rad_s");
-  platform.phase_shift = table.angle("phase_shift_rad");
-  platform.gravity = table.positive("gravity_m_s2").value_or(9.81);
+  read_keys(table, platform_keys(), platform, {}, with_sd);
   refuse_other_units(table, platform.gravity);
-  platform.tilt_x = read_tilt(table, "tilt_x_rad");
-  platform.tilt_y = read_tilt(table, "tilt_y_rad");
-  if (with_sd == WithSd::yes) read_sds(table, platform);
+  for (const auto& [key, tilt] :
+       {std::pair{"tilt_x_rad", platform.tilt_x}, std::pair{"tilt_y_rad", platform.tilt_y}})
+    if (std::abs(tilt) > kSteepest)
+      table.fail(key, fmt::format("must lie within pi/4, not {0}: degrees? write \"{0}deg\"", tilt));
   table.finish();
   return platform;
 }
@@ -162,6 +97,71 @@ ScenarioFile read_scenario_file(const std::filesystem::path& path) {
   return file;
 }
 
+namespace {
+
+template <int axis>
+Value velocity(ScenarioFile& file) {
+  return Milli<double>{&file.scenario.initial_velocity[axis]};
+}
+
+}  // namespace
+
+const Keys<ScenarioFile>& scenario_parameters() {
+  using F = ScenarioFile;
+  using S = model::Scenario;
+  using D = model::Drive;
+  using M = model::Friction;
+  constexpr auto scenario = &F::scenario;
+  static const Keys<F> keys = {
+      {"amplitude_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude>, "",
+       "Platform amplitude A (and A_y)"},
+      {"amplitude_y_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude_y>, "",
+       "Platform amplitude along y, if different"},
+      {"omega_rad_s", Kind::above_zero, at<scenario, &S::drive, &D::angular_frequency>, "",
+       "Angular frequency w of the platform"},
+      {"epsilon_rad", Kind::angle, at<scenario, &S::drive, &D::phase_shift>, "",
+       "Phase shift epsilon between the axes (pi/2: a circle, clockwise with y up)"},
+      {"gravity_m_s2", Kind::above_zero, at<scenario, &S::drive, &D::gravity>, "", "Gravity g"},
+      {"tilt_x_rad", Kind::angle, at<scenario, &S::drive, &D::tilt_x>, "",
+       "Slope of the platform towards +x (right)"},
+      {"tilt_y_rad", Kind::angle, at<scenario, &S::drive, &D::tilt_y>, "",
+       "Slope of the platform towards +y (up)"},
+      {"mu1", Kind::not_negative, at<scenario, &S::friction, &M::nominal>, "",
+       "Nominal friction coefficient mu1"},
+      {"mu2", Kind::not_negative, at<scenario, &S::friction, &M::reduced>, "",
+       "Reduced friction coefficient mu2, inside the pulse"},
+      {"mu1_over_mu2", Kind::above_zero, at<&F::mu1_over_mu2>, "", "Give mu2 as this ratio mu1/mu2 instead"},
+      {"phi_rad", Kind::angle, at<scenario, &S::friction, &M::phase>, "",
+       "Phase phi at which the pulse of reduced friction opens"},
+      {"dtau_rad", Kind::angle, at<scenario, &S::friction, &M::pulse_width>, "",
+       "Width dtau of the pulse, 0 .. 2pi"},
+      {"lag_rad", Kind::angle, at<scenario, &S::friction, &M::lag>, "",
+       "Phase lag of the actuator, added to phi"},
+      {"start_phase_rad", Kind::angle, at<scenario, &S::start_phase>, "", "Platform phase wt at the start"},
+      {"velocity_x_mm_s", Kind::number, velocity<0>, "",
+       "Initial velocity relative to the platform (start = rest)"},
+      {"velocity_y_mm_s", Kind::number, velocity<1>, "",
+       "Initial velocity relative to the platform (start = rest)"},
+      {"cycles", Kind::above_zero, at<scenario, &S::cycles>, "", "Platform cycles to simulate"},
+      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, ""},
+      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, ""},
+      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, ""},
+  };
+  return keys;
+}
+
+namespace {
+
+/// Those of [friction] or [run].
+void read_parameters(StrictTable& table, ScenarioFile& file, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    const auto key = std::ranges::find(scenario_parameters(), name, &KeyFacts::name);
+    read_value(table, *key, {}, key->value(file).value());
+  }
+}
+
+}  // namespace
+
 ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
   if (auto table = top.table("platform")) {
@@ -176,32 +176,18 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     drive.tilt_y = platform.tilt_y;
   }
   if (auto table = top.table("friction")) {
-    auto& friction = file.scenario.friction;
-    friction.nominal = table->not_negative("mu1").value_or(friction.nominal);
-    const auto mu2 = table->not_negative("mu2");
-    file.mu1_over_mu2 = table->positive("mu1_over_mu2");
-    if (mu2 && file.mu1_over_mu2) table->fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
-    friction.reduced = mu2.value_or(friction.reduced);
-    friction.phase = table->angle("phi_rad").value_or(friction.phase);
-    friction.pulse_width = table->angle("dtau_rad").value_or(friction.pulse_width);
-    const auto lag = table->angle("lag_rad"), phase_lag = table->angle("phase_lag_rad");
-    if (lag && phase_lag) table->fail("phase_lag_rad", "and `lag_rad` mean the same; give one of them");
-    friction.lag = lag ? *lag : phase_lag.value_or(friction.lag);
+    read_parameters(*table, file, {"mu1", "mu2", "mu1_over_mu2", "phi_rad", "dtau_rad", "lag_rad"});
+    if (table->has("mu2") && file.mu1_over_mu2)
+      table->fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
     table->finish();
   }
   if (auto table = top.table("run")) {
-    file.scenario.cycles = table->positive("cycles").value_or(file.scenario.cycles);
+    read_parameters(*table, file,
+                    {"cycles", "start_phase_rad", "velocity_x_mm_s", "velocity_y_mm_s", "spin_rad_s",
+                     "radius_mm", "spin_inertia"});
     if (const auto start = table->choice("start", kStarts))
       file.scenario.start = static_cast<model::Start>(*start);
-    file.scenario.start_phase = table->angle("start_phase_rad").value_or(0);
-    file.scenario.initial_velocity.x() = table->number("velocity_x_mm_s").value_or(0) * 1e-3;
-    file.scenario.initial_velocity.y() = table->number("velocity_y_mm_s").value_or(0) * 1e-3;
-    file.scenario.spin.rate = table->number("spin_rad_s").value_or(0);
-    file.scenario.spin.radius = table->positive("radius_mm").value_or(0) * 1e-3;
-    file.scenario.spin.inertia = table->positive("spin_inertia").value_or(file.scenario.spin.inertia);
-    const auto samples = table->integer("samples_per_cycle").value_or(file.samples_per_cycle);
-    if (samples < 1 || samples > 1'000'000) table->fail("samples_per_cycle", "must be between 1 and 1000000");
-    file.samples_per_cycle = static_cast<int>(samples);
+    read_value(*table, {"samples_per_cycle", Kind::wholes(1, 1'000'000)}, {}, &file.samples_per_cycle);
     table->finish();
   }
   if (auto table = top.table("sweep")) {
@@ -212,32 +198,47 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
   return file;
 }
 
-std::vector<std::string> scenario_parameter_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, setter] : setters()) names.push_back(name);
-  return names;
-}
-
 namespace {
 
-std::string scenario_name_of(const std::string& campaign_name) {
-  if (campaign_name == "angular_frequency_rad_s") return "omega_rad_s";
-  if (campaign_name == "phase_shift_rad") return "epsilon_rad";
-  if (campaign_name == "phase_lag_rad") return "lag_rad";
-  return campaign_name;
+struct Named {
+  const Key<ScenarioFile>* parameter = nullptr;
+  double factor = 1;
+};
+
+Named named(std::string_view name) {
+  for (const Key<ScenarioFile>& key : scenario_parameters())
+    if (key.name == name) return {&key};
+  for (const Key<ScenarioFile>& key : scenario_parameters())
+    for (const OtherName& other : other_names(key.name))
+      if (other.name == name) return {&key, other.factor};
+  return {};
 }
 
 }  // namespace
 
+std::vector<std::string> scenario_parameter_names() {
+  std::vector<std::string> names;
+  for (const KeyFacts& key : scenario_parameters()) names.push_back(key.name);
+  return names;
+}
+
+std::string scenario_parameter_named(const std::string& name) {
+  const Named found = named(name);
+  return found.parameter != nullptr ? found.parameter->name : "";
+}
+
 void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value) {
-  const auto found = setters().find(scenario_name_of(name));
-  if (found == setters().end()) {
-    const std::string near = nearest_word(name, scenario_parameter_names());
-    throw UsageError(fmt::format("\"{}\" is not a parameter of a scenario{}; known: {}", name,
-                                 near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
-                                 fmt::join(scenario_parameter_names(), ", ")));
+  if (const auto [parameter, factor] = named(name); parameter != nullptr) {
+    set_value(parameter->value(file).value(), value * factor);
+    if (parameter->name == "amplitude_mm") file.scenario.drive.amplitude_y = file.scenario.drive.amplitude;
+    if (parameter->name == "mu2") file.mu1_over_mu2.reset();
+    return;
   }
-  found->second(file, value);
+  const std::vector<std::string> names = scenario_parameter_names();
+  const std::string near = nearest_word(name, names);
+  throw UsageError(fmt::format("\"{}\" is not a parameter of a scenario{}; known: {}", name,
+                               near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
+                               fmt::join(names, ", ")));
 }
 
 model::Start parse_start(const std::string& word) {
@@ -246,39 +247,23 @@ model::Start parse_start(const std::string& word) {
   throw UsageError(fmt::format("the start must be one of {}, not \"{}\"", fmt::join(kStarts, ", "), word));
 }
 
-namespace {
-
-Json without_spin(const model::Scenario& scenario) {
-  const auto& d = scenario.drive;
-  const auto& f = scenario.friction;
-  return {{"amplitude_mm", d.amplitude * 1e3},
-          {"amplitude_y_mm", d.amplitude_y * 1e3},
-          {"omega_rad_s", d.angular_frequency},
-          {"epsilon_rad", d.phase_shift},
-          {"gravity_m_s2", d.gravity},
-          {"tilt_x_rad", d.tilt_x},
-          {"tilt_y_rad", d.tilt_y},
-          {"mu1", f.nominal},
-          {"mu2", f.reduced},
-          {"phi_rad", f.phase},
-          {"dtau_rad", f.pulse_width},
-          {"lag_rad", f.lag},
-          {"start", model::to_string(scenario.start)},
-          {"start_phase_rad", scenario.start_phase},
-          {"velocity_x_mm_s", scenario.initial_velocity.x() * 1e3},
-          {"velocity_y_mm_s", scenario.initial_velocity.y() * 1e3},
-          {"cycles", scenario.cycles}};
+Json json_of(const model::Scenario& scenario) {
+  Json json;
+  const Json values = written(scenario_parameters(), ScenarioFile{scenario, {}, 0, {}});
+  for (const auto& [name, value] : values.items()) {
+    if (name == "mu1_over_mu2" ||
+        (scenario.spin.rate == 0 && (name.starts_with("spin") || name == "radius_mm")))
+      continue;
+    if (name == "start_phase_rad") json["start"] = model::to_string(scenario.start);
+    json[name] = value;
+  }
+  return json;
 }
 
-}  // namespace
-
-Json json_of(const model::Scenario& scenario) {
-  Json json = without_spin(scenario);
-  if (scenario.spin.rate == 0) return json;
-  json["spin_rad_s"] = scenario.spin.rate;
-  json["radius_mm"] = scenario.spin.radius * 1e3;
-  json["spin_inertia"] = scenario.spin.inertia;
-  return json;
+std::optional<double> default_of(const Key<ScenarioFile>& parameter) {
+  const Json defaults = json_of(model::Scenario());
+  if (parameter.name == "amplitude_y_mm" || !defaults.contains(parameter.name)) return std::nullopt;
+  return defaults[parameter.name].get<double>();
 }
 
 model::Scenario scenario_from(const Json& json) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/keys.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"
@@ -34,10 +35,7 @@ struct PlatformSection {
 };
 PlatformSection read_platform(StrictTable& table, WithSd with_sd);
 
-/// Keys: [platform]; [friction] mu1, mu2 or mu1_over_mu2, phi_rad, dtau_rad, lag_rad; [run] cycles, start,
-/// start_phase_rad, velocity_x_mm_s, velocity_y_mm_s, samples_per_cycle and, of a
-/// free slide, spin_rad_s, radius_mm, spin_inertia (1/2: an even disc); [sweep] over =
-/// ["NAME=FROM:TO:COUNT", ...].
+/// One run of the model, and [sweep] over = ["NAME=FROM:TO:COUNT", ...].
 struct ScenarioFile {
   model::Scenario scenario;
   std::optional<double> mu1_over_mu2;  ///< ties mu2 to mu1, also in sweeps
@@ -50,10 +48,17 @@ ScenarioFile read_scenario_file(const std::filesystem::path& file);
 /// The same tables out of a larger file; its other keys are left to the caller.
 ScenarioFile read_scenario_tables(StrictTable& top);
 
-/// A parameter of a scenario under its command-line name: "phi_rad", "amplitude_mm", "mu1_over_mu2", ... with
-/// units as in the name.
+/// What a scenario is made of: keys of [platform], [friction] and [run], flags of `simulate` (where a meaning
+/// is given), names of sweeps and of results. other_names() of them are taken, too.
+const Keys<ScenarioFile>& scenario_parameters();
 std::vector<std::string> scenario_parameter_names();
+/// What holds without it; nothing where it follows from others.
+std::optional<double> default_of(const Key<ScenarioFile>& parameter);
+
+/// `name`: of a scenario_parameter, or another of its names. Throws UsageError for any other.
 void set_scenario_parameter(ScenarioFile& file, const std::string& name, double value);
+/// The name of the parameter that is meant; empty for none.
+std::string scenario_parameter_named(const std::string& name);
 
 model::Start parse_start(const std::string& word);
 Json json_of(const model::Scenario& scenario);

@@ -123,9 +123,16 @@ SceneShot shot_of(StrictTable table, const SceneShot& base) {
   shot.name = table.text("name").value_or("");
   if (shot.name.empty() || shot.name.find('/') != std::string::npos)
     throw InvalidInput(fmt::format("{}: a [[shot]] needs a `name` that can be a file's", table.place()));
-  for (const std::string& name : scenario_parameter_names()) {
+  if (table.has("mu2") && table.has("mu1_over_mu2"))
+    table.fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
+  const auto set = [&](const std::string& name) {
     const auto value = name.ends_with("_rad") ? table.angle(name) : table.number(name);
     if (value) set_scenario_parameter(shot.motion, name, *value);
+  };
+  for (const KeyFacts& key : scenario_parameters()) {
+    set(key.name);
+    for (const OtherName& other : other_names(key.name))
+      if (table.has(other.name)) set(other.name);
   }
   if (const auto seed = table.integer("seed")) shot.scene.seed = static_cast<std::uint64_t>(*seed);
   if (const auto start = read_point(table, "start_px")) shot.start_px = start;

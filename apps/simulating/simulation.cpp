@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -20,12 +21,27 @@
 
 namespace tribotrack::apps {
 
+namespace {
+
+std::string flag_of(std::string name) {
+  std::ranges::replace(name, '_', '-');
+  return "--" + name;
+}
+
+/// The parameter, by one name of several; mu2 for its ratio.
+std::string meaning_of(const std::string& name) {
+  const std::string parameter = scenario_parameter_named(name);
+  return parameter == "mu1_over_mu2" ? "mu2" : parameter.empty() ? name : parameter;
+}
+
+}  // namespace
+
 ScenarioFile base_of(const GivenScenario& given) {
-  const auto is_given = [&](const char* name) {
-    return std::ranges::any_of(given.values, [&](const auto& entry) { return entry.first == name; });
-  };
-  if (is_given("mu2") && is_given("mu1_over_mu2"))
-    throw UsageError("--mu2 and --mu1-over-mu2 mean the same; give one of them");
+  std::map<std::string, std::string> names;  // by what they mean
+  for (const auto& [name, value] : given.values)
+    if (const auto [other, is_new] = names.emplace(meaning_of(name), name); !is_new)
+      throw UsageError(
+          fmt::format("{} and {} mean the same; give one of them", flag_of(other->second), flag_of(name)));
   ScenarioFile file = given.file.empty() ? ScenarioFile{} : read_scenario_file(given.file);
   // amplitude_mm sets both axes, amplitude_y_mm the second: in this order, whatever the order they came in.
   for (const bool of_y : {false, true})
@@ -178,11 +194,9 @@ void require_sweepable(const std::vector<SweepAxis>& axes) {
   if (axes[0].name() == axes[1].name())
     throw UsageError(
         fmt::format("--over names {} twice; give another parameter for the second axis", axes[0].name()));
-  const auto is_mu2 = [](const SweepAxis& axis) {
-    return axis.name() == "mu2" || axis.name() == "mu1_over_mu2";
-  };
-  if (is_mu2(axes[0]) && is_mu2(axes[1]))
-    throw UsageError("--over names mu2 and mu1_over_mu2, which mean the same; give one of them");
+  if (meaning_of(axes[0].name()) == meaning_of(axes[1].name()))
+    throw UsageError(fmt::format("--over names {} and {}, which mean the same; give one of them",
+                                 axes[0].name(), axes[1].name()));
   const double total = static_cast<double>(axes[0].count()) * static_cast<double>(axes[1].count());
   if (total > kMostScenarios)
     throw UsageError(fmt::format(

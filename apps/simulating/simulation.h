@@ -15,7 +15,7 @@ namespace tribotrack::apps {
 
 struct GivenScenario {
   std::string file;                                    ///< empty: the paper's conditions
-  std::vector<std::pair<std::string, double>> values;  ///< by their scenario_parameter_names()
+  std::vector<std::pair<std::string, double>> values;  ///< as set_scenario_parameter() takes them
   std::string start;                                   ///< "rest", "circling" or "steady"; empty: the file's
   std::optional<double> samples_per_cycle;
 };

@@ -15,7 +15,7 @@ namespace tribotrack::apps {
 /// The most scenarios of one sweep.
 inline constexpr double kMostScenarios = 1e8;
 
-/// One parameter (scenario_parameter_names()) and its values, in the unit of its name.
+/// One parameter of a scenario and its values, in the unit of its name.
 class SweepAxis {
  public:
   /// Throws UsageError where the text does not read.

@@ -6,10 +6,10 @@
 #include <atomic>
 #include <cmath>
 
+#include "apps/files/campaign/keys.h"
 #include "apps/files/traces/scope_file.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
-#include "apps/survey/campaign_keys.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
 #include "model/parallel.h"
@@ -177,14 +177,22 @@ void place_frame_rate(CampaignDraft& draft, const std::vector<Look>& looks,
       fmt::format("frame_rate_hz in [camera]: {}", unknown->info.time_base.why_unknown()));
 }
 
-std::string key_line(const CampaignKey& key, const DraftTable& values) {
-  const auto found = values.find(key.key);
-  const bool live = found != values.end() && !found->second.missing;
-  const std::string value = found != values.end() ? found->second.value : std::string(key.example);
-  std::string why(key.meaning);
-  if (found != values.end() && !found->second.why.empty()) why = found->second.why;
-  const std::string line = fmt::format("{}{} = {}", live ? "" : "# ", key.key, value);
-  return why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, why);
+std::string line_of(const std::string& key, const DraftValue& value) {
+  const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key, value.value);
+  return value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
+}
+
+/// All that a section may hold: the draft's values, the others as comments with an example.
+std::string lines_of(const CampaignSection& section, const DraftTable& values) {
+  std::string text;
+  for (const KeyFacts& key : section.keys) {
+    const auto found = values.find(key.name);
+    DraftValue value =
+        found != values.end() ? found->second : DraftValue{key.example, key.meaning, /*missing=*/true};
+    if (value.why.empty()) value.why = key.meaning;
+    text += line_of(key.name, value);
+  }
+  return text;
 }
 
 /// [platform], [part], [camera] and [fit] may stand empty; the others are comments where nothing is filled
@@ -193,23 +201,17 @@ std::string section_text(const CampaignSection& section, const DraftTable& value
   const bool always = section.name == "platform" || section.name == "part" || section.name == "camera" ||
                       section.name == "fit";
   const bool live = always || std::ranges::any_of(values, [](const auto& v) { return !v.second.missing; });
-  std::string text = section.name.empty()
-                         ? ""
-                         : fmt::format("\n{:<44}  # {}\n",
-                                       fmt::format("{}[{}]", live ? "" : "# ", section.name), section.remark);
-  for (const CampaignKey& key : campaign_keys())
-    if (key.section == section.name) text += key_line(key, values);
-  return text;
+  const std::string heading = fmt::format("{}[{}]", live ? "" : "# ", section.name);
+  return (section.name.empty() ? "" : fmt::format("\n{:<44}  # {}\n", heading, section.remark)) +
+         lines_of(section, values);
 }
 
 std::string runs_text(const CampaignDraft& draft) {
-  const auto& sections = campaign_sections();
-  std::string text = fmt::format("\n# [[run]]: {}.\n", sections.back().remark);
+  const CampaignSection& section = campaign_sections().back();
+  std::string text = fmt::format("\n# [[run]]: {}.\n", section.remark);
   for (const DraftTable& run : draft.runs) text += toml_of_run(run);
   text += draft.runs.empty() ? "\n# [[run]]\n" : "\n# All that a run may hold:\n# [[run]]\n";
-  for (const CampaignKey& key : campaign_keys())
-    if (key.section == sections.back().name) text += key_line(key, {});
-  return text;
+  return text + lines_of(section, {});
 }
 
 bool is_series_frame(const fs::path& path) {
@@ -303,12 +305,8 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
 
 std::string toml_of_run(const DraftTable& run) {
   std::string text = "\n[[run]]\n";
-  for (const CampaignKey& key : campaign_keys())
-    if (key.section == "run" && run.contains(key.key)) {
-      const DraftValue& value = run.find(key.key)->second;
-      const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key.key, value.value);
-      text += value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
-    }
+  for (const KeyFacts& key : run_keys())
+    if (const auto found = run.find(key.name); found != run.end()) text += line_of(key.name, found->second);
   return text;
 }
 

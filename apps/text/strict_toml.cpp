@@ -22,24 +22,19 @@ struct StrictTable::Node {
   std::string name;  // "platform", "" for the top
   bool parsed = true;
   std::set<std::string, std::less<>> looked_up;
-  struct Document {
-    std::vector<AskedKey> asked;
-    std::function<std::vector<AskedKey>()> every_key;
-  };
-  std::shared_ptr<Document> whole = std::make_shared<Document>();  // shared by all tables of the document
+  std::shared_ptr<SectionsWith> sections_with = std::make_shared<SectionsWith>();  // of the document
 
-  /// A kind that is asked for first is the narrower one: positive() asks number().
-  void note(std::string_view key, const std::string& kind) {
-    const std::string section = name.starts_with('[') ? name.substr(1, name.size() - 2) : name;
-    if (std::ranges::none_of(whole->asked,
-                             [&](const AskedKey& a) { return a.section == section && a.key == key; }))
-      whole->asked.push_back({section, std::string(key), kind});
-  }
-  /// Tables have no kind.
-  const toml::node* find(std::string_view key, const std::string& kind = {}) {
+  const toml::node* find(std::string_view key) {
     looked_up.emplace(key);
-    if (!kind.empty()) note(key, kind);
     return table->get(key);
+  }
+  /// A table in this one.
+  StrictTable inner(const toml::table& one, std::string called) const {
+    auto node = std::make_shared<Node>(*this);
+    node->table = &one;
+    node->name = std::move(called);
+    node->looked_up.clear();
+    return StrictTable(std::move(node));
   }
 };
 
@@ -54,7 +49,7 @@ std::string kind_of(const toml::node& node) {
   return "a date or time";
 }
 
-/// "in [part]", for a section as AskedKey has it.
+/// "in [part]", for a section by its name.
 std::string heading_of(const std::string& section) {
   if (section.empty()) return "at the top of the file, before the first [table]";
   return section == "run" ? "in [[run]]" : fmt::format("in [{}]", section);
@@ -174,7 +169,7 @@ void StrictTable::fail(std::string_view key, const std::string& message) const {
 }
 
 std::optional<double> StrictTable::number(std::string_view key) {
-  const toml::node* node = node_->find(key, "number");
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   const auto value = number_in(*node);
   if (!value) fail(key, fmt::format("must be a number, not {}", kind_of(*node)));
@@ -183,21 +178,19 @@ std::optional<double> StrictTable::number(std::string_view key) {
 }
 
 std::optional<double> StrictTable::positive(std::string_view key) {
-  node_->note(key, "number above 0");
   const auto value = number(key);
   if (value && !(*value > 0)) fail(key, fmt::format("must be greater than 0, not {}", *value));
   return value;
 }
 
 std::optional<double> StrictTable::not_negative(std::string_view key) {
-  node_->note(key, "number, 0 or more");
   const auto value = number(key);
   if (value && !(*value >= 0)) fail(key, fmt::format("must be 0 or more, not {}", *value));
   return value;
 }
 
 std::optional<double> StrictTable::angle(std::string_view key) {
-  const toml::node* node = node_->find(key, "angle");
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   if (const auto text = node->value_exact<std::string>()) {
     const auto value = parse_angle(*text);
@@ -217,62 +210,58 @@ std::optional<double> StrictTable::angle(std::string_view key) {
 }
 
 std::optional<std::int64_t> StrictTable::integer(std::string_view key) {
-  const toml::node* node = node_->find(key, "whole number");
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_integer()) fail(key, fmt::format("must be a whole number, not {}", kind_of(*node)));
   return node->value<std::int64_t>();
 }
 
 std::optional<bool> StrictTable::boolean(std::string_view key) {
-  const toml::node* node = node_->find(key, "true or false");
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_boolean()) fail(key, fmt::format("must be true or false, not {}", kind_of(*node)));
   return node->value<bool>();
 }
 
 std::optional<std::string> StrictTable::text(std::string_view key) {
-  const toml::node* node = node_->find(key, "text");
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_string()) fail(key, fmt::format("must be a text in quotes, not {}", kind_of(*node)));
   return node->value<std::string>();
 }
 
-std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, std::size_t count) {
-  const toml::node* node = node_->find(key, fmt::format("list of {} numbers", count));
+template <class T>
+std::optional<std::vector<T>> StrictTable::list(std::string_view key,
+                                                std::optional<T> (*value_in)(const toml::node&),
+                                                const std::string& what, std::optional<std::size_t> count) {
+  const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
   const toml::array* list = node->as_array();
-  std::vector<double> values;
+  std::vector<T> values;
   if (list != nullptr)
     for (const toml::node& item : *list)
-      if (const auto value = number_in(item); value && std::isfinite(*value)) values.push_back(*value);
-  if (list == nullptr || values.size() != list->size() || values.size() != count)
-    fail(key, fmt::format("must be a list of {} numbers", count));
+      if (const auto value = value_in(item)) values.push_back(*value);
+  if (list == nullptr || values.size() != list->size() || values.size() != count.value_or(values.size()))
+    fail(key, "must be a list of " + what);
   return values;
+}
+
+std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, std::size_t count) {
+  const auto finite = [](const toml::node& node) {
+    const auto value = number_in(node);
+    return value && std::isfinite(*value) ? value : std::nullopt;
+  };
+  return list<double>(key, finite, fmt::format("{} numbers", count), count);
 }
 
 std::optional<std::vector<std::int64_t>> StrictTable::integers(std::string_view key, std::size_t count) {
-  const toml::node* node = node_->find(key, fmt::format("list of {} whole numbers", count));
-  if (node == nullptr) return std::nullopt;
-  const toml::array* list = node->as_array();
-  std::vector<std::int64_t> values;
-  if (list != nullptr)
-    for (const toml::node& item : *list)
-      if (item.is_integer()) values.push_back(*item.value<std::int64_t>());
-  if (list == nullptr || values.size() != list->size() || values.size() != count)
-    fail(key, fmt::format("must be a list of {} whole numbers", count));
-  return values;
+  const auto whole = [](const toml::node& node) { return node.value_exact<std::int64_t>(); };
+  return list<std::int64_t>(key, whole, fmt::format("{} whole numbers", count), count);
 }
 
 std::optional<std::vector<std::string>> StrictTable::texts(std::string_view key) {
-  const toml::node* node = node_->find(key, "list of texts");
-  if (node == nullptr) return std::nullopt;
-  const toml::array* list = node->as_array();
-  std::vector<std::string> values;
-  if (list != nullptr)
-    for (const toml::node& item : *list)
-      if (item.is_string()) values.push_back(*item.value<std::string>());
-  if (list == nullptr || values.size() != list->size()) fail(key, "must be a list of texts in quotes");
-  return values;
+  const auto text = [](const toml::node& node) { return node.value_exact<std::string>(); };
+  return list<std::string>(key, text, "texts in quotes", std::nullopt);
 }
 
 std::optional<StrictTable> StrictTable::table(std::string_view key) {
@@ -280,14 +269,8 @@ std::optional<StrictTable> StrictTable::table(std::string_view key) {
   if (node == nullptr) return std::nullopt;
   const toml::table* table = node->as_table();
   if (table == nullptr) fail(key, fmt::format("must be a table, [{}], not {}", key, kind_of(*node)));
-  auto inner = std::make_shared<Node>();
-  inner->document = node_->document;
-  inner->table = table;
-  inner->file = node_->file;
-  inner->whole = node_->whole;
-  inner->parsed = node_->parsed;
-  inner->name = node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key);
-  return StrictTable(std::move(inner));
+  return node_->inner(*table,
+                      node_->name.empty() ? std::string(key) : fmt::format("{}.{}", node_->name, key));
 }
 
 std::vector<StrictTable> StrictTable::tables(std::string_view key) {
@@ -299,20 +282,13 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key) {
   for (const toml::node& item : *list) {
     const toml::table* table = item.as_table();
     if (table == nullptr) fail(key, fmt::format("must be a list of tables, [[{}]]", key));
-    auto inner = std::make_shared<Node>();
-    inner->document = node_->document;
-    inner->table = table;
-    inner->whole = node_->whole;
-    inner->parsed = node_->parsed;
-    inner->file = node_->parsed ? node_->file : fmt::format("{}, {} {}", node_->file, key, found.size() + 1);
-    inner->name = fmt::format("[{}]", key);
-    found.push_back(StrictTable(std::move(inner)));
+    found.push_back(node_->inner(*table, fmt::format("[{}]", key)));
+    if (!node_->parsed) found.back().node_->file = fmt::format("{}, {} {}", node_->file, key, found.size());
   }
   return found;
 }
 
 std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::vector<std::string>& words) {
-  node_->note(key, fmt::format("\"{}\"", fmt::join(words, "\", \"")));
   const auto word = text(key);
   if (!word) return std::nullopt;
   const auto at = std::find(words.begin(), words.end(), *word);
@@ -322,10 +298,6 @@ std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::
                           near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
   }
   return static_cast<std::size_t>(at - words.begin());
-}
-
-std::vector<AskedKey> StrictTable::asked() const {
-  return node_->whole->asked;
 }
 
 bool StrictTable::has(std::string_view key) const {
@@ -353,19 +325,15 @@ std::vector<std::string> StrictTable::keys() const {
   return names;
 }
 
-void StrictTable::say_where_keys_belong(std::function<std::vector<AskedKey>()> every_key) {
-  node_->whole->every_key = std::move(every_key);
+void StrictTable::say_where_keys_belong(SectionsWith sections_with) {
+  *node_->sections_with = sections_with;
 }
 
-std::string StrictTable::home_of(std::string_view key) const {
-  if (!node_->whole->every_key) return {};
+std::string StrictTable::home_of(const std::string& key) const {
+  if (*node_->sections_with == nullptr) return {};
   std::vector<std::string> homes;
-  for (const AskedKey& known : node_->whole->every_key())
-    if (known.key == key) homes.push_back(heading_of(known.section));
-  if (homes.empty()) return {};
-  const std::string last = homes.back();
-  homes.pop_back();
-  return homes.empty() ? last : fmt::format("{} or {}", fmt::join(homes, ", "), last);
+  for (const std::string& section : (*node_->sections_with)(key)) homes.push_back(heading_of(section));
+  return fmt::format("{}", fmt::join(homes, " or "));
 }
 
 void StrictTable::finish() const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -12,14 +11,13 @@
 
 #include "apps/text/json.h"
 
-namespace tribotrack::apps {
+namespace toml {
+inline namespace v3 {
+class node;
+}
+}  // namespace toml
 
-/// A key that a reader asked for, with the kind of value it takes: "number", "angle", "rest, circling,
-/// steady".
-struct AskedKey {
-  std::string section;  ///< "platform", "fit.fixed", "run"; "" for the top
-  std::string key, kind;
-};
+namespace tribotrack::apps {
 
 /// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses the keys
 /// that no getter was called for and names the nearest one that exists. All errors are InvalidInput with
@@ -30,10 +28,10 @@ class StrictTable {
   static StrictTable read(const std::filesystem::path& file);
   /// Parses a text; `name` stands in error messages.
   static StrictTable parse(std::string_view text, const std::string& name);
-  /// Every key asked of the whole file so far, tables left out, in the order of first asking.
-  std::vector<AskedKey> asked() const;
-  /// Has finish(), in all tables of the document, look up in `every_key` where a key stands that it refuses.
-  void say_where_keys_belong(std::function<std::vector<AskedKey>()> every_key);
+  /// The sections that hold a key: "platform", "fit.fixed", "run", "" for the top.
+  using SectionsWith = std::vector<std::string> (*)(const std::string& key);
+  /// Has finish(), in all tables of the document, say where a key belongs that it refuses.
+  void say_where_keys_belong(SectionsWith sections_with);
   /// Of a JSON object that stands in place of a file: errors name, for want of lines, the list's entry, as in
   /// "NAME, run 3". Throws InvalidInput for what TOML cannot say (null, deep nesting).
   static StrictTable of(const Json& object, const std::string& name);
@@ -67,7 +65,11 @@ class StrictTable {
   void finish() const;
 
  private:
-  std::string home_of(std::string_view key) const;  ///< "in [part]"; empty where no table has the key
+  std::string home_of(const std::string& key) const;  ///< "in [part]"; empty where no table has the key
+
+  template <class T>
+  std::optional<std::vector<T>> list(std::string_view key, std::optional<T> (*value_in)(const toml::node&),
+                                     const std::string& what, std::optional<std::size_t> count);
 
   struct Node;
   explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}

@@ -7,6 +7,7 @@
 #include <array>
 #include <set>
 
+#include "apps/files/campaign/keys.h"
 #include "apps/files/campaign/sections.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/scenario_file.h"
@@ -90,20 +91,17 @@ void note_gravity(Campaign& campaign) {
 }
 
 /// Everything but what only holds between sections.
-FitDefaults read_sections(StrictTable& top, Campaign& campaign) {
-  campaign.title = top.text("title").value_or("");
+void read_sections(StrictTable& top, Campaign& campaign) {
+  const fs::path folder = campaign.file.parent_path();
+  read_keys(top, top_keys(), campaign);
   if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
   read_part_or_parts(top, campaign);
-  if (auto table = top.table("camera"))
-    campaign.camera = read_camera(*table, campaign.file.parent_path(), WithSd::yes);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, folder, WithSd::yes);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
-  if (auto table = top.table("data")) campaign.data = read_data(*table, campaign.file.parent_path());
-  FitDefaults defaults;
-  if (auto table = top.table("fit")) campaign.fit = read_fit(*table, defaults);
-  campaign.start = defaults.start;
-  for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign, defaults));
+  if (auto table = top.table("data")) campaign.data = read_data(*table, folder);
+  if (auto table = top.table("fit")) campaign.fit = read_fit(*table);
+  for (StrictTable& table : top.tables("run")) campaign.runs.push_back(read_run(table, campaign));
   top.finish();
-  return defaults;
 }
 
 Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, Runs runs) {
@@ -111,9 +109,9 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   Campaign campaign;
   campaign.file = file;
   campaign.input = input;
-  top.say_where_keys_belong(keys_asked_of_campaign);
-  const FitDefaults defaults = read_sections(top, campaign);
-  add_table_runs(campaign, defaults.cycles);
+  top.say_where_keys_belong(sections_with);
+  read_sections(top, campaign);
+  add_table_runs(campaign);
   if (!campaign.fit.parameters_given && !campaign.runs.empty() &&
       std::ranges::all_of(campaign.runs, &CampaignRun::free_slide))
     campaign.fit.parameters = {FitParameter::mu1};
@@ -141,21 +139,6 @@ Campaign read_campaign(const fs::path& file, Runs runs) {
 
 Campaign campaign_of(const Json& object, const std::string& name) {
   return campaign_in(StrictTable::of(object, name), name, hashed_input(name, object.dump()), Runs::required);
-}
-
-std::vector<AskedKey> keys_asked_of_campaign() {
-  constexpr const char* every_section =
-      "[platform]\n[part]\ndiameter_mm = "
-      "1\n[camera]\n[scope]\n[data]\n[fit]\n[fit.fixed]\n[fit.guess]\n[fit.prior]\n"
-      "mu1 = { mean = 1, sd = 1 }\n[[run]]\nvideo = \"v\"\nphi_rad = 0\ndtau_rad = 0\n";
-  StrictTable top = StrictTable::parse(every_section, "campaign");
-  Campaign campaign;
-  read_sections(top, campaign);
-  std::vector<AskedKey> asked = top.asked();
-  std::erase_if(asked, [](const AskedKey& key) { return key.section.starts_with("fit.prior."); });
-  asked.push_back({"fit.prior", "mu1", "{ mean, sd }"});
-  asked.push_back({"run", "parts", "{ NAME = [x, y, radius], ... }"});
-  return asked;
 }
 
 std::vector<fs::path> Campaign::input_files() const {

@@ -34,7 +34,9 @@ struct FitSection {
   bool parameters_given = false;  ///< else: mu1 alone where all runs are free slides
   std::vector<fit::FitParameter> parameters = {fit::FitParameter::mu1, fit::FitParameter::mu2,
                                                fit::FitParameter::lag};
-  bool trajectory = false;  ///< data = "trajectory"
+  bool trajectory = false;                  ///< data = "trajectory"
+  model::Start start = model::Start::rest;  ///< of runs that do not say otherwise, as `cycles`
+  int cycles = 20;
   // In campaign units: mm, rad, s, mm/px.
   std::map<fit::FitParameter, double> fixed, guess;
   std::map<fit::FitParameter, fit::Prior> prior;
@@ -83,15 +85,13 @@ struct Campaign {
   ScopeSection scope;
   DataSection data;
   FitSection fit;
-  model::Start start = model::Start::rest;  ///< of runs that do not say otherwise
   std::vector<CampaignRun> runs;
   std::vector<Input> table_inputs;  ///< the tables that runs were read from
   std::vector<std::string> notes;   ///< sentences on what was read, for the user to know
   /// Keys that are understood but not yet acted on, each a sentence for the user.
   std::vector<std::string> warnings;
+  /// For meta files: what holds, defaults filled in.
   Json effective_configuration() const;
-  /// What tracking and measuring this run depends on.
-  Json effective_configuration(const CampaignRun& run) const;
   /// Every file a command on this campaign may read, none of which it may write.
   std::vector<std::filesystem::path> input_files() const;
 };
@@ -111,14 +111,12 @@ std::vector<Campaign> campaigns_by_part(const Campaign& campaign);
 /// That of the part named; of the only one for "". Throws InvalidInput naming the parts.
 Campaign campaign_of_part(const Campaign& campaign, const std::string& part);
 
-/// Every key that the reader asks a campaign for, with the kind of its value.
-std::vector<AskedKey> keys_asked_of_campaign();
-
 /// The same from a JSON object of the file's structure; `name` stands in messages. Paths are relative to the
 /// working folder.
 Campaign campaign_of(const Json& object, const std::string& name);
 
-/// The names of fit parameters in campaigns, and back.
+/// The parameters that can be fitted, and the one of a name.
+const std::vector<fit::FitParameter>& fit_parameters();
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
 
 /// Factor from campaign units (mm) to SI (m).

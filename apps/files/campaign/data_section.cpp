@@ -13,6 +13,7 @@
 
 #include "apps/files/campaign/alpha_v_table.h"
 #include "apps/files/campaign/campaign.h"
+#include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
 #include "fit/pooling.h"
 
@@ -21,12 +22,6 @@ namespace tribotrack::apps {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::vector<std::string> table_names(StrictTable& table) {
-  if (table.is_list("table")) return table.texts("table").value();
-  if (const auto one = table.text("table")) return {*one};
-  return {};
-}
 
 /// Two numbers of a spreadsheet that mean the same, its rounding included.
 bool same(double a, double b) {
@@ -99,7 +94,7 @@ class PointsByPlace {
 /// The lines of all tables, sorted into points, and the points' pooled values.
 class TableRuns {
  public:
-  TableRuns(Campaign& campaign, int cycles) : campaign_(campaign), cycles_(cycles) {
+  explicit TableRuns(Campaign& campaign) : campaign_(campaign) {
     for (const fs::path& path : campaign.data.tables) {
       AlphaVTable table = read_alpha_v_table(path);
       campaign.table_inputs.push_back(table.input);
@@ -167,8 +162,8 @@ class TableRuns {
     run.angular_frequency_sd = first.angular_frequency_sd;
     run.start_phase = first.start_phase;
     run.start_phase_sd = first.start_phase_sd;
-    run.start = campaign_.start;
-    run.cycles = first.cycles.value_or(cycles_);
+    run.start = campaign_.fit.start;
+    run.cycles = first.cycles.value_or(campaign_.fit.cycles);
     run.alpha = value.alpha.value;
     run.alpha_sd = value.alpha.sd;
     run.v = value.velocity.value;
@@ -208,7 +203,6 @@ class TableRuns {
   }
 
   Campaign& campaign_;
-  int cycles_;
   std::vector<AlphaVLine> lines_;
   std::vector<std::vector<std::size_t>> points_;  ///< the lines of each
   std::vector<std::size_t> point_of_;             ///< of each line
@@ -216,37 +210,39 @@ class TableRuns {
 
 }  // namespace
 
-TrackReading read_track_reading(StrictTable& table, TrackReading reading) {
-  const std::vector<std::string> units = {"px", "um", "mm", "cm", "m"};
-  if (const auto unit = table.choice("track_unit", units)) reading.unit = units[*unit];
-  if (const auto y = table.choice("track_y", {"up", "down"}))
-    reading.y = *y == 0 ? TrackReading::YAxis::up : TrackReading::YAxis::down;
-  if (const auto point = table.text("track_point")) reading.point = *point;
-  if (const auto mark = table.text("track_mark")) reading.mark = *mark;
-  return reading;
-}
-
-DataSection read_data(StrictTable& table, const fs::path& folder) {
-  DataSection data;
-  for (const std::string& name : table_names(table)) {
+void read_tables(StrictTable& table, DataSection& data, const fs::path& folder) {
+  std::vector<std::string> names;
+  if (table.is_list("table"))
+    names = table.texts("table").value();
+  else if (const auto one = table.text("table"))
+    names = {*one};
+  for (const std::string& name : names) {
     const fs::path path = folder / name;
     if (std::ranges::count(data.tables, path) > 0)
       table.fail("table", fmt::format("names \"{}\" twice", name));
     data.tables.push_back(path);
   }
+}
+
+Json written_tables(const DataSection& data) {
+  Json names = Json::array();
+  for (const fs::path& table : data.tables) names.push_back(table.filename().string());
+  return names;
+}
+
+DataSection read_data(StrictTable& table, const fs::path& folder) {
+  DataSection data;
+  read_keys(table, data_keys(), data, folder);
   for (const char* key : {"alpha_sd_rad", "v_sd_mm_s"})
     if (table.has(key) && data.tables.empty())
       table.fail(key, "is for the lines of a `table`, which [data] does not name");
-  data.alpha_sd = table.angle("alpha_sd_rad");
   if (data.alpha_sd && !(*data.alpha_sd > 0)) table.fail("alpha_sd_rad", "must be greater than 0");
-  if (const auto v = table.positive("v_sd_mm_s")) data.v_sd = *v * 1e-3;
-  data.tracks = read_track_reading(table);
   table.finish();
   return data;
 }
 
-void add_table_runs(Campaign& campaign, int cycles) {
-  if (!campaign.data.tables.empty()) TableRuns(campaign, cycles).add();
+void add_table_runs(Campaign& campaign) {
+  if (!campaign.data.tables.empty()) TableRuns(campaign).add();
 }
 
 }  // namespace tribotrack::apps

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/text/input_file.h"
+#include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
@@ -34,16 +35,16 @@ struct DataSection {
   TrackReading tracks;                        ///< for runs that do not say otherwise
 };
 
-/// [data] table = "x.csv" or a list, alpha_sd_rad, v_sd_mm_s, and the keys of read_track_reading().
 DataSection read_data(StrictTable& table, const std::filesystem::path& folder);
 
-/// track_unit, track_y, track_point, track_mark of [data] or a [[run]]; what is not there is as in `reading`.
-TrackReading read_track_reading(StrictTable& table, TrackReading reading = {});
+/// table = "x.csv" or a list.
+void read_tables(StrictTable& table, DataSection& data, const std::filesystem::path& folder);
+Json written_tables(const DataSection& data);
 
 /// Reads the tables and adds a run for every point, its repeats pooled (fit::pool_points): lines of the same
 /// phi, dtau, A, w, start phase and cycles. A run bears its first line's name, or "alpha_v:7" by the table
 /// and its line. Says in Campaign::notes what was pooled and where sds came from. Throws InvalidInput naming
 /// file, line and remedy; where a line has no sd and nothing tells it, what could.
-void add_table_runs(Campaign& campaign, int cycles);
+void add_table_runs(Campaign& campaign);
 
 }  // namespace tribotrack::apps

@@ -133,7 +133,7 @@ class Keywords(ProgramTest):
             with self.subTest(command):
                 told = self.run_program(command, "--help").stdout
                 flags = {name.replace("-", "_") for name in re.findall(r"--([a-z][a-z0-9-]*)", told)}
-                flags -= {"angular_frequency_rad_s", "phase_shift_rad", "phase_lag_rad"}  # second names
+                flags -= {"angular_frequency_rad_s", "frequency_hz", "phase_shift_rad", "phase_lag_rad"}  # other names
                 if command == "sweep":
                     flags &= {"over"}  # its help names the quantities
                 keywords = set(inspect.signature(getattr(tribotrack, command)).parameters)
@@ -149,6 +149,30 @@ class Keywords(ProgramTest):
 
     def test_the_version_is_the_programs(self):
         self.assertEqual(self.run_program("--version").stdout.split()[:2], ["tribotrack", tribotrack.__version__])
+
+
+class CampaignSchema(ProgramTest):
+    """`help campaign --json`."""
+
+    def test_shipped_campaigns_follow_it_and_slips_do_not(self):
+        try:
+            import tomllib
+
+            from jsonschema import Draft202012Validator
+        except ImportError:
+            self.skipTest("python3-jsonschema is not installed")
+        schema = json.loads(self.run_program("help", "campaign", "--json").stdout)
+        Draft202012Validator.check_schema(schema)
+        validator = Draft202012Validator(schema)
+        for name in ("campaign", "alpha_v"):
+            validator.validate(tomllib.loads((SOURCE / f"data/example/{name}.toml").read_text()))
+        for slip in (
+            {"platform": {"amplitude": 0.28}},
+            {"camera": {"mm_per_px": 0}},
+            {"fit": {"start": "moving"}},
+            {"platform": {"tilt_x_rad_sd": 0.1}},
+        ):
+            self.assertFalse(validator.is_valid(slip), slip)
 
 
 if __name__ == "__main__":

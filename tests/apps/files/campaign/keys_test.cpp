@@ -1,0 +1,180 @@
+#include "apps/files/campaign/keys.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "apps/chromium.h"
+#include "apps/program.h"
+#include "apps/program/errors.h"
+#include "apps/survey/campaign_draft.h"
+
+namespace tribotrack::apps {
+namespace {
+
+using testing::HasSubstr;
+
+std::string full_name(std::string_view section, std::string_view key) {
+  return std::string(section) + "." + std::string(key);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+const std::string kRun =
+    "[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = 0.1\nv_mm_s = 2\nv_sd_mm_s = 0.1\n";
+
+class CampaignKeys : public ProgramTest {
+ protected:
+  std::string complaint(const std::string& text) const {
+    put(in_folder("c.toml"), text);
+    return complaint_of([&] { read_campaign(in_folder("c.toml")); });
+  }
+  /// The keys that the reader lists where it is asked for one that nobody knows.
+  std::set<std::string> known_in(const std::string& section) const {
+    const std::string unknown = "zzzzzzzzzzzzzzzz = 1\n";
+    const std::string said = complaint(section.empty()    ? unknown + kRun
+                                       : section == "run" ? kRun + unknown
+                                                          : "[" + section + "]\n" + unknown + kRun);
+    std::set<std::string> keys;
+    const auto at = said.find("known here: ");
+    EXPECT_NE(at, std::string::npos) << said;
+    std::istringstream list(said.substr(at + 12));
+    for (std::string key; std::getline(list >> std::ws, key, ',');) keys.insert(key);
+    return keys;
+  }
+};
+
+/// Those of a table's schema that have no other name.
+std::set<std::string> properties(const Json& table) {
+  std::set<std::string> names;
+  for (const auto& [name, schema] : table.at("properties").items())
+    if (!schema.value("description", "").starts_with("another name of")) names.insert(name);
+  return names;
+}
+
+TEST_F(CampaignKeys, OfTheSchemaAreThoseThatTheReaderAsksFor) {
+  const Json schema = campaign_schema();
+  const Json& sections = schema.at("properties");
+  EXPECT_EQ(known_in(""), properties(schema));
+  for (const char* section : {"platform", "camera", "scope", "data", "fit"})
+    EXPECT_EQ(known_in(section), properties(sections.at(section))) << section;
+  for (const char* section : {"fixed", "guess"})
+    EXPECT_EQ(known_in(std::string("fit.") + section),
+              properties(sections.at("fit").at("properties").at(section)));
+  EXPECT_EQ(known_in("part"), properties(sections.at("part").at("oneOf").at(0)));
+  EXPECT_EQ(known_in("run"), properties(sections.at("run").at("items")));
+}
+
+TEST_F(CampaignKeys, TheSchemaTellsKindsDefaultsAndWhatGoesTogether) {
+  const Json schema = campaign_schema();
+  const Json& platform = schema.at("properties").at("platform");
+  EXPECT_EQ(platform["properties"]["amplitude_mm"]["minimum"], 0);
+  EXPECT_EQ(platform["properties"]["gravity_m_s2"]["default"], 9.81);
+  EXPECT_EQ(platform["dependentRequired"]["gravity_m_s2_sd"], Json::array({"gravity_m_s2"}));
+  EXPECT_EQ(platform["additionalProperties"], false);
+  const Json& fit = schema.at("properties").at("fit").at("properties");
+  EXPECT_EQ(fit["start"]["enum"], Json::array({"rest", "circling", "steady"}));
+  EXPECT_EQ(fit["cycles"]["default"], 20);
+  EXPECT_EQ(fit["prior"]["properties"]["mm_per_px"]["required"], Json::array({"mean", "sd"}));
+}
+
+TEST_F(CampaignKeys, TheReferenceNamesEveryKeyWithItsKind) {
+  const std::string reference = campaign_reference();
+  for (const CampaignSection& section : campaign_sections())
+    for (const KeyFacts& key : section.keys) {
+      EXPECT_FALSE(key.example.empty()) << key.name;
+      EXPECT_THAT(reference, HasSubstr(key.name + " = " + key.example + " "));
+    }
+  EXPECT_THAT(reference, HasSubstr("number above 0"));
+  EXPECT_THAT(reference, HasSubstr("\"rest\", \"circling\", \"steady\""));
+  for (const std::string& line : lines_of(reference)) EXPECT_LE(line.size(), 180U) << line;
+}
+
+TEST_F(CampaignKeys, AQuantityHasOneOfItsNames) {
+  put(in_folder("c.toml"), "[platform]\nfrequency_hz = 10\nfrequency_hz_sd = 0.1\nepsilon_rad = 1\n" + kRun);
+  const Campaign campaign = read_campaign(in_folder("c.toml"));
+  EXPECT_DOUBLE_EQ(*campaign.platform.angular_frequency, 20 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(*campaign.platform.angular_frequency_sd, 0.2 * std::numbers::pi);
+  EXPECT_EQ(campaign.platform.phase_shift, 1);
+  EXPECT_THAT(complaint("[platform]\nomega_rad_s = 60\nfrequency_hz = 10\n" + kRun),
+              HasSubstr("c.toml:3:1: `frequency_hz` in [platform] and `omega_rad_s` mean the same"));
+}
+
+class Draft : public testing::Test {
+ protected:
+  /// A draft with one run, and the lines before `uncommented` taken out of their comments.
+  std::string complaint(const std::set<std::string>& uncommented) const {
+    std::string text, section;
+    for (std::string line : lines_of(draft_)) {
+      const bool comment = line.starts_with("# ");
+      std::string plain = comment ? line.substr(2) : line;
+      if (plain.starts_with('[')) section = plain.substr(0, plain.find_last_of(']') + 1);
+      std::erase_if(section, [](char c) { return c == '[' || c == ']'; });
+      const std::string key = full_name(section, plain.substr(0, plain.find(" =")));
+      const bool header = comment && plain.starts_with('[') && !plain.starts_with("[[run]]:");
+      const bool needed =
+          header && std::any_of(uncommented.begin(), uncommented.end(), [&](const std::string& name) {
+            return name.substr(0, name.find_last_of('.')) == section && section != "run";
+          });
+      text += (needed || (comment && uncommented.contains(key)) ? plain : line) + "\n";
+    }
+    const std::filesystem::path file = folder_.path() / "campaign.toml";
+    std::ofstream(file) << text;
+    try {
+      read_campaign(file);
+      return "";
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+  }
+  test::TemporaryFolder folder_;
+  std::string draft_ = [] {
+    CampaignDraft draft;
+    draft.tables["part"]["diameter_mm"] = {"6.0", "given"};
+    draft.runs = {{{"video", {"\"a.cine\"", ""}}, {"phi_rad", {"0", ""}}, {"dtau_rad", {"1", ""}}}};
+    return toml_of(draft);
+  }();
+};
+
+TEST_F(Draft, ReadsAsItIsWritten) {
+  EXPECT_EQ(complaint({}), "");
+}
+
+// Every commented line is valid TOML of the right type, at a place where the reader knows it.
+TEST_F(Draft, EveryKeyIsValidWithItsCommentSignRemoved) {
+  for (const CampaignSection& section : campaign_sections())
+    for (const KeyFacts& key : section.keys) {
+      std::set<std::string> lines;
+      for (std::string name = key.name; !name.empty();) {  // and what it needs
+        lines.insert(full_name(section.name, name));
+        const auto at = std::ranges::find(section.keys, name, &KeyFacts::name);
+        name = at->quantity() != name && std::ranges::count(section.keys, at->quantity(), &KeyFacts::name) > 0
+                   ? at->quantity()
+                   : at->with;
+      }
+      for (const char* height : {"part.height_mm", "camera.working_distance_mm"})
+        if (key.name == "height_mm_sd" || key.name == "working_distance_mm_sd") lines.insert(height);
+      const std::string said = complaint(lines);
+      for (const char* wrong : {"not a known key", "must be", "expected", "needs "})
+        EXPECT_THAT(said, testing::Not(HasSubstr(wrong))) << section.name << "." << key.name;
+    }
+}
+
+TEST_F(Draft, WithoutRunsItAsksForThem) {
+  const std::filesystem::path file = folder_.path() / "campaign.toml";
+  std::ofstream(file) << toml_of({});
+  EXPECT_THROW(read_campaign(file), InvalidInput);
+  EXPECT_TRUE(read_campaign(file, Runs::may_be_missing).runs.empty());
+}
+
+}  // namespace
+}  // namespace tribotrack::apps
