@@ -24,11 +24,10 @@
 // Below p = 1e-3 the runs differ: what was given none keeps what it shows itself, with its own error s_k.
 // Each run's w then goes with the phase at its start, cov(w, wt_0) = (t_0 - t_middle) s_k^2.
 //
-// Which value? Given exactly: that. Given with sd(g): the mean of 1 -+ sd(g) / g and x -+ (1/W +
-// u_c^2)^(1/2), weighted by 1/sd^2. Given none: x. Measured and given differ by
-//   d = (x - 1) / (1/W + u_c^2 + (sd(g) / g)^2)^(1/2):
-// a finding beyond 3, and a slip of the pen where a run is off by more than a fifth (of a quarter turn) as
-// well.
+// Which value? Given exactly: that. Given with an sd: the mean of 1 with the variance (sd(g)/g)^2 and x with
+// 1/W + u_c^2, weighted by their inverses. Given none: x. Measured and given differ by
+//   d = (x - 1) / (1/W + u_c^2 + (sd(g)/g)^2)^(1/2):
+// a finding beyond 3; a slip of the pen where a run is off by more than a fifth (of a quarter turn) as well.
 //
 // Shared or own? What is given for one run errs for that run alone; what is given for all, or pooled over
 // all, is one error of all. Of a mean in which the measured value has the weight r > 1/2 it is
@@ -38,10 +37,8 @@
 //   A        u(A); where A_y is a quantity of its own, u^2 = u(A)^2 + u(A_y)^2: u / 2 of their geometric mean
 //            and u of their ratio. Beside it, where A was measured: <a>, <b>, parallax.
 //   w, epsilon, tilts, slope of inclines   as they are.
-//   g        its own; and 2 t of a clock whose seconds are too long by the share t: where w is measured by
-//   that
-//            clock all is, but g. Where w is given in true seconds displacements are read too late: t of
-//            scale.
+//   g        its own; and 2 t of a clock whose seconds are too long by the share t: where w is measured by it
+//            all is, but g. Where w is given in true seconds displacements are read too late: t of scale.
 //   scale    <u>: its part l, and the radius or the tag as seen; parallax, unless the part's own diameter at
 //            its top is the measure.
 //   phase reference   <coder's delay>; and the angle of the camera against the reference sensor's axis, where
@@ -65,31 +62,31 @@
 
 namespace tribotrack::fit {
 
-/// What a campaign may give, each with an sd or exactly.
+/// What a campaign may give, each with an sd or exactly. A platform's mark shows the first four as well.
 enum class Source {
   amplitude,
   amplitude_y,
   angular_frequency,
-  phase_shift,  ///< these four a platform's mark shows as well
+  phase_shift,
   gravity,
   tilt_x,
   tilt_y,
   slope,
   phi,
   dtau,
-  sensor_axis,  ///< angle of the camera's x against the axis that phi = 0 of the reference sensor names
+  sensor_axis,  ///< angle of the camera's x against the axis from which the reference sensor counts phi
   frame_rate,
   scale,
-  calibration,  ///< of the camera: its scale is never exact
-  diameter,     ///< of the part: scales in the picture go by it
+  calibration,  ///< of the camera: a scale with its sd
+  diameter,     ///< of the part; scales in the picture go by it
   tag           ///< side of a tag, likewise
 };
 
 const char* to_string(Source source);  ///< "amplitude_mm", "xi_axis_rad", ... as in campaigns
 
-/// A value that a campaign gives.
+/// A value that a campaign gives. An sd of 0: exact; of a timing beside a measured one: not counted.
 struct GivenValue {
-  Estimate value;       ///< sd 0: exact
+  Estimate value;
   bool of_run = false;  ///< for this run alone: its error is no other's
 };
 
@@ -100,27 +97,22 @@ struct SeenScale {
   Source by = Source::scale;  ///< diameter and tag: a length that each recording shows
 };
 
-/// What a run's phi and dtau come from.
-enum class Gate {
-  commanded,
-  by_sensor,  ///< measured, phi from the reference sensor's phase as a commanded one
-  by_camera   ///< measured, phi from the platform's phase in the picture: a turned camera cancels
-};
-
 /// One run, as it is given and as its recording shows it. SI; what there is none of is empty.
 struct RunEvidence {
-  bool driven = true;  ///< false: a free slide
-  model::Drive drive;  ///< as it stands
-  OwnErrors own;       ///< as they stand: of its timing
+  bool driven = true;                                                                ///< false: a free slide
   std::optional<GivenValue> amplitude, amplitude_y, angular_frequency, phase_shift;  ///< no A_y: it is A
-  std::optional<PlatformMotion> seen;
+  Estimate phi, dtau;                                                                ///< as commanded
+  std::optional<Estimate> phase_at_zero, start_phase, slope;                         ///< slope: of an incline
+
+  std::optional<PlatformMotion> seen;             ///< the platform's motion
   double start_time = 0;                          ///< s, of the first frame
-  double coder_attenuation = 0, coder_delay = 0;  ///< of what is seen, at most: relative, rad
-  std::optional<SeenScale> scale;                 ///< of a track
-  std::optional<Estimate> diameter;               ///< m, of the part by that scale; sd without the scale's
-  std::optional<Estimate> slope;                  ///< rad, of an incline
-  Gate gate = Gate::commanded;
-  std::optional<double> phi_sd, dtau_sd;  ///< rad
+  double start = 0;                               ///< wt there, by what is seen or given
+  bool start_assumed = true;                      ///< nothing tells it
+  double coder_attenuation = 0, coder_delay = 0;  ///< at most, of what is seen: relative, rad
+  std::optional<GateTiming> gate;
+  bool gate_by_camera = false;     ///< phi counts from what is seen, else from the sensor as a commanded one
+  std::optional<SeenScale> scale;  ///< of a track
+  std::optional<Estimate> diameter;  ///< of the part by that scale, without its sd
 };
 
 /// What is given of all runs. An sd of 0: exact.
@@ -136,13 +128,24 @@ struct SharedEvidence {
   std::vector<FitParameter> fitted;                         ///< not taken as exact
 };
 
+/// Phi, dtau, phase at the start, rad.
+struct Timing {
+  double phi = 0, dtau = 0, start_phase = 0;
+  OwnErrors own;  ///< their joint covariance
+};
+
+/// Measured where the recording shows them, else as given. The platform's phase carries a phi that counts
+/// from the camera: both err alike. A value given with an sd beside a measured one is taken in by its weight,
+/// but for a phi of the sensor beside one of the camera and a start beside what is seen.
+Timing settle_timing(const RunEvidence& run);
+
 /// Given and measured differ by more than this share, of an angle in quarter turns: a slip.
 inline constexpr double kSlipShare = 0.2;
 /// sd of their difference beyond which they contradict each other.
 inline constexpr double kContradictsBeyond = 3;
 
-/// One quantity in all runs. Where runs were given different values `given` and `used` are the first one's
-/// and `measured` is in proportion. SI.
+/// One quantity in all runs, SI. Where runs were given different values `given` and `used` are the first
+/// one's and `measured` is in proportion.
 struct PooledQuantity {
   Source quantity = Source::amplitude;
   bool implied = false;  ///< A_y, of which nothing is given but A
@@ -176,9 +179,8 @@ struct PooledQuantity {
 struct SharedError {
   FitParameter quantity = FitParameter::amplitude;
   double sd = 0;
-  std::string from;  ///< Condition::from
-  /// Known apart from these runs' platform: a prior of the quantity where it is fitted.
-  bool known_beforehand = false;
+  std::string from;               ///< Condition::from
+  bool known_beforehand = false;  ///< apart from these runs: a prior of the quantity where it is fitted
 };
 
 /// What is given and what is seen cannot both be.
@@ -186,9 +188,9 @@ struct Slip {
   Source quantity = Source::amplitude;
   std::size_t run = 0;  ///< the first that is off
   GivenValue given;
-  Estimate seen;         ///< there
-  std::size_t runs = 1;  ///< off; 1 too where others are not
-  bool everywhere = false;
+  Estimate seen;            ///< there
+  std::size_t runs = 1;     ///< all that show it, or this one
+  bool everywhere = false;  ///< in all that show it
 };
 
 /// A run under its conditions.
@@ -199,46 +201,23 @@ struct RunConditions {
 };
 
 struct Conditions {
-  std::vector<PooledQuantity> quantities;  ///< given or seen, in the order of Source
+  std::vector<PooledQuantity> quantities;  ///< given or seen
   std::vector<SharedError> errors;
   std::vector<Source> taken_as_exact;  ///< given, or by default, without an sd
-  std::vector<RunConditions> runs;     ///< in the order they were told in
+  std::vector<RunConditions> runs;
   std::vector<Slip> slips;
   bool sensor_axis_not_used = false;  ///< its sd was given, and phi counts from the camera in every run
   std::string seen_by;                ///< SharedEvidence::seen_by
   const PooledQuantity* find(Source quantity) const;
-  /// "marker, 14 runs", "campaign, taken as exact", ...: where the value used came from.
+  /// Where the value used came from: "marker, 14 runs", "campaign, taken as exact".
   std::string from(const PooledQuantity& quantity) const;
 };
 
-Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared);
+/// `start`: the runs as they stand, by their timing; what is neither given nor seen stays.
+Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared,
+                std::vector<RunConditions> start);
 
 /// Each shared error as a condition or the prior of what is fitted. The problem's runs and `free` are there.
 void put_into(Problem& problem, const Conditions& conditions);
-
-/// What is known of when a run's pulses open and how it starts. rad; an sd of 0: none is known.
-struct TimingEvidence {
-  Estimate phi, dtau;  ///< as commanded
-  std::optional<PlatformMotion> seen;
-  double start_time = 0;                  ///< s, of the first frame
-  double start = 0;                       ///< wt there, by what is seen or given
-  bool start_assumed = true;              ///< nothing tells it
-  std::optional<Estimate> phase_at_zero;  ///< given
-  std::optional<Estimate> start_phase;    ///< likewise
-  std::optional<GateTiming> gate;
-  bool gate_by_camera = false;  ///< Gate::by_camera
-  double coder_delay = 0;       ///< of the platform's phase, shared by all runs and counted there
-};
-
-struct Timing {
-  double phi = 0, dtau = 0, start_phase = 0;  ///< rad
-  OwnErrors own;                              ///< their joint covariance
-};
-
-/// Phi, dtau and the phase at the start, measured where the recording shows them, else as given. The
-/// platform's phase carries a phi that counts from the camera: both err alike. A value given with an sd
-/// beside a measured one is taken in by its weight, but for phi of the sensor beside one of the camera, and a
-/// start beside a mark.
-Timing settle_timing(const TimingEvidence& evidence);
 
 }  // namespace tribotrack::fit

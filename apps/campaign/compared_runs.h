@@ -21,6 +21,14 @@ std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 
 // One camera, one part: the scale that a campaign's runs share.
 
+/// Track::scale_source of a scale by a length that each recording shows.
+inline constexpr const char* kScaledByDiameter = "part's diameter";
+inline constexpr const char* kScaledByTag = "tag";
+
+/// Of the true length that the recordings' scales were measured by, the part's diameter or the side of a tag,
+/// relative; 0: exact, or the scale was given.
+double length_error(const Campaign& campaign);
+
 /// What became of the runs' own scales.
 struct SharedScale {
   vision::PooledScale pooled;

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "apps/campaign/own_errors.h"
+#include "apps/campaign/shared_conditions.h"
 #include "apps/files/traces/scope_file.h"
 #include "apps/program/errors.h"
 
@@ -175,6 +175,24 @@ GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
   return given;
 }
 
+/// phi, dtau and the phase at the start, and what this run alone knows of them.
+void settle_timing(const Campaign& campaign, Run& run) {
+  const fit::Timing timing = fit::settle_timing(evidence_of(campaign, run));
+  run.scenario.friction.phase = timing.phi;
+  run.scenario.friction.pulse_width = timing.dtau;
+  run.scenario.start_phase = timing.start_phase;
+  run.own = timing.own;
+  if (!run.measurement) return;
+  const auto note = [&](const char* key, const char* why) {
+    run.measurement->warnings.push_back(fmt::format("{}: {} is not used: {}", run.given.name, key, why));
+  };
+  if (run.measurement->platform && run.given.start_phase_sd)
+    note("start_phase_rad_sd", "the phase at the start was measured");
+  if (run.measurement->gate && run.measurement->gate_reference == "camera" && run.given.phi_sd)
+    note("phi_rad_sd",
+         "phi was measured in the camera's own phase, the commanded one counts from the sensor");
+}
+
 }  // namespace
 
 Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<Track> track) {
@@ -243,12 +261,11 @@ void measure_again(const Campaign& campaign, Run& analysed) {
                       run.place, run.name));
     analysed.displacement = *measured->displacement;
     scenario.cycles = analysed.displacement.cycles;
-    analysed.own = settle_timing(run, *measured, scenario);
   } else if (!run.free_slide) {
     analysed.displacement = fit::displacement_from_alpha_v({*run.alpha, *run.alpha_sd}, {*run.v, *run.v_sd},
                                                            scenario.drive.angular_frequency, run.cycles);
-    analysed.own = timing_as_given(run, scenario);
   }
+  if (!run.free_slide) settle_timing(campaign, analysed);
 }
 
 }  // namespace tribotrack::apps

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <numeric>
 #include <string>
@@ -12,7 +11,6 @@
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/campaign/fit_json.h"
-#include "apps/campaign/own_errors.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -35,8 +33,6 @@ double reference_mm_per_px(const std::vector<Run>& runs) {
 
 namespace {
 
-using fit::FitParameter;
-
 void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
   const std::string& name = run.given.name;
   if (run.given.free_slide) {
@@ -45,63 +41,12 @@ void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
     problem.trajectory_runs.push_back(std::move(slide));
   } else if (campaign.fit.trajectory && run.track) {
     fit::TrajectoryRun trajectory{name, run.scenario, run.track->table, false, run.amplitude_from_track};
-    trajectory.start_phase_sd = sd_of(run.own, model::Parameter::start_phase);
-    trajectory.own = without(run.own, {model::Parameter::start_phase});
+    trajectory.start_phase_sd = run.own.sd(model::Parameter::start_phase);
+    trajectory.own = run.own.without(model::Parameter::start_phase);
     problem.trajectory_runs.push_back(std::move(trajectory));
   } else {
     problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track, run.own});
   }
-}
-
-/// The drive whose amplitude and frequency a fit names: that of its first driven run.
-model::Drive reference_drive(const fit::Problem& problem) {
-  for (const auto& run : problem.summary_runs)
-    if (run.scenario.drive.amplitude > 0 || run.scenario.drive.amplitude_y > 0) return run.scenario.drive;
-  for (const auto& run : problem.trajectory_runs)
-    if (run.scenario.drive.amplitude > 0 || run.scenario.drive.amplitude_y > 0) return run.scenario.drive;
-  if (!problem.summary_runs.empty()) return problem.summary_runs.front().scenario.drive;
-  return problem.trajectory_runs.empty() ? model::Drive{} : problem.trajectory_runs.front().scenario.drive;
-}
-
-/// What a relative error is relative to, or 1.
-double size_of(FitParameter quantity, const model::Drive& drive) {
-  switch (quantity) {
-    case FitParameter::amplitude:
-      return std::max(drive.amplitude, drive.amplitude_y);
-    case FitParameter::angular_frequency:
-      return drive.angular_frequency;
-    case FitParameter::gravity:
-      return drive.gravity;
-    default:
-      return 1;
-  }
-}
-
-/// The value that the runs have, as a fit counts it.
-double value_of(FitParameter quantity, const model::Drive& drive) {
-  switch (quantity) {
-    case FitParameter::tilt_x:
-      return drive.tilt_x;
-    case FitParameter::tilt_y:
-      return drive.tilt_y;
-    default:
-      return size_of(quantity, drive);
-  }
-}
-
-/// Each shared error is a condition, or the prior of what is fitted.
-void add_conditions(const SharedConditions& shared, fit::Problem& problem) {
-  const model::Drive drive = reference_drive(problem);
-  std::map<FitParameter, double> variance;
-  for (const SharedError& error : shared.errors) {
-    const double sd = error.sd * size_of(error.quantity, drive);
-    if (std::count(problem.free.begin(), problem.free.end(), error.quantity) == 0)
-      problem.conditions.push_back({error.quantity, sd, error.from});
-    else if (error.known_beforehand)
-      variance[error.quantity] += sd * sd;
-  }
-  for (const auto& [quantity, sum] : variance)
-    problem.prior.try_emplace(quantity, fit::Prior{value_of(quantity, drive), std::sqrt(sum)});
 }
 
 }  // namespace
@@ -122,10 +67,7 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
 
   for (const Run& run : runs)
     if (run.takes_part()) add_run(campaign, run, problem);
-  add_conditions(shared, problem);
-  for (const std::string& key : shared.taken_as_exact)
-    if (key == "diameter_mm" || key == "mm_per_px" || key == "tag_mm")
-      problem.exact.emplace_back(fit::FitParameter::scale, key);
+  fit::put_into(problem, shared.pooled);
   return problem;
 }
 

@@ -8,6 +8,7 @@
 #include "apps/measuring/condition_table.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
+#include "fit/conditions.h"
 
 namespace tribotrack::apps {
 
@@ -138,7 +139,7 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
 }
 
 bool is_slip(double given, double measured) {
-  return std::abs(measured / given - 1) > kSlipShare;
+  return std::abs(measured / given - 1) > fit::kSlipShare;
 }
 
 void put(Json& json, const std::string& name, const fit::Estimate& estimate, double unit = 1) {

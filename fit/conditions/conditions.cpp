@@ -119,7 +119,7 @@ class SharedErrors {
   void phase_reference() {
     add(FitParameter::phase_reference,
         mean_over(runs_, is_driven, [](const RunEvidence& r) { return r.coder_delay; }), kFromCoder);
-    const auto by_sensor = [](const RunEvidence& r) { return r.driven && r.gate != Gate::by_camera; };
+    const auto by_sensor = [](const RunEvidence& r) { return r.driven && !(r.gate && r.gate_by_camera); };
     const auto from_sensor = std::ranges::count_if(runs_, by_sensor);
     const double sd = shared_.sensor_axis_sd;
     exact_if(from_sensor > 0 && sd == 0, Source::sensor_axis);
@@ -134,12 +134,12 @@ class SharedErrors {
   }
 
   void gates() {
-    const auto commanded = [&](std::optional<double> RunEvidence::*sd) {
+    const auto taken_as_exact = [&](Estimate RunEvidence::*commanded) {
       return std::ranges::any_of(
-          runs_, [&](const RunEvidence& r) { return r.driven && r.gate == Gate::commanded && !(r.*sd); });
+          runs_, [&](const RunEvidence& r) { return r.driven && !r.gate && (r.*commanded).sd == 0; });
     };
-    exact_if(commanded(&RunEvidence::phi_sd), Source::phi);
-    exact_if(commanded(&RunEvidence::dtau_sd), Source::dtau);
+    exact_if(taken_as_exact(&RunEvidence::phi), Source::phi);
+    exact_if(taken_as_exact(&RunEvidence::dtau), Source::dtau);
   }
 
  private:
@@ -175,41 +175,13 @@ bool one_amplitude(Conditions& conditions) {
 }  // namespace
 
 const char* to_string(Source source) {
-  switch (source) {
-    case Source::amplitude:
-      return "amplitude_mm";
-    case Source::amplitude_y:
-      return "amplitude_y_mm";
-    case Source::angular_frequency:
-      return "angular_frequency_rad_s";
-    case Source::phase_shift:
-      return "phase_shift_rad";
-    case Source::gravity:
-      return "gravity_m_s2";
-    case Source::tilt_x:
-      return "tilt_x_rad";
-    case Source::tilt_y:
-      return "tilt_y_rad";
-    case Source::slope:
-      return "slope_rad";
-    case Source::phi:
-      return "phi_rad";
-    case Source::dtau:
-      return "dtau_rad";
-    case Source::sensor_axis:
-      return "xi_axis_rad";
-    case Source::frame_rate:
-      return "frame_rate_hz";
-    case Source::scale:
-      return "mm_per_px";
-    case Source::calibration:
-      return "calibration";
-    case Source::diameter:
-      return "diameter_mm";
-    case Source::tag:
-      return "tag_mm";
-  }
-  return "";
+  constexpr const char* kNames[] = {"amplitude_mm",    "amplitude_y_mm", "angular_frequency_rad_s",
+                                    "phase_shift_rad", "gravity_m_s2",   "tilt_x_rad",
+                                    "tilt_y_rad",      "slope_rad",      "phi_rad",
+                                    "dtau_rad",        "xi_axis_rad",    "frame_rate_hz",
+                                    "mm_per_px",       "calibration",    "diameter_mm",
+                                    "tag_mm"};
+  return kNames[static_cast<std::size_t>(source)];
 }
 
 const PooledQuantity* Conditions::find(Source quantity) const {
@@ -237,10 +209,11 @@ std::string Conditions::from(const PooledQuantity& quantity) const {
   return "";
 }
 
-Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared) {
+Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared,
+                std::vector<RunConditions> start) {
   Conditions conditions;
   conditions.seen_by = shared.seen_by;
-  for (const RunEvidence& run : runs) conditions.runs.push_back({run.drive, run.own});
+  conditions.runs = std::move(start);
   internal::pool_quantities(runs, shared, conditions);
   SharedErrors errors(runs, shared, conditions);
   errors.amplitudes(one_amplitude(conditions));

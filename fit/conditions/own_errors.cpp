@@ -74,48 +74,47 @@ OwnErrors OwnErrors::without(Parameter parameter) const {
   return rest;
 }
 
-Timing settle_timing(const TimingEvidence& evidence) {
+Timing settle_timing(const RunEvidence& run) {
   enum { kPhi, kDtau, kStart };
   Eigen::VectorXd values(3);
-  values << evidence.phi.value, evidence.dtau.value, evidence.start;
+  values << run.phi.value, run.dtau.value, run.start;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3, 3);
-  const double zero_sd = evidence.phase_at_zero ? evidence.phase_at_zero->sd : 0;
+  const double zero_sd = run.phase_at_zero ? run.phase_at_zero->sd : 0;
 
-  if (evidence.seen) {  // by the run's own w: independent of what the other runs show
-    const PlatformMotion& seen = *evidence.seen;
-    covariance(kStart, kStart) = without_coder(seen.phase_at_middle.sd, evidence.coder_delay) +
-                                 square((evidence.start_time - seen.middle_time) * seen.angular_frequency.sd);
+  if (run.seen) {  // by the run's own w: independent of what the other runs show
+    const PlatformMotion& seen = *run.seen;
+    covariance(kStart, kStart) = without_coder(seen.phase_at_middle.sd, run.coder_delay) +
+                                 square((run.start_time - seen.middle_time) * seen.angular_frequency.sd);
     if (zero_sd > 0) {
-      const double given = evidence.phase_at_zero->value + seen.angular_frequency.value * evidence.start_time;
+      const double given = run.phase_at_zero->value + seen.angular_frequency.value * run.start_time;
       take_in(values, covariance, kStart, turned_next_to(values(kStart), {given, zero_sd}));
     }
-  } else if (evidence.start_assumed && evidence.start_phase) {
-    values(kStart) = evidence.start_phase->value;
-    covariance(kStart, kStart) = square(evidence.start_phase->sd);
+  } else if (run.start_assumed && run.start_phase) {
+    values(kStart) = run.start_phase->value;
+    covariance(kStart, kStart) = square(run.start_phase->sd);
   } else {
     covariance(kStart, kStart) = square(zero_sd);
   }
 
-  if (evidence.gate) {
-    const GateTiming& gate = *evidence.gate;
+  if (run.gate) {
+    const GateTiming& gate = *run.gate;
     values.head<2>() << gate.phi.value, gate.dtau.value;
     covariance(kPhi, kPhi) =
-        evidence.gate_by_camera ? without_coder(gate.phi.sd, evidence.coder_delay) : square(gate.phi.sd);
+        run.gate_by_camera ? without_coder(gate.phi.sd, run.coder_delay) : square(gate.phi.sd);
     covariance(kDtau, kDtau) = square(gate.dtau.sd);
     covariance(kPhi, kDtau) = covariance(kDtau, kPhi) = gate.covariance;
-    if (evidence.gate_by_camera) {  // both hold the error of the platform's phase
-      const double of_clock = evidence.seen
-                                  ? without_coder(evidence.seen->phase_at_middle.sd, evidence.coder_delay)
-                                  : square(zero_sd);
-      if (!evidence.seen) covariance(kPhi, kPhi) += of_clock;
+    if (run.gate_by_camera) {  // both hold the error of the platform's phase
+      const double of_clock =
+          run.seen ? without_coder(run.seen->phase_at_middle.sd, run.coder_delay) : square(zero_sd);
+      if (!run.seen) covariance(kPhi, kPhi) += of_clock;
       covariance(kPhi, kStart) = covariance(kStart, kPhi) = of_clock;
     }
-    if (evidence.dtau.sd > 0) take_in(values, covariance, kDtau, evidence.dtau);
-    if (evidence.phi.sd > 0 && !evidence.gate_by_camera)
-      take_in(values, covariance, kPhi, turned_next_to(values(kPhi), evidence.phi));
+    if (run.dtau.sd > 0) take_in(values, covariance, kDtau, run.dtau);
+    if (run.phi.sd > 0 && !run.gate_by_camera)
+      take_in(values, covariance, kPhi, turned_next_to(values(kPhi), run.phi));
   } else {
-    covariance(kPhi, kPhi) = square(evidence.phi.sd);
-    covariance(kDtau, kDtau) = square(evidence.dtau.sd);
+    covariance(kPhi, kPhi) = square(run.phi.sd);
+    covariance(kDtau, kDtau) = square(run.dtau.sd);
   }
 
   Timing timing{values(kPhi), std::clamp(values(kDtau), 0.0, internal::turn), values(kStart), {}};

@@ -81,6 +81,7 @@ struct Entry {
   std::size_t run = 0;
   std::optional<GivenValue> given;
   std::optional<Estimate> seen;  ///< sd: of this run alone
+  double reference = 0;          ///< what is given; where nothing is, the mean of all that are given nothing
 };
 
 /// One of the four in all runs.
@@ -103,9 +104,10 @@ class Quantity {
         if (place.kind == Kind::length)
           entry.seen->sd = own_of_length(runs[k], *entry.seen, own_scales, shared.length_sd);
       }
-      if (entry.given || entry.seen) entries_.push_back(entry);
       all_given_ = all_given_ && entry.given && !entry.given->of_run;
       none_given_ = none_given_ && !entry.given;
+      if (entry.given) entry.reference = entry.given->value.value;
+      if (entry.given || entry.seen) entries_.push_back(entry);
     }
   }
 
@@ -114,44 +116,42 @@ class Quantity {
   /// With what it means for each run.
   PooledQuantity settled(std::vector<RunConditions>& runs) {
     compare();
-    for (const Entry& entry : entries_)
-      if (entry.given) use_given(entry, runs[entry.run]);
-    use_measured(runs);
+    for (const Entry& entry : entries_) use(entry, runs[entry.run]);
     return result_;
   }
 
  private:
   bool is_angle() const { return place_.kind == Kind::angle; }
-  bool is_zero(const Entry& e) const { return !is_angle() && e.given->value.value == 0; }
 
-  // In proportion to what is given.
-  double as_given() const { return is_angle() ? 0 : 1; }
-  /// x; its sd with that of what is given where that is the run's own.
+  // x, in proportion to the reference.
+  double neutral() const { return is_angle() ? 0 : 1; }
+  /// Its sd: with that of what is given where that is the run's own.
   Estimate proportion(const Entry& e, bool with_given) const {
-    const double given = e.given->value.value, sd = with_given ? e.given->value.sd : 0;
-    if (is_angle()) return {std::remainder(e.seen->value - given, turn), std::hypot(e.seen->sd, sd)};
-    return {e.seen->value / given, std::hypot(e.seen->sd, sd) / given};
+    const double sd = std::hypot(e.seen->sd, with_given ? e.given->value.sd : 0);
+    if (is_angle()) return {std::remainder(e.seen->value - e.reference, turn), sd};
+    return {e.seen->value / e.reference, sd / e.reference};
   }
-  double applied(const Entry& e, double x) const {
-    return is_angle() ? e.given->value.value + x : e.given->value.value * x;
-  }
+  double applied(const Entry& e, double x) const { return is_angle() ? e.reference + x : e.reference * x; }
   double relative(double sd, double value) const {
     return is_angle() || value == 0 ? sd : sd / std::abs(value);
   }
-  double absolute(double sd, double value) const { return is_angle() ? sd : sd * value; }
+  double absolute(double sd, double value) const { return is_angle() ? sd : sd * std::abs(value); }
 
+  std::optional<Pooled> pooled(const std::vector<Estimate>& list) const {
+    if (list.empty()) return std::nullopt;
+    return is_angle() ? pool_angles(list) : pool(list);
+  }
   void compare();
-  void use_given(const Entry& entry, RunConditions& run);
-  void use_measured(std::vector<RunConditions>& runs);
+  void use(const Entry& entry, RunConditions& run);
 
   const Place& place_;
   std::span<const RunEvidence> runs_;
   double common_ = 0;  ///< u_c
   std::vector<Entry> entries_;
+  const Entry* first_ = nullptr;               ///< that is given, else that shows it
   bool all_given_ = true, none_given_ = true;  ///< for all runs; for no run
-  const Entry* first_given_ = nullptr;
-  std::optional<Pooled> to_given_;  ///< x, over the runs that are given and show it
-  std::optional<Pooled> alone_;     ///< over the runs that show it and are given none
+  std::optional<Pooled> to_given_;             ///< x, over the runs that are given and show it
+  std::optional<Pooled> alone_;                ///< x, over the runs that show it and are given none
   PooledQuantity result_;
 };
 
@@ -162,116 +162,99 @@ std::optional<Slip> Quantity::slip() const {
     if (!e.given || !e.seen) continue;
     ++compared;
     Estimate share;
-    if (is_zero(e)) {  // a platform said to rest, or to move along one axis
+    if (e.reference == 0 && !is_angle()) {  // a platform said to rest, or to move along one axis
       const PlatformMotion& motion = *runs_[e.run].seen;
       const double size = std::max(motion.amplitude.value, motion.amplitude_y.value);
       share = {e.seen->value / size, e.seen->sd / size};
     } else {
       const Estimate x = proportion(e, true);
-      share = {(x.value - as_given()) / (is_angle() ? pi / 2 : 1), std::hypot(x.sd, common_)};
+      share = {(x.value - neutral()) / (is_angle() ? pi / 2 : 1), std::hypot(x.sd, common_)};
     }
     if (std::abs(share.value) > std::max(kSlipShare, kContradictsBeyond * share.sd)) off.push_back(&e);
   }
   if (off.empty()) return std::nullopt;
   // One in what is given of all shows in all runs, one of a run in that run.
   const bool everywhere = off.size() == compared;
-  const Entry& first = *off.front();
-  return Slip{place_.source, first.run, *first.given, *first.seen, everywhere ? compared : 1, everywhere};
+  const Entry& e = *off.front();
+  return Slip{place_.source, e.run, *e.given, *e.seen, everywhere ? compared : 1, everywhere};
 }
 
 void Quantity::compare() {
   std::vector<Estimate> proportions, values;
   for (const Entry& e : entries_) {
-    if (!e.seen) continue;
-    if (!e.given)
-      values.push_back(*e.seen);
-    else if (!is_zero(e))
+    if (e.given && e.seen && (e.reference != 0 || is_angle()))
       proportions.push_back(proportion(e, e.given->of_run));
+    if (!e.given) values.push_back(*e.seen);
   }
-  const auto pool_all = [&](const std::vector<Estimate>& list) {
-    return is_angle() ? pool_angles(list) : pool(list);
-  };
-  if (!proportions.empty()) to_given_ = pool_all(proportions);
-  if (!values.empty()) alone_ = pool_all(values);
+  to_given_ = pooled(proportions);
+  if ((alone_ = pooled(values))) {
+    const double mean = alone_->mean.value;
+    for (Entry& e : entries_)
+      if (!e.given) e.reference = mean;
+    alone_->mean = {neutral(), relative(alone_->mean.sd, mean)};
+    alone_->own_sd = relative(alone_->own_sd, mean);
+    if (!alone_->one_value()) {
+      const auto [low, high] = std::ranges::minmax(values, {}, &Estimate::value);
+      result_.scatter = {low.value, high.value, alone_->chi2, alone_->p_value, alone_->count};
+    }
+  }
 
   const auto given = std::ranges::find_if(entries_, [](const Entry& e) { return e.given.has_value(); });
-  if (given != entries_.end()) {
-    first_given_ = &*given;
-    result_.given = given->given->value;
-  }
-  if (to_given_) {
-    const double x = to_given_->mean.value, size = is_angle() ? 1 : std::abs(result_.given->value);
-    const double sd = std::hypot(to_given_->mean.sd, absolute(common_, x));
-    result_.measured = {applied(*first_given_, x), sd * size};
-    const double of_given =  // counted already, where it is each run's own
-        first_given_->given->of_run ? 0 : relative(result_.given->sd, result_.given->value);
-    result_.difference_in_sd = (x - as_given()) / std::hypot(sd, of_given);
-  } else if (alone_) {
-    result_.measured = {alone_->mean.value,
-                        std::hypot(alone_->own_sd, absolute(common_, alone_->mean.value))};
-  }
-  if (const auto& seen = to_given_ ? to_given_ : alone_) {
-    result_.runs = seen->count;
-    result_.p_value = seen->p_value;
-  }
+  first_ = given != entries_.end() ? &*given : &entries_.front();
+  if (first_->given) result_.given = first_->given->value;
+  const auto& seen = to_given_ ? to_given_ : alone_;
+  if (!seen) return;
+  const Entry& of =
+      to_given_ ? *first_ : *std::ranges::find_if(entries_, [](const Entry& e) { return !e.given; });
+  const Estimate x{seen->mean.value, std::hypot(seen->own_sd, absolute(common_, seen->mean.value))};
+  result_.measured = {applied(of, x.value), absolute(x.sd, of.reference)};
+  result_.runs = seen->count;
+  result_.p_value = seen->p_value;
+  if (!to_given_) return;
+  const double of_given =  // counted already, where it is each run's own
+      first_->given->of_run ? 0 : relative(result_.given->sd, result_.given->value);
+  result_.difference_in_sd = (x.value - neutral()) / std::hypot(x.sd, of_given);
 }
 
-/// What is given, or its mean with what is measured.
-void Quantity::use_given(const Entry& e, RunConditions& run) {
-  const Estimate given{as_given(), relative(e.given->value.sd, e.given->value.value)};
+/// What is given, its mean with what is measured, or that; what was given none and differs by more than
+/// chance keeps its own.
+void Quantity::use(const Entry& e, RunConditions& run) {
+  const std::optional<Pooled>& seen = e.given ? to_given_ : alone_;
+  const Estimate given{neutral(), e.given ? relative(e.given->value.sd, e.reference) : 0};
   Estimate used = given;
   double weight = 0;  // of the measured value
-  if (given.sd > 0 && to_given_) {
-    const Estimate measured{to_given_->mean.value, std::hypot(to_given_->own_sd, common_)};
-    used = combined(given, measured);
-    weight = square(used.sd / measured.sd);
+  if (seen && (!e.given || given.sd > 0)) {
+    const Estimate measured{seen->mean.value, std::hypot(seen->own_sd, common_)};
+    used = e.given ? combined(given, measured) : measured;
+    weight = e.given ? square(used.sd / measured.sd) : 1;
   }
-  const bool mostly_measured = weight > 0.5;
-  const double value = applied(e, used.value);
-  // What is common to all that is measured stands beside as errors of their own.
-  const double sd =
-      mostly_measured ? std::hypot((1 - weight) * given.sd, weight * to_given_->own_sd) : used.sd;
+  const bool mostly_measured = weight > 0.5, keeps_own = !e.given && !seen->one_value();
+  const double value = keeps_own ? e.seen->value : applied(e, used.value);
   run.drive.*place_.in = value;
   if (place_.source == Source::amplitude) run.amplitude_from_track = mostly_measured;
-  if (all_given_) {
+
+  // What is common to all that is measured stands beside as errors of their own.
+  const double sd = keeps_own         ? relative(e.seen->sd, value)
+                    : mostly_measured ? std::hypot((1 - weight) * given.sd, weight * seen->own_sd)
+                                      : used.sd;
+  if ((all_given_ || none_given_) && !keeps_own) {
     result_.shared_sd = sd;
     result_.known_beforehand = given.sd > 0;
   } else {
     run.own.add(place_.parameter, square(absolute(sd, value)));
+    if (keeps_own && place_.kind == Kind::frequency)  // the phase at the start went with it
+      run.own.add(Parameter::angular_frequency, Parameter::start_phase,
+                  (runs_[e.run].start_time - runs_[e.run].seen->middle_time) * square(e.seen->sd));
   }
   result_.by_measurement = result_.by_measurement || mostly_measured;
-  result_.exact = result_.exact || !(given.sd > 0);
-  if (&e != first_given_) return;
-  result_.used = {value, absolute(used.sd, value)};
-  result_.from = !(given.sd > 0) ? From::given_exactly : weight > 0 ? From::given_and_measured : From::given;
-}
-
-/// Runs that are given none: the mean of all that show it, or each its own.
-void Quantity::use_measured(std::vector<RunConditions>& runs) {
-  if (!alone_) return;
-  const bool one = alone_->one_value();
-  double low = INFINITY, high = -INFINITY;
-  for (const Entry& e : entries_) {
-    if (e.given) continue;
-    RunConditions& run = runs[e.run];
-    run.drive.*place_.in = one ? alone_->mean.value : e.seen->value;
-    if (place_.source == Source::amplitude) run.amplitude_from_track = true;
-    low = std::min(low, e.seen->value);
-    high = std::max(high, e.seen->value);
-    if (one && none_given_) continue;
-    const double variance = square(one ? alone_->own_sd : e.seen->sd);
-    run.own.add(place_.parameter, variance);
-    if (!one && place_.kind == Kind::frequency)  // the phase at the start went with it
-      run.own.add(Parameter::angular_frequency, Parameter::start_phase,
-                  (runs_[e.run].start_time - runs_[e.run].seen->middle_time) * variance);
-  }
-  result_.by_measurement = true;
-  if (one && none_given_) result_.shared_sd = relative(alone_->own_sd, alone_->mean.value);
-  if (none_given_) {
-    result_.used = *result_.measured;
-    result_.from = one ? From::measured : From::each_its_own;
-  }
-  if (!one) result_.scatter = {low, high, alone_->chi2, alone_->p_value, alone_->count};
+  result_.exact = result_.exact || (e.given && !(given.sd > 0));
+  if (&e != first_) return;
+  const double all = applied(e, used.value);
+  result_.used = {all, absolute(used.sd, all)};
+  result_.from = !e.given       ? (keeps_own ? From::each_its_own : From::measured)
+                 : weight > 0   ? From::given_and_measured
+                 : given.sd > 0 ? From::given
+                                : From::given_exactly;
 }
 
 /// A diameter beside another scale checks that scale. A rim that is rounded or lit from one side shows
