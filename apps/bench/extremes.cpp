@@ -3,11 +3,13 @@
 // drive and of the start.
 #include "apps/bench/extremes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "model/steady_orbit.h"
 #include "model/trajectory.h"
@@ -20,6 +22,136 @@ namespace {
 
 using Eigen::Vector2d;
 using std::numbers::pi;
+
+double relative(const Vector2d& difference, double size) {
+  const double gap = difference.norm();
+  return gap == 0 ? 0 : gap / std::max(size, std::numeric_limits<double>::min());
+}
+
+/// The longer of a path and A.
+double size_of(const Scenario& s, const Vector2d& end) {
+  return std::max({end.norm(), s.drive.amplitude, s.drive.amplitude_y});
+}
+
+/// What exceeds a bound, relative to A.
+double excess(const Scenario& s, double path, double bound) {
+  return std::max(0.0, path - bound) / std::max(s.drive.amplitude, s.drive.amplitude_y);
+}
+
+/// End point at the default tolerance.
+Vector2d end_of(const Scenario& scenario) {
+  return integrate(scenario).end().position;
+}
+
+/// For names.
+std::string number(double value) {
+  return fmt::format("{:g}", value);
+}
+
+/// a = A w^2, m/s^2.
+double drive_strength(const Scenario& s) {
+  return s.drive.amplitude * s.drive.angular_frequency * s.drive.angular_frequency;
+}
+
+/// (A, w) -> (A/9, 3w) leaves x/A as a function of wt: a = A w^2, and with it every ratio to mu g, stays.
+ExtremeLaw scaling_law() {
+  return {"(A/9, 3w): x/A unchanged", 1e-11, [](const Scenario& s, const Vector2d& end) {
+            Scenario twin = s;
+            twin.drive.amplitude /= 9;
+            twin.drive.amplitude_y /= 9;
+            twin.drive.angular_frequency *= 3;
+            twin.initial_velocity /= 3;
+            twin.duration /= 3;
+            return relative(9 * end_of(twin) - end, size_of(s, end));
+          }};
+}
+
+/// The end point of a neighbouring scenario agrees, relative to the path or A, whichever is longer.
+ExtremeLaw same_as(const std::string& text, const Scenario& other, double allowed) {
+  return {text, allowed, [other](const Scenario& s, const Vector2d& end) {
+            return relative(end - end_of(other), size_of(s, end));
+          }};
+}
+
+ExtremeLaw ends_at(const std::string& text, const Vector2d& place, double allowed = 1e-11) {
+  return {text, allowed,
+          [place](const Scenario&, const Vector2d& end) { return relative(end - place, place.norm()); }};
+}
+
+ExtremeLaw never_moves() {
+  return {"never moves", 0, [](const Scenario&, const Vector2d& end) { return end.norm(); }};
+}
+
+/// From rest the speed grows at most at |drive| - mu g: path <= surplus T^2/2. The violation is what exceeds
+/// it, relative to A.
+ExtremeLaw creeps_at_most(double surplus) {
+  return {"path at most (|drive| - mu1 g) T^2/2, exceeded by (of A)", 1e-11,
+          [surplus](const Scenario& s, const Vector2d& end) {
+            const double time = s.end_time();
+            return excess(s, end.norm(), std::max(0.0, surplus) * time * time / 2);
+          }};
+}
+
+/// Two starts never separate: |x - x'| <= |u0 - u0'| T. The violation is what exceeds it, relative to A.
+ExtremeLaw never_separates_from(const Scenario& other) {
+  return {"|x - x'| <= |u0 - u0'| T, exceeded by (of A)", 1e-11,
+          [other](const Scenario& s, const Vector2d& end) {
+            const double apart = (s.initial_velocity - other.initial_velocity).norm();
+            return excess(s, (end - end_of(other)).norm(), apart * s.end_time());
+          }};
+}
+
+/// Once periodic, every cycle adds the drift of the periodic orbit.
+ExtremeLaw last_half_adds_drifts() {
+  return {"last half adds (cycles/2) drifts of the periodic orbit", 1e-11,
+          [](const Scenario& scenario, const Vector2d& end) {
+            Scenario half = scenario;
+            half.cycles /= 2;
+            const auto orbit = steady_orbit(scenario);
+            if (!orbit) return std::numeric_limits<double>::infinity();
+            return relative(end - end_of(half) - half.cycles * orbit->drift, end.norm());
+          }};
+}
+
+/// Drive along a line through the origin: the part stays on it.
+ExtremeLaw stays_on_line(double slope) {
+  return {slope > 0 ? "stays on the line y = x" : "stays on the line y = -x", 1e-11,
+          [slope](const Scenario& s, const Vector2d& end) {
+            return relative(Vector2d(end.y() - slope * end.x(), 0), size_of(s, end));
+          }};
+}
+
+/// What the cases start from, and where they go.
+struct ExtremeList {
+  struct Regime {
+    std::string name;
+    Scenario base;
+  };
+  bool quick = false;
+  Regime slip, stick;
+  std::vector<ExtremeCase> cases = {};
+
+  explicit ExtremeList(bool only_quick) : quick(only_quick) {
+    slip.name = "slips";
+    slip.base.friction = {0.1, 0.0125, 0.5, pi / 2, 0};
+    slip.base.cycles = quick ? 2 : 20;
+    stick = slip;
+    stick.name = "sticks";
+    stick.base.friction = {0.122, 0.122 / 8, 0.5, pi / 6, 0};
+  }
+  void add(std::string name, const Scenario& scenario, ExtremeLaw law) {
+    cases.push_back({std::move(name), scenario, std::move(law)});
+  }
+  /// For both regimes: `make(base)` changes a copy of the base, `law(base, scenario)` says what must hold.
+  template <class Make, class Law>
+  void add_both(const std::string& name, Make make, Law law) {
+    for (const Regime* regime : {&slip, &stick}) {
+      Scenario scenario = regime->base;
+      make(scenario);
+      add(name + ", " + regime->name, scenario, law(regime->base, scenario));
+    }
+  }
+};
 
 /// Other amplitudes and frequencies, with friction that follows the drive (both regimes) and with the
 /// ordinary friction.
@@ -184,100 +316,6 @@ void add_start_extremes(ExtremeList& list) {
         [](const Scenario&, const Scenario&) { return last_half_adds_drifts(); });
 }
 
-double relative(const Vector2d& difference, double size) {
-  const double gap = difference.norm();
-  return gap == 0 ? 0 : gap / std::max(size, std::numeric_limits<double>::min());
-}
-
-/// The longer of a path and A.
-double size_of(const Scenario& s, const Vector2d& end) {
-  return std::max({end.norm(), s.drive.amplitude, s.drive.amplitude_y});
-}
-
-/// What exceeds a bound, relative to A.
-double excess(const Scenario& s, double path, double bound) {
-  return std::max(0.0, path - bound) / std::max(s.drive.amplitude, s.drive.amplitude_y);
-}
-
-}  // namespace
-
-Vector2d end_of(const Scenario& scenario) {
-  return integrate(scenario).end().position;
-}
-
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
-double drive_strength(const Scenario& s) {
-  return s.drive.amplitude * s.drive.angular_frequency * s.drive.angular_frequency;
-}
-
-ExtremeLaw scaling_law() {
-  return {"(A/9, 3w): x/A unchanged", 1e-11, [](const Scenario& s, const Vector2d& end) {
-            Scenario twin = s;
-            twin.drive.amplitude /= 9;
-            twin.drive.amplitude_y /= 9;
-            twin.drive.angular_frequency *= 3;
-            twin.initial_velocity /= 3;
-            twin.duration /= 3;
-            return relative(9 * end_of(twin) - end, size_of(s, end));
-          }};
-}
-
-ExtremeLaw same_as(const std::string& text, const Scenario& other, double allowed) {
-  return {text, allowed, [other](const Scenario& s, const Vector2d& end) {
-            return relative(end - end_of(other), size_of(s, end));
-          }};
-}
-
-ExtremeLaw ends_at(const std::string& text, const Vector2d& place, double allowed) {
-  return {text, allowed,
-          [place](const Scenario&, const Vector2d& end) { return relative(end - place, place.norm()); }};
-}
-
-ExtremeLaw never_moves() {
-  return {"never moves", 0, [](const Scenario&, const Vector2d& end) { return end.norm(); }};
-}
-
-ExtremeLaw creeps_at_most(double surplus) {
-  return {"path at most (|drive| - mu1 g) T^2/2, exceeded by (of A)", 1e-11,
-          [surplus](const Scenario& s, const Vector2d& end) {
-            const double time = s.end_time();
-            return excess(s, end.norm(), std::max(0.0, surplus) * time * time / 2);
-          }};
-}
-
-ExtremeLaw never_separates_from(const Scenario& other) {
-  return {"|x - x'| <= |u0 - u0'| T, exceeded by (of A)", 1e-11,
-          [other](const Scenario& s, const Vector2d& end) {
-            const double apart = (s.initial_velocity - other.initial_velocity).norm();
-            return excess(s, (end - end_of(other)).norm(), apart * s.end_time());
-          }};
-}
-
-ExtremeLaw last_half_adds_drifts() {
-  return {"last half adds (cycles/2) drifts of the periodic orbit", 1e-11,
-          [](const Scenario& scenario, const Vector2d& end) {
-            Scenario half = scenario;
-            half.cycles /= 2;
-            const auto orbit = steady_orbit(scenario);
-            if (!orbit) return std::numeric_limits<double>::infinity();
-            return relative(end - end_of(half) - half.cycles * orbit->drift, end.norm());
-          }};
-}
-
-ExtremeLaw stays_on_line(double slope) {
-  return {slope > 0 ? "stays on the line y = x" : "stays on the line y = -x", 1e-11,
-          [slope](const Scenario& s, const Vector2d& end) {
-            return relative(Vector2d(end.y() - slope * end.x(), 0), size_of(s, end));
-          }};
-}
-
-namespace {
-
 Scenario with_mu(Scenario s, double mu1, double mu2) {
   s.friction.nominal = mu1;
   s.friction.reduced = mu2;
@@ -410,15 +448,6 @@ void add_pulse_extremes(ExtremeList& list) {
 }
 
 }  // namespace
-
-ExtremeList::ExtremeList(bool only_quick) : quick(only_quick) {
-  slip.name = "slips";
-  slip.base.friction = {0.1, 0.0125, 0.5, pi / 2, 0};
-  slip.base.cycles = quick ? 2 : 20;
-  stick = slip;
-  stick.name = "sticks";
-  stick.base.friction = {0.122, 0.122 / 8, 0.5, pi / 6, 0};
-}
 
 std::vector<ExtremeCase> extreme_cases(bool quick) {
   ExtremeList list(quick);

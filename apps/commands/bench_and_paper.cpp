@@ -203,7 +203,7 @@ void run_paper(const fs::path& folder, bool json, const Context& context) {
 
   const Paper paper = compute(context);
   const MetaFile meta = meta_of_paper();
-  for (const Figure& figure : paper.figures)
+  for (const PaperFigure& figure : paper.figures)
     write_result(folder / (figure.id + ".csv"), csv_of(figure), meta);
   write_result(claims, claims_csv(paper), meta);
   write_result(page, page_of(paper), meta);

@@ -25,9 +25,9 @@ struct Panel {
 };
 
 struct Figure {
-  std::string id;       ///< letters, digits and '-': names files and places on the page
-  std::string title;    ///< plain text, one line
-  std::string caption;  ///< HTML; the title is not repeated in it
+  std::string id = {};       ///< letters, digits and '-': names files and places on the page
+  std::string title = {};    ///< plain text, one line
+  std::string caption = {};  ///< HTML; the title is not repeated in it
   /// What a reader who cannot see it should know, plain text.
   std::string alternative = {};
   int columns = 1;  ///< of panels, row by row

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
-#include <stdexcept>
+#include <utility>
 
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/page/text.h"
@@ -81,13 +80,13 @@ Source source_of(const std::string& name) {
 
 /// "μ₁ = 0.1, μ₁/μ₂ = 8, g = 9.81 m/s², ...; 20 cycles from rest", plain text, without what is swept and what
 /// is `told` elsewhere.
-std::string conditions_text(const Source& source, const std::vector<std::string>& told = {}) {
+std::string conditions_text(const Source& source, const Notes& told = {}) {
   const model::Scenario& s = source.file.scenario;
   const double values[] = {s.friction.nominal,        s.friction.nominal / s.friction.reduced,
                            s.drive.gravity,           1e3 * s.drive.amplitude,
                            s.drive.angular_frequency, s.drive.phase_shift,
                            s.friction.phase,          s.friction.pulse_width};
-  std::vector<std::string> fixed;
+  Notes fixed;
   const std::vector<SweepAxis>& axes = source.sweep.axes();
   for (std::size_t k = 0; k < std::size(symbols); ++k)
     if (const char* parameter = symbols[k].parameter;
@@ -151,7 +150,7 @@ Json end_numbers(const std::vector<Json>& paths) {
 }
 
 /// A panel for each file, or for each value of its first axis of two.
-void add_paths(Figure& figure, const std::vector<std::string>& files) {
+void add_paths(Figure& figure, const Notes& files) {
   for (const std::string& file : files) {
     const Source source = source_of(file);
     const std::size_t count = source.last().count();
@@ -172,9 +171,7 @@ void add_paths(Figure& figure, const std::vector<std::string>& files) {
       panel.traces.push_back(end_numbers(panel.traces));
       figure.panels.push_back(panel);
     }
-    figure.caption = conditions_text(source, alone ? std::vector<std::string>{"phi_rad", "dtau_rad"}
-                                                   : std::vector<std::string>{}) +
-                     ".";
+    figure.caption = conditions_text(source, alone ? Notes{"phi_rad", "dtau_rad"} : Notes{}) + ".";
   }
 }
 
@@ -195,7 +192,7 @@ Json steps_of_friction(const std::string& name, const model::Scenario& scenario,
 }
 
 /// Displacement and friction over time, and the trajectory, at constant and at pulsed friction.
-void add_displacement(Figure& figure, const std::vector<std::string>& files) {
+void add_displacement(Figure& figure, const Notes& files) {
   constexpr double kClearOfCircle = 0.15;  // of the covered distance: P₁ stands outside of the circle
   const Source source = source_of(files.front());
   Panel displacement{.x = plot::hidden(plot::axis("time, s")),
@@ -250,18 +247,18 @@ DrawnPath angle_curve(const Values& x, const Values& alpha) {
 }
 
 /// The names of a sweep's curves: by its first axis, or by mu1 where there is one axis only.
-std::vector<std::string> curve_names(const Source& source) {
+Notes curve_names(const Source& source) {
   const SweepAxis& first = source.sweep.axes().front();
   if (source.sweep.axes().size() == 1) return {setting_text("mu1", source.friction().nominal)};
-  std::vector<std::string> names;
+  Notes names;
   for (std::size_t k = 0; k < first.count(); ++k) names.push_back(setting_text(first.name(), first.value(k)));
   return names;
 }
 
 /// One panel: alpha or v along the sweep's last axis, from rest and dashed the steady motion. `names`: the
 /// figure's curves.
-Panel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha,
-                  const std::vector<std::string>& names, bool legend) {
+Panel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha, const Notes& names,
+                  bool legend) {
   constexpr double kSpare = 0.12;  // rad, above and below the full circle
   Panel panel{.x = axis_of(source.last()),
               .y = of_alpha ? plot::angle_axis("angle α, rad", -kSpare, kTurn + kSpare)
@@ -302,8 +299,7 @@ void mark_greatest(Panel& panel) {
 }
 
 /// A panel for each file; the one of most curves names them.
-void add_curves(Figure& figure, const std::vector<std::string>& files, bool of_alpha,
-                const Context& context) {
+void add_curves(Figure& figure, const Notes& files, bool of_alpha, const Context& context) {
   std::vector<Source> sources;
   for (const std::string& file : files) sources.push_back(source_of(file));
   const auto& most =
@@ -323,57 +319,67 @@ void add_curves(Figure& figure, const std::vector<std::string>& files, bool of_a
 
 }  // namespace
 
-std::vector<Figure> paper_figures(const Context& given) {
+std::vector<PaperFigure> paper_figures(const Context& given) {
   Context context = given;
   context.quiet = true;
-  Figure figure3{.id = "figure3",
-                 .title = "Displacement of the part",
-                 .caption = "",
-                 .alternative =
-                     "Displacement over time at constant and at pulsed friction, and the two trajectories: "
-                     "one ends on a circle, the other walks on.",
-                 .height = 1.3};
-  add_displacement(figure3, {"figure3"});
-  Figure figure4{.id = "figure4",
-                 .title = "Trajectories at three amplitudes",
-                 .caption = "",
-                 .alternative = "Four panels of three trajectories each.",
-                 .columns = 2,
-                 .height = 1};
-  add_paths(figure4, {"figure4a", "figure4b", "figure4c", "figure4d"});
-  Figure figure5{
-      .id = "figure5",
-      .title = "Trajectories at eight phase shifts",
-      .caption = "",
-      .alternative = "Eight trajectories in all directions from one point, at a narrow and at a wide pulse.",
-      .columns = 2};
-  add_paths(figure5, {"figure5"});
-  Figure figure6{
-      .id = "figure6", .title = "Mean displacement velocity", .caption = "", .columns = 2, .height = 0.9};
-  add_curves(figure6, {"figure6a", "figure6b", "figure6c", "figure6d"}, false, context);
-  mark_greatest(figure6.panels.front());
-  Figure figure7{.id = "figure7", .title = "Displacement angle", .caption = "", .columns = 2, .height = 0.9};
-  add_curves(figure7, {"figure7a", "figure7b", "figure6c", "figure6d"}, true, context);  // 7c, 7d: as 6c, 6d
-  Figure figure9{.id = "figure9",
-                 .title = "Displacement angle, the model’s side",
-                 .caption = "",
-                 .columns = 2,
-                 .height = 0.5};
-  add_curves(figure9, {"figure9a", "figure9b"}, true, context);
-  Figure figure10{.id = "figure10", .title = "Mean displacement velocity, the model’s side", .caption = ""};
-  add_curves(figure10, {"figure10"}, false, context);
-  Figure figure11{.id = "figure11",
-                  .title = "Trajectories, the model’s side",
-                  .caption = "",
-                  .alternative = "Trajectories of the model in four directions at three pulse widths.",
-                  .columns = 3,
-                  .height = 0.42};
-  add_paths(figure11, {"figure11"});
-  return {figure3, figure4, figure5, figure6, figure7, figure9, figure10, figure11};
-}
-
-int number_of(const Figure& figure) {
-  return std::atoi(figure.id.c_str() + figure.id.find_first_of("0123456789"));
+  std::vector<PaperFigure> figures;
+  const auto add = [&](const FigureText& text, Figure figure, const auto& draw, const Notes& files) {
+    figure.id = fmt::format("figure{}", text.number);
+    draw(figure, files);
+    figures.push_back({text, std::move(figure)});
+  };
+  const auto v = [&](Figure& figure, const Notes& files) { add_curves(figure, files, false, context); };
+  const auto alpha = [&](Figure& figure, const Notes& files) { add_curves(figure, files, true, context); };
+  add({3, "Figure 3: displacement of the part", "", ""},
+      {.title = "Displacement of the part",
+       .alternative = "Displacement over time at constant and at pulsed friction, and the two trajectories: "
+                      "one ends on a circle, the other walks on.",
+       .height = 1.3},
+      add_displacement, {"figure3"});
+  add({4, "Figure 4: trajectories of the part", "", ""},
+      {.title = "Trajectories at three amplitudes",
+       .alternative = "Four panels of three trajectories each.",
+       .columns = 2,
+       .height = 1},
+      add_paths, {"figure4a", "figure4b", "figure4c", "figure4d"});
+  add({5, "Figure 5: trajectories at different phase shifts",
+       "The caption does not say after how many cycles; 20 are taken, as for the mean velocity.", ""},
+      {.title = "Trajectories at eight phase shifts",
+       .alternative = "Eight trajectories in all directions from one point, at a narrow and at a wide pulse.",
+       .columns = 2},
+      add_paths, {"figure5"});
+  add({6, "Figure 6: mean displacement velocity",
+       "The caption gives no μ₁ for a, no Aₑ for b and no ω for c; what is taken for these and for d stands "
+       "below the figure.",
+       ""},
+      {.title = "Mean displacement velocity", .columns = 2, .height = 0.9}, v,
+      {"figure6a", "figure6b", "figure6c", "figure6d"});
+  mark_greatest(figures.back().panels.front());
+  add({7, "Figure 7: displacement angle",
+       "The caption gives no Δτ for a, no μ₁ and no φ for b and no ω for c; what is taken for these and for "
+       "d stands below the figure.",
+       ""},
+      {.title = "Displacement angle", .columns = 2, .height = 0.9}, alpha,
+      {"figure7a", "figure7b", "figure6c", "figure6d"});  // 7c, 7d: as 6c, 6d
+  add({9, "Figure 9: displacement angle, measured",
+       "The caption gives no Δτ for a and no φ for b; what is taken stands below the figure.",
+       "The dependency of α on φ obtained by the model showed a good agreement with the experimental values"},
+      {.title = "Displacement angle, the model’s side", .columns = 2, .height = 0.5}, alpha,
+      {"figure9a", "figure9b"});
+  add({10, "Figure 10: mean displacement velocity, measured",
+       "The caption does not say after how many cycles; 20 are taken, as for figure 6.",
+       "A comparison between the modeling and the experiments also showed a good agreement"},
+      {.title = "Mean displacement velocity, the model’s side"}, v, {"figure10"});
+  add({11, "Figure 11: trajectories, measured",
+       "The caption gives neither μ₁, μ₂, φ, Δτ nor the number of cycles: those of figure 9 and 20 cycles "
+       "are taken, φ and Δτ over their range.",
+       "This nature of the part’s motion was close to the one observed in the modeling results"},
+      {.title = "Trajectories, the model’s side",
+       .alternative = "Trajectories of the model in four directions at three pulse widths.",
+       .columns = 3,
+       .height = 0.42},
+      add_paths, {"figure11"});
+  return figures;
 }
 
 }  // namespace tribotrack::apps

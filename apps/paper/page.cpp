@@ -18,39 +18,6 @@ constexpr const char* kPaper =
     "S. Kilikevičius, K. Liutkauskienė, A. Fedaravičius: Nonprehensile Manipulation of Parts on a Horizontal "
     "Circularly Oscillating Platform with Dynamic Dry Friction Control, 2021 (CC BY)";
 
-/// What stands beside a figure but the claims.
-struct FigureText {
-  int number;
-  const char* heading;
-  const char* taken;      ///< what the caption leaves open, and what is taken for it; "": nothing
-  const char* agreement;  ///< what the paper says of its measurements; "": shows none
-};
-
-constexpr FigureText texts[] = {
-    {3, "Figure 3: displacement of the part", "", ""},
-    {4, "Figure 4: trajectories of the part", "", ""},
-    {5, "Figure 5: trajectories at different phase shifts",
-     "The caption does not say after how many cycles; 20 are taken, as for the mean velocity.", ""},
-    {6, "Figure 6: mean displacement velocity",
-     "The caption gives no μ₁ for a, no Aₑ for b and no ω for c; what is taken for these and for d stands "
-     "below the figure.",
-     ""},
-    {7, "Figure 7: displacement angle",
-     "The caption gives no Δτ for a, no μ₁ and no φ for b and no ω for c; what is taken for these and for d "
-     "stands below the figure.",
-     ""},
-    {9, "Figure 9: displacement angle, measured",
-     "The caption gives no Δτ for a and no φ for b; what is taken stands below the figure.",
-     "The dependency of α on φ obtained by the model showed a good agreement with the experimental values"},
-    {10, "Figure 10: mean displacement velocity, measured",
-     "The caption does not say after how many cycles; 20 are taken, as for figure 6.",
-     "A comparison between the modeling and the experiments also showed a good agreement"},
-    {11, "Figure 11: trajectories, measured",
-     "The caption gives neither μ₁, μ₂, φ, Δτ nor the number of cycles: those of figure 9 and 20 cycles are "
-     "taken, φ and Δτ over their range.",
-     "This nature of the part’s motion was close to the one observed in the modeling results"},
-};
-
 /// The style of a verdict (page.css).
 const char* style_of(Verdict verdict) {
   constexpr const char* kStyles[] = {"good", "good", "care", "bad"};
@@ -101,17 +68,16 @@ std::string claim_box(const Claim& claim, const Paper& paper) {
       deciding_html(claim));
 }
 
-PageSection section_of(const Figure& figure, const Paper& paper) {
-  const auto* text = std::ranges::find(texts, number_of(figure), &FigureText::number);
-  PageSection section{figure.id, text->heading, "<div class=\"claim\">\n" + figure_box(figure) + "<div>\n"};
+PageSection section_of(const PaperFigure& figure, const Paper& paper) {
+  PageSection section{figure.id, figure.heading, "<div class=\"claim\">\n" + figure_box(figure) + "<div>\n"};
   for (const Claim& claim : paper.claims)
-    if (claim.figure == text->number) section.html += claim_box(claim, paper);
-  if (*text->agreement)
+    if (claim.figure == figure.number) section.html += claim_box(claim, paper);
+  if (*figure.agreement)
     section.html += fmt::format(
         "<p class=\"note\">The model’s side only. The paper’s measurements are printed as pictures, without "
         "numbers; <q>{}</q> is neither confirmed nor refuted here.</p>\n",
-        text->agreement);
-  if (*text->taken) section.html += fmt::format("<p class=\"note\">{}</p>\n", text->taken);
+        figure.agreement);
+  if (*figure.taken) section.html += fmt::format("<p class=\"note\">{}</p>\n", figure.taken);
   section.html += "</div></div>\n";
   return section;
 }
@@ -138,8 +104,8 @@ std::string page_of(const Paper& paper) {
             .title = "What the paper claims, computed again",
             .subtitle = kPaper,
             .first = first_screen(paper),
-            .figures = paper.figures};
-  for (const Figure& figure : paper.figures) page.sections.push_back(section_of(figure, paper));
+            .figures = {paper.figures.begin(), paper.figures.end()}};
+  for (const PaperFigure& figure : paper.figures) page.sections.push_back(section_of(figure, paper));
   page.sections.push_back(sources_section());
   return html_of(std::move(page));
 }

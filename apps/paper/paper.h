@@ -43,15 +43,22 @@ struct Claim : Statement, Answer {};
 std::vector<Claim> paper_claims(const Context& context,
                                 const std::function<void(int done, int total)>& progress = {});
 
+/// What stands beside a figure but the claims; "": nothing.
+struct FigureText {
+  int number;  ///< of the paper's figure
+  const char* heading;
+  const char* taken;      ///< what the caption leaves open, and what is taken for it
+  const char* agreement;  ///< what the paper says of its measurements
+};
+
+struct PaperFigure : FigureText, Figure {};
+
 /// Figures 3 to 7 and the model's side of 9 to 11, named "figure3" .. "figure11", from data/figure*.toml as
 /// they were when the program was built.
-std::vector<Figure> paper_figures(const Context& context);
-
-/// The number of the paper's figure.
-int number_of(const Figure& figure);
+std::vector<PaperFigure> paper_figures(const Context& context);
 
 struct Paper {
-  std::vector<Figure> figures;
+  std::vector<PaperFigure> figures;
   std::vector<Claim> claims;
 };
 

@@ -150,7 +150,7 @@ std::string band_text(bool band, bool any_sd, std::size_t groups) {
 
 Figure figure_of(const ReportData& data, const Dependence& which, const std::vector<ReportGroup>& groups) {
   const bool many = groups.size() > kMostInLegend;
-  Figure figure{.id = which.id, .title = which.title, .caption = "", .shared_x = true, .height = 0.86};
+  Figure figure{.id = which.id, .title = which.title, .shared_x = true, .height = 0.86};
   if (*which.place) figure.title += fmt::format(" ({})", which.place);
   Values shared;
   for (const ReportGroup& group : groups) shared.push_back(group.shared_rad);

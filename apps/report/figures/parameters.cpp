@@ -102,7 +102,7 @@ std::vector<Figure> corner(const ReportData& data) {
     if (determined(data.fit.parameters[i])) shown.push_back(i);
   if (shown.empty()) return {};
   const std::size_t n = shown.size();
-  Figure figure{.id = "corner", .title = "Profiles and pairs of parameters", .caption = ""};
+  Figure figure{.id = "corner", .title = "Profiles and pairs of parameters"};
   figure.columns = static_cast<int>(n);
   figure.height = n == 1 ? 0.6 : n == 2 ? 0.75 : 0.8;
   figure.width = n == 1 ? 0.45 : n == 2 ? 0.6 : 0.72;
@@ -137,7 +137,7 @@ std::vector<Figure> budget(const ReportData& data) {
   for (const fit::BudgetEntry& entry : data.fit.budget)
     if (entry.counted && counted.size() < kMostSources) counted.push_back(&entry);
   if (counted.empty()) return {};
-  Figure figure{.id = "budget-shares", .title = "Uncertainty budget", .caption = ""};
+  Figure figure{.id = "budget-shares", .title = "Uncertainty budget"};
   for (std::size_t i = 0; i < data.fit.parameters.size() && i < kMostParameters; ++i) {
     const fit::ParameterEstimate& p = data.fit.parameters[i];
     if (!determined(p)) continue;
@@ -197,8 +197,7 @@ std::vector<Figure> influence(const ReportData& data) {
                                           y, {.colour = static_cast<int>(p), .legend = true}, notes));
   }
   if (panel.traces.empty() || panel.traces.front()["x"].size() < 2) return {};
-  Figure figure{
-      .id = "influence", .title = "Influence of each run", .caption = "", .panels = {panel}, .height = 0.34};
+  Figure figure{.id = "influence", .title = "Influence of each run", .panels = {panel}, .height = 0.34};
   figure.caption =
       "By how many of its standard deviations each parameter would change if the run were left out (to first "
       "order). A run "
@@ -262,8 +261,7 @@ std::vector<Figure> residual_figures(const ReportData& data) {
     panel.traces.push_back(plot::points(name.substr(0, name.find(" (")), kinds[k].x, kinds[k].y,
                                         {.colour = static_cast<int>(k), .legend = true}, kinds[k].notes));
   }
-  Figure figure{
-      .id = "residuals", .title = "Residuals, run by run", .caption = "", .panels = {panel}, .height = 0.36};
+  Figure figure{.id = "residuals", .title = "Residuals, run by run", .panels = {panel}, .height = 0.36};
   figure.caption =
       "Measured minus modelled, in standard deviations; the numbers are those of the table of runs. Each run "
       "has as many "

@@ -59,8 +59,7 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
   const ReportRun& shown = data.runs[index];
   const Track& run = shown.track;
   if (run.time_s.empty() || run.x_mm.empty()) return {};
-  Figure figure{
-      .id = fmt::format("run-{}", index + 1), .title = "Over time: " + run_label(data, index), .caption = ""};
+  Figure figure{.id = fmt::format("run-{}", index + 1), .title = "Over time: " + run_label(data, index)};
   const std::vector<Json> lost = lost_spans(run);
   const auto panel = [&](const Json& y, std::vector<Json> traces, double height = 1) {
     figure.panels.push_back({.x = plot::hidden(plot::axis("time, s")),
@@ -135,9 +134,7 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
   };
   Values left_mrad;
   for (const double rad : run.platform.phase_left) left_mrad.push_back(1e3 * rad);
-  Figure figure{.id = fmt::format("platform-{}", index + 1),
-                .title = "Platform: " + run_label(data, index),
-                .caption = ""};
+  Figure figure{.id = fmt::format("platform-{}", index + 1), .title = "Platform: " + run_label(data, index)};
   figure.panels = {{.x = plot::axis("ξ, mm"),
                     .y = plot::axis("η, mm"),
                     .traces = {frames(in_mm(run.platform.orbit, 0), in_mm(run.platform.orbit, 1), true),
@@ -212,8 +209,7 @@ std::vector<Figure> slide_figures(const ReportData& data) {
     const Panel below{.x = plot::axis("time, s"),
                       .y = plot::with_zero_line(plot::axis("residual, µm")),
                       .traces = {plot::points("", time, picked(left_um, places), {.small = true})}};
-    Figure figure{
-        .id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name, .caption = ""};
+    Figure figure{.id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name};
     figure.caption =
         "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
         "spin a "
@@ -306,7 +302,7 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
     }
   }
   if (drawn.size() <= 60) panel.traces.push_back(end_labels(data, drawn, reach.size()));
-  Figure figure{.id = "trajectories", .title = "Trajectories of the part (paper, figure 11)", .caption = ""};
+  Figure figure{.id = "trajectories", .title = "Trajectories of the part (paper, figure 11)"};
   figure.caption =
       "In millimetres from where each began, y up, both axes to the same scale. The numbers are those of the "
       "table of "

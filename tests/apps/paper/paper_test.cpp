@@ -33,8 +33,8 @@ const Paper& paper() {
   return made;
 }
 
-const Figure& figure(int number) {
-  return *std::ranges::find(paper().figures, number, number_of);
+const PaperFigure& figure(int number) {
+  return *std::ranges::find(paper().figures, number, &PaperFigure::number);
 }
 
 const Claim& claim(std::string_view name) {
@@ -80,7 +80,7 @@ TEST(PaperFigures, FollowTheFilesOfTheRepository) {
 TEST(PaperFigures, EachHasItsPanelsAndCurves) {
   std::vector<std::string> ids;
   std::vector<std::size_t> panels;
-  for (const Figure& f : paper().figures) {
+  for (const PaperFigure& f : paper().figures) {
     ids.push_back(f.id);
     panels.push_back(f.panels.size());
     for (const Panel& panel : f.panels)
@@ -220,16 +220,16 @@ TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
 
 TEST(PaperPage, EveryFigureHasASectionWithItsClaims) {
   const std::string page = page_of(paper());
-  for (const Figure& figure : paper().figures) {
+  for (const PaperFigure& figure : paper().figures) {
     const std::size_t begin = page.find("<section id=\"" + figure.id + "\"");
     ASSERT_NE(begin, std::string::npos) << figure.id;
     const std::string section = page.substr(begin, page.find("</section>", begin) - begin);
     EXPECT_EQ(count(section, "id=\"plot-" + figure.id + "\""), 1u);
     std::size_t claims = 0;
-    for (const Claim& claim : paper().claims) claims += claim.figure == number_of(figure);
+    for (const Claim& claim : paper().claims) claims += claim.figure == figure.number;
     EXPECT_GE(claims, 1u) << figure.id;
     EXPECT_EQ(count(section, "<h3>"), claims) << figure.id;
-    EXPECT_EQ(count(section, "side only"), number_of(figure) >= 9 ? 1u : 0u) << figure.id;
+    EXPECT_EQ(count(section, "side only"), figure.number >= 9 ? 1u : 0u) << figure.id;
   }
 }
 
@@ -254,7 +254,7 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, HasSubstr("8 figures, 20 claims"));
   std::vector<std::string> names = {"paper.html", "claims.csv"};
-  for (const Figure& figure : paper().figures) {
+  for (const PaperFigure& figure : paper().figures) {
     names.push_back(figure.id + ".csv");
     EXPECT_THAT(content_of(in_folder("out") / names.back()), testing::StartsWith("panel,series,"))
         << figure.id;
