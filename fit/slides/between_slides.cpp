@@ -40,17 +40,10 @@ BetweenSlides between_slides(const std::vector<Estimate>& slides) {
   const WeightedMean alike = weighted_mean(slides, 0);
   result.chi2 = alike.chi2;
   result.p_value = chi2_survival(alike.chi2, result.dof);
-  double variance = 0;
-  if (alike.chi2 > result.dof && result.dof > 0) {
-    // chi^2 falls as the variance grows: bisection, from above the square of the largest deviation.
-    double low = 0, high = 0;
-    for (const Estimate& slide : slides) high += std::pow(slide.value - alike.mean, 2);
-    while (weighted_mean(slides, high).chi2 > result.dof) high *= 2;
-    for (int round = 0; round < 200 && high - low > 1e-12 * high; ++round) {
-      variance = 0.5 * (low + high);
-      (weighted_mean(slides, variance).chi2 > result.dof ? low : high) = variance;
-    }
-  }
+  double far = 0;
+  for (const Estimate& slide : slides) far += std::pow(slide.value - alike.mean, 2);
+  const double variance =
+      falls_to([&](double between) { return weighted_mean(slides, between).chi2; }, result.dof, far);
   const WeightedMean mean = weighted_mean(slides, variance);
   result.sd = std::sqrt(variance);
   result.mean = mean.mean;

@@ -27,6 +27,18 @@ double two_sided_quantile(double probability, double dof) {
   return boost::math::quantile(boost::math::complement(boost::math::students_t(dof), upper_tail));
 }
 
+double falls_to(const std::function<double(double)>& f, double level, double far) {
+  if (!(f(0) > level)) return 0;
+  double low = 0, high = far;
+  while (f(high) > level) high *= 2;
+  while (high - low > 1e-12 * high) {
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) break;
+    (f(middle) > level ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 double upper_median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

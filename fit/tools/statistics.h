@@ -1,6 +1,7 @@
 // The distributions, medians and correlation times that a fit needs.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 namespace tribotrack::fit::internal {
@@ -14,6 +15,10 @@ double chi2_quantile(double probability, double dof);
 /// t with P(|T| < t) = `probability` for Student's T with `dof` degrees of freedom; the normal quantile above
 /// 10^4 degrees of freedom.
 double two_sided_quantile(double probability, double dof);
+
+/// x >= 0 at which a falling f comes down to `level`; 0 where it begins below. `far`: a first guess of where
+/// it lies below.
+double falls_to(const std::function<double(double)>& f, double level, double far);
 
 /// The value in the middle; of an even number the upper of the two.
 double upper_median(std::vector<double> values);

@@ -1,9 +1,11 @@
 #include "fit/variances/excess_variance.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 
@@ -13,33 +15,46 @@ namespace {
 constexpr int kFewestRepetitions =
     6;  ///< degrees of freedom: fewer determine their own scatter to a third at best
 
-double chi2_with(const std::vector<Eigen::Vector2d>& residuals,
-                 const std::vector<Eigen::Matrix2d>& covariances, double added) {
-  double sum = 0;
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const Eigen::Matrix2d total = covariances[i] + added * added * Eigen::Matrix2d::Identity();
-    sum += residuals[i].dot(total.inverse() * residuals[i]);
-  }
-  return sum;
-}
+constexpr double kMedianSquare = 2 * std::numbers::ln2;  ///< of chi^2 with two degrees of freedom
 
-/// s with chi^2(s) = expected; 0 where chi^2(0) is no surprise.
-double scatter_for(const std::vector<Eigen::Vector2d>& residuals,
-                   const std::vector<Eigen::Matrix2d>& covariances, double expected, bool already,
-                   double level = kSurprise) {
-  if (!(expected > 0)) return 0;
-  const double now = chi2_with(residuals, covariances, 0);
-  if (already ? now <= expected : chi2_survival(now, expected) >= level) return 0;
-  double high = 0;
-  for (const auto& r : residuals) high = std::max(high, r.norm());
-  double low = 0;
-  while (chi2_with(residuals, covariances, high) > expected) high *= 2;
-  for (int i = 0; i < 80; ++i) {
-    const double middle = 0.5 * (low + high);
-    (chi2_with(residuals, covariances, middle) > expected ? low : high) = middle;
+/// Differences from the model, and what is known of their errors.
+struct Deviations {
+  std::vector<Eigen::Vector2d> differences;
+  std::vector<Eigen::Matrix2d> covariances;
+
+  void add(const Eigen::Vector2d& difference, const Eigen::Matrix2d& covariance) {
+    differences.push_back(difference);
+    covariances.push_back(covariance);
   }
-  return 0.5 * (low + high);
-}
+  /// Squared distances with so much scatter per axis added.
+  std::vector<double> squares(double scatter) const {
+    std::vector<double> result;
+    for (std::size_t i = 0; i < differences.size(); ++i) {
+      const Eigen::Matrix2d total = covariances[i] + scatter * scatter * Eigen::Matrix2d::Identity();
+      result.push_back(differences[i].dot(Factor2(total).solved(differences[i])));
+    }
+    return result;
+  }
+  double chi2(double scatter) const {
+    const std::vector<double> terms = squares(scatter);
+    return std::accumulate(terms.begin(), terms.end(), 0.0);
+  }
+  double longest() const {
+    double length = 0;
+    for (const auto& difference : differences) length = std::max(length, difference.norm());
+    return length;
+  }
+  /// s with chi^2(s) = expected; 0 where chi^2(0) is no surprise, once `found` where it is not above.
+  double scatter(double expected, bool found, double level = kSurprise) const {
+    if (!(expected > 0) || (!found && chi2_survival(chi2(0), expected) >= level)) return 0;
+    return falls_to([&](double s) { return chi2(s); }, expected, longest());
+  }
+  /// s at which the squares have the median of good data; 0 where they nearly do without.
+  double scatter_by_median(double expected) const {
+    const auto median = [&](double s) { return upper_median(squares(s)); };
+    return median(0) <= 2 * expected ? 0 : falls_to(median, expected, longest());
+  }
+};
 
 /// Turned so that x is along the run's displacement.
 Eigen::Matrix2d turn_of(const SummaryRun& run) {
@@ -51,34 +66,54 @@ Eigen::Matrix2d turn_of(const SummaryRun& run) {
   return turn;
 }
 
-void between_runs(const Problem& problem, const std::vector<Eigen::Vector2d>& differences,
-                  const std::vector<Eigen::Matrix2d>& covariances, double expected, ExcessVariance& result) {
-  const double both = scatter_for(differences, covariances, expected, result.runs() > 0, kDoubt);
+void between_runs(const Problem& problem, const Deviations& runs, double expected, ExcessVariance& result) {
+  const double both = runs.scatter(expected, result.runs() > 0, kDoubt);
   result.along = result.across = both;
   if (!(both > 0)) return;
-  std::vector<Eigen::Vector2d> parts[2];
-  std::vector<Eigen::Matrix2d> variances[2];
+  Deviations parts[2];
   double whole[2], trimmed[2];
   for (int axis = 0; axis < 2; ++axis) {
-    for (std::size_t i = 0; i < differences.size(); ++i) {
+    for (std::size_t i = 0; i < runs.differences.size(); ++i) {
       const Eigen::Matrix2d turn = turn_of(problem.summary_runs[i]);
-      const double variance = (turn * covariances[i] * turn.transpose())(axis, axis);
-      parts[axis].emplace_back((turn * differences[i])(axis), 0);
-      variances[axis].push_back(variance * Eigen::Matrix2d::Identity());
+      const double variance = (turn * runs.covariances[i] * turn.transpose())(axis, axis);
+      parts[axis].add({(turn * runs.differences[i])(axis), 0}, variance * Eigen::Matrix2d::Identity());
     }
     // One bad run is no scatter: the largest term may not make the difference.
-    double largest = 0;
-    for (std::size_t i = 0; i < parts[axis].size(); ++i)
-      largest = std::max(largest, chi2_with({parts[axis][i]}, {variances[axis][i]}, both));
-    whole[axis] = chi2_with(parts[axis], variances[axis], both);
-    trimmed[axis] = whole[axis] - largest;
+    const std::vector<double> terms = parts[axis].squares(both);
+    whole[axis] = parts[axis].chi2(both);
+    trimmed[axis] = whole[axis] - *std::max_element(terms.begin(), terms.end());
   }
   // ln of the ratio of two mean squares of nu degrees of freedom each: sd 2/sqrt(nu); 1 % on both sides.
   const double nu = 0.5 * expected;
   const double ratio = std::max(trimmed[0] / whole[1], trimmed[1] / whole[0]);
   if (nu < 4 || !(std::log(ratio) > 2.576 * 2 / std::sqrt(nu))) return;
-  result.along = scatter_for(parts[0], variances[0], nu, true);
-  result.across = scatter_for(parts[1], variances[1], nu, true);
+  result.along = parts[0].scatter(nu, true);
+  result.across = parts[1].scatter(nu, true);
+}
+
+/// Of a trajectory run's points without what is known to be slow, and how long it lasts.
+PointScatter between_points(const PointResiduals& points, bool free_slide, const PointScatter& before) {
+  Deviations quick;
+  std::vector<double> x, y;
+  double x_square = 0, y_square = 0;
+  for (std::size_t k = 0; k < points.row.size(); ++k) {
+    const Eigen::Vector2d& innovation = points.innovation[k];
+    quick.add(innovation, points.innovation_covariance[k]);
+    x.push_back(innovation.x());
+    y.push_back(innovation.y());
+    x_square += innovation.x() * innovation.x();
+    y_square += innovation.y() * innovation.y();
+  }
+  // A fitted column takes as much of correlated noise as of that many independent points.
+  const double along = free_slide ? 3 : 1, across = free_slide ? 2 : 1;
+  const double count = static_cast<double>(points.row.size()), rows = 2 * count - points.rows_taken;
+  const double expected = std::max(0.4 * rows, rows - (along + across) * before.correlation_time);
+  PointScatter scatter{quick.scatter(expected, before.between_points > 0), 1};
+  if (scatter.between_points > 0)
+    scatter.correlation_time = std::min(count / 4, (x_square * residual_correlation_time(x, along) +
+                                                    y_square * residual_correlation_time(y, along)) /
+                                                       (x_square + y_square));
+  return scatter;
 }
 
 bool repeats(const SummaryRun& a, const SummaryRun& b) {
@@ -97,8 +132,7 @@ bool repeats(const SummaryRun& a, const SummaryRun& b) {
 Replicates replicates(const Problem& problem) {
   const auto& runs = problem.summary_runs;
   std::vector<bool> counted(runs.size(), false);
-  std::vector<Eigen::Vector2d> deviations;
-  std::vector<Eigen::Matrix2d> covariances;
+  Deviations deviations;
   Replicates result;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (counted[i]) continue;
@@ -114,72 +148,50 @@ Replicates replicates(const Problem& problem) {
     const double n = static_cast<double>(group.size());
     mean /= n;
     result.dof += 2 * static_cast<int>(group.size() - 1);
-    for (const std::size_t k : group) {  // stretched by sqrt(n/(n-1)), as if the mean had been known
-      deviations.push_back(std::sqrt(n / (n - 1)) * (runs[k].measured.vector - mean));
-      covariances.push_back(runs[k].measured.covariance);
-    }
+    for (const std::size_t k : group)  // stretched by sqrt(n/(n-1)), as if the mean had been known
+      deviations.add(std::sqrt(n / (n - 1)) * (runs[k].measured.vector - mean), runs[k].measured.covariance);
   }
   if (result.dof < kFewestRepetitions) return result;
   // Stretched deviations number more than their freedom: chi^2 of them is theirs times that ratio.
-  const double stretched = 2 * static_cast<double>(deviations.size()), dof = result.dof;
-  const double chi2 = chi2_with(deviations, covariances, 0) * dof / stretched;
-  if (chi2_survival(chi2, dof) < kSurprise)
-    result.scatter = scatter_for(deviations, covariances, stretched, true);
+  const double stretched = 2 * static_cast<double>(deviations.differences.size()), dof = result.dof;
+  const double chi2 = deviations.chi2(0) * dof / stretched;
+  if (chi2_survival(chi2, dof) < kSurprise) result.scatter = deviations.scatter(stretched, true);
   return result;
 }
 
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                        const Linearised& at) {
-  const auto& problem = residuals.unknowns().problem();
+                                        const Linearised& at, Loss loss) {
+  const Problem& problem = residuals.unknowns().problem();
+  const bool robust = loss != Loss::squares;
   ExcessVariance result = residuals.excess_variance();
-  const double data = 2.0 * static_cast<double>(problem.summary_runs.size());
+  Deviations runs;
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i)
+    runs.add(residuals.difference(at, i), problem.summary_runs[i].measured.covariance);
+  // The unknowns take their share of the freedom from runs and points in proportion.
+  const double data = 2.0 * static_cast<double>(problem.summary_runs.size()),
+               unknowns = static_cast<double>(residuals.unknowns().size());
   double points = 0;
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     points +=
         2.0 * static_cast<double>(residuals.track(i).points()) / result.trajectories[i].correlation_time;
-
-  std::vector<Eigen::Vector2d> differences;
-  std::vector<Eigen::Matrix2d> covariances;
-  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    differences.push_back(residuals.difference(at, i));
-    covariances.push_back(problem.summary_runs[i].measured.covariance);
-  }
-  // The unknowns take their share of the freedom from runs and points in proportion.
-  const double unknowns = static_cast<double>(residuals.unknowns().size());
-  const double share = std::max(0.0, 1 - unknowns / (data + points));
-  between_runs(problem, differences, covariances, data * share, result);
+  if (!robust)
+    between_runs(problem, runs, data * std::max(0.0, 1 - unknowns / (data + points)), result);
+  else if (problem.summary_runs.size() >= 3)
+    result.along = result.across = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
   const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const PointResiduals run = residuals.points(values, i, common);
-    auto& scatter = result.trajectories[i];
-    covariances.clear();
-    std::vector<double> x, y;
-    std::vector<Eigen::Vector2d> quick;  // without what is known to be slow
-    for (std::size_t k = 0; k < run.row.size(); ++k) {
-      covariances.push_back(run.innovation_covariance[k]);
-      quick.push_back(run.innovation[k]);
-      x.push_back(quick.back().x());
-      y.push_back(quick.back().y());
+    const TrajectoryRun& run = problem.trajectory_runs[i];
+    const PointResiduals here = residuals.points(values, i, common);
+    if (!robust) {
+      result.trajectories[i] = between_points(here, run.free_slide, result.trajectories[i]);
+      continue;
     }
-    // A fitted column takes as much of correlated noise as of that many independent points.
-    const double along = problem.trajectory_runs[i].free_slide ? 3 : 1,
-                 across = problem.trajectory_runs[i].free_slide ? 2 : 1;
-    const double rows = 2.0 * static_cast<double>(run.row.size()) - run.rows_taken;
-    const double expected = std::max(0.4 * rows, rows - (along + across) * scatter.correlation_time);
-    scatter.between_points = scatter_for(quick, covariances, expected, scatter.between_points > 0);
-    scatter.correlation_time = 1;
-    if (scatter.between_points > 0) {
-      double x_square = 0, y_square = 0;
-      for (std::size_t k = 0; k < x.size(); ++k) {
-        x_square += x[k] * x[k];
-        y_square += y[k] * y[k];
-      }
-      const double both =
-          (x_square * residual_correlation_time(x, along) + y_square * residual_correlation_time(y, along)) /
-          (x_square + y_square);
-      scatter.correlation_time = std::min(static_cast<double>(run.row.size()) / 4, both);
-    }
+    Deviations all;
+    for (std::size_t k = 0; k < here.row.size(); ++k)
+      all.add(here.residual[k],
+              run.track.covariance[here.row[k]] + kFinestSigma * kFinestSigma * Eigen::Matrix2d::Identity());
+    result.trajectories[i].between_points = all.scatter_by_median(kMedianSquare);
   }
   return result;
 }

@@ -1,6 +1,7 @@
 // Excess variance: scatter beyond the data's own sigma.
 #pragma once
 
+#include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
 
 namespace tribotrack::fit::internal {
@@ -11,9 +12,9 @@ namespace tribotrack::fit::internal {
 /// trajectory run, with the correlation time of its residuals (neighbouring points share their error: their
 /// number overstates their information). Zero where chi^2 does not require it: p >= 0.001 of points; p >=
 /// 0.05 of runs, whose correlated tracking errors may be as large as their own sigma, which so few cannot
-/// show.
+/// show. With a robust loss the same by the median distance, which a minority of outliers cannot move.
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                        const Linearised& at);
+                                        const Linearised& at, Loss loss = Loss::squares);
 
 /// What runs with the same phi, dtau, drive, start and length scatter about their means, whatever the model
 /// predicts: chi^2 keeps its meaning beside it.

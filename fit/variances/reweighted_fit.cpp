@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
@@ -72,8 +71,7 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
       residuals.set_excess_variance(scatter);
     }
     if (reweighting.scatter)
-      residuals.set_excess_variance(squares ? estimate_excess_variance(residuals, values, best.at)
-                                            : robust_excess_variance(residuals, values, best.at));
+      residuals.set_excess_variance(estimate_excess_variance(residuals, values, best.at, reweighting.loss));
     if (!squares) residuals.set_weights(robust_weights(residuals, values, best.at, reweighting.loss));
     const ExcessVariance &was = before.excess_variance(), &is = residuals.excess_variance();
     if (squares && !any(is) && is.correlated == CorrelatedVariances{} && was.correlated == is.correlated)
@@ -90,7 +88,6 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
 namespace {
 
 constexpr double kHuber = 2, kCauchy = 3;
-constexpr double kMedianSquare = 2 * std::numbers::ln2;  ///< of chi^2 with two degrees of freedom
 
 double distance(const Residuals& residuals, const Linearised& at, std::size_t run) {
   return at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(run)).norm() /
@@ -102,31 +99,6 @@ double slope(double s, Loss loss) {
   if (loss == Loss::huber) return s < kHuber ? 1 : 0.5 * kHuber / s;
   const double q = s * s / (kCauchy * kCauchy);
   return 0.5 * ((1 - q) / ((1 + q) * (1 + q)) + 1 / (1 + q));
-}
-
-/// Squared distances of all points of a trajectory run, with what it scatters by.
-std::vector<double> point_squares(const Residuals& residuals, const PointResiduals& points, std::size_t run,
-                                  double scatter) {
-  const auto& track = residuals.unknowns().problem().trajectory_runs[run].track;
-  std::vector<double> squares;
-  for (std::size_t k = 0; k < points.row.size(); ++k) {
-    const Eigen::Matrix2d covariance =
-        track.covariance[points.row[k]] + (scatter * scatter + 1e-18) * Eigen::Matrix2d::Identity();
-    squares.push_back(points.residual[k].dot(Factor2(covariance).solved(points.residual[k])));
-  }
-  return squares;
-}
-
-/// s at which `squares_at(s)` have the median of good data; 0 where they do without.
-template <class Squares>
-double scatter_by_median(const Squares& squares_at, double longest, double expected) {
-  if (upper_median(squares_at(0)) <= 2 * expected) return 0;
-  double low = 0, high = longest;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (upper_median(squares_at(middle)) > expected ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
 }
 
 }  // namespace
@@ -153,48 +125,18 @@ Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values
   }
   const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const auto squares = point_squares(residuals, residuals.points(values, i, common), i,
-                                       residuals.excess_variance().trajectories[i].between_points);
-    std::vector<double> points;
-    for (const double square : squares) points.push_back(robust_weight(std::sqrt(square), loss));
-    weights.points.push_back(points);
+    const PointResiduals points = residuals.points(values, i, common);
+    const double scatter = residuals.excess_variance().trajectories[i].between_points;
+    std::vector<double>& here = weights.points.emplace_back();
+    for (std::size_t k = 0; k < points.row.size(); ++k) {
+      const Eigen::Matrix2d covariance =
+          problem.trajectory_runs[i].track.covariance[points.row[k]] +
+          (scatter * scatter + kFinestSigma * kFinestSigma) * Eigen::Matrix2d::Identity();
+      here.push_back(robust_weight(
+          std::sqrt(points.residual[k].dot(Factor2(covariance).solved(points.residual[k]))), loss));
+    }
   }
   return weights;
-}
-
-ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                      const Linearised& at) {
-  const Problem& problem = residuals.unknowns().problem();
-  ExcessVariance result = residuals.excess_variance();
-  const double runs = static_cast<double>(problem.summary_runs.size());
-  if (runs >= 3) {
-    const double share = std::max(0.2, 1 - static_cast<double>(residuals.unknowns().size()) / (2 * runs));
-    std::vector<Eigen::Vector2d> differences;
-    double longest = 0;
-    for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-      differences.push_back(residuals.difference(at, i));
-      longest = std::max(longest, differences.back().norm());
-    }
-    const auto squares_at = [&](double scatter) {
-      std::vector<double> squares;
-      for (std::size_t i = 0; i < differences.size(); ++i) {
-        const Eigen::Matrix2d covariance =
-            problem.summary_runs[i].measured.covariance + scatter * scatter * Eigen::Matrix2d::Identity();
-        squares.push_back(differences[i].dot(Factor2(covariance).solved(differences[i])));
-      }
-      return squares;
-    };
-    result.along = result.across = scatter_by_median(squares_at, longest, kMedianSquare * share);
-  }
-  const Eigen::VectorXd common = residuals.common_error(values);
-  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const PointResiduals points = residuals.points(values, i, common);
-    double longest = 0;
-    for (const auto& residual : points.residual) longest = std::max(longest, residual.norm());
-    const auto squares_at = [&](double scatter) { return point_squares(residuals, points, i, scatter); };
-    result.trajectories[i].between_points = scatter_by_median(squares_at, longest, kMedianSquare);
-  }
-  return result;
 }
 
 double robust_covariance_factor(const Residuals& residuals, const Linearised& at, Loss loss) {

@@ -15,10 +15,6 @@ double robust_weight(double s, Loss loss);
 Weights robust_weights(const Residuals& residuals, const Eigen::VectorXd& values, const Linearised& at,
                        Loss loss);
 
-/// As estimate_scatter, but by the median distance, which a minority of outliers cannot move.
-ExcessVariance robust_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
-                                      const Linearised& at);
-
 /// The factor on (J'J)^-1, J unweighted, that makes it the covariance of an M-estimate (Huber 1981, eq.
 /// 7.6.5): K^2 [sum psi^2/(n - p)]/[mean psi']^2, K = 1 + p/n var psi'/(mean psi')^2.
 double robust_covariance_factor(const Residuals& residuals, const Linearised& at, Loss loss);
