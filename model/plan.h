@@ -1,6 +1,6 @@
 // What a run of the friction model needs, decided from its scenario before anything is integrated: the answer
 // to `tribotrack simulate --explain`.
-//   for (const PlanStage& stage : plan(scenario, {0, false}))
+//   for (const PlanStage& stage : plan(scenario))
 //     if (!stage.on) print(stage.name + " left out: " + stage.reason);
 #pragma once
 
@@ -19,18 +19,12 @@ struct PlanStage {
   double error_bound = 0;  ///< m, what leaving it out can add to the end point
 };
 
-/// What the result is for.
-struct PlanPurpose {
-  int derivatives = 0;  ///< parameters the run is differentiated by: 0 for simulate, 3 for an ordinary fit
-  bool path = true;     ///< whether anything but the end is wanted
-};
-
 /// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?), platform
 /// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
-/// every cycle (do they repeat, so that the rest follows by addition?), dense output (is anything but the end
-/// wanted?), derivatives (is the run part of a fit?). Costs one steady_orbit() where cycles could repeat.
-/// `tribotrack bench model` measures what each saves. Throws InvalidParameter for a bad scenario.
-std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose = {});
+/// every cycle (do they repeat, so that the rest follows by addition?), dense output (always of a
+/// trajectory), derivatives (fits only). Costs one steady_orbit() where cycles could repeat. `tribotrack
+/// bench model` measures what each saves. Throws InvalidParameter for a bad scenario.
+std::vector<PlanStage> plan(const Scenario& scenario);
 
 /// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a
 /// trigonometric polynomial of degree 2; its minima are found by safeguarded Newton steps between samples of

@@ -85,10 +85,9 @@ struct ArcColumns {
 /// Solves the arc. `columns` may be null.
 using ArcSolver = void (*)(const GaussTable& table, const ArcInput& in, ArcOutput& out, ArcColumns* columns);
 
-/// The solvers for 3 and for 7 pairs, in the instruction set in use.
+/// The solvers for 3 and for 7 pairs.
 struct ArcSolvers {
   ArcSolver few = nullptr, many = nullptr;
 };
-ArcSolvers arc_solvers();
 
 }  // namespace tribotrack::model::internal

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "model/arcs/arc.h"
+#include "model/processor/kernels.h"
 
 namespace tribotrack::model::internal {
 
@@ -92,7 +92,6 @@ class ArcStepper {
     memory_ = &memory;
     if (memory.spans.at[0][0] == 0) forget();
   }
-  ArcMemory& memory() { return *memory_; }
   /// What follows must not depend on what was before.
   void forget() { memory_->clear(first_arc_); }
 
@@ -131,7 +130,7 @@ ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool ke
     : drive_(drive),
       tolerance_(tolerance),
       table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
-      solver_(table_.pairs == 3 ? arc_solvers().few : arc_solvers().many),
+      solver_(table_.pairs == 3 ? kernels().arcs.few : kernels().arcs.many),
       growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       shrinking_(1.0 / (keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       first_arc_(std::fmin(

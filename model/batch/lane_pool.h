@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/batch/lane_run.h"
-#include "model/lanes/slide_lanes.h"
+#include "model/processor/kernels.h"
 
 namespace tribotrack::model::internal {
 
@@ -22,7 +22,7 @@ struct LaneCount {
 template <class Run, bool kNeighbours>
 class LanePool {
  public:
-  LanePool() : machines_(slide_machines()), runs_(kUnderWay) {
+  LanePool() : machines_(kernels().slides), runs_(kUnderWay) {
     for (std::size_t i = 0; i < kUnderWay; ++i) spare_.push_back(i);
   }
 
@@ -52,8 +52,29 @@ class LanePool {
     }
   };
 
-  static void put(const LaneState& from, SlideLanes& to, int lane);
-  static void take(const SlideLanes& from, int lane, LaneState& to);
+  /// visit(place in a LaneState, row of SlideLanes) for all that a step changes.
+  template <class State, class Lanes, class Visit>
+  static void each_field(State& one, Lanes& all, const Visit& visit) {
+    visit(one.left, all.left);
+    visit(one.vx, all.vx);
+    visit(one.vy, all.vy);
+    visit(one.zx, all.zx);
+    visit(one.zy, all.zy);
+    for (int i = 0; kNeighbours && i < 2; ++i) {
+      visit(one.ux[i], all.ux[i]);
+      visit(one.uy[i], all.uy[i]);
+      visit(one.yx[i], all.yx[i]);
+      visit(one.yy[i], all.yy[i]);
+    }
+  }
+  static void put(const LaneState& from, SlideLanes& to, int lane) {
+    to.kappa[lane] = from.kappa;
+    to.tolerance[lane] = from.tolerance;
+    each_field(from, to, [lane](double value, double* row) { row[lane] = value; });
+  }
+  static void take(const SlideLanes& from, int lane, LaneState& to) {
+    each_field(to, from, [lane](double& value, const double* row) { value = row[lane]; });
+  }
   SlideStep step_of(int kind) const {
     const SlideSteps& steps = kind == static_cast<int>(Need::slide) ? machines_.slide : machines_.creep;
     if (kind == static_cast<int>(Need::start)) return machines_.start;
@@ -146,38 +167,6 @@ void LanePool<Run, kNeighbours>::step(int kind, const End& end) {
     --g.seated;
     put(LaneState{}, g.lanes, lane);
     settle(slot, need, end);
-  }
-}
-
-template <class Run, bool kNeighbours>
-void LanePool<Run, kNeighbours>::put(const LaneState& from, SlideLanes& to, int lane) {
-  to.kappa[lane] = from.kappa;
-  to.left[lane] = from.left;
-  to.tolerance[lane] = from.tolerance;
-  to.vx[lane] = from.vx;
-  to.vy[lane] = from.vy;
-  to.zx[lane] = from.zx;
-  to.zy[lane] = from.zy;
-  for (int i = 0; kNeighbours && i < 2; ++i) {
-    to.ux[i][lane] = from.ux[i];
-    to.uy[i][lane] = from.uy[i];
-    to.yx[i][lane] = from.yx[i];
-    to.yy[i][lane] = from.yy[i];
-  }
-}
-
-template <class Run, bool kNeighbours>
-void LanePool<Run, kNeighbours>::take(const SlideLanes& from, int lane, LaneState& to) {
-  to.left = from.left[lane];
-  to.vx = from.vx[lane];
-  to.vy = from.vy[lane];
-  to.zx = from.zx[lane];
-  to.zy = from.zy[lane];
-  for (int i = 0; kNeighbours && i < 2; ++i) {
-    to.ux[i] = from.ux[i][lane];
-    to.uy[i] = from.uy[i][lane];
-    to.yx[i] = from.yx[i][lane];
-    to.yy[i] = from.yy[i][lane];
   }
 }
 

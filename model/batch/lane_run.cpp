@@ -8,6 +8,14 @@
 #include "model/equation/matrix2.h"
 
 namespace tribotrack::model::internal {
+namespace {
+
+/// alpha, NaN where nothing has moved.
+double direction(const Eigen::Vector2d& moved) {
+  return moved.norm() > 0 ? displacement_angle(moved) : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
 
 Need LaneRun::set_off(double kappa, double left) {
   lane.kappa = kappa;
@@ -149,13 +157,15 @@ void EndRun::leave_out_copies() {
 }
 
 BatchEnd EndRun::result() const {
-  BatchEnd end;
-  end.status = BatchStatus::done;
-  end.position = frame_.in_metres(position_);
-  end.v = mean_velocity(end.position, end_time_);
-  end.alpha =
-      end.position.norm() > 0 ? displacement_angle(end.position) : std::numeric_limits<double>::quiet_NaN();
-  return end;
+  return end_at(frame_.in_metres(position_), end_time_);
+}
+
+BatchEnd end_at(const Eigen::Vector2d& position, double time) {
+  return {BatchStatus::done, position, direction(position), mean_velocity(position, time)};
+}
+
+BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, double contraction) {
+  return {BatchStatus::done, drift, direction(drift), drift.norm() * angular_frequency / kTwoPi, contraction};
 }
 
 namespace {
@@ -273,13 +283,8 @@ Need OrbitRun::end_cycle() {
 
 BatchSteady OrbitRun::result() const {
   const double c = std::cos(begin_), s = std::sin(begin_);
-  BatchSteady steady;
-  steady.status = BatchStatus::done;
-  steady.drift = frame_.in_metres({drift_.x * c - drift_.y * s, drift_.x * s + drift_.y * c});
-  steady.v = steady.drift.norm() * angular_frequency_ / kTwoPi;
-  steady.alpha = steady.v > 0 ? displacement_angle(steady.drift) : std::numeric_limits<double>::quiet_NaN();
-  steady.contraction = contraction_;
-  return steady;
+  return steady_with(frame_.in_metres({drift_.x * c - drift_.y * s, drift_.x * s + drift_.y * c}),
+                     angular_frequency_, contraction_);
 }
 
 }  // namespace tribotrack::model::internal

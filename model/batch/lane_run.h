@@ -35,6 +35,10 @@ inline constexpr double kStopBelow = 1e-5;
 /// Starts from rest closer than this to the threshold of friction are stiff.
 inline constexpr double kMarginal = 0.02;
 
+/// The results that belong to a displacement, m, over a time, s, and to one per cycle.
+BatchEnd end_at(const Eigen::Vector2d& position, double time);
+BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, double contraction);
+
 class LaneRun {
  public:
   LaneState lane;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include "model/drive.h"
 #include "model/equation/phase.h"
@@ -15,53 +16,32 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-constexpr std::array kParameters = {
-    Parameter::mu1,         Parameter::mu2,        Parameter::lag,         Parameter::phi,
-    Parameter::dtau,        Parameter::amplitude,  Parameter::amplitude_y, Parameter::angular_frequency,
-    Parameter::phase_shift, Parameter::gravity,    Parameter::tilt_x,      Parameter::tilt_y,
-    Parameter::velocity_x,  Parameter::velocity_y, Parameter::start_phase, Parameter::spin,
-    Parameter::inertia,
-};
+/// Name and place of every Parameter, in the order of the enumeration.
+template <class Scenario_>
+auto parameters_of(Scenario_& s) {
+  using Named = std::pair<const char*, decltype(&s.start_phase)>;
+  return std::array{Named{"mu1", &s.friction.nominal},
+                    Named{"mu2", &s.friction.reduced},
+                    Named{"lag_rad", &s.friction.lag},
+                    Named{"phi_rad", &s.friction.phase},
+                    Named{"dtau_rad", &s.friction.pulse_width},
+                    Named{"amplitude_m", &s.drive.amplitude},
+                    Named{"amplitude_y_m", &s.drive.amplitude_y},
+                    Named{"angular_frequency_rad_s", &s.drive.angular_frequency},
+                    Named{"phase_shift_rad", &s.drive.phase_shift},
+                    Named{"gravity_m_s2", &s.drive.gravity},
+                    Named{"tilt_x_rad", &s.drive.tilt_x},
+                    Named{"tilt_y_rad", &s.drive.tilt_y},
+                    Named{"velocity_x_m_s", &s.initial_velocity.x()},
+                    Named{"velocity_y_m_s", &s.initial_velocity.y()},
+                    Named{"start_phase_rad", &s.start_phase},
+                    Named{"spin_rad_s", &s.spin.rate},
+                    Named{"inertia", &s.spin.inertia}};
+}
 
 template <class Scenario_>
-auto& reference(Scenario_& s, Parameter parameter) {
-  switch (parameter) {
-    case Parameter::mu1:
-      return s.friction.nominal;
-    case Parameter::mu2:
-      return s.friction.reduced;
-    case Parameter::lag:
-      return s.friction.lag;
-    case Parameter::phi:
-      return s.friction.phase;
-    case Parameter::dtau:
-      return s.friction.pulse_width;
-    case Parameter::amplitude:
-      return s.drive.amplitude;
-    case Parameter::amplitude_y:
-      return s.drive.amplitude_y;
-    case Parameter::angular_frequency:
-      return s.drive.angular_frequency;
-    case Parameter::phase_shift:
-      return s.drive.phase_shift;
-    case Parameter::gravity:
-      return s.drive.gravity;
-    case Parameter::tilt_x:
-      return s.drive.tilt_x;
-    case Parameter::tilt_y:
-      return s.drive.tilt_y;
-    case Parameter::velocity_x:
-      return s.initial_velocity.x();
-    case Parameter::velocity_y:
-      return s.initial_velocity.y();
-    case Parameter::start_phase:
-      return s.start_phase;
-    case Parameter::spin:
-      return s.spin.rate;
-    case Parameter::inertia:
-      return s.spin.inertia;
-  }
-  throw InvalidParameter("unknown model parameter");
+auto named(Scenario_& s, Parameter parameter) {
+  return parameters_of(s).at(static_cast<std::size_t>(parameter));
 }
 
 [[noreturn]] void refuse(const char* name, double value, const char* range) {
@@ -73,43 +53,8 @@ auto& reference(Scenario_& s, Parameter parameter) {
 }  // namespace
 
 const char* to_string(Parameter parameter) {
-  switch (parameter) {
-    case Parameter::mu1:
-      return "mu1";
-    case Parameter::mu2:
-      return "mu2";
-    case Parameter::lag:
-      return "lag_rad";
-    case Parameter::phi:
-      return "phi_rad";
-    case Parameter::dtau:
-      return "dtau_rad";
-    case Parameter::amplitude:
-      return "amplitude_m";
-    case Parameter::amplitude_y:
-      return "amplitude_y_m";
-    case Parameter::angular_frequency:
-      return "angular_frequency_rad_s";
-    case Parameter::phase_shift:
-      return "phase_shift_rad";
-    case Parameter::gravity:
-      return "gravity_m_s2";
-    case Parameter::tilt_x:
-      return "tilt_x_rad";
-    case Parameter::tilt_y:
-      return "tilt_y_rad";
-    case Parameter::velocity_x:
-      return "velocity_x_m_s";
-    case Parameter::velocity_y:
-      return "velocity_y_m_s";
-    case Parameter::start_phase:
-      return "start_phase_rad";
-    case Parameter::spin:
-      return "spin_rad_s";
-    case Parameter::inertia:
-      return "inertia";
-  }
-  return "?";
+  static const Scenario any;
+  return named(any, parameter).first;
 }
 
 const char* to_string(Start start) {
@@ -125,10 +70,10 @@ const char* to_string(Start start) {
 }
 
 double Scenario::get(Parameter parameter) const {
-  return reference(*this, parameter);
+  return *named(*this, parameter).second;
 }
 void Scenario::set(Parameter parameter, double value) {
-  reference(*this, parameter) = value;
+  *named(*this, parameter).second = value;
 }
 
 double Scenario::end_time() const {
@@ -136,8 +81,8 @@ double Scenario::end_time() const {
 }
 
 void Scenario::validate() const {
-  for (const Parameter parameter : kParameters)
-    if (!std::isfinite(get(parameter))) refuse(to_string(parameter), get(parameter), "a finite number");
+  for (const auto& [name, value] : parameters_of(*this))
+    if (!std::isfinite(*value)) refuse(name, *value, "a finite number");
   const auto require = [](bool good, const char* name, double value, const char* range) {
     if (!good) refuse(name, value, range);
   };

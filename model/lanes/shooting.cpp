@@ -5,9 +5,8 @@
 #include <cmath>
 
 #include "model/equation/matrix2.h"
-#include "model/lanes/slide_lanes.h"
 #include "model/lanes/turning_frame.h"
-#include "model/processor/instruction_set.h"
+#include "model/processor/kernels.h"
 
 namespace tribotrack::model::internal {
 namespace {
@@ -165,7 +164,7 @@ class Shooting {
     }
   }
 
-  SlideStep kernel_ = slide_machines().slide.with_neighbours;
+  SlideStep kernel_ = kernels().slides.slide.with_neighbours;
   SlideLanes lanes_{};
   double span_[kParts] = {}, end_[kParts] = {};
   Pair<double> start_[kParts], step_[kParts];
@@ -212,26 +211,6 @@ std::optional<TurningFrame> turning_frame(const Scenario& scenario) {
   const Pair<double> u = in.velocity;
   f.velocity = {(u.x * f.cosine + u.y * f.sine) / a, f.sense * (u.y * f.cosine - u.x * f.sine) / a};
   return f;
-}
-
-SlideMachines slide_machines_baseline();
-#if defined(__x86_64__)
-SlideMachines slide_machines_avx2();
-SlideMachines slide_machines_avx512();
-#endif
-
-SlideMachines slide_machines() {
-#if defined(__x86_64__)
-  switch (instruction_set()) {
-    case InstructionSet::avx512:
-      return slide_machines_avx512();
-    case InstructionSet::avx2:
-      return slide_machines_avx2();
-    case InstructionSet::baseline:
-      break;
-  }
-#endif
-  return slide_machines_baseline();
 }
 
 }  // namespace tribotrack::model::internal

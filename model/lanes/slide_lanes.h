@@ -35,6 +35,5 @@ struct SlideMachines {
   /// pass its end by this step is left where it was, with the sign of `left` changed.
   SlideSteps creep;
 };
-SlideMachines slide_machines();  ///< in the instruction set in use
 
 }  // namespace tribotrack::model::internal

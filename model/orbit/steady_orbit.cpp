@@ -15,13 +15,24 @@ namespace tribotrack::model {
 namespace internal {
 namespace {
 
-/// One period from the local phase 0 and velocity u, with its dependence on u. Its steps are taken off those
-/// that `in` has left.
+/// The one-cycle map U -> P(U) at the local phase 0, and the cycle's displacement D(U).
+struct CycleMap {
+  Eigen::Vector2d end, drift;             ///< P(U), D(U)
+  Eigen::Matrix2d jacobian, drift_slope;  ///< dP/dU, dD/dU
+};
+
+/// Its steps are taken off those that `in` has left.
 CycleMap one_cycle(SolverInput<Jet<2>>& in, const Eigen::Vector2d& u, ArcMemory& memory) {
+  Pair<Jet<2>> start{u.x(), u.y()};
+  start.x.d[0] = start.y.d[1] = 1;
   Solver<Jet<2>> solver(in);
-  CycleMap map = solver.map_cycle(0, in.edges.open_at_start && !in.circling, {u.x(), u.y()}, memory);
+  const Motion<Jet<2>> m = solver.run_one_cycle(in.edges.open_at_start && !in.circling, start, memory);
   in.max_steps -= solver.counts().steps;
-  return map;
+  const auto values = [](const Pair<Jet<2>>& a) { return Eigen::Vector2d(a.x.v, a.y.v); };
+  const auto slopes = [](const Pair<Jet<2>>& a) {
+    return Eigen::Matrix2d{{a.x.d[0], a.x.d[1]}, {a.y.d[0], a.y.d[1]}};
+  };
+  return {values(m.velocity), values(m.position), slopes(m.velocity), slopes(m.position)};
 }
 
 /// The circle at constant friction where that is the motion (section 2.2 of the paper: the end state at
@@ -39,58 +50,6 @@ Eigen::Vector2d first_guess(const ScaledProblem<Jet<2>>& problem, bool with_puls
     return speed * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   }
   return {-d.q.x, -d.q.y};
-}
-
-/// Where friction is weak the velocity keeps close to m + c(s), the motion without friction about its centre
-/// m, and a cycle's friction has to make up for the mean drive alone: int kappa n ds = 2 pi d_mean. That is
-/// the m at which int kappa |m + c| ds - 2 pi d_mean.m is least, a geometric median; found by Weiszfeld's
-/// iteration.
-Eigen::Vector2d weak_friction_guess(const SolverInput<Jet<2>>& in) {
-  constexpr int kSamples = 12;
-  const auto d = values(in.problem.drive);
-  const auto& e = in.edges.edge;
-  const bool pulses = in.edges.count == 2;
-  double x[2 * kSamples], y[2 * kSamples], weight[2 * kSamples], blur[2 * kSamples];
-  int count = 0;
-  for (int i = 0; i < (pulses ? 2 : 1); ++i) {
-    const double from = pulses ? e[i].s : 0;
-    const double width = !pulses ? kTwoPi : i == 0 ? e[1].s - e[0].s : kTwoPi - (e[1].s - e[0].s);
-    const double kappa = (pulses && e[i].opens ? in.problem.kappa_reduced : in.problem.kappa_nominal).v;
-    for (int k = 0; k < kSamples; ++k, ++count) {
-      const double s = from + width * (k + 0.5) / kSamples, c = std::cos(s), sine = std::sin(s);
-      x[count] = d.p.x * sine - d.q.x * c;
-      y[count] = d.p.y * sine - d.q.y * c;
-      weight[count] = kappa * width / kSamples;
-      blur[count] = 0.3 * width / kSamples;
-    }
-  }
-  Eigen::Vector2d m = Eigen::Vector2d::Zero();
-  for (int i = 0; i < 60; ++i) {
-    Eigen::Vector2d sum(kTwoPi * d.constant.x, kTwoPi * d.constant.y);
-    double total = 0, nearest = HUGE_VAL;
-    for (int k = 0; k < count; ++k) {
-      const double ux = m.x() + x[k], uy = m.y() + y[k];
-      const double distance = std::sqrt(ux * ux + uy * uy + blur[k] * blur[k]);
-      const double w = weight[k] / distance;
-      sum -= w * Eigen::Vector2d(x[k], y[k]);
-      total += w;
-      if (weight[k] > 0) nearest = std::fmin(nearest, distance);
-    }
-    const Eigen::Vector2d next = sum / total;
-    const double moved = (next - m).norm();
-    m = next;
-    if (!(moved > 0.01 * nearest)) break;
-  }
-  return m - Eigen::Vector2d(d.q.x, d.q.y);
-}
-
-/// Whether a cycle's friction changes the velocity by little.
-bool friction_is_weak(const SolverInput<Jet<2>>& in) {
-  const auto& e = in.edges.edge;
-  const double first = in.edges.count == 2 ? e[1].s - e[0].s : 0;
-  const double open = e[0].opens ? first : in.edges.count == 2 ? kTwoPi - first : 0;
-  const double impulse = in.problem.kappa_nominal.v * (kTwoPi - open) + in.problem.kappa_reduced.v * open;
-  return impulse < 0.5 * std::fmax(length(in.problem.drive.p), length(in.problem.drive.q));
 }
 
 /// Friction must be able to hold the mean of the drive, else the part runs away; and there must be some.
@@ -116,13 +75,17 @@ bool always_held(const SolverInput<Jet<2>>& in) {
 }
 
 /// Where a cycle and the one after it stop and end alike: nothing is remembered, the derivatives are 0.
-std::optional<Orbit> from_stop_to_stop(SolverInput<Jet<2>>& in, const Eigen::Vector2d& start) {
+std::optional<Orbit> from_stop_to_stop(const Scenario& scenario, bool with_pulses, SolverInput<Jet<2>>& in,
+                                       const Eigen::Vector2d& start) {
   const double kappa = std::fmax(in.problem.kappa_nominal.v, in.problem.kappa_reduced.v);
   if (!Excess(in.problem.drive, kappa).may_hold()) return std::nullopt;
+  SolverInput<double> plain = set_up<double>(scenario, {}, with_pulses);
+  plain.tolerance = in.tolerance;
   Pair<double> u{start.x(), start.y()};
   for (int i = 1; i <= 2; ++i) {
     ArcMemory memory;
-    Solver<double> solver(lifted<double>(in));
+    plain.max_steps = in.max_steps;
+    Solver<double> solver(plain);
     const Motion<double> end = solver.run_one_cycle(in.edges.open_at_start && !in.circling, u, memory);
     in.max_steps -= solver.counts().steps;
     if (!(solver.counts().stick_phase > 0)) return std::nullopt;
@@ -190,8 +153,8 @@ std::optional<Orbit> search(const Scenario& scenario, bool with_pulses, double t
     u = shot->velocity / velocity_unit(free);
     iterations = shot->newton_iterations;
   } else {
-    u = with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
-    if (auto orbit = from_stop_to_stop(in, u)) return orbit;
+    u = first_guess(in.problem, with_pulses);
+    if (auto orbit = from_stop_to_stop(free, with_pulses, in, u)) return orbit;
     if (kLoose > tolerance) {
       in.tolerance = kLoose;
       if (const auto orbit = solve_cycle(in, u, 1)) {

@@ -125,56 +125,26 @@ PlanStage every_cycle(const Scene& scene, const std::optional<SteadyOrbit>& orbi
           copies * period * apart};
 }
 
-PlanStage dense_output(const PlanPurpose& purpose) {
-  if (purpose.path)
-    return {"dense output", true,
-            "the motion between start and end is needed: shorter arcs, all of them stored"};
-  return {"dense output", false,
-          "only the end point is needed: arcs as long as their ends allow, none of them stored"};
-}
-
-PlanStage derivatives(const PlanPurpose& purpose) {
-  if (purpose.derivatives > 0)
-    return {"derivatives", true, with_figures("%.0f parameters", purpose.derivatives)};
-  return {"derivatives", false, "not needed: derivatives are used by fits only"};
-}
-
 }  // namespace
 
 double least_drive(const Drive& drive) {
+  // d = constant + p cos + q sin; half the slope of |d|^2 has at most four roots a cycle.
   constexpr double kTurn = 2 * std::numbers::pi;
-  const auto d = [&](double s) { return drive.acceleration(s); };
-  const Eigen::Vector2d constant = (d(0) + d(kTurn / 2)) / 2, p = d(0) - constant,
-                        q = d(kTurn / 4) - constant;
-  // Half of the derivative of |d|^2, and its derivative.
-  const auto slope = [&](double s) {
-    const Eigen::Vector2d value = constant + p * std::cos(s) + q * std::sin(s),
-                          rate = q * std::cos(s) - p * std::sin(s);
-    return value.dot(rate);
-  };
-  const auto curvature = [&](double s) {
-    const Eigen::Vector2d value = constant + p * std::cos(s) + q * std::sin(s),
-                          rate = q * std::cos(s) - p * std::sin(s);
-    return rate.squaredNorm() + value.dot(constant - value);
-  };
-  const auto minimum_between = [&](double low, double high) {
-    double s = (low + high) / 2;
-    for (int i = 0; i < 100 && high - low > 1e-16; ++i) {
-      const double y = slope(s);
-      (y < 0 ? low : high) = s;
-      double next = s - y / curvature(s);
-      if (!(next > low && next < high)) next = (low + high) / 2;
-      if (std::fabs(next - s) < 1e-16) break;
-      s = next;
-    }
-    return s;
-  };
-  constexpr int kSamples = 64;  // at most four roots
-  double least = d(0).norm();
+  const Eigen::Vector2d d0 = drive.acceleration(0), constant = (d0 + drive.acceleration(kTurn / 2)) / 2,
+                        p = d0 - constant, q = drive.acceleration(kTurn / 4) - constant;
+  const auto d = [&](double s) -> Eigen::Vector2d { return constant + p * std::cos(s) + q * std::sin(s); };
+  const auto slope = [&](double s) { return d(s).dot(q * std::cos(s) - p * std::sin(s)); };
+  constexpr int kSamples = 64;
+  double least = d0.norm();
   for (int k = 0; k < kSamples; ++k) {
-    const double low = kTurn * k / kSamples, high = kTurn * (k + 1) / kSamples;
+    double low = kTurn * k / kSamples, high = kTurn * (k + 1) / kSamples;
     least = std::min(least, d(low).norm());
-    if (slope(low) <= 0 && slope(high) >= 0) least = std::min(least, d(minimum_between(low, high)).norm());
+    if (slope(low) > 0 || slope(high) < 0) continue;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = (low + high) / 2;
+      (slope(middle) < 0 ? low : high) = middle;
+    }
+    least = std::min(least, d(high).norm());
   }
   return least;
 }
@@ -185,7 +155,7 @@ double cycles_until_repeating(double contraction) {
   return 3 + std::ceil(std::log(kSameVelocity) / std::log(contraction));
 }
 
-std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose) {
+std::vector<PlanStage> plan(const Scenario& scenario) {
   scenario.validate();
   const Scene scene(scenario);
   const bool worth_knowing = scenario.start != Start::rest || scene.cycles > 2;
@@ -196,8 +166,9 @@ std::vector<PlanStage> plan(const Scenario& scenario, const PlanPurpose& purpose
     stages.push_back(every_cycle(scene, orbit));
   else
     stages.push_back({"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles)});
-  stages.push_back(dense_output(purpose));
-  stages.push_back(derivatives(purpose));
+  stages.push_back(
+      {"dense output", true, "the motion between start and end is needed: shorter arcs, all of them stored"});
+  stages.push_back({"derivatives", false, "not needed: derivatives are used by fits only"});
   return stages;
 }
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/processor/kernels.h"
+
 namespace tribotrack::model::internal {
 
 namespace {
@@ -50,6 +52,14 @@ void use_instruction_set(InstructionSet set) {
   if (std::find(sets.begin(), sets.end(), set) == sets.end())
     throw std::invalid_argument(std::string("this processor has no ") + to_string(set));
   in_use() = set;
+}
+
+Kernels kernels() {
+#if defined(__x86_64__)
+  if (instruction_set() == InstructionSet::avx512) return kernels_avx512();
+  if (instruction_set() == InstructionSet::avx2) return kernels_avx2();
+#endif
+  return kernels_baseline();
 }
 
 }  // namespace tribotrack::model::internal

@@ -1,24 +1,9 @@
-// What is left of a run once its cycles have nearly come to repeat.
+// Whether the cycles of a run have come to repeat, and what taking them as copies adds to its error.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 
 namespace tribotrack::model::internal {
-
-/// The one-cycle map U -> P(U) at one cycle's start, and the cycle's displacement D(U).
-struct CycleMap {
-  Eigen::Vector2d end, drift;             ///< P(U), D(U)
-  Eigen::Matrix2d jacobian, drift_slope;  ///< dP/dU, dD/dU
-};
-
-struct Remainder {
-  Eigen::Vector2d velocity_change = Eigen::Vector2d::Zero(), displacement = Eigen::Vector2d::Zero();
-  double apart = 0;  ///< from the cycles left out, in velocity
-  double error = 0;  ///< of the displacement
-};
 
 /// Sum of min(k, 1/(1 - q)), k = 1 .. copies.
 inline double sum_of_gaps(double q, double copies) {
@@ -63,33 +48,5 @@ class Shrinking {
  private:
   double contraction_, rounding_ = 0;
 };
-
-/// `copies` more cycles after the one `map` describes, which began at `start`, `before` away from where the
-/// one before it began: d_{k+1} = J d_k, D_{k+1} = D_k + G d_k for the differences d_k of successive starts.
-/// Leaves out terms of second order in d; how large they are shows in d_0 - J d_{-1}, and they fall with d^2.
-inline Remainder extrapolate(const CycleMap& map, const Eigen::Vector2d& start, const Eigen::Vector2d& before,
-                             double copies) {
-  using Matrix = Eigen::Matrix2d;
-  const Eigen::Vector2d d = map.end - start;
-  const Matrix inverse = (Matrix::Identity() - map.jacobian).inverse();
-  if (!(inverse.norm() < 10)) {  // no contraction worth the name: gaps that shrank were rounding
-    Remainder none;
-    none.apart = none.error = HUGE_VAL;
-    return none;
-  }
-  Matrix power = Matrix::Identity(), square = map.jacobian;  // J^copies
-  for (double n = copies; n >= 1; n = std::floor(n / 2), square = (square * square).eval())
-    if (std::fmod(n, 2) == 1) power = (power * square).eval();
-  const Eigen::Vector2d geometric = inverse * (d - power * d);  // sum of J^i d, i = 0 .. copies - 1
-  Remainder rest;
-  rest.velocity_change = map.jacobian * geometric;
-  rest.displacement =
-      copies * map.drift + map.drift_slope * (inverse * (copies * d - map.jacobian * geometric));
-  const double q = std::fmin(d.norm() / before.norm(), 0.99);
-  const double second_order = (d - map.jacobian * before).norm() * q * q;
-  rest.apart = second_order / (1 - q);
-  rest.error = copying_error(second_order, q, copies);
-  return rest;
-}
 
 }  // namespace tribotrack::model::internal

@@ -17,10 +17,8 @@ class Solver {
   explicit Solver(const SolverInput<T>& input) : in_(input), part_(in_), shrinking_(in_.contraction) {}
 
   void run();
-  /// One cycle from (s, u), s either 0 or where run_cycle() ends, where friction is mu1 or mu2, to the same
-  /// phase of the next, with its derivatives by u. `memory` is what is known of its arcs, before and after.
-  CycleMap map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory);
-  /// The cycle alone, from the local phase 0.
+  /// One cycle from the velocity u at the local phase 0, where friction is mu1 or mu2. `memory` is what is
+  /// known of its arcs, before and after.
   Motion<T> run_one_cycle(bool reduced, const Pair<T>& u, ArcMemory& memory);
   Motion<T> end() const { return {part_.velocity(), part_.position()}; }
   /// Motion at the local phase s of a cycle, derivatives at fixed s.
@@ -48,9 +46,7 @@ class Solver {
   void run_cycle();
   void run_until(double s);
   void pass_edges(double until);
-  void note_cycle_start();
   void skip_repeating_cycles();
-  void extrapolate_cycles(const Pair<T>& previous_start, double allowed);
   Pair<T> drift_since(const CycleStart& start) const {
     const Pair<double>&now = part_.rounded(), &then = start.rounded;
     return (part_.position() - start.x) + Pair<T>{T(now.x - then.x), T(now.y - then.y)};
@@ -108,12 +104,6 @@ void Solver<T>::pass_edges(double until) {
   }
 }
 
-template <class T>
-void Solver<T>::note_cycle_start() {
-  const Pair<T>& u = part_.velocity();
-  last_start_ = {length(Pair<T>(u - last_start_.u)), u, part_.position(), part_.rounded(), part_.counts};
-}
-
 /// To 1e-13, or the tolerance, of the largest.
 template <class T>
 bool same_derivatives(const Pair<T>& a, const Pair<T>& b, double tolerance) {
@@ -133,7 +123,7 @@ void Solver<T>::skip_repeating_cycles() {
   const Pair<T> u = part_.velocity();
   const double scale = std::fmax(length(u), 1e-3), copies = in_.cycles - part_.cycle();
   const CycleStart before = last_start_;
-  note_cycle_start();
+  last_start_ = {length(Pair<T>(u - before.u)), u, part_.position(), part_.rounded(), part_.counts};
   if (part_.cycle() < 2) return;
   const StepCounts &now = last_start_.counts, &then = before.counts;
   const double gap = last_start_.gap, q = part_.cycle() > 2 && before.gap > 0 ? gap / before.gap : 1;
@@ -155,51 +145,6 @@ void Solver<T>::skip_repeating_cycles() {
     part_.counts.stick_phase += copies * (now.stick_phase - then.stick_phase);
     return;
   }
-  if constexpr (derivative_count<T> == 0) {
-    // Worth a try? Terms of second order in the next gap are left out.
-    const double next = gap * (part_.cycle() > 2 ? q : 0.1);
-    if (!in_.dense && now.stops == then.stops && next < 0.3 * gap && copies > 2 &&
-        next * next <= kTwoPi * allowed)
-      extrapolate_cycles(before.u, allowed);
-  }
-}
-
-/// One more cycle with its dependence on its start, from which all later ones follow.
-template <class T>
-void Solver<T>::extrapolate_cycles(const Pair<T>& previous_start, double allowed) {
-  Solver<Jet<2>> solver(lifted<Jet<2>>(in_));
-  const Pair<T> u = part_.velocity();
-  const CycleMap map = solver.map_cycle(part_.s(), part_.reduced(), u, part_.arcs().memory());
-  const Eigen::Vector2d start(u.x, u.y), before(u.x - previous_start.x, u.y - previous_start.y);
-  const double stops = solver.counts().stops;
-  part_.counts.steps += solver.counts().steps;
-  part_.counts.stops += stops;
-  part_.skip(1, {map.end.x(), map.end.y()}, {map.drift.x(), map.drift.y()});
-  const double copies = in_.cycles - part_.cycle();
-  const Remainder rest = extrapolate(map, start, before, copies);
-  if (stops > 0 || !(rest.apart <= allowed)) return note_cycle_start();
-  const Pair<T> change{rest.velocity_change.x(), rest.velocity_change.y()};
-  part_.skip(copies, part_.velocity() + change, {rest.displacement.x(), rest.displacement.y()});
-  error_bound_ = rest.error;
-}
-
-template <class T>
-CycleMap Solver<T>::map_cycle(double s, bool reduced, const Pair<double>& u, ArcMemory& memory) {
-  static_assert(derivative_count<T> == 2);
-  Pair<T> start{T(u.x), T(u.y)};
-  start.x.d[0] = start.y.d[1] = 1;
-  part_.begin(s, reduced, start);
-  part_.arcs().share(memory);
-  if (s < 0)
-    run_cycle();
-  else
-    run_until(kTwoPi);
-  const Motion<T> m = end();
-  const auto values = [](const Pair<T>& a) { return Eigen::Vector2d(a.x.v, a.y.v); };
-  const auto slopes = [](const Pair<T>& a) {
-    return Eigen::Matrix2d{{a.x.d[0], a.x.d[1]}, {a.y.d[0], a.y.d[1]}};
-  };
-  return {values(m.velocity), values(m.position), slopes(m.velocity), slopes(m.position)};
 }
 
 template <class T>

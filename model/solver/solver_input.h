@@ -26,28 +26,4 @@ struct SolverInput {
   long max_steps = 0;
 };
 
-/// The same input without its derivatives by the parameters, and room for others.
-template <class U, class T>
-SolverInput<U> lifted(const SolverInput<T>& in) {
-  const auto number = [](const T& a) { return U(value(a)); };
-  const auto pair = [&](const Pair<T>& a) { return Pair<U>{number(a.x), number(a.y)}; };
-  SolverInput<U> out;
-  const ScaledProblem<T>& p = in.problem;
-  out.problem = {{pair(p.drive.constant), pair(p.drive.p), pair(p.drive.q)},
-                 number(p.kappa_nominal),
-                 number(p.kappa_reduced),
-                 p.velocity_unit};
-  out.edges.count = in.edges.count;
-  out.edges.open_at_start = in.edges.open_at_start;
-  for (int i = 0; i < in.edges.count; ++i)
-    out.edges.edge[i] = {in.edges.edge[i].s, U{}, in.edges.edge[i].opens};
-  out.circling = in.circling;
-  out.velocity = pair(in.velocity);
-  out.cycles = in.cycles;
-  out.rest = in.rest;
-  out.tolerance = in.tolerance;
-  out.max_steps = in.max_steps;
-  return out;
-}
-
 }  // namespace tribotrack::model::internal

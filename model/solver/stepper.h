@@ -73,8 +73,6 @@ class Stepper {
   }
 
   double cycle() const { return cycle_; }
-  double s() const { return s_; }
-  bool reduced() const { return reduced_; }
   const Pair<T>& velocity() const { return u_; }
   const Pair<T>& position() const { return x_; }
   const Pair<double>& rounded() const { return rounded_; }

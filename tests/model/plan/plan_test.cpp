@@ -14,8 +14,8 @@ namespace {
 
 using laws::kPi;
 
-PlanStage stage(const Scenario& s, const std::string& name, const PlanPurpose& purpose = {}) {
-  for (const PlanStage& stage : plan(s, purpose))
+PlanStage stage(const Scenario& s, const std::string& name) {
+  for (const PlanStage& stage : plan(s))
     if (stage.name == name) return stage;
   throw std::runtime_error("no stage " + name);
 }
@@ -96,10 +96,6 @@ TEST(Plan, SaysWhatTheSceneNeeds) {
   s = pulsed(0.1);
   s.start = Start::steady;
   EXPECT_FALSE(stage(s, "transient").on);
-  EXPECT_FALSE(stage(s, "derivatives").on);
-  EXPECT_TRUE(stage(s, "derivatives", {3}).on);
-  EXPECT_TRUE(stage(s, "dense output").on);
-  EXPECT_FALSE(stage(s, "dense output", {0, false}).on);
 }
 
 TEST(Plan, WeakFrictionForgetsTooSlowlyToRepeat) {
