@@ -15,14 +15,14 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 /// Two runs that differ in dtau: one curve.
-ReportData two_runs() {
+ReportData two_runs(const model::Scenario& at) {
   ReportData data;
   for (const double dtau : {1.0, 2.0}) {
     ReportRun run;
-    run.kind = "displacement";
     run.phi_rad = 0;
     run.dtau_rad = dtau;
-    run.v_mm_s = 1;
+    run.measured["v_mm_s"].value = 1;
+    run.fitted.fitted = at;
     data.runs.push_back(run);
   }
   return data;
@@ -38,9 +38,9 @@ model::Scenario scenario(double mu1, double mu2, double cycles) {
 }
 
 TEST(ReportCurves, AreTheModelAtEachPoint) {
-  ReportData data = two_runs();
   const model::Scenario first = scenario(0.1, 0.0125, 20);
-  add_curves({first, first}, data);
+  ReportData data = two_runs(first);
+  add_curves(data);
   ASSERT_EQ(data.over_dtau.size(), 1u);
   const ReportGroup& curve = data.over_dtau.front();
   EXPECT_THAT(data.warnings, testing::IsEmpty());
@@ -56,10 +56,9 @@ TEST(ReportCurves, AreTheModelAtEachPoint) {
 
 // Friction so low that a cycle forgets little of the one before: each point takes tens of thousands of steps.
 TEST(ReportCurves, PointsThatTakeTooLongAreLeftOutAndSaid) {
-  ReportData data = two_runs();
-  const model::Scenario first = scenario(1e-5, 1e-6, 5000);
+  ReportData data = two_runs(scenario(1e-5, 1e-6, 5000));
   constexpr long few = 241 * 100;
-  add_curves({first, first}, data, few);
+  add_curves(data, few);
   ASSERT_EQ(data.over_dtau.size(), 1u);
   const ReportGroup& curve = data.over_dtau.front();
   const auto points = static_cast<long>(curve.curve_x_rad.size());
@@ -78,10 +77,9 @@ using testing::ElementsAre;
 
 ReportRun run(double phi, double dtau) {
   ReportRun r;
-  r.kind = "displacement";
   r.phi_rad = phi;
   r.dtau_rad = dtau;
-  r.v_mm_s = 1;
+  r.measured["v_mm_s"].value = 1;
   return r;
 }
 
@@ -123,8 +121,8 @@ TEST(ReportGroups, PhiIsBroughtIntoOneTurn) {
 TEST(ReportGroups, FailedRunsFreeSlidesAndRunsWithoutAVelocityAreLeftOut) {
   std::vector<ReportRun> runs = {run(0, 1), run(1, 1), run(2, 1), run(3, 1), run(4, 1)};
   runs[1].failure = "cannot be read";
-  runs[2].kind = "free_slide";
-  runs[3].v_mm_s = no_value;
+  runs[2].free_slide = true;
+  runs[3].measured.clear();
   EXPECT_THAT(group_over_phi(runs).at(0).runs, ElementsAre(0, 4));
 }
 
@@ -147,22 +145,21 @@ namespace {
 ReportRun resting_run() {
   ReportRun run;
   run.name = "a";
-  run.kind = "displacement";
   for (int frame = 0; frame <= 200; ++frame) {
-    run.time_s.push_back(0.01 * frame);
-    run.x_mm.push_back(3);
-    run.y_mm.push_back(4);
+    run.track.time_s.push_back(0.01 * frame);
+    run.track.x_mm.push_back(3);
+    run.track.y_mm.push_back(4);
   }
   return run;
 }
 
 TEST(ReportModelPath, BeginsWhereThePartWasFirstMeasured) {
   ReportRun run = resting_run();
-  run.x_mm[0] = run.y_mm[0] = no_value;
-  model::Scenario scenario;
+  run.track.x_mm[0] = run.track.y_mm[0] = no_value;
+  model::Scenario& scenario = run.fitted.fitted;
   scenario.cycles = 10;
-  ASSERT_TRUE(add_model_path(scenario, false, run));
-  ASSERT_EQ(run.model_x_mm.size(), run.time_s.size());
+  ASSERT_TRUE(add_model_path(run));
+  ASSERT_EQ(run.model_x_mm.size(), run.track.time_s.size());
   EXPECT_TRUE(std::isnan(run.model_x_mm[0]));
   EXPECT_EQ(run.model_x_mm[1], 3);
   const model::Trajectory path = model::integrate(scenario);
@@ -173,7 +170,7 @@ TEST(ReportModelPath, BeginsWhereThePartWasFirstMeasured) {
 
 TEST(ReportModelPath, OfAMotionThatTakesTooLongIsLeftOutAndSaid) {
   ReportRun run = resting_run();
-  EXPECT_FALSE(add_model_path(model::Scenario{}, false, run, 5));
+  EXPECT_FALSE(add_model_path(run, 5));
   EXPECT_TRUE(run.model_x_mm.empty());
   EXPECT_FALSE(run.cycle_x_mm.empty());
   ReportData data;

@@ -102,8 +102,8 @@ TEST(Dependence, HoldsTheMeasuredPointsTheModelAndItsBand) {
   ASSERT_EQ(points.x.size(), 8u);
   for (std::size_t k = 0; k < 8; ++k) {
     EXPECT_NEAR(points.x[k], static_cast<double>(k) * pi / 4, 1e-12);
-    EXPECT_EQ(points.y[k], data.runs[k].alpha_rad);
-    EXPECT_EQ(sd[k], data.runs[k].alpha_sd_rad);
+    EXPECT_EQ(points.y[k], data.runs[k].value("alpha_rad").value);
+    EXPECT_EQ(sd[k], data.runs[k].value("alpha_rad").sd);
   }
   const DrawnPath line = path_of(first(main, "lines")), band = path_of(first(main, "lines", true));
   const Values high = plot::values_of(first(main, "lines", true), "customdata");
@@ -117,9 +117,8 @@ TEST(Dependence, HoldsTheMeasuredPointsTheModelAndItsBand) {
 
 TEST(Dependence, BelowStandTheResidualsInStandardDeviations) {
   ReportData data = sample::campaign();
-  data.runs[0].alpha_rad = 0.05;  // across the seam at 2 pi
-  data.runs[0].modelled_alpha_rad = 2 * pi - 0.05;
-  data.runs[0].alpha_sd_rad = 0.05;
+  data.runs[0].measured["alpha_rad"] = {0.05, 0.05};  // across the seam at 2 pi
+  data.runs[0].fitted.residuals = {{"alpha_rad", 0.05, 2 * pi - 0.05, 0.05, 2}};
   const Panel below = dependence_figures(data)[0].panels[1];
   EXPECT_NEAR(path_of(first(below, "markers")).y[0], 2, 1e-9);
   ASSERT_EQ(below.shapes.size(), 1u);
@@ -207,13 +206,8 @@ TEST(ReportFigures, TrajectoriesHoldPathModelAndCycleMarksWithTheGapsOfTheTrack)
 }
 
 TEST(ReportFigures, ResidualsAreAsManyAsDegreesOfFreedom) {
-  ReportData data = sample::campaign();
-  for (ReportRun& run : data.runs)
-    if (!run.residuals.empty()) {
-      run.residuals.push_back({"alpha_rad", 1, 1, 0.1, 0.3});  // the same two numbers, seen otherwise
-      run.residuals.push_back({"v_mm_s", 1, 1, 0.1, 0.3});
-    }
-  const Figure f = figure(campaign_figures(data), "residuals");
+  // alpha and v are the same two numbers as dx and dy, seen otherwise.
+  const Figure f = figure(campaign_figures(sample::campaign()), "residuals");
   std::size_t shown = 0;
   for (const Json& trace : f.panels[0].traces) {
     EXPECT_TRUE(trace["name"] == "dx" || trace["name"] == "dy") << trace["name"];
@@ -227,7 +221,7 @@ TEST(ReportFigures, TheProfileOfAParabolaIsTheParabola) {
   const Figure f = figure(campaign_figures(data), "corner");
   EXPECT_EQ(f.panels.size(), 9u);
   EXPECT_TRUE(f.panels[1].traces.empty()) << "above the diagonal";
-  const ReportParameter& mu1 = data.parameters[0];
+  const fit::ParameterEstimate& mu1 = data.fit.parameters[0];
   ASSERT_EQ(f.panels[0].traces[1]["name"], "profile likelihood");
   const DrawnPath profile = path_of(f.panels[0].traces[1]);
   for (std::size_t i = 0; i < profile.x.size(); ++i)
@@ -238,8 +232,8 @@ TEST(ReportFigures, TheProfileOfAParabolaIsTheParabola) {
 TEST(ReportFigures, PairsLieInTheirRegions) {
   const ReportData data = sample::campaign();
   const Figure f = figure(campaign_figures(data), "corner");
-  const ReportParameter &a = data.parameters[0], &b = data.parameters[1];
-  const double r = data.correlation[1][0];
+  const fit::ParameterEstimate &a = data.fit.parameters[0], &b = data.fit.parameters[1];
+  const double r = data.fit.correlation(1, 0);
   ASSERT_EQ(f.panels[3].traces[1]["name"], "95 % region");
   const DrawnPath outer = path_of(f.panels[3].traces[1]);
   for (std::size_t i = 0; i < outer.x.size(); ++i) {
@@ -273,15 +267,15 @@ TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   double mean = 0;
   std::size_t count = 0;
   const ReportRun& run = data.runs[7];
-  for (std::size_t i = 0; i < run.x_mm.size(); ++i)
-    if (std::isfinite(run.x_mm[i])) {
-      mean += 1000 * (run.x_mm[i] - run.model_x_mm[i]);
+  const std::vector<double>& x_mm = run.track.x_mm;
+  for (std::size_t i = 0; i < x_mm.size(); ++i)
+    if (std::isfinite(x_mm[i])) {
+      mean += 1000 * (x_mm[i] - run.model_x_mm[i]);
       ++count;
     }
   mean /= static_cast<double>(count);
-  for (std::size_t i = 0; i < run.x_mm.size(); ++i)
-    if (std::isfinite(run.x_mm[i]))
-      wanted = std::max(wanted, 1000 * (run.x_mm[i] - run.model_x_mm[i]) - mean);
+  for (std::size_t i = 0; i < x_mm.size(); ++i)
+    if (std::isfinite(x_mm[i])) wanted = std::max(wanted, 1000 * (x_mm[i] - run.model_x_mm[i]) - mean);
   EXPECT_NEAR(largest, wanted, 1e-9) << "the envelope lost the largest residual";
 }
 

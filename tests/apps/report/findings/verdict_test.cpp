@@ -35,26 +35,26 @@ TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysWhy) {
 
 TEST(ReportVerdict, TheFitDecidesWhetherTheModelAgrees) {
   ReportData data = all_well();
-  data.chi2 = 48.7;
-  data.dof = 25;
-  data.agreement = fit::Agreement::good;
+  data.fit.chi2 = 48.7;
+  data.fit.dof = 25;
+  data.fit.agreement = fit::Agreement::good;
   EXPECT_EQ(verdict_of(data).heading, "Can be used");
-  data.agreement = fit::Agreement::poor;
+  data.fit.agreement = fit::Agreement::poor;
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("data contradict the model"));
-  data.agreement = fit::Agreement::only_with_scatter;
-  data.scatter_mm = 0.01;
+  data.fit.agreement = fit::Agreement::only_with_scatter;
+  data.fit.scatter = 1e-5;
   EXPECT_THAT(verdict_of(data).paragraph, HasSubstr("no longer tests the model"));
 }
 
 TEST(ReportVerdict, AFitThatDidNotConvergeMustNotBeUsed) {
   ReportData data = all_well();
-  data.converged = false;
+  data.fit.converged = false;
   EXPECT_EQ(verdict_of(data).trust, Trust::do_not_use);
 }
 
 TEST(ReportVerdict, AFitThatIsNotIdentifiableMustNotBeUsed) {
   ReportData data = all_well();
-  data.identifiability = ReportVerdict::not_identifiable;
+  data.fit.identifiability.verdict = fit::Verdict::not_identifiable;
   EXPECT_EQ(verdict_of(data).trust, Trust::do_not_use);
 }
 
@@ -65,29 +65,31 @@ TEST(ReportVerdict, EachDoubtIsNamedInTheHeading) {
     EXPECT_EQ(verdict_of(data).trust, Trust::with_care);
     return verdict_of(data).heading;
   };
-  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::poor; }),
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::poor; }),
               HasSubstr("data contradict the model"));
-  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::too_good; }),
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::too_good; }),
               HasSubstr("errors look too large"));
-  EXPECT_THAT(heading([](ReportData& d) { d.agreement = fit::Agreement::unknown; }),
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::unknown; }),
               HasSubstr("no data left to check"));
-  EXPECT_THAT(heading([](ReportData& d) { d.identifiability = ReportVerdict::weak; }), HasSubstr("weakly"));
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.identifiability.verdict = fit::Verdict::weak; }),
+              HasSubstr("weakly"));
   EXPECT_THAT(heading([](ReportData& d) { d.runs[0].failure = "gone"; }), HasSubstr("one run failed"));
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.outliers.resize(1); }),
+              HasSubstr("one run contradicts the others"));
+  EXPECT_THAT(heading([](ReportData& d) { d.fit.minima.resize(2); }),
+              HasSubstr("other values fit nearly as well"));
 }
 
 TEST(ReportVerdict, WithoutAFitItSpeaksOfMeasurementsOnly) {
-  ReportData data = all_well();
-  data.fitted = false;
-  EXPECT_EQ(verdict_of(data).trust, Trust::no_fit);
   EXPECT_EQ(verdict_of(ReportData{}).trust, Trust::no_fit);
 }
 
 TEST(ReportVerdict, SlidesThatNeededScatterAreNotPassedOver) {
   ReportData data = all_well();
-  data.agreement = fit::Agreement::only_with_scatter;
-  data.scatter_mm = 0.01;
-  data.p_value = 0;
-  data.slide_results.push_back({.name = "head on", .mu1 = 0.16, .mu1_sd = 0.002});
+  data.fit.agreement = fit::Agreement::only_with_scatter;
+  data.fit.scatter = 1e-5;
+  data.fit.p_value = 0;
+  data.fit.slides.resize(1);
   const Verdict verdict = verdict_of(data);
   EXPECT_EQ(verdict.trust, Trust::with_care);
   EXPECT_THAT(verdict.heading, HasSubstr("free slides deviate from the law of friction"));
@@ -96,13 +98,12 @@ TEST(ReportVerdict, SlidesThatNeededScatterAreNotPassedOver) {
 
 TEST(ReportVerdict, SlidesThatDifferOrWereStruckAreNamed) {
   ReportData data = all_well();
-  data.slide_results.push_back({.name = "a", .mu1 = 0.148, .mu1_sd = 0.002});
-  data.slide_results.push_back({.name = "b", .mu1 = 0.204, .mu1_sd = 0.002});
-  data.between_slides_p_value = 0.2;
+  data.fit.slides.resize(2);
+  data.fit.between_slides_p_value = 0.2;
   EXPECT_EQ(verdict_of(data).heading, "Can be used");
-  data.between_slides_p_value = 1e-9;
+  data.fit.between_slides_p_value = 1e-9;
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("differs from slide to slide by more than chance"));
-  data.slide_results.front().blow_frames = {231};
+  data.fit.slides.front().blows.resize(1);
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("a slide was struck on its way"));
 }
 

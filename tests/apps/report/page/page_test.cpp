@@ -39,22 +39,25 @@ TEST(ReportPage, TheSameDataGiveTheSameBytes) {
 TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   const std::string hostile = "<script>boom()</script>{{plotly}}\"'&";
   ReportData data = sample::campaign();
-  data.title = data.next_experiment = data.configuration = data.covariance_meaning = hostile;
-  data.shared_scale = hostile;
-  data.warnings = data.weak_directions = data.other_minima = data.left_out = data.systematics = {hostile};
-  data.outliers = {{hostile, 5, 0.001, 1}};
-  data.models = {{hostile, 3, 1, 1, 1, hostile}};
-  data.next_runs = {{0, 1, 0.28, 62.8, hostile, {}, hostile}};
-  data.parameters[0].name = data.given[0].name = data.given[0].source = hostile;
+  fit::FitResult& fit = data.fit;
+  data.title = data.configuration = data.shared_scale = data.phase_reference = hostile;
+  fit.covariance_meaning = fit.improve_first = fit.next_experiment->sentence = hostile;
+  data.warnings = fit.identifiability.weak_directions = fit.left_out = fit.systematics = {hostile};
+  fit.minima = {{}, {{}, 1, hostile}};
+  fit.outliers = {{hostile, 5, 0.001, 1, hostile}};
+  fit.models = {{hostile, 3, 1, 1, 1, {}, hostile}};
+  fit.slides.resize(1);
+  fit.slides[0].run = fit.slides[0].sentence = hostile;
+  for (fit::BudgetEntry& entry : fit.budget) entry.source = entry.quantity = entry.from = hostile;
+  data.conditions[0].quantity = data.conditions[0].from = hostile;
   data.inputs = {{hostile, hostile}};
   for (ReportRun& run : data.runs) {
-    run.name = run.video = run.time_base = hostile;
+    run.name = run.video = run.track.time_base = run.gate_source = hostile;
     run.notes = {hostile};
-    run.plan = {{hostile, false, hostile, 0.1}};
+    run.track.plan = {{hostile, false, hostile, 0.1}};
     if (!run.failure.empty()) run.failure = hostile;
-    for (ReportResidual& residual : run.residuals) residual.observable = hostile;
+    for (fit::Residual& residual : run.fitted.residuals) residual.observable = hostile;
   }
-  data.slides[0].name = data.slides[0].sentence = hostile;
   const std::string page = page_of(data);
   EXPECT_EQ(occurrences(page, "<script>boom"), 0u);
   EXPECT_EQ(occurrences(page, "Copyright 2012"), 1u) << "the template was filled in twice";
@@ -103,29 +106,31 @@ std::set<std::string> hosts(const std::string& net_log) {
 /// Every table, as wide as it gets.
 ReportData with_every_table() {
   ReportData data = sample::campaign();
-  for (ReportParameter& p : data.parameters) {
+  for (fit::ParameterEstimate& p : data.fit.parameters) {
     p.sd = 1e-6;  // many digits
     p.bootstrap_ci95 = p.ci95;
   }
-  data.outliers = {{"a run with quite a long name of its own", 12.3, 3e-8, 1.234}};
-  data.models = {{"Coulomb friction", 3, 531936124.9, 493.0, 498.5, ""},
-                 {"Stribeck", 4, 531936124.8, 494.0, 499.5, "friction at rest higher by 0.0157 +- 0.011 %"}};
-  data.next_runs = {{0.123456, 1, 0.28, 62.8, "", {{0.0999, 0.1001}, {0.0125, 0.0126}, {0.29, 0.31}}, ""}};
+  data.fit.outliers = {{"a run with quite a long name of its own", 12.3, 3e-8, 1.234, ""}};
+  data.fit.models = {
+      {"Coulomb friction", 3, 531936124.9, 493.0, 498.5, {}, ""},
+      {"Stribeck", 4, 531936124.8, 494.0, 499.5, {}, "friction at rest higher by 0.0157 +- 0.011 %"}};
+  data.fit.next_experiment->phi = 0.123456;
+  for (const fit::ParameterEstimate& p : data.fit.parameters)
+    data.fit.next_experiment->predicted_ci95[p.parameter] = p.ci95;
   return data;
 }
 
 ReportData odd() {
   ReportData data = sample::campaign();
   for (ReportRun& run : data.runs) {
-    run.alpha_rad = run.alpha_sd_rad = no_value;  // nothing moved more than its noise
-    run.v_mm_s = 0;
+    run.measured.erase("alpha_rad");  // nothing moved more than its noise
+    run.measured["v_mm_s"].value = 0;
     run.name = "same name";
-    for (ReportResidual& residual : run.residuals) residual.standardised = no_value;
+    for (fit::Residual& residual : run.fitted.residuals) residual.standardised = no_value;
+    run.fitted.slide.modelled.clear();
   }
   for (ReportGroup& group : data.over_phi)
     group.curve_x_rad = group.curve_alpha_rad = group.curve_v_mm_s = {};
-  data.slides[0].sigma_mm.clear();
-  data.slides[0].fitted_mm.clear();
   return data;
 }
 
@@ -239,9 +244,10 @@ TEST_F(ReportInChromium, EveryFigureIsDrawnWithoutError) {
 TEST_F(ReportInChromium, TheNumbersOnThePageAreThoseOfTheTables) {
   const ReportData data = sample::campaign();
   std::string estimates;
-  for (const ReportParameter& p : data.parameters) {
+  for (const fit::ParameterEstimate& p : data.fit.parameters) {
     estimates += (estimates.empty() ? "" : ",") + exact(p.estimate);
-    EXPECT_TRUE(holds(parameters_csv(data), p.name + "," + exact(p.estimate) + ","));
+    EXPECT_TRUE(holds(parameters_csv(data),
+                      std::string(fit::to_string(p.parameter)) + "," + exact(p.estimate) + ","));
   }
   EXPECT_THAT(told("sample.estimates"), testing::StartsWith(estimates));
 }
@@ -259,8 +265,8 @@ TEST_F(ReportInChromium, ATableLeavesAsRowsOfOneLength) {
   const std::size_t heading = csv.find('\n'), second = csv.find('\n', heading + 1);
   ASSERT_NE(second, std::string::npos) << csv;
   EXPECT_THAT(csv, HasSubstr("α, rad, sd"));
-  EXPECT_THAT(csv, HasSubstr("," + exact(sample::campaign().runs[0].alpha_rad) + "," +
-                             exact(sample::campaign().runs[0].alpha_sd_rad) + ","));
+  const fit::Estimate alpha = sample::campaign().runs[0].value("alpha_rad");
+  EXPECT_THAT(csv, HasSubstr("," + exact(alpha.value) + "," + exact(alpha.sd) + ","));
   // Commas in quotes stand in headings only: "α, rad", "v, mm/s", "σ, px" and the two sds.
   const auto commas = [&](std::size_t from, std::size_t to) {
     bool in_quotes = false;

@@ -33,8 +33,8 @@ TEST(ParameterSection, EachParameterHasItsRow) {
 
 TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
   ReportData data = sample::campaign();
-  data.parameters[0].ci95 = {0.05, infinity};
-  data.parameters[0].profile_ci95 = {};
+  data.fit.parameters[0].ci95 = {0.05, infinity};
+  data.fit.parameters[0].profile_ci95 = {no_value, no_value};
   EXPECT_THAT(parameters_of(data),
               HasSubstr("<td class=\"n ends\">0.05000 to ∞</td><td class=\"n ends\">0.09952 to 0.10073</td>"
                         "<td class=\"n ends\">–</td><td>1</td>"));
@@ -52,8 +52,35 @@ TEST(ParameterSection, GivenAndMeasuredConditionsStandSideBySide) {
                       "<td class=\"n\">–</td><td class=\"n\">1.570810(20) rad</td><td>marker, 14 runs</td>"));
   ReportData data = sample::campaign();
   data.conditions.clear();
-  data.given.clear();
   EXPECT_THAT(parameters_of(data), Not(HasSubstr("Conditions")));
+}
+
+TEST(ParameterSection, ABootstrapHasItsColumnAndItsSeed) {
+  ReportData data = sample::campaign();
+  for (fit::ParameterEstimate& p : data.fit.parameters) p.bootstrap_ci95 = p.ci95;
+  data.fit.bootstrap = 400;
+  data.fit.bootstrap_seed = 7;
+  const std::string html = parameters_of(data);
+  EXPECT_THAT(html, HasSubstr("<th class=\"n\">by profile</th><th class=\"n\">by bootstrap</th>"));
+  EXPECT_THAT(html, HasSubstr("95 % of 400 refits to simulated data (seed 7)"));
+}
+
+TEST(ParameterSection, WhatTheDataLeaveOpenComesWithItsRemedy) {
+  ReportData data = sample::campaign();
+  data.fit.identifiability = {
+      fit::Verdict::not_identifiable, {"mu1 up 1 % is hidden by phase_lag_rad down 0.021."}, {}};
+  data.fit.next_experiment.reset();
+  data.fit.other_next_experiments.resize(1);
+  data.fit.other_next_experiments[0].sentence = "For mu1 film dtau = 3.";
+  data.fit.minima = {{}, {{}, 1.2, "Another minimum: mu1 = 0.154."}};
+  data.shared_scale = "14 recordings share one scale";
+  const std::string html = parameters_of(data);
+  EXPECT_THAT(html, HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021.</li>"));
+  EXPECT_THAT(html, HasSubstr("<b>Remedy:</b> For μ₁ film Δτ = 3."));
+  EXPECT_THAT(html, HasSubstr("<h3>Other minima</h3>"));
+  EXPECT_THAT(html, HasSubstr("<p>14 recordings share one scale.</p>"));
+  for (const char* absent : {"bootstrap", "taken as known is wrong", "nan"})
+    EXPECT_THAT(html, Not(HasSubstr(absent)));
 }
 
 TEST(ParameterSection, IsLeftOutWithoutAFit) {
@@ -77,21 +104,24 @@ using sample::pi;
 using test::occurrences;
 using testing::HasSubstr;
 
-ReportNextRun run(double amplitude_mm, const std::string& aim) {
-  return {.phi_rad = 1.5 * pi,
-          .dtau_rad = pi,
-          .amplitude_mm = amplitude_mm,
-          .w_rad_s = 62.8,
+fit::NextExperiment run(double amplitude, std::optional<fit::FitParameter> aim = {}) {
+  return {.phi = 1.5 * pi,
+          .dtau = pi,
+          .amplitude = amplitude,
+          .angular_frequency = 62.8,
           .aim = aim,
-          .predicted_ci95 = {{0.0997, 0.1003}, {0.0121, 0.0131}, {-INFINITY, INFINITY}},
-          .sentence = "Film next."};
+          .predicted_sd = {},
+          .predicted_ci95 = {{fit::FitParameter::mu1, {0.0997, 0.1003}},
+                             {fit::FitParameter::mu2, {0.0121, 0.0131}},
+                             {fit::FitParameter::lag, {-INFINITY, INFINITY}}},
+          .sentence = "Film next: a run."};
 }
 
 TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
   ReportData data = sample::campaign();
-  data.next_runs = {run(0.28, "")};
+  data.fit.next_experiment = run(0.28e-3);
   const std::string html = next_section(data).html;
-  EXPECT_THAT(html, HasSubstr("A run at φ = 3π/4"));
+  EXPECT_THAT(html, HasSubstr("<p>Film next: a run.</p>"));
   const std::size_t now = html.find("0.09952 to 0.10073");
   const std::size_t then = html.find(
       "<td><b>all together</b></td><td class=\"n\">3π/2</td><td class=\"n\">π</td><td "
@@ -104,7 +134,9 @@ TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
 
 TEST(NextSection, ARunBestForTwoParametersStandsOnce) {
   ReportData data = sample::campaign();
-  data.next_runs = {run(0.28, ""), run(0.35, "mu1"), run(0.35, "phase_lag_rad")};
+  data.fit.next_experiment = run(0.28e-3);
+  data.fit.other_next_experiments = {run(0.35e-3, fit::FitParameter::mu1),
+                                     run(0.35e-3, fit::FitParameter::lag)};
   const std::string html = next_section(data).html;
   EXPECT_THAT(html, HasSubstr("<b>μ<sub>1</sub> alone, lag alone</b>"));
   EXPECT_EQ(occurrences(html, "<tr>"), 4u);  // heading, now, two runs
@@ -112,7 +144,7 @@ TEST(NextSection, ARunBestForTwoParametersStandsOnce) {
 
 TEST(NextSection, IsLeftOutWhereNoneWasLookedFor) {
   ReportData data = sample::campaign();
-  data.next_experiment.clear();
+  data.fit.next_experiment.reset();
   EXPECT_EQ(next_section(data).html, "");
 }
 

@@ -15,21 +15,16 @@ ReportData one_run() {
   ReportRun run;
   run.name = "a";
   run.video = "a.cine";
-  run.kind = "displacement";
   run.phi_rad = sample::pi / 2;
   run.dtau_rad = sample::pi / 3;
-  run.alpha_rad = 1.2345;
-  run.alpha_sd_rad = 0.012;
-  run.v_mm_s = 2.5;
-  run.v_sd_mm_s = 0.05;
-  run.modelled_alpha_rad = 1.23;
-  run.modelled_v_mm_s = 2.51;
+  run.measured = {{"alpha_rad", {1.2345, 0.012}}, {"v_mm_s", {2.5, 0.05}}};
+  run.fitted.residuals = {{"alpha_rad", 1.2345, 1.23, 0.012, 0}, {"v_mm_s", 2.5, 2.51, 0.05, 0}};
   run.cycles = 20;
-  run.frames_ok = 7;
-  run.frames_lost = 2;
-  run.frames_edge = 1;
-  run.frame_rate_hz = 1000;
-  run.time_base = "camera header";
+  run.track.frames = 10;
+  run.track.lost = 2;
+  run.track.edge = 1;
+  run.track.frame_rate_hz = 1000;
+  run.track.time_base = "camera header";
   run.sigma_px = 0.0123;
   data.runs = {run};
   return data;
@@ -57,10 +52,10 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   ReportData data = one_run();
   ReportRun& run = data.runs[0];
   run.first_frame = sample::kPng;
-  run.frame_width_px = 64;
-  run.frame_height_px = 48;
-  run.x_px = {no_value, 10, 11, no_value, 13, no_value};
-  run.y_px = {no_value, 20, 21, no_value, 23, no_value};
+  run.track.width_px = 64;
+  run.track.height_px = 48;
+  run.track.x_px = {no_value, 10, 11, no_value, 13, no_value};
+  run.track.y_px = {no_value, 20, 21, no_value, 23, no_value};
   const std::string html = pictures_of_runs(data);
   EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
   // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
@@ -73,16 +68,16 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
 TEST(PictureSection, JpegIsToldFromPng) {
   ReportData data = one_run();
   data.runs[0].first_frame = {0xff, 0xd8, 0xff};
-  data.runs[0].frame_width_px = data.runs[0].frame_height_px = 10;
+  data.runs[0].track.width_px = data.runs[0].track.height_px = 10;
   EXPECT_THAT(pictures_of_runs(data), HasSubstr("data:image/jpeg;base64,/9j/"));
 }
 
 TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
   ReportData data = one_run();
-  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", 0.002},
-                       {"weights", false, "even light", 0},
-                       {"illumination", false, "brushed platform", no_value},
-                       {"marker", true, "moves", no_value}};
+  data.runs[0].track.plan = {{"rotation", false, "turns by 0.1°", 0.002},
+                             {"weights", false, "even light", 0},
+                             {"illumination", false, "brushed platform", {}},
+                             {"marker", true, "moves", {}}};
   const std::string html = plan_section(data).html;
   EXPECT_THAT(html, HasSubstr("1 a: 3 of 4 stages left out"));
   EXPECT_THAT(html, HasSubstr("<td>rotation</td><td><b>left out</b></td><td>turns by 0.1°</td>"
@@ -94,10 +89,10 @@ TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
 
 TEST(PlanSection, RunsWithTheSamePlanShareATable) {
   ReportData data = one_run();
-  data.runs[0].plan = {{"rotation", false, "turns by 0.1°", no_value}};
+  data.runs[0].track.plan = {{"rotation", false, "turns by 0.1°", {}}};
   data.runs.resize(3, data.runs[0]);
-  data.runs[1].plan[0].on = true;
-  data.runs[2].plan[0].reason = "turns by 0.2°";  // other figures, the same plan
+  data.runs[1].track.plan[0].on = true;
+  data.runs[2].track.plan[0].reason = "turns by 0.2°";  // other figures, the same plan
   const std::string html = plan_section(data).html;
   EXPECT_THAT(html, HasSubstr("<summary>runs 1, 3: 1 of 1 stages left out</summary>"));
   EXPECT_THAT(html, HasSubstr("<summary>2 a: 0 of 1 stages left out</summary>"));
@@ -106,10 +101,10 @@ TEST(PlanSection, RunsWithTheSamePlanShareATable) {
 TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
   ReportData data = one_run();
   EXPECT_EQ(audit_section(data).html, "");  // a track of an earlier version, or a run measured elsewhere
-  data.runs[0].audit.halves_x = 1.42;
-  data.runs[0].audit.lag1 = -0.31;
-  data.runs[0].audit.white_factor = 4;
-  data.runs[0].audit.slow_sd = 0.0123;
+  data.runs[0].track.audit.halves_x = 1.42;
+  data.runs[0].track.audit.lag1 = -0.31;
+  data.runs[0].track.audit.white_factor = 4;
+  data.runs[0].track.audit.slow_sd = 0.0123;
   EXPECT_THAT(audit_section(data).html,
               HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
                         "class=\"n\">–</td><td class=\"n\">-0.31</td><td "

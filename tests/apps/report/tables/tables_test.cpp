@@ -38,11 +38,11 @@ std::string cell(const std::string& csv, std::size_t row, const std::string& col
 
 TEST(RunsCsv, HasARowForEachRunWithAllDigits) {
   ReportData data = sample::campaign();
-  data.runs[0].alpha_rad = 1.0 / 3;
+  data.runs[0].measured["alpha_rad"].value = 1.0 / 3;
   const std::string csv = runs_csv(data);
   EXPECT_EQ(lines(csv).size(), 1 + data.runs.size());
   EXPECT_EQ(cell(csv, 1, "alpha_rad"), "0.3333333333333333");
-  EXPECT_EQ(cell(csv, 1, "dx_residual_sd"), exact(data.runs[0].residuals[0].standardised));
+  EXPECT_EQ(cell(csv, 1, "dx_residual_sd"), exact(data.runs[0].fitted.residuals[0].standardised));
   EXPECT_EQ(cell(csv, 8, "frames_lost"), "3");
   EXPECT_EQ(cell(csv, 14, "frame_rate_hz"), "") << "measured elsewhere";
 }
@@ -55,7 +55,7 @@ TEST(RunsCsv, WhatWouldBreakARowIsQuoted) {
 
 TEST(ParametersCsv, HoldsIntervalsAndCorrelationsAndLeavesOpenEndsEmpty) {
   ReportData data = sample::campaign();
-  data.parameters[1].ci95.high = std::numeric_limits<double>::infinity();
+  data.fit.parameters[1].ci95.high = std::numeric_limits<double>::infinity();
   const std::string csv = parameters_csv(data);
   EXPECT_EQ(cell(csv, 1, "estimate"), "0.100123");
   EXPECT_EQ(cell(csv, 2, "ci95_high"), "");
@@ -77,7 +77,7 @@ TEST(ReportText, IsOneBlockToPaste) {
 
 TEST(ReportText, WithoutAFitItSpeaksOfMeasurements) {
   ReportData data = sample::campaign();
-  data.fitted = false;
+  data.fit.parameters.clear();
   EXPECT_THAT(report_text(data), HasSubstr("Measurements only"));
   EXPECT_EQ(test::occurrences(report_text(data), "parameters: value"), 0u);
 }
