@@ -195,31 +195,28 @@ void settle_timing(const Campaign& campaign, Run& run) {
 
 }  // namespace
 
-Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<Track> track) {
-  Run analysed;
-  analysed.given = run;
-  if (track) {
-    require_accepted(run, *track);
-    analysed.inputs = track->inputs;
-    if (run.scope && !run.free_slide) {
-      require_trace(run);
-      ScopeFile file = read_scope_file(*run.scope);
-      analysed.inputs.push_back(file.input);
-      if (run.second_scope) {
-        const ScopeFile second = read_scope_file(*run.second_scope);
-        analysed.inputs.push_back(second.input);
+void measure(const Campaign& campaign, Run& run) {
+  const CampaignRun& given = run.given;
+  if (run.track) {
+    Track& track = *run.track;
+    require_accepted(given, track);
+    run.inputs = track.inputs;
+    if (given.scope && !given.free_slide) {
+      require_trace(given);
+      ScopeFile file = read_scope_file(*given.scope);
+      run.inputs.push_back(file.input);
+      if (given.second_scope) {
+        const ScopeFile second = read_scope_file(*given.second_scope);
+        run.inputs.push_back(second.input);
         add_channels(second, file);
       }
-      analysed.scope = scope_of(campaign, run, *track, file);
+      run.scope = scope_of(campaign, given, track, file);
     }
+    if (campaign.part.diameter_mm) track.table.radius = 0.5e-3 * *campaign.part.diameter_mm;
+    if (given.free_slide) require_slide(given, track.table);
   }
-  analysed.track = std::move(track);
-  if (analysed.track && campaign.part.diameter_mm)
-    analysed.track->table.radius = 0.5e-3 * *campaign.part.diameter_mm;
-  if (run.free_slide && analysed.track) require_slide(run, analysed.track->table);
-  measure_again(campaign, analysed);
-  require_same_frequency(analysed);
-  return analysed;
+  measure_again(campaign, run);
+  require_same_frequency(run);
 }
 
 void require_trace(const CampaignRun& run) {

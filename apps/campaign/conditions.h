@@ -2,19 +2,17 @@
 #pragma once
 
 #include <exception>
-#include <optional>
 #include <string>
 
 #include "apps/files/campaign/campaign.h"
-#include "apps/files/track_file.h"
 #include "apps/run/run.h"
 
 namespace tribotrack::apps {
 
-/// Reads the run's oscilloscope trace and measures the run. `track` is empty for runs measured elsewhere.
-/// Throws what measure_run throws, and InvalidInput where the part was lost too often or a condition is
-/// neither given nor measured.
-Run analyse(const Campaign& campaign, const CampaignRun& run, std::optional<Track> track);
+/// Measures a run with its track: reads its oscilloscope trace, if any, and fills in the rest. Throws what
+/// measure_run throws, and InvalidInput where the part was lost too often or a condition is neither given nor
+/// measured.
+void measure(const Campaign& campaign, Run& run);
 
 /// Throws InvalidInput, naming run and file, where the run's oscilloscope trace is not there.
 void require_trace(const CampaignRun& run);
@@ -23,6 +21,6 @@ void require_trace(const CampaignRun& run);
 std::string failure_of(const CampaignRun& run, const std::exception& error);
 
 /// Measures it again, after a change of its track's scale.
-void measure_again(const Campaign& campaign, Run& analysed);
+void measure_again(const Campaign& campaign, Run& run);
 
 }  // namespace tribotrack::apps

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -15,8 +13,6 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
-#include "model/parallel.h"
-#include "vision/frame_sink.h"
 
 namespace tribotrack::apps {
 
@@ -32,6 +28,8 @@ double reference_mm_per_px(const std::vector<Run>& runs) {
 }
 
 namespace {
+
+using fit::FitParameter;
 
 void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
   const std::string& name = run.given.name;
@@ -86,25 +84,6 @@ std::string coding_sentence(const fit::FitResult& result) {
       list);
 }
 
-/// Of each run's recording: what its work is measured by.
-std::vector<std::uintmax_t> bytes_of(const Campaign& campaign) {
-  std::vector<std::uintmax_t> bytes;
-  for (const CampaignRun& run : campaign.runs) {
-    std::error_code not_a_file;
-    const std::uintmax_t size = run.video ? std::filesystem::file_size(*run.video, not_a_file) : 0;
-    bytes.push_back(not_a_file ? 0 : size);
-  }
-  return bytes;
-}
-
-/// Large recordings first: one that began last would leave the other threads without work.
-std::vector<std::size_t> order_of_work(const std::vector<std::uintmax_t>& bytes) {
-  std::vector<std::size_t> order(bytes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t k) { return bytes[k]; });
-  return order;
-}
-
 /// Where recordings hold fewer whole cycles than the campaign asks for.
 void note_fewer_cycles(const std::vector<Run>& runs, const Context& context) {
   std::size_t count = 0;
@@ -127,45 +106,8 @@ void note_fewer_cycles(const std::vector<Run>& runs, const Context& context) {
 
 }  // namespace
 
-std::vector<Run> for_each_run(const Campaign& campaign, const Context& context, const RunWork& work) {
-  std::vector<Run> runs(campaign.runs.size());
-  const std::vector<std::uintmax_t> bytes = bytes_of(campaign);
-  const std::vector<std::size_t> order = order_of_work(bytes);
-  RunsProgress progress(bytes, progress_style(context.quiet));
-  std::mutex mutex;
-  std::vector<Run> first;  // to finish: what all of them contradict is a slip in the campaign
-  const std::size_t enough = std::min<std::size_t>(2, runs.size());
-  parallel_for(runs.size(), threads_to_use(context), [&](std::size_t k) {
-    const std::size_t index = order[k];
-    const CampaignRun& run = campaign.runs[index];
-    try {
-      runs[index] = work(index, [&](std::int64_t done, std::int64_t total) {
-        progress.update(index, done, total);
-        context.tell("track " + run.name, done, total);
-      });
-    } catch (const OutputError&) {
-      throw;  // a full disk is no fault of this run
-    } catch (const vision::OutputError&) {
-      throw;
-    } catch (const std::exception& error) {
-      runs[index] = {};
-      runs[index].given = run;
-      runs[index].failure = failure_of(run, error);
-    }
-    progress.finish(index);
-    const std::lock_guard lock(mutex);
-    if (first.size() < enough && runs[index].failure.empty() && runs[index].measurement) {
-      first.push_back(runs[index]);
-      if (first.size() == enough) require_no_slips(campaign, first);
-    }
-  });
-  return runs;
-}
-
-FitStage fit_runs(const Campaign& campaign, const std::vector<Run>& runs, SharedFindings shared,
-                  const Context& context, fit::FitOptions options) {
-  FitStage stage;
-  stage.shared = std::move(shared);
+void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& context,
+              fit::FitOptions options) {
   options.threads = threads_to_use(context);
   StageProgress progress(context.quiet);
   options.progress = [&](const char* name, std::size_t done, std::size_t total) {
@@ -173,16 +115,15 @@ FitStage fit_runs(const Campaign& campaign, const std::vector<Run>& runs, Shared
     progress.update(stage_name, done, total);
     context.tell(stage_name, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
-  const fit::Problem problem = problem_of(campaign, runs, stage.shared.conditions);
-  stage.result = fit::estimate(problem, options);
-  std::vector<std::string> suspects = suspicious_runs(problem, stage.result);
-  stage.result.warnings.insert(stage.result.warnings.begin(), suspects.begin(), suspects.end());
-  stage.json = fit_json(campaign, runs, stage.result);
-  add_to(stage.json, stage.shared.scale);
-  add_to(stage.json, stage.shared.conditions);
+  const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.shared.conditions);
+  fitted.result = fit::estimate(problem, options);
+  std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
+  fitted.result.warnings.insert(fitted.result.warnings.begin(), suspects.begin(), suspects.end());
+  fitted.json = fit_json(campaign, fitted.runs, fitted.result);
+  add_to(fitted.json, fitted.shared.scale);
+  add_to(fitted.json, fitted.shared.conditions);
   for (const std::string& note : campaign.notes) say(context.quiet, "note: " + note);
-  note_fewer_cycles(runs, context);
-  return stage;
+  note_fewer_cycles(fitted.runs, context);
 }
 
 MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs) {
@@ -196,15 +137,15 @@ MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs) {
   return meta;
 }
 
-void write_fit(const std::filesystem::path& path, const FitStage& stage, const MetaFile& meta) {
-  write_result(path, text_of(stage.json), meta);
+void write_fit(const std::filesystem::path& path, const FittedCampaign& fitted, const MetaFile& meta) {
+  write_result(path, text_of(fitted.json), meta);
 }
 
-std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& stage,
+std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
                                       const std::string& look_at) {
-  const fit::FitResult& result = stage.result;
+  const fit::FitResult& result = fitted.result;
   std::vector<Reservation> found;
-  if (coder_exceeds_interval(result))
+  if (result.coder_exceeds_interval())
     found.push_back(
         {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
   if (!result.usable())
@@ -221,13 +162,13 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FitStage& 
   return found;
 }
 
-void report_fit(const Campaign& campaign, const FitStage& stage, bool explain, const std::string& look_at,
-                Context& context) {
-  say(context.quiet, explain ? stage.result.full_report() : stage.result.brief_report());
-  if (explain) say(context.quiet, conditions_text(stage.shared.conditions.table));
-  for (const Json& warning : stage.json["warnings"])
+void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
+                const std::string& look_at, Context& context) {
+  say(context.quiet, explain ? fitted.result.full_report() : fitted.result.brief_report());
+  if (explain) say(context.quiet, conditions_text(fitted.shared.conditions.pooled));
+  for (const Json& warning : fitted.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
-  for (const Reservation& reservation : reservations(campaign, stage, look_at)) {
+  for (const Reservation& reservation : reservations(campaign, fitted, look_at)) {
     complain(reservation.sentence);
     for (const std::string& sentence : reservation.remedies) print_error("  " + sentence);
     context.exit_code = reservation.exit_code;

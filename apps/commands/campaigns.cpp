@@ -126,11 +126,11 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   choices.tracks = options.tracks;
   choices.measurements = options.measurements;
   choices.result = options.output;
-  const auto [runs, stage] = fit_campaign(campaign, choices, context);
-  write_fit(options.output, stage, meta_of_fit(campaign, runs));
+  const FittedCampaign fitted = fit_campaign(campaign, choices, context);
+  write_fit(options.output, fitted, meta_of_fit(campaign, fitted.runs));
   if (!is_standard_output(options.output))
-    print_text(options.json ? text_of(stage.json) : parameter_table(stage.json) + slide_table(stage.json));
-  report_fit(campaign, stage, options.explain, "identifiability and next_experiment in " + options.output,
+    print_text(options.json ? text_of(fitted.json) : parameter_table(fitted.json) + slide_table(fitted.json));
+  report_fit(campaign, fitted, options.explain, "identifiability and next_experiment in " + options.output,
              context);
 }
 

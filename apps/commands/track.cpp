@@ -12,11 +12,12 @@
 #include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/fitting/fit_campaign.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/recording/track_choices.h"
-#include "apps/recording/track_recording.h"
+#include "apps/recording/check.h"
+#include "apps/recording/record.h"
+#include "apps/recording/track.h"
+#include "apps/run/job.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"
@@ -111,17 +112,17 @@ TrackChoices choices_of(const TrackCommandOptions& options) {
   return choices;
 }
 
-RecordingJob job_of(const TrackCommandOptions& options) {
+Recording recording_of(const TrackCommandOptions& options) {
   if (options.input == "-" || options.input == "/dev/stdin")
     throw InvalidInput(
         fmt::format("'{}': a recording is not read from standard input; give its file", options.input));
-  RecordingJob job = job_of(options.input, choices_of(options));
+  Recording recording = recording_of(options.input, choices_of(options));
   if (!options.debug_frames.empty() && options.debug.empty())
     throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
   if (!options.debug_frames.empty())
     for (const std::string& part : split(options.debug_frames, ','))
-      job.track.debug_frames.push_back(frame_number("--debug-frames", part));
-  return job;
+      recording.options.debug_frames.push_back(frame_number("--debug-frames", part));
+  return recording;
 }
 
 /// Refuses the folder the recording's own pictures lie in: the debug pictures would become part of it.
@@ -186,19 +187,18 @@ double cpu_seconds() {
 }
 
 /// Tracks, writes what was asked for, and says how it went.
-void track_and_write(const TrackCommandOptions& options, const PreparedJob& prepared, double started,
+void track_and_write(const TrackCommandOptions& options, Recording recording, double started,
                      Context& context) {
   std::optional<Progress> progress(std::in_place, "track", context.quiet, "frames");
-  PreparedJob watched = prepared;
-  watched.job.track.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
-  TrackedRecording recording = track_recording(watched, options.output);
+  recording.options.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
+  recording = tracked(std::move(recording), options.output);
   progress.reset();
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"starting", started});
   const auto tracked = std::chrono::steady_clock::now();
   if (!options.first_frame.empty()) write_first_frame(options.first_frame, recording);
   if (!options.overlay.empty()) write_overlay_file(options.overlay, recording);
-  write_track(options.output, prepared, recording);
+  write_track(options.output, recording);
   const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
   times.push_back({"writing the results", writing.count()});
 
@@ -212,7 +212,7 @@ void track_and_write(const TrackCommandOptions& options, const PreparedJob& prep
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  const std::string failure = gate_failure(prepared.job, summary);
+  const std::string failure = gate_failure(recording);
   if (failure.empty()) return;
   complain(failure);
   context.exit_code = kQualityGate;
@@ -240,9 +240,9 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
       import_track(*run.track, run.reading, options.output);
       return;
     }
-    PreparedJob prepared = prepare_run(campaign, run);
-    prepared.job.track.threads = threads_to_use(context);
-    track_and_write(options, prepared, started, context);
+    Recording recording = checked_recording(campaign, run);
+    recording.options.threads = threads_to_use(context);
+    track_and_write(options, std::move(recording), started, context);
   });
 }
 
@@ -250,17 +250,17 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   const double started = cpu_seconds();
   if (!options.campaign.empty()) return track_run(options, started, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
-  RecordingJob job = job_of(options);
+  Recording recording = recording_of(options);
   check_outputs(options, inputs_of(options));
-  job.track.threads = threads_to_use(context);
+  recording.options.threads = threads_to_use(context);
 
   std::optional<vision::DebugFolder> debug;
   if (!options.debug.empty()) {
     check_debug_folder(options.debug, options.input);
     debug.emplace(options.debug);
-    job.track.debug = &*debug;
+    recording.options.debug = &*debug;
   }
-  track_and_write(options, prepare(std::move(job)), started, context);
+  track_and_write(options, checked(std::move(recording)), started, context);
 }
 
 /// What only a recording named by itself can be told: a campaign says it for its runs.

@@ -67,7 +67,7 @@ class Watcher {
     settle();
     if (!fitted_) throw InvalidInput(fmt::format("{}: no recording could be used", options_.folder));
     context_.exit_code = exit_code_;
-    if (options_.json) print_text(text_of(fit_.json));
+    if (options_.json) print_text(text_of(json_));
   }
 
  private:
@@ -93,10 +93,7 @@ class Watcher {
                                                          .new_recordings = arrived},
                                            std::move(campaign), context_);
       runner->take_folder();
-      runner->measure_runs();
-      runner->share_scale();
-      runner->refuse_if_none_is_left();
-      runner->share_conditions();
+      runner->measure();
       const bool known = preview_.usable() && preview_.runs.size() >= kFewRuns;
       preview_ = runner->preview(known ? &preview_ : nullptr);
       const bool said = say_next_of(preview_);
@@ -119,7 +116,7 @@ class Watcher {
       tell(runner, next_said);
       runner.report();
       runner.write_log();
-      fit_ = runner.fit();
+      json_ = runner.fitted().json;
       fitted_ = true;
     } catch (const OutputError&) {
       throw;
@@ -142,12 +139,12 @@ class Watcher {
   }
 
   void tell(const CampaignRunner& runner, bool next_said) {
-    const FitStage& fit = runner.fit();
-    say_result(fmt::format("{} runs: {}", runner.runs().size(), fit.result.brief_report()));
+    const FittedCampaign& fit = runner.fitted();
+    say_result(fmt::format("{} runs: {}", fit.runs.size(), fit.result.brief_report()));
     for (const Json& warning : fit.json["warnings"])
       say(context_.quiet, "warning: " + warning.get<std::string>());
     if (const auto failed = runner.failed()) {
-      complain(fmt::format("{} of {} runs failed and were left out", failed, runner.runs().size()));
+      complain(fmt::format("{} of {} runs failed and were left out", failed, fit.runs.size()));
       exit_code_ = kQualityGate;
     }
     if (!fit.result.usable()) exit_code_ = kFitUnusable;
@@ -188,7 +185,7 @@ class Watcher {
   RunFolderLock lock_;
   fit::FitResult preview_;  ///< the last one
   // Written by fit_and_report() alone; read after settle(), but for reached_.
-  FitStage fit_;
+  Json json_;  ///< of fit.json
   bool fitted_ = false;
   ExitCode exit_code_ = kDone;
   std::atomic<bool> reached_ = false;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/measuring/condition_table.h"
+#include "apps/measuring/likely_slip.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 #include "fit/conditions.h"

@@ -9,12 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "apps/measuring/condition_table.h"
+#include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 #include "fit/estimate.h"
+#include "fit/fit_result_json.h"
 
 namespace tribotrack::apps {
 
@@ -73,53 +74,6 @@ std::string likely_slip(const std::string& quantity, double given, double measur
 
 namespace {
 
-Json value_json(const std::optional<fit::Estimate>& estimate) {
-  return estimate ? finite_json(estimate->value) : Json();
-}
-
-/// Null for an exact value.
-Json sd_json(const std::optional<fit::Estimate>& estimate) {
-  return estimate && estimate->sd > 0 ? finite_json(estimate->sd) : Json();
-}
-
-std::string text_of(const fit::Estimate& estimate) {
-  if (!(estimate.sd > 0)) return fmt::format("{:.6g}", estimate.value);
-  return quoted(estimate.value, estimate.sd);
-}
-
-}  // namespace
-
-Json conditions_json(const std::vector<ConditionRow>& rows) {
-  Json json = Json::array();
-  for (const ConditionRow& row : rows)
-    json.push_back({{"quantity", row.quantity},
-                    {"given", value_json(row.given)},
-                    {"given_sd", sd_json(row.given)},
-                    {"measured", value_json(row.measured)},
-                    {"sd", sd_json(row.measured)},
-                    {"difference_in_sd", row.difference_in_sd ? finite_json(*row.difference_in_sd) : Json()},
-                    {"runs", row.runs},
-                    {"p_value", finite_json(row.p_value)},
-                    {"used", finite_json(row.used.value)},
-                    {"used_sd", sd_json(row.used)},
-                    {"from", row.from}});
-  return json;
-}
-
-std::string conditions_text(const std::vector<ConditionRow>& rows) {
-  if (rows.empty()) return "";
-  std::string text = fmt::format("{:<26}{:>22}{:>28}{:>18}   {}\n", "condition", "given", "measured",
-                                 "difference in sd", "used");
-  for (const ConditionRow& row : rows)
-    text += fmt::format("{:<26}{:>22}{:>28}{:>18}   {}\n", row.quantity,
-                        row.given ? text_of(*row.given) : "-", row.measured ? text_of(*row.measured) : "-",
-                        row.difference_in_sd ? fmt::format("{:.1f}", *row.difference_in_sd) : "-",
-                        fmt::format("{}, {}", text_of(row.used), row.from));
-  return text;
-}
-
-namespace {
-
 /// sd of the curvature of a track of length `time` whose errors of sd `sd` last for `correlation` each: that
 /// of a parabola through as many independent points, 720/n sd^2/time^4.
 double slow_curvature_sd(double sd, double correlation, double time) {
@@ -164,45 +118,8 @@ SlideMeasurement measure_slide(const std::string& name, const Track& track, doub
   return m;
 }
 
-Json slide_result_json(const fit::SlideResult& slide) {
-  Json json = {{"name", slide.run},
-               {"mu1", finite_json(slide.mu1.value)},
-               {"mu1_sd", finite_json(slide.mu1.sd)},
-               {"ci95", Json::array({finite_json(slide.ci95.low), finite_json(slide.ci95.high)})},
-               {"chi2", finite_json(slide.chi2)},
-               {"dof", slide.dof},
-               {"p_value", finite_json(slide.p_value)},
-               {"scatter_mm", slide.scatter * 1e3},
-               {"points", slide.points},
-               {"first_frame", slide.first_frame},
-               {"last_frame", slide.last_frame},
-               {"speed_mm_s", finite_json(slide.speed * 1e3)},
-               {"stop_time_s", finite_json(slide.stop_time)},
-               {"spin_seen", slide.spin_seen}};
-  if (slide.slope != 0) json["slope_rad"] = slide.slope;
-  if (slide.spin_seen) {
-    json["spin_rad_s"] = finite_json(slide.spin.value);
-    json["spin_rad_s_sd"] = finite_json(slide.spin.sd);
-    json["spin_ratio"] = finite_json(slide.spin_ratio.value);
-    json["spin_ratio_sd"] = finite_json(slide.spin_ratio.sd);
-    json["bearing_over_radius"] = finite_json(slide.bearing.value);
-    json["bearing_over_radius_sd"] = finite_json(slide.bearing.sd);
-  } else if (slide.slope == 0) {
-    json["mu1_change_by_half_spin"] = finite_json(slide.change_by_half_spin);
-  }
-  json["blows"] = Json::array();
-  for (const fit::Blow& blow : slide.blows)
-    json["blows"].push_back({{"frame", blow.frame},
-                             {"time_s", blow.time},
-                             {"jump_mm_s", blow.jump * 1e3},
-                             {"speed_before_mm_s", blow.speed_before * 1e3},
-                             {"speed_after_mm_s", blow.speed_after * 1e3}});
-  json["sentence"] = slide.sentence;
-  return json;
-}
-
 Json slide_measurement_json(const SlideMeasurement& m, const Track& track) {
-  Json json = slide_result_json(m.slide);
+  Json json = m.slide;
   json.erase("name");
   json["kind"] = "free_slide";
   json["deceleration_mm_s2"] = finite_json(m.deceleration.value * 1e3);

@@ -26,9 +26,6 @@ SlideMeasurement measure_slide(const std::string& name, const Track& track, doub
 /// The object `measure --json` prints of a free slide.
 Json slide_measurement_json(const SlideMeasurement& measurement, const Track& track);
 
-/// An entry of `slides` in fit.json.
-Json slide_result_json(const fit::SlideResult& slide);
-
 // What `measure` makes of one track: the motion of a driven part, or a free slide.
 
 /// Each a flag of the command line and a keyword in Python; empty: not given.

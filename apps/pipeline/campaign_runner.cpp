@@ -10,14 +10,15 @@
 #include <utility>
 
 #include "apps/campaign/fit_json.h"
-#include "apps/campaign/fit_stage.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/recording/job.h"
+#include "apps/recording/check.h"
+#include "apps/recording/record.h"
+#include "apps/recording/track.h"
 #include "apps/report/report.h"
+#include "apps/run/job.h"
 #include "apps/text/output_file.h"
-#include "vision/overlay.h"
 
 namespace tribotrack::apps {
 
@@ -29,10 +30,7 @@ constexpr const char* kStopped =
 void carry_out(CampaignRunner& runner) {
   runner.take_folder();
   const LastWords stopped(kStopped);
-  runner.measure_runs();
-  runner.share_scale();
-  runner.refuse_if_none_is_left();
-  runner.share_conditions();
+  runner.measure();
   runner.fit_all();
   runner.report();
   runner.write_log();
@@ -98,8 +96,8 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
       runner.say_what_happened();
     else
       runner.print_result();
-    fits[name] = runner.fit().json;
-    rows += csv_rows(name, runner.fit().json);
+    fits[name] = runner.fitted().json;
+    rows += csv_rows(name, runner.fitted().json);
   }
   if (plan_only) return;
   if (fits.empty())
@@ -121,11 +119,7 @@ double seconds_since(std::chrono::steady_clock::time_point begun) {
 }  // namespace
 
 CampaignRunner::CampaignRunner(const RunnerOptions& options, Campaign campaign, Context& context)
-    : options_(options),
-      context_(context),
-      campaign_(std::move(campaign)),
-      folder_{options.output},
-      logs_(campaign_.runs.size()) {}
+    : options_(options), context_(context), campaign_(std::move(campaign)), folder_{options.output} {}
 
 void CampaignRunner::print_plan() const {
   for (const CampaignRun& run : campaign_.runs) {
@@ -135,8 +129,9 @@ void CampaignRunner::print_plan() const {
       if (!may_be_recording(*run.video))
         step = fmt::format("cannot: there is no recording {}", run.video->string());
       else
-        step = is_complete(run, prepare(job_for(campaign_, run)).key) ? "skip tracking: its track is current"
-                                                                      : "track, measure";
+        step = is_complete(run, checked(recording_of(campaign_, run)).key)
+                   ? "skip tracking: its track is current"
+                   : "track, measure";
     }
     print("{:<28} {}\n", run.name, step);
   }
@@ -173,50 +168,37 @@ void CampaignRunner::take_folder() {
                     folder_.aside().root.string(), others.size() == 1 ? "it" : "they"));
 }
 
-void CampaignRunner::measure_runs() {
-  runs_ = for_each_run(campaign_, context_, [this](std::size_t index, const FramesDone& frames_done) {
-    return carry_out(index, frames_done);
-  });
-}
-
-Run CampaignRunner::carry_out(std::size_t index, const FramesDone& frames_done) {
-  const CampaignRun& run = campaign_.runs[index];
-  const auto begun = std::chrono::steady_clock::now();
-  struct Stopwatch {
-    const std::chrono::steady_clock::time_point begun;
-    double& seconds;
-    ~Stopwatch() { seconds = seconds_since(begun); }
-  } const stopwatch{begun, logs_[index].seconds};
-  std::optional<Track> track;
-  if (run.video) track = track_of(run, frames_done, logs_[index]);
-  if (run.track) track = import_track(*run.track, run.reading, folder_.track(run.name));
-  Run analysed = analyse(campaign_, run, std::move(track));
-  write_measurement(analysed);
-  return analysed;
+void CampaignRunner::measure() {
+  LineOfWork line;
+  line.track = [this](Run& run, const FramesDone& frames_done) {
+    const CampaignRun& given = run.given;
+    if (given.video) run.track = track_of(given, frames_done, run.log);
+    if (given.track) run.track = import_track(*given.track, given.reading, folder_.track(given.name));
+  };
+  line.measurements = folder_.measurements();
+  line.name_failed = [this](const std::vector<Run>& runs) { name_failed(runs); };
+  fitted_ = measured(campaign_, line, context_);
 }
 
 /// The track that is there, if it is current, else one made now.
-Track CampaignRunner::track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const {
-  if (!may_be_recording(*run.video))
-    throw InvalidInput(fmt::format("{}: run \"{}\": there is no recording {}; check `video`", run.place,
-                                   run.name, run.video->string()));
-  require_trace(run);
-  PreparedJob job = prepare(job_for(campaign_, run));
-  job.job.track.progress = frames_done;
+Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frames_done, Run::Log& log) const {
+  const fs::path csv = folder_.track(given.name);
+  Recording recording = checked_recording(campaign_, given);
+  log.skipped = is_complete(given, recording.key);
+  if (log.skipped) return read_track_file(csv);
+  recording.options.progress = frames_done;
   // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.
   const std::size_t to_track = options_.new_recordings > 0 ? options_.new_recordings : campaign_.runs.size();
-  job.job.track.threads =
+  recording.options.threads =
       std::max(1, threads_to_use(context_) / static_cast<int>(std::max<std::size_t>(1, to_track)));
-  log.skipped = is_complete(run, job.key);
-  if (log.skipped) return read_track_file(folder_.track(run.name));
   const auto begun = std::chrono::steady_clock::now();
-  TrackedRecording recording = track_recording(job, folder_.track(run.name));
+  recording = tracked(std::move(recording), csv);
   log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
   for (const auto& stage : recording.result.stage_times) log.stage_seconds[stage.name] = stage.seconds;
-  write_pictures(run, recording);  // first: the track's meta file marks the run as done
-  const Input csv = write_track(folder_.track(run.name), job, recording);
-  Track track = apps::track_of(job, recording);
-  track.inputs = {csv};
+  write_pictures(given, recording);  // first: the track's meta file marks the run as done
+  const Input written = write_track(csv, recording);
+  Track track = track_in(recording);
+  track.inputs = {written};
   return track;
 }
 
@@ -225,44 +207,24 @@ bool CampaignRunner::is_complete(const CampaignRun& run, const std::string& key)
          (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
 }
 
-void CampaignRunner::write_pictures(const CampaignRun& run, TrackedRecording& recording) const {
-  const auto jpeg = vision::first_frame_jpeg(*recording.source, recording.result.track.first_seen());
-  write_file(folder_.first_frame(run.name), {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()},
-             Content::pictures);
-  for (const fs::path& overlay : {folder_.overlay(run.name), folder_.overlay_video(run.name)}) {
-    if (overlay.extension() == ".mp4" && !options_.overlay_videos) continue;
-    write_overlay_file(overlay, recording);
-  }
+void CampaignRunner::write_pictures(const CampaignRun& run, const Recording& recording) const {
+  write_first_frame(folder_.first_frame(run.name), recording);
+  write_overlay_file(folder_.overlay(run.name), recording);
+  if (options_.overlay_videos) write_overlay_file(folder_.overlay_video(run.name), recording);
 }
 
-void CampaignRunner::write_measurement(const Run& run) const {
-  if (run.measurement && run.track)
-    write_file(folder_.measurement(run.given.name), text_of(measurement_json(*run.measurement, *run.track)));
-}
-
-void CampaignRunner::share_scale() {
-  shared_.scale = apps::share_scale(campaign_, runs_);
-  if (!shared_.scale || !shared_.scale->used) return;
-  for (const Run& run : runs_)
-    if (run.failure.empty()) write_measurement(run);
-}
-
-void CampaignRunner::share_conditions() {
-  shared_.conditions = apps::share_conditions(campaign_, runs_);
-}
-
-void CampaignRunner::refuse_if_none_is_left() {
-  const bool none_left = failed() == runs_.size();
-  if (none_left && runs_.size() == 1) throw InvalidInput(runs_.front().failure);
-  for (const Run& run : runs_)
+void CampaignRunner::name_failed(const std::vector<Run>& runs) const {
+  const bool none_left = std::ranges::none_of(runs, &std::string::empty, &Run::failure);
+  if (none_left && runs.size() == 1) throw InvalidInput(runs.front().failure);
+  for (const Run& run : runs)
     if (!run.failure.empty()) complain(run.failure);
   if (none_left)
     throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
-                                   options_.campaign, runs_.size()));
+                                   options_.campaign, runs.size()));
 }
 
 fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
-  const fit::Problem problem = problem_of(campaign_, runs_, shared_.conditions);
+  const fit::Problem problem = problem_of(campaign_, fitted_.runs, fitted_.shared.conditions);
   fit::FitOptions options;
   options.profiles = false;
   options.threads = threads_to_use(context_);
@@ -270,13 +232,13 @@ fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
 }
 
 void CampaignRunner::fit_all() {
-  fit_ = fit_runs(campaign_, runs_, shared_, context_);
+  fit_runs(campaign_, fitted_, context_);
 }
 
 void CampaignRunner::report() const {
-  const MetaFile meta = meta_of_fit(campaign_, runs_);
-  write_fit(folder_.fit(), fit_, meta);
-  const Report report = report_of({fit_.json, meta.json(), runs_, folder_});
+  const MetaFile meta = meta_of_fit(campaign_, fitted_.runs);
+  write_fit(folder_.fit(), fitted_, meta);
+  const Report report = report_of({fitted_.json, meta.json(), fitted_.runs, folder_});
   write_file(folder_.runs_table(), report.runs_csv);
   write_file(folder_.parameter_table(), report.parameters_csv);
   write_file(folder_.text(), report.text);
@@ -295,42 +257,40 @@ void CampaignRunner::write_log() const {
       fmt::format("tribotrack {} {} -o {}", options_.command, options_.campaign, options_.output);
   json["seconds"] = seconds_since(begun_);
   json["runs"] = Json::array();
-  for (std::size_t k = 0; k < runs_.size(); ++k)
-    json["runs"].push_back({{"name", runs_[k].given.name},
-                            {"skipped_as_current", logs_[k].skipped},
-                            {"seconds", logs_[k].seconds},
-                            {"frames_per_second", logs_[k].frames_per_second},
-                            {"stage_seconds", logs_[k].stage_seconds},
-                            {"failure", runs_[k].failure}});
+  for (const Run& run : fitted_.runs)
+    json["runs"].push_back({{"name", run.given.name},
+                            {"skipped_as_current", run.log.skipped},
+                            {"seconds", run.log.seconds},
+                            {"frames_per_second", run.log.frames_per_second},
+                            {"stage_seconds", run.log.stage_seconds},
+                            {"failure", run.failure}});
   write_file(folder_.log(), text_of(json));
 }
 
 void CampaignRunner::print_result() const {
   if (options_.json)
-    print_text(text_of(fit_.json));
+    print_text(text_of(fitted_.json));
   else
-    print("{}{}report {}\n", parameter_table(fit_.json), slide_table(fit_.json), folder_.report().string());
+    print("{}{}report {}\n", parameter_table(fitted_.json), slide_table(fitted_.json),
+          folder_.report().string());
   say_what_happened();
 }
 
 void CampaignRunner::say_what_happened() const {
-  if (skipped() > 0)
-    say(context_.quiet, fmt::format("{} of {} tracks were current and were kept", skipped(), runs_.size()));
+  const auto skipped = std::ranges::count_if(fitted_.runs, [](const Run& run) { return run.log.skipped; });
+  if (skipped > 0)
+    say(context_.quiet,
+        fmt::format("{} of {} tracks were current and were kept", skipped, fitted_.runs.size()));
   if (failed() > 0) {
-    complain(fmt::format("{} of {} runs failed and were left out", failed(), runs_.size()));
+    complain(fmt::format("{} of {} runs failed and were left out", failed(), fitted_.runs.size()));
     context_.exit_code = kQualityGate;
   }
-  report_fit(campaign_, fit_, options_.explain, "the report", context_);
+  report_fit(campaign_, fitted_, options_.explain, "the report", context_);
 }
 
 std::size_t CampaignRunner::failed() const {
   return static_cast<std::size_t>(
-      std::count_if(runs_.begin(), runs_.end(), [](const Run& run) { return !run.failure.empty(); }));
-}
-
-std::size_t CampaignRunner::skipped() const {
-  return static_cast<std::size_t>(
-      std::count_if(logs_.begin(), logs_.end(), [](const RunLog& log) { return log.skipped; }));
+      std::ranges::count_if(fitted_.runs, [](const Run& run) { return !run.failure.empty(); }));
 }
 
 }  // namespace tribotrack::apps

@@ -13,8 +13,8 @@
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/context.h"
-#include "apps/recording/track_recording.h"
-#include "apps/text/json.h"
+#include "apps/recording/recording.h"
+#include "apps/run/line.h"
 
 namespace tribotrack::apps {
 
@@ -28,14 +28,6 @@ struct RunnerOptions {
   std::size_t new_recordings = 0;  ///< the others are tracked already; 0: not known
 };
 
-/// How one run went, for run.json.
-struct RunLog {
-  bool skipped = false;  ///< its track was current
-  double seconds = 0;
-  double frames_per_second = 0;
-  Json stage_seconds = Json::object();  ///< of tracking
-};
-
 /// One way through a campaign: its verbs in the order in which they are to be called.
 class CampaignRunner {
  public:
@@ -45,12 +37,9 @@ class CampaignRunner {
   void print_plan() const;
   /// From here on only this process writes into the folder, and only over earlier results of `run`.
   void take_folder();
-  void measure_runs();
-  void share_scale();
-  /// Refuses a campaign that contradicts its recordings; their tracks stay.
-  void share_conditions();
-  /// Failed runs are named; finished tracks stay for the next call.
-  void refuse_if_none_is_left();
+  /// Every run, and what they share. Refuses a campaign that contradicts its recordings, and one that has no
+  /// run left; finished tracks stay for the next call. Failed runs are named.
+  void measure();
   /// A fit for the run to film next: no profiles, nothing kept. It begins at `last`, an earlier one to fewer
   /// of the runs, and looks elsewhere only where that does not describe all of them.
   fit::FitResult preview(const fit::FitResult* last) const;
@@ -61,17 +50,14 @@ class CampaignRunner {
   void print_result() const;
   void say_what_happened() const;
 
-  const std::vector<Run>& runs() const { return runs_; }
-  const FitStage& fit() const { return fit_; }
+  const FittedCampaign& fitted() const { return fitted_; }
   std::size_t failed() const;
 
  private:
-  Run carry_out(std::size_t index, const FramesDone& frames_done);
-  Track track_of(const CampaignRun& run, const FramesDone& frames_done, RunLog& log) const;
+  Track track_of(const CampaignRun& given, const FramesDone& frames_done, Run::Log& log) const;
   bool is_complete(const CampaignRun& run, const std::string& key) const;
-  void write_pictures(const CampaignRun& run, TrackedRecording& recording) const;
-  void write_measurement(const Run& run) const;
-  std::size_t skipped() const;
+  void write_pictures(const CampaignRun& run, const Recording& recording) const;
+  void name_failed(const std::vector<Run>& runs) const;
 
   const RunnerOptions options_;
   Context& context_;
@@ -79,10 +65,7 @@ class CampaignRunner {
   const Campaign campaign_;
   const RunFolder folder_;
   std::optional<RunFolderLock> lock_;
-  std::vector<RunLog> logs_;
-  std::vector<Run> runs_;
-  SharedFindings shared_;
-  FitStage fit_;
+  FittedCampaign fitted_;
 };
 
 /// Of one part. With `plan_only` nothing is done but said.

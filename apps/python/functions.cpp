@@ -115,7 +115,8 @@ py::dict measure(const py::object& track, const py::dict& options) {
   std::optional<apps::Track> given;
   if (!is_path(track)) given = track_in(track);
   const auto result = released<apps::TrackMeasurement>([name, how, choices, given](const Tell&) {
-    const apps::Track table = given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
+    const apps::Track table =
+        given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
     return apps::measure_track(name, table, choices);
   });
   if (!result.failure.empty()) warn_of_quality(result.failure);
@@ -146,8 +147,8 @@ py::dict fit(const py::object& campaign, const py::dict& options, const py::obje
       [read, choices, context](const Tell& tell) mutable {
         context.progress = tell;
         apps::FittedCampaign fitted = apps::fit_campaign(*read, choices, context);
-        auto found = apps::reservations(*read, fitted.stage, "identifiability and next_experiment");
-        return Fitted{std::move(fitted.stage.json), std::move(found)};
+        auto found = apps::reservations(*read, fitted, "identifiability and next_experiment");
+        return Fitted{std::move(fitted.json), std::move(found)};
       },
       progress);
   for (const apps::Reservation& reservation : result.reservations) {

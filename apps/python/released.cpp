@@ -11,7 +11,7 @@
 #include <system_error>
 #include <thread>
 
-#include "apps/recording/track_recording.h"
+#include "apps/recording/track.h"
 #include "fit/measurement.h"
 #include "model/trajectory.h"
 

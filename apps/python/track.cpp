@@ -14,8 +14,9 @@
 #include "apps/python/doors.h"
 #include "apps/python/released.h"
 #include "apps/python/values.h"
-#include "apps/recording/track_choices.h"
-#include "apps/recording/track_recording.h"
+#include "apps/recording/check.h"
+#include "apps/recording/record.h"
+#include "apps/recording/track.h"
 #include "apps/text/output_file.h"
 #include "vision/frame_source.h"
 #include "vision/overlay.h"
@@ -146,30 +147,28 @@ struct Tracked {
   std::string failure;  ///< of its quality gate
 };
 
-Tracked finished(const apps::PreparedJob& prepared, apps::TrackedRecording recording, const Files& files) {
+Tracked finished(apps::Recording recording, const Files& files) {
   if (!files.overlay.empty()) apps::write_overlay_file(files.overlay, recording);
-  if (!files.output.empty()) apps::write_track(files.output, prepared, recording);
-  apps::Json meta = apps::meta_of(prepared, recording).json();
-  std::string failure = apps::gate_failure(prepared.job, recording.result.summary);
+  if (!files.output.empty()) apps::write_track(files.output, recording);
+  apps::Json meta = apps::meta_of(recording).json();
+  std::string failure = apps::gate_failure(recording);
   return {std::move(recording.rows), std::move(meta), std::move(failure)};
 }
 
-Tracked track_file(apps::RecordingJob job, const Files& files, const Tell& tell) {
-  job.track.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
-  return reading(vision::is_number_pattern(job.video) ? "." : job.video, [&] {
-    const apps::PreparedJob prepared = apps::prepare(job);
+Tracked track_file(apps::Recording recording, const Files& files, const Tell& tell) {
+  recording.options.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
+  return reading(vision::is_number_pattern(recording.video) ? "." : recording.video, [&] {
     std::optional<std::filesystem::path> beside;
     if (!files.output.empty()) beside = files.output;
-    return finished(prepared, apps::track_recording(prepared, beside), files);
+    return finished(apps::tracked(apps::checked(recording), beside), files);
   });
 }
 
-Tracked track_stack(apps::RecordingJob job, const vision::FrameStack& stack, int bits, const Files& files,
+Tracked track_stack(apps::Recording recording, const vision::FrameStack& stack, int bits, const Files& files,
                     const Tell& tell) {
-  job.track.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
-  const apps::PreparedJob prepared = apps::prepare_in_memory(job);
-  auto source = std::make_unique<vision::StackSource>(stack, *job.frame_rate_hz, bits);
-  return finished(prepared, apps::track_recording(prepared, std::move(source)), files);
+  recording.options.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
+  const auto source = std::make_shared<vision::StackSource>(stack, *recording.frame_rate_hz, bits);
+  return finished(apps::tracked(apps::checked_in_memory(std::move(recording)), source), files);
 }
 
 int bits_of(const py::dict& options, const vision::FrameStack& stack) {
@@ -190,13 +189,13 @@ py::dict track(const py::object& source, const py::dict& options, const py::obje
   const bool file = py::isinstance<py::str>(source) || py::hasattr(source, "__fspath__");
   const std::string name = file ? path_of(source) : "";
   const Files files = files_in(options, name, choices);
-  apps::RecordingJob job = apps::job_of(file ? name : "frames in memory", choices);
-  job.track.threads = apps::threads_to_use(context);
+  apps::Recording recording = apps::recording_of(file ? name : "frames in memory", choices);
+  recording.options.threads = apps::threads_to_use(context);
   Tracked result;
   if (file) {
     if (!member(options, "bits").is_none()) throw UsageError("--bits belongs to frames in memory");
-    result =
-        released<Tracked>([job, files](const Tell& tell) { return track_file(job, files, tell); }, progress);
+    result = released<Tracked>(
+        [recording, files](const Tell& tell) { return track_file(recording, files, tell); }, progress);
   } else {
     if (PyObject_CheckBuffer(source.ptr()) == 0)
       throw UsageError(fmt::format("the source must be a path or an array of frames, not {}",
@@ -205,10 +204,11 @@ py::dict track(const py::object& source, const py::dict& options, const py::obje
         std::make_shared<py::buffer_info>(py::reinterpret_borrow<py::buffer>(source).request());
     const vision::FrameStack stack = stack_of(*buffer);
     const int bits = bits_of(options, stack);
-    if (!job.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
-    result = released<Tracked>(
-        [job, stack, bits, files](const Tell& tell) { return track_stack(job, stack, bits, files, tell); },
-        progress, buffer);
+    if (!recording.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+    result =
+        released<Tracked>([recording, stack, bits, files](
+                              const Tell& tell) { return track_stack(recording, stack, bits, files, tell); },
+                          progress, buffer);
   }
   if (!result.failure.empty()) warn_of_quality(result.failure);
   py::dict dict = columns_of(result.rows);

@@ -40,10 +40,12 @@ struct Run {
   /// Did all go well, and is it not counted already?
   bool takes_part() const { return failure.empty() && repeats.empty(); }
 
-  // How the work went, for run.json.
-  bool track_was_current = false;
-  double seconds = 0, frames_per_second = 0;
-  Json stage_seconds = Json::object();  ///< of tracking
+  /// How the work went, for run.json.
+  struct Log {
+    bool skipped = false;  ///< its track was current
+    double seconds = 0, frames_per_second = 0;
+    Json stage_seconds = Json::object();  ///< of tracking
+  } log;
 };
 
 }  // namespace tribotrack::apps

@@ -8,7 +8,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/errors.h"
-#include "apps/recording/job.h"
+#include "apps/recording/check.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
 #include "apps/text/output_file.h"
@@ -48,9 +48,9 @@ Json json_of(const Campaign& campaign, const CampaignRun& run) {
   }
   json["inputs"].push_back(dependence(*run.video));
   if (run.scope) json["inputs"].push_back(run.scope->string());
-  const RecordingJob job = job_for(campaign, run);
-  if (job.calibration) json["inputs"].push_back(job.calibration->string());
-  json["settings"] = hash_of_text(TRIBOTRACK_VERSION + settings_of(job).dump());
+  const Recording recording = recording_of(campaign, run);
+  if (recording.calibration) json["inputs"].push_back(recording.calibration->string());
+  json["settings"] = hash_of_text(TRIBOTRACK_VERSION + settings_of(recording).dump());
   return json;
 }
 

@@ -7,7 +7,9 @@
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/program.h"
-#include "apps/recording/track_recording.h"
+#include "apps/recording/check.h"
+#include "apps/recording/record.h"
+#include "apps/recording/track.h"
 #include "apps/text/json.h"
 
 namespace tribotrack::apps {
@@ -104,28 +106,27 @@ class TrackRecording : public ProgramTest {
         "= "
         "12\nscratches = 0\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
     ASSERT_EQ(run("synth scene.toml -o a.cine -q").exit_code, 0);
-    job_.video = in_folder("a.cine");
-    job_.mm_per_px = 0.05;
+    recording_.video = in_folder("a.cine");
+    recording_.mm_per_px = 0.05;
   }
-  RecordingJob job_;
+  Recording recording_;
 };
 
 // A recording that is still being copied must not be recorded as the one that was tracked.
 TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
-  job_.track.progress = [&](std::int64_t, std::int64_t) {
+  recording_.options.progress = [&](std::int64_t, std::int64_t) {
     std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
   };
-  EXPECT_THAT(complaint_of([&] { track_recording(prepare(job_), "t.csv"); }),
+  EXPECT_THAT(complaint_of([&] { tracked(checked(recording_), "t.csv"); }),
               HasSubstr("a.cine: changed while"));
 }
 
 TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
-  const PreparedJob prepared = prepare(job_);
-  const TrackedRecording recording = track_recording(prepared, "t.csv");
+  const Recording recording = tracked(checked(recording_), "t.csv");
   std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
-  write_track(in_folder("a.csv"), prepared, recording);
-  EXPECT_TRUE(is_current(in_folder("a.csv"), prepared.key));
-  EXPECT_FALSE(is_current(in_folder("a.csv"), prepare(job_).key));
+  write_track(in_folder("a.csv"), recording);
+  EXPECT_TRUE(is_current(in_folder("a.csv"), recording.key));
+  EXPECT_FALSE(is_current(in_folder("a.csv"), checked(recording_).key));
 }
 
 // Whatever lies beside the pictures of a recording is not part of it.
@@ -134,11 +135,11 @@ TEST_F(TrackRecording, ANoteBesideThePicturesChangesNothing) {
   ASSERT_EQ(run("synth scene.toml -o p/%04d.png -q").exit_code, 0);
   fs::remove(in_folder("p/%04d.png.meta.json"));
   for (const char* video : {"p", "p/%04d.png"}) {
-    job_.video = in_folder(video);
-    const std::string key = prepare(job_).key;
+    recording_.video = in_folder(video);
+    const std::string key = checked(recording_).key;
     put(in_folder("p/notes.txt"), video);
     put(in_folder("p/plot.png.txt"), video);
-    EXPECT_EQ(prepare(job_).key, key) << video;
+    EXPECT_EQ(checked(recording_).key, key) << video;
   }
 }
 

@@ -12,7 +12,7 @@
 
 #include "apps/campaign/fit_stage.h"
 #include "apps/program.h"
-#include "apps/recording/job.h"
+#include "apps/recording/recording.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -66,21 +66,17 @@ class SharedConditionsTest : public ProgramTest {
     campaign_ = read_campaign(in_folder("c.toml"));
     runs_.clear();
     for (std::size_t k = 0; k < drives.size(); ++k) {
-      Track track = track_of(static_cast<unsigned>(k) + 1, drives[k]);
-      track.table.exposure = exposure_;
-      runs_.push_back(analyse(campaign_, campaign_.runs[k], std::move(track)));
+      apps::Run& run = runs_.emplace_back();
+      run.given = campaign_.runs[k];
+      run.track = track_of(static_cast<unsigned>(k) + 1, drives[k]);
+      run.track->table.exposure = exposure_;
+      measure(campaign_, run);
     }
     shared_ = {};
     shared_ = share_conditions(campaign_, runs_);
   }
   std::string refusal(const std::string& platform, const std::vector<Drive>& drives = {{}, {}}) {
     return complaint_of([&] { campaign(platform, drives); });
-  }
-  const ConditionRow& row(const std::string& quantity) const {
-    const auto found = std::find_if(shared_.table.begin(), shared_.table.end(),
-                                    [&](const ConditionRow& r) { return r.quantity == quantity; });
-    EXPECT_NE(found, shared_.table.end()) << quantity;
-    return *found;
   }
   /// Relative or absolute, as fit::SharedError has it; 0 where there is none.
   double error_of(FitParameter quantity) const {
@@ -103,7 +99,7 @@ TEST_F(SharedConditionsTest, AnExposureThatIsNotKnownIsNotAveragedOut) {
   // From none to the whole 2.5 ms: the circle is smaller by 1 - sin(h)/h at the most, h = w 2.5 ms / 2.
   const double h = 62.8 * 2.5e-3 / 2, doubt = (1 - std::sin(h) / h) / std::sqrt(3.0);
   EXPECT_NEAR(error_of(FitParameter::amplitude), doubt, 0.05 * doubt);
-  EXPECT_NEAR(row("amplitude_mm").used.sd, 0.28 * doubt, 0.05 * 0.28 * doubt);
+  EXPECT_NEAR(shared_.pooled.find(fit::Source::amplitude)->used.sd, 0.28e-3 * doubt, 0.05 * 0.28e-3 * doubt);
   EXPECT_LT(error_of(FitParameter::amplitude_ratio), 0.5 * doubt);
 }
 
@@ -132,7 +128,7 @@ TEST_F(SharedConditionsTest, AGivenValueWithoutSdIsExactAndSaidSo) {
             "\"dtau_rad\"]");
   EXPECT_TRUE(json["conditions"][0]["given_sd"].is_null());
   EXPECT_NEAR(json["conditions"][0]["given"].get<double>(), 0.2802, 1e-15);
-  EXPECT_THAT(conditions_text(shared_.table), HasSubstr("0.2802, campaign, taken as exact"));
+  EXPECT_THAT(conditions_text(shared_.pooled), HasSubstr("0.2802, campaign, taken as exact"));
   ASSERT_EQ(shared_.warnings.size(), 1u);  // once, A_y with it
   EXPECT_THAT(shared_.warnings[0],
               AllOf(HasSubstr("amplitude_mm: the campaign gives 0.2802, the marker shows"),
@@ -164,8 +160,7 @@ TEST_F(SharedConditionsTest, ADiameterChecksAGivenScale) {
               HasSubstr("3 is 6 mm as its radius"));
   campaign_.part.diameter_mm = 6.1;
   const SharedConditions shared = share_conditions(campaign_, runs_);
-  EXPECT_EQ(shared.table.back().quantity, "diameter_mm");
-  EXPECT_NEAR(shared.table.back().measured->value, 6, 1e-12);
+  EXPECT_NEAR(shared.pooled.find(fit::Source::diameter)->measured->value, 6e-3, 1e-15);
 }
 
 // Whatever key an sd has, the problem that is fitted holds it.
@@ -209,10 +204,10 @@ TEST_F(SharedConditionsTest, EachSdReachesTheFit) {
     EXPECT_TRUE(all.insert(fingerprint()).second) << key;
   }
   campaign(platform, {{}, {}}, camera, {"", "mm_per_px = 0.1\nmm_per_px_sd = 0.001"}, part);
-  EXPECT_EQ(job_for(campaign_, campaign_.runs[1]).mm_per_px_sd, 0.001);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[1]).mm_per_px_sd, 0.001);
   campaign(platform, {{}, {}}, camera + "mm_per_px_sd = 0.002", {}, part + "diameter_mm_sd = 0.01");
-  EXPECT_EQ(job_for(campaign_, campaign_.runs[0]).mm_per_px_sd, 0.002);
-  EXPECT_EQ(job_for(campaign_, campaign_.runs[0]).diameter_sd_mm, 0.01);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).mm_per_px_sd, 0.002);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).diameter_sd_mm, 0.01);
 }
 
 }  // namespace

@@ -1,0 +1,161 @@
+#include "apps/recording/check.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "apps/files/camera.h"
+#include "apps/files/run_folder.h"
+#include "apps/files/track_file.h"
+#include "apps/program/errors.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+Json target_json(const vision::Target& target) {
+  using Kind = vision::Target::Kind;
+  if (target.kind == Kind::disc) return {{"disc_px", circle_json(target.disc)}};
+  if (target.kind == Kind::rectangle)
+    return {{"template_px", Json::array({target.rectangle.x, target.rectangle.y, target.rectangle.width,
+                                         target.rectangle.height})}};
+  return "find the disc";
+}
+
+Json marker_json(const vision::MarkerChoice& marker) {
+  using Kind = vision::MarkerChoice::Kind;
+  if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  if (marker.kind == Kind::texture) return "texture";
+  if (marker.kind == Kind::find) return "find";
+  if (marker.kind == Kind::tag) return tag_word(marker);
+  return marker.kind == Kind::none ? "none" : "texture where the ground moves";
+}
+
+Json configuration_of(const Recording& recording, const std::optional<Input>& calibration) {
+  Json json = {{"frame_rate_hz", optional_json(recording.frame_rate_hz)},
+               {"mm_per_px", optional_json(recording.mm_per_px)},
+               {"mm_per_px_sd", recording.mm_per_px_sd},
+               {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
+               {"diameter_mm", optional_json(recording.diameter_mm)},
+               {"diameter_sd_mm", recording.diameter_sd_mm},
+               {"height_mm", optional_json(recording.height_mm)},
+               {"working_distance_mm", optional_json(recording.working_distance_mm)},
+               {"xi_axis_rad", recording.xi_axis_rad},
+               {"target", target_json(recording.options.target)},
+               {"marker", marker_json(recording.options.marker)},
+               {"gate", circle_json(recording.options.gate)},
+               {"first_frame", optional_json(recording.options.first_frame)},
+               {"last_frame", optional_json(recording.options.last_frame)},
+               {"min_ncc", recording.options.min_ncc},
+               {"max_lost_share", recording.options.max_lost_share},
+               {"search_margin_px", recording.options.search_margin_px},
+               {"row_time_s", recording.row_time_s},
+               {"layers", recording.options.layers == vision::Layers::automatic ? "auto"
+                          : recording.options.layers == vision::Layers::on      ? "on"
+                                                                                : "off"}};
+  if (recording.tag_mm) {
+    json["tag_mm"] = *recording.tag_mm;
+    json["tag_mm_sd"] = recording.tag_mm_sd;
+  }
+  if (!recording.frame_rate_reason.empty()) json["frame_rate_reason"] = recording.frame_rate_reason;
+  return json;
+}
+
+}  // namespace
+
+Json settings_of(const Recording& recording) {
+  return configuration_of(recording, std::nullopt);
+}
+
+namespace {
+
+/// Hashes the inputs in this order, and remembers their state.
+Recording with_inputs(Recording recording, const std::vector<std::filesystem::path>& files) {
+  const auto begun = std::chrono::steady_clock::now();
+  recording.state = InputState(files);
+  for (const auto& file : files)
+    recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
+  recording.hashing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  recording.configuration = configuration_of(
+      recording, recording.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
+  return recording;
+}
+
+}  // namespace
+
+Recording checked(Recording recording) {
+  std::vector<std::filesystem::path> files = {recording.video};
+  if (recording.calibration) files.push_back(*recording.calibration);
+  recording = with_inputs(std::move(recording), files);
+  recording.key =
+      hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
+  return recording;
+}
+
+Recording checked_in_memory(Recording recording) {
+  if (!recording.calibration) return with_inputs(std::move(recording), {});
+  const std::filesystem::path calibration = *recording.calibration;
+  return with_inputs(std::move(recording), {calibration});
+}
+
+bool is_current(const std::filesystem::path& csv, const std::string& key) {
+  const std::filesystem::path meta = csv.string() + ".meta.json";
+  if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
+  try {
+    const Json json = read_json(meta);
+    track_described_by(json, meta);  // throws where it is damaged
+    return json.value("key", Json()) == key;
+  } catch (const InvalidInput&) {
+    return false;  // damaged, or not ours: track again
+  }
+}
+
+namespace {
+
+/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
+void require_rows_in_time(const Recording& recording, const vision::SourceInfo& info) {
+  if (recording.row_time_s == 0) return;
+  const double frame = std::abs(recording.row_time_s) * info.height;
+  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
+    throw InvalidInput(fmt::format(
+        "{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
+        "other every {:.3g} "
+        "s; give the time from one row to the next",
+        recording.video.string(), recording.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
+  if (recording.options.gate)
+    throw InvalidInput(fmt::format(
+        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+        "give phi_rad and dtau_rad as commanded",
+        recording.video.string()));
+}
+
+constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
+
+/// A rate given against what the camera itself says needs a reason.
+void require_rate_of_recording(const Recording& recording, const vision::SourceInfo& info) {
+  if (!recording.frame_rate_hz || !recording.frame_rate_reason.empty()) return;
+  for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
+    if (said.source.starts_with("cine") && said.rate_hz > 0 &&
+        std::abs(*recording.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
+      throw InvalidInput(fmt::format(
+          "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
+          "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
+          recording.video.string(), *recording.frame_rate_hz, said.rate_hz, said.source));
+}
+
+}  // namespace
+
+void require_trackable(const Recording& recording, const vision::SourceInfo& info) {
+  if (!info.time_base.known())
+    throw vision::InputError(fmt::format("{}: {}", recording.video.string(), info.time_base.why_unknown()));
+  if (!recording.mm_per_px && !recording.calibration && recording.diameter_mm &&
+      recording.options.target.kind == vision::Target::Kind::rectangle)
+    throw UsageError(
+        "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_rate_of_recording(recording, info);
+  require_rows_in_time(recording, info);
+}
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,213 @@
+#include "apps/recording/recording.h"
+
+#include <fmt/format.h>
+
+#include "apps/files/camera.h"
+#include "apps/program/errors.h"
+#include "apps/text/strict_toml.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+vision::MarkerChoice marker_of(const CameraSection& camera) {
+  if (camera.marker_px) return {vision::MarkerChoice::Kind::circle, *camera.marker_px};
+  return camera.marker;
+}
+
+/// Puts [part] and [camera] into it.
+void apply(const PartSection& part, const CameraSection& camera, Recording& recording) {
+  recording.frame_rate_hz = camera.frame_rate_hz;
+  recording.frame_rate_reason = camera.frame_rate_reason;
+  recording.mm_per_px = camera.mm_per_px;
+  recording.mm_per_px_sd = camera.mm_per_px_sd;
+  recording.calibration = camera.calibration;
+  recording.diameter_mm = part.diameter_mm;
+  recording.diameter_sd_mm = part.diameter_sd_mm;
+  recording.height_mm = part.height_mm;
+  recording.working_distance_mm = camera.working_distance_mm;
+  recording.xi_axis_rad = camera.xi_axis_rad;
+  recording.tag_mm = camera.tag_mm;
+  recording.tag_mm_sd = camera.tag_mm_sd;
+  recording.row_time_s = camera.row_time_s;
+  const auto follow = [&recording](const auto& place) {
+    if (place.template_px)
+      recording.options.target = {vision::Target::Kind::rectangle, {}, *place.template_px};
+    if (place.disc_px) recording.options.target = {vision::Target::Kind::disc, *place.disc_px, {}};
+  };
+  follow(part);
+  follow(camera);
+  recording.options.marker = marker_of(camera);
+  recording.options.gate = camera.gate_px;
+}
+
+}  // namespace
+
+Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
+  Recording recording;
+  recording.video = *run.video;
+  CameraSection camera = campaign.camera;
+  if (run.disc_px) {
+    camera.disc_px = run.disc_px;
+    camera.template_px.reset();
+  }
+  if (run.template_px) {
+    camera.template_px = run.template_px;
+    camera.disc_px.reset();
+  }
+  if (run.marker_px) camera.marker_px = run.marker_px;
+  if (run.mm_per_px) {
+    camera.mm_per_px = run.mm_per_px;
+    camera.mm_per_px_sd = run.mm_per_px_sd.value_or(0);
+  }
+  apply(campaign.part, camera, recording);
+  if (recording.mm_per_px) recording.calibration.reset();
+  if (recording.mm_per_px || recording.calibration) recording.tag_mm.reset();
+  if (recording.mm_per_px || recording.calibration || recording.tag_mm) recording.diameter_mm.reset();
+  if (run.free_slide) {  // its platform rests and no actuator works
+    if (!recording.tag_mm) recording.options.marker = {vision::MarkerChoice::Kind::none, {}};
+    recording.options.gate.reset();
+  }
+  recording.options.first_frame = run.first_frame;
+  recording.options.last_frame = run.last_frame;
+  return recording;
+}
+
+namespace {
+
+/// Frames/s: in-situ storage cameras reach 10^8 with some hundred frames; a higher rate is a slip.
+constexpr double kFastestCamera = 1e9;
+
+/// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
+void apply_config(Recording& recording, const std::string& file) {
+  StrictTable top = StrictTable::read(file);
+  PartSection part;
+  CameraSection camera;
+  if (auto table = top.table("part")) part = read_part(*table, WithSd::no);
+  if (auto table = top.table("camera"))
+    camera = read_camera(*table, std::filesystem::path(file).parent_path(), WithSd::no);
+  apply(part, camera, recording);
+  if (auto track = top.table("track")) {
+    recording.options.min_ncc = track->number("min_ncc").value_or(recording.options.min_ncc);
+    recording.options.max_lost_share =
+        track->not_negative("max_lost_share").value_or(recording.options.max_lost_share);
+    recording.options.search_margin_px = static_cast<int>(track->integer("search_margin_px").value_or(0));
+    track->finish();
+  }
+  top.finish();
+}
+
+bool is_positive(const char* flag, const std::optional<double>& value) {
+  if (value && !(*value > 0))
+    throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *value));
+  return value.has_value();
+}
+
+void require_radius(const char* flag, const std::optional<vision::Circle>& circle) {
+  if (circle && !(circle->radius > 0))
+    throw UsageError(fmt::format("{} {},{},{}: the radius must be greater than 0", flag, circle->x, circle->y,
+                                 circle->radius));
+}
+
+void apply_frame_rate(const TrackChoices& choices, Recording& recording) {
+  if (is_positive("--fps", choices.fps)) {
+    if (*choices.fps > kFastestCamera)
+      throw UsageError(
+          fmt::format("--fps {:g} is more than any camera records; give frames/s, at most {:.0e}",
+                      *choices.fps, kFastestCamera));
+    recording.frame_rate_hz = choices.fps;
+    recording.frame_rate_reason.clear();
+  }
+  if (choices.fps_reason.empty()) return;
+  if (!recording.frame_rate_hz) throw UsageError("--fps-reason needs --fps");
+  recording.frame_rate_reason = choices.fps_reason;
+}
+
+void apply_scale(const TrackChoices& choices, Recording& recording) {
+  if (choices.mm_per_px && choices.disc_diameter_mm)
+    throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
+  if (!choices.calibration.empty() && (choices.mm_per_px || choices.disc_diameter_mm))
+    throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
+  if (is_positive("--mm-per-px", choices.mm_per_px)) {
+    recording.mm_per_px = choices.mm_per_px;
+    recording.mm_per_px_sd = 0;
+    recording.calibration.reset();
+  }
+  if (is_positive("--disc-diameter-mm", choices.disc_diameter_mm)) {
+    recording.diameter_mm = choices.disc_diameter_mm;
+    recording.diameter_sd_mm = 0;
+    recording.mm_per_px.reset();
+    recording.calibration.reset();
+  }
+  if (!choices.calibration.empty()) {
+    recording.calibration = choices.calibration;
+    recording.mm_per_px.reset();
+  }
+  if (is_positive("--tag-mm", choices.tag_mm)) {
+    if (choices.mm_per_px || choices.disc_diameter_mm || !choices.calibration.empty())
+      throw UsageError("--tag-mm gives the scale: leave out --mm-per-px, --disc-diameter-mm, --calibration");
+    recording.tag_mm = choices.tag_mm;
+    recording.tag_mm_sd = 0;
+    recording.mm_per_px.reset();
+    recording.calibration.reset();
+  }
+  if (is_positive("--height-mm", choices.height_mm)) recording.height_mm = choices.height_mm;
+  if (is_positive("--working-distance-mm", choices.working_distance_mm))
+    recording.working_distance_mm = choices.working_distance_mm;
+  if (choices.xi_axis_rad) recording.xi_axis_rad = *choices.xi_axis_rad;
+}
+
+void apply_target(const TrackChoices& choices, Recording& recording) {
+  require_radius("--disc", choices.disc);
+  require_radius("--gate", choices.gate);
+  if (choices.disc && choices.rectangle) throw UsageError("give --disc or --template, not both");
+  if (choices.disc) {
+    recording.options.target.kind = vision::Target::Kind::disc;
+    recording.options.target.disc = *choices.disc;
+  } else if (choices.rectangle) {
+    if (!(choices.rectangle->width > 0 && choices.rectangle->height > 0))
+      throw UsageError("--template must have a width and a height greater than 0");
+    recording.options.target.kind = vision::Target::Kind::rectangle;
+    recording.options.target.rectangle = *choices.rectangle;
+  }
+  if (choices.marker) {
+    if (choices.marker->kind == vision::MarkerChoice::Kind::circle)
+      require_radius("--marker", choices.marker->circle);
+    recording.options.marker = *choices.marker;
+  }
+  if (recording.tag_mm && recording.options.marker.kind != vision::MarkerChoice::Kind::tag)
+    throw UsageError("--tag-mm is the size of a tag; say which: --marker tag:apriltag_36h11");
+  if (choices.gate) recording.options.gate = choices.gate;
+}
+
+void apply_layers(const TrackChoices& choices, Recording& recording) {
+  if (choices.layers == "off")
+    recording.options.layers = vision::Layers::off;
+  else if (choices.layers == "on")
+    recording.options.layers = vision::Layers::on;
+  else if (!choices.layers.empty() && choices.layers != "auto")
+    throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", choices.layers));
+  if (recording.options.layers == vision::Layers::on &&
+      recording.options.target.kind == vision::Target::Kind::rectangle)
+    throw UsageError("--layers on needs a disc with a round rim, and --template follows a rectangle");
+}
+
+}  // namespace
+
+Recording recording_of(const std::filesystem::path& video, const TrackChoices& choices) {
+  Recording recording;
+  recording.video = video;
+  if (!choices.config.empty()) apply_config(recording, choices.config);
+  apply_frame_rate(choices, recording);
+  apply_scale(choices, recording);
+  apply_target(choices, recording);
+  recording.options.first_frame = choices.first_frame;
+  recording.options.last_frame = choices.last_frame;
+  if (choices.first_frame && choices.last_frame && *choices.first_frame > *choices.last_frame)
+    throw UsageError(fmt::format("--frames {}:{}: the first frame comes after the last", *choices.first_frame,
+                                 *choices.last_frame));
+  apply_layers(choices, recording);
+  return recording;
+}
+
+}  // namespace tribotrack::apps

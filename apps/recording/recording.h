@@ -1,0 +1,80 @@
+// A recording on its way to a track: how it is to be tracked (this header), what it holds (check.h), what was
+// tracked in it (track.h), and what is kept of that (record.h).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/files/campaign/campaign.h"
+#include "apps/files/track_rows.h"
+#include "apps/text/input_file.h"
+#include "apps/text/json.h"
+#include "vision/frame_source.h"
+#include "vision/millimetres.h"
+#include "vision/track.h"
+#include "vision/tracker.h"
+
+namespace tribotrack::apps {
+
+struct Recording {
+  // Given.
+  std::filesystem::path video;
+  std::optional<double> frame_rate_hz;
+  std::string frame_rate_reason;    ///< how the user knows it
+  std::optional<double> mm_per_px;  ///< of the platform's plane; beats diameter_mm
+  double mm_per_px_sd = 0;
+  std::optional<std::filesystem::path> calibration;  ///< of the camera; beats diameter_mm
+  std::optional<double> diameter_mm;                 ///< of the part's top
+  double diameter_sd_mm = 0;
+  std::optional<double> height_mm;            ///< of the part's top above the platform
+  std::optional<double> working_distance_mm;  ///< from the lens to the platform; a calibration has its own
+  double xi_axis_rad = 0;
+  std::optional<double> tag_mm;  ///< side of the tag that is the marker: sets the scale
+  double tag_mm_sd = 0;
+  double row_time_s = 0;  ///< of a rolling shutter
+  vision::TrackOptions options;
+
+  // Checked. The content of the inputs is taken before they are read: what stands in the meta file of the
+  // track is what was tracked.
+  std::vector<Input> inputs;  ///< the recording and, where there is one, the calibration
+  Json configuration;         ///< effective, for the meta file
+  /// What the track depends on: program version, configuration and the bytes of the inputs. A track with this
+  /// key in its meta file is current. Empty for frames in memory.
+  std::string key;
+  InputState state;
+  double hashing_s = 0;  ///< wall time that the inputs' hashes took
+
+  // Tracked.
+  std::shared_ptr<vision::FrameSource> source;    ///< still open, for pictures of the track
+  vision::TrackResult result;                     ///< its stage times begin with the hashing of the inputs
+  std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
+  std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
+  TrackRows rows;                                 ///< the table
+  const vision::SourceInfo& info() const { return source->info(); }
+};
+
+/// That of one run of a campaign; keys of the run override those of [camera].
+Recording recording_of(const Campaign& campaign, const CampaignRun& run);
+
+/// What `track` can be told: each a flag of the command line, and a keyword in Python. Empty: not given.
+/// Units as in the flags' names.
+struct TrackChoices {
+  std::optional<double> fps, mm_per_px, disc_diameter_mm, height_mm, working_distance_mm, xi_axis_rad, tag_mm;
+  std::string fps_reason;
+  std::string calibration, config;  ///< files
+  std::optional<vision::Circle> disc, gate;
+  std::optional<vision::Rect> rectangle;  ///< --template
+  std::optional<vision::MarkerChoice> marker;
+  std::optional<std::int64_t> first_frame, last_frame;
+  std::string layers;  ///< "auto", "on", "off"; empty: auto
+};
+
+/// What --config holds, overridden by the rest. Throws UsageError for choices that are out of range or
+/// contradict each other, and what reading the file throws.
+Recording recording_of(const std::filesystem::path& video, const TrackChoices& choices);
+
+}  // namespace tribotrack::apps

@@ -1,0 +1,157 @@
+#include "apps/recording/track.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "apps/files/camera.h"
+#include "apps/recording/check.h"
+#include "apps/text/output_file.h"
+#include "vision/frame_sink.h"
+#include "vision/overlay.h"
+
+namespace tribotrack::apps {
+
+namespace {
+
+std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, const vision::SourceInfo& info,
+                                                 const vision::TrackSummary& summary) {
+  if (recording.calibration) {
+    const vision::CameraCalibration camera = read_calibration(*recording.calibration);
+    if (camera.width != info.width || camera.height != info.height)
+      throw InvalidInput(
+          fmt::format("{}: is for pictures of {} x {} pixels, but {} has {} x {}; calibrate with the camera "
+                      "set as for the "
+                      "recording",
+                      recording.calibration->string(), camera.width, camera.height, recording.video.string(),
+                      info.width, info.height));
+    return vision::PlaneGeometry(camera, recording.height_mm.value_or(0));
+  }
+  std::optional<vision::Parallax> parallax;
+  if (recording.height_mm && recording.working_distance_mm)
+    parallax = {*recording.height_mm, *recording.working_distance_mm};
+  if (recording.mm_per_px)
+    return vision::PlaneGeometry(vision::given_scale(*recording.mm_per_px, recording.mm_per_px_sd),
+                                 vision::ScalePlane::platform, parallax);
+  if (recording.tag_mm && summary.tag)
+    return vision::PlaneGeometry(vision::scale_from_tag(*recording.tag_mm, *summary.tag, recording.tag_mm_sd),
+                                 vision::ScalePlane::platform, parallax);
+  if (!recording.diameter_mm) return std::nullopt;
+  return vision::PlaneGeometry(vision::scale_from_diameter(*recording.diameter_mm, summary.disc.radius,
+                                                           summary.disc_radius_sd, recording.diameter_sd_mm),
+                               vision::ScalePlane::part_top, parallax);
+}
+
+/// The question as the user sees it: what to look at, and what to paste.
+[[noreturn]] void ask(vision::FrameSource& source, const vision::AmbiguousTarget& question,
+                      const std::optional<std::filesystem::path>& picture) {
+  std::string text = fmt::format("{}: ", question.what());
+  if (picture) {
+    const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
+    write_file(*picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
+    text += fmt::format("look at {} and ", picture->string());
+  }
+  text += "give the part, ";
+  const std::string frames = question.first ? "" : fmt::format(" --frames {}:", question.frame);
+  for (std::size_t k = 0; k < question.discs.size(); ++k) {
+    const vision::Circle& c = question.discs[k];
+    text += fmt::format("{}{}: --disc {:.1f},{:.1f},{:.1f}{}", k > 0 ? ", " : "", k + 1, c.x, c.y, c.radius,
+                        frames);
+  }
+  text += question.first ? " (campaign: disc_px = [X, Y, R] in the run)"
+                         : fmt::format(" (campaign: disc_px = [X, Y, R], frames = [{}, LAST] in the run)",
+                                       question.frame);
+  throw AmbiguousPart(text, question);
+}
+
+/// A mark is found again in most frames, as the part is.
+void require_mark(const Recording& recording, const vision::Track& track) {
+  if (recording.options.marker.kind != vision::MarkerChoice::Kind::circle) return;
+  const vision::Circle& mark = recording.options.marker.circle;
+  const auto seen =
+      std::ranges::count_if(track.points, [](const auto& point) { return point.marker.has_value(); });
+  const auto frames = std::ssize(track.points);
+  if (2 * seen < frames)
+    throw InvalidInput(
+        fmt::format("{}: no mark can be followed at marker_px = [{:.4g}, {:.4g}, {:.4g}] (--marker): it was "
+                    "found in {} of {} "
+                    "frames; give the place of a mark in the first analysed frame, or leave it out",
+                    recording.video.string(), mark.x, mark.y, mark.radius, seen, frames));
+}
+
+/// A part that passes over the lamp is what blinks there.
+void drop_covered_lamp(const Recording& recording, vision::TrackResult& result) {
+  if (!recording.options.gate || !result.track.has_gate) return;
+  const vision::Circle& lamp = *recording.options.gate;
+  const double reach = lamp.radius + result.summary.disc.radius;
+  const auto covered = std::ranges::count_if(result.track.points, [&](const vision::TrackPoint& point) {
+    return point.status == vision::TrackStatus::ok && std::hypot(point.x - lamp.x, point.y - lamp.y) < reach;
+  });
+  if (covered == 0) return;
+  result.track.has_gate = false;
+  for (vision::TrackPoint& point : result.track.points) point.gate.reset();
+  result.summary.warnings.push_back(fmt::format(
+      "the part covers the lamp at gate_px = [{:.4g}, {:.4g}, {:.4g}] in {} of {} frames: the lamp is not "
+      "read, phi and dtau are taken as commanded; correct gate_px",
+      lamp.x, lamp.y, lamp.radius, covered, result.track.points.size()));
+}
+
+}  // namespace
+
+std::filesystem::path question_picture(const std::filesystem::path& beside,
+                                       const std::filesystem::path& recording) {
+  std::filesystem::path name = beside.empty() || is_standard_output(beside) ? recording.filename() : beside;
+  if (name.empty()) name = recording.parent_path().filename();  // a folder's name with a slash
+  return name.replace_extension(".discs.png");
+}
+
+namespace {
+
+Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource> source,
+                       const std::optional<std::filesystem::path>& picture) {
+  recording.source = std::move(source);
+  const vision::SourceInfo& info = recording.info();
+  require_trackable(recording, info);
+  vision::TrackResult& result = recording.result;
+  try {
+    result = vision::track(*recording.source, recording.options);
+  } catch (const vision::AmbiguousTarget& question) {
+    ask(*recording.source, question, picture);
+  }
+  require_mark(recording, result.track);
+  drop_covered_lamp(recording, result);
+  result.stage_times.insert(result.stage_times.begin(), {"hashing the inputs", recording.hashing_s});
+  if (recording.row_time_s != 0)
+    vision::shift_to_rows(result.track, recording.row_time_s, 0.5 * (info.height - 1));
+  recording.state.require_unchanged();
+  try {
+    if (const auto geometry = geometry_of(recording, info, result.summary)) {
+      recording.geometry = geometry->as_needed(result.track, result.summary.limit_px, result.summary.plan);
+      recording.scale = recording.geometry->part_scale();
+    }
+    recording.rows = track_rows(result.track, recording.geometry, recording.xi_axis_rad);
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(fmt::format("{}: {}", recording.video.string(), error.what()));
+  } catch (const std::domain_error& error) {
+    throw InvalidInput(fmt::format("{}: {}; calibrate with the board in the part's whole range",
+                                   recording.video.string(), error.what()));
+  }
+  return recording;
+}
+
+}  // namespace
+
+Recording tracked(Recording recording, const std::optional<std::filesystem::path>& beside) {
+  std::optional<std::filesystem::path> picture;
+  if (beside) picture = question_picture(*beside, recording.video);
+  std::shared_ptr<vision::FrameSource> source =
+      vision::open_source(recording.video, {recording.frame_rate_hz, recording.frame_rate_reason});
+  return track_source(std::move(recording), std::move(source), picture);
+}
+
+Recording tracked(Recording recording, std::shared_ptr<vision::FrameSource> source) {
+  return track_source(std::move(recording), std::move(source), std::nullopt);
+}
+
+}  // namespace tribotrack::apps
