@@ -8,6 +8,7 @@
 #include "apps/campaign/compared_runs.h"
 #include "apps/campaign/conditions.h"
 #include "apps/files/camera.h"
+#include "apps/measuring/likely_slip.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 
@@ -107,6 +108,10 @@ std::string wrong_scale(const Campaign& campaign, const CampaignRun& run, double
                      slip);
 }
 
+std::string text_of(const Estimate& estimate) {
+  return estimate.sd > 0 ? quoted(estimate.value, estimate.sd) : fmt::format("{:.6g}", estimate.value);
+}
+
 constexpr const char* kImplied = " (amplitude_mm, as it is not given)";
 
 [[noreturn]] void refuse(const Campaign& campaign, const CampaignRun& run, const fit::Slip& slip,
@@ -134,15 +139,14 @@ constexpr const char* kImplied = " (amplitude_mm, as it is not given)";
       cause));
 }
 
-std::string contradiction(const PooledQuantity& q, const ConditionRow& row, const std::string& seen_by) {
-  const bool exact = !(row.given->sd > 0);
-  return fmt::format(
-      "{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}", row.quantity,
-      exact ? fmt::format("{:.6g}", row.given->value) : quoted(row.given->value, row.given->sd),
-      q.implied ? kImplied : "", seen_by, quoted(row.measured->value, row.measured->sd), row.runs,
-      row.runs == 1 ? "" : "s", std::abs(*row.difference_in_sd),
-      exact ? "the given value is used; leave it out to use the measured one, or give its sd"
-            : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
+std::string contradiction(const PooledQuantity& q, const std::string& seen_by) {
+  const Estimate given = in_unit(q.quantity, *q.given), measured = in_unit(q.quantity, *q.measured);
+  const bool exact = !(given.sd > 0);
+  return fmt::format("{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}",
+                     fit::to_string(q.quantity), text_of(given), q.implied ? kImplied : "", seen_by,
+                     text_of(measured), q.runs, q.runs == 1 ? "" : "s", std::abs(*q.difference_in_sd),
+                     exact ? "the given value is used; leave it out to use the measured one, or give its sd"
+                           : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
 }
 
 std::string scattered(const PooledQuantity& q, const std::string& seen_by) {
@@ -154,35 +158,20 @@ std::string scattered(const PooledQuantity& q, const std::string& seen_by) {
       seen_by, scatter.runs, scatter.runs == 1 ? "" : "s", scatter.chi2, scatter.runs - 1, scatter.p_value);
 }
 
-ConditionRow row_of(const PooledQuantity& q, const fit::Conditions& conditions) {
-  ConditionRow row;
-  row.quantity = fit::to_string(q.quantity);
-  if (q.given) row.given = in_unit(q.quantity, *q.given);
-  if (q.measured) row.measured = in_unit(q.quantity, *q.measured);
-  row.runs = q.runs;
-  row.p_value = q.p_value;
-  row.difference_in_sd = q.difference_in_sd;
-  row.used = in_unit(q.quantity, q.used);
-  row.from = conditions.from(q);
-  return row;
-}
-
-SharedConditions told(fit::Conditions conditions) {
-  SharedConditions shared;
+std::vector<std::string> warnings_of(const fit::Conditions& conditions) {
+  std::vector<std::string> warnings;
   bool said_of_x = false;
   for (const PooledQuantity& q : conditions.quantities) {
-    shared.table.push_back(row_of(q, conditions));
     if (q.contradicted() && !(q.implied && said_of_x))
-      shared.warnings.push_back(contradiction(q, shared.table.back(), conditions.seen_by));
+      warnings.push_back(contradiction(q, conditions.seen_by));
     said_of_x = q.quantity == Source::amplitude && q.contradicted();
-    if (q.scatter) shared.warnings.push_back(scattered(q, conditions.seen_by));
+    if (q.scatter) warnings.push_back(scattered(q, conditions.seen_by));
   }
   if (conditions.sensor_axis_not_used)
-    shared.warnings.push_back(
+    warnings.push_back(
         "xi_axis_rad_sd is not used: phi was measured in the camera's own phase in every run, a turned "
         "camera cancels");
-  shared.pooled = std::move(conditions);
-  return shared;
+  return warnings;
 }
 
 /// Over whole cycles of the w that is used. Its error moves the model, not the data; only in the camera's
@@ -275,15 +264,52 @@ SharedConditions share_conditions(const Campaign& campaign, std::vector<Run>& ru
     run.amplitude_from_track = found.amplitude_from_track;
     measure_displacement_again(run, w == nullptr ? 0 : w->shared_sd);
   }
-  return told(std::move(conditions));
+  std::vector<std::string> warnings = warnings_of(conditions);
+  return {std::move(conditions), std::move(warnings)};
 }
 
 void add_to(Json& fit, const SharedConditions& shared) {
-  fit["conditions"] = conditions_json(shared.table);
+  fit["conditions"] = Json::array();
+  for (const PooledQuantity& q : shared.pooled.quantities) {
+    const auto value = [&](const std::optional<Estimate>& e) {
+      return e ? finite_json(in_unit(q.quantity, e->value)) : Json();
+    };
+    const auto sd = [&](const std::optional<Estimate>& e) {  // none of an exact value
+      return e && e->sd > 0 ? finite_json(in_unit(q.quantity, e->sd)) : Json();
+    };
+    fit["conditions"].push_back(
+        {{"quantity", fit::to_string(q.quantity)},
+         {"given", value(q.given)},
+         {"given_sd", sd(q.given)},
+         {"measured", value(q.measured)},
+         {"sd", sd(q.measured)},
+         {"difference_in_sd", q.difference_in_sd ? finite_json(*q.difference_in_sd) : Json()},
+         {"runs", q.runs},
+         {"p_value", finite_json(q.p_value)},
+         {"used", value(q.used)},
+         {"used_sd", sd(q.used)},
+         {"from", shared.pooled.from(q)}});
+  }
   fit["taken_as_exact"] = Json::array();
   for (const Source source : shared.pooled.taken_as_exact)
     fit["taken_as_exact"].push_back(fit::to_string(source));
   for (const std::string& warning : shared.warnings) fit["warnings"].push_back(warning);
+}
+
+std::string conditions_text(const fit::Conditions& conditions) {
+  if (conditions.quantities.empty()) return "";
+  std::string text = fmt::format("{:<26}{:>22}{:>28}{:>18}   {}\n", "condition", "given", "measured",
+                                 "difference in sd", "used");
+  for (const PooledQuantity& q : conditions.quantities) {
+    const auto cell = [&](const std::optional<Estimate>& e) {
+      return e ? text_of(in_unit(q.quantity, *e)) : "-";
+    };
+    text +=
+        fmt::format("{:<26}{:>22}{:>28}{:>18}   {}, {}\n", fit::to_string(q.quantity), cell(q.given),
+                    cell(q.measured), q.difference_in_sd ? fmt::format("{:.1f}", *q.difference_in_sd) : "-",
+                    cell(q.used), conditions.from(q));
+  }
+  return text;
 }
 
 }  // namespace tribotrack::apps

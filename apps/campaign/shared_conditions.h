@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "apps/files/campaign/campaign.h"
-#include "apps/measuring/condition_table.h"
 #include "apps/run/run.h"
+#include "apps/text/json.h"
 #include "fit/conditions.h"
 
 namespace tribotrack::apps {
 
 struct SharedConditions {
   fit::Conditions pooled;
-  std::vector<ConditionRow> table;
   std::vector<std::string> warnings;
 };
 
@@ -30,5 +29,8 @@ void require_no_slips(const Campaign& campaign, const std::vector<Run>& runs);
 
 /// Into fit.json: `conditions`, `taken_as_exact` and the warnings.
 void add_to(Json& fit, const SharedConditions& shared);
+
+/// For people, a line each. Empty without conditions.
+std::string conditions_text(const fit::Conditions& conditions);
 
 }  // namespace tribotrack::apps

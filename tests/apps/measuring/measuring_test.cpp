@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "apps/measuring/condition_table.h"
+#include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/program.h"
