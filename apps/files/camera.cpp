@@ -132,8 +132,6 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
                "smaller ones film uncompressed or FFV1");
   CameraSection camera;
   read_keys(table, camera_keys(), camera, folder, with_sd);
-  if (!camera.frame_rate_reason.empty() && !camera.frame_rate_hz)
-    table.fail("frame_rate_reason", "needs frame_rate_hz");
   if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
   if (camera.calibration && camera.mm_per_px)
     table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");

@@ -27,100 +27,60 @@ std::string KeyFacts::quantity() const {
   return name.ends_with("_sd") ? name.substr(0, name.size() - 3) : name;
 }
 
-std::string KeyFacts::kind_text() const {
-  switch (kind.form) {
-    case Kind::number:
-      return "number";
-    case Kind::above_zero:
-      return "number above 0";
-    case Kind::not_negative:
-      return "number, 0 or more";
-    case Kind::angle:
-      return "angle";
-    case Kind::sd:
-    case Kind::sd_of_fit:
-      return quantity().ends_with("_rad") ? "angle" : "number";
-    case Kind::whole:
-      return "whole number";
-    case Kind::word:
-      return fmt::format("\"{}\"", fmt::join(kind.words, "\", \""));
-    case Kind::text:
-    case Kind::file:
-    case Kind::text_or_texts:
-      return "text";
-    case Kind::texts:
-      return "list of texts";
-    case Kind::circle:
-      return "list of 3 numbers";
-    case Kind::rectangle:
-      return "list of 4 whole numbers";
-    case Kind::two_wholes:
-      return "list of 2 whole numbers";
-    case Kind::place_by_name:
-      return "{ NAME = [x, y, radius], ... }";
-    case Kind::mean_and_sd:
-      return "{ mean, sd }";
-  }
-  return "";
-}
-
 namespace {
 
-Json list_of(const char* type, std::size_t count) {
-  return {{"type", "array"}, {"items", {{"type", type}}}, {"minItems", count}, {"maxItems", count}};
-}
+/// How a form is called, and its JSON Schema.
+struct FormFacts {
+  const char* text;
+  const char* schema;
+};
 
-Json number_or_angle(const std::string& name) {
-  return name.ends_with("_rad") ? Json{{"type", {"number", "string"}}} : Json{{"type", "number"}};
+/// In the order of Kind::Form.
+constexpr FormFacts kForms[] = {
+    {"number", R"({"type": "number"})"},
+    {"number above 0", R"({"type": "number", "exclusiveMinimum": 0})"},
+    {"number, 0 or more", R"({"type": "number", "minimum": 0})"},
+    {"angle", R"({"type": ["number", "string"]})"},
+    {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
+    {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
+    {"whole number", R"({"type": "integer"})"},
+    {"word", R"({"type": "string"})"},
+    {"text", R"({"type": "string"})"},
+    {"text", R"({"type": "string"})"},
+    {"list of texts", R"({"type": "array", "items": {"type": "string"}})"},
+    {"text", R"({"type": ["string", "array"], "items": {"type": "string"}})"},
+    {"list of 3 numbers", R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})"},
+    {"list of 4 whole numbers",
+     R"({"type": "array", "items": {"type": "integer"}, "minItems": 4, "maxItems": 4})"},
+    {"list of 2 whole numbers",
+     R"({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2})"},
+    {"{ NAME = [x, y, radius], ... }",
+     R"({"type": "object", "additionalProperties":
+         {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 4}})"},
+    {"{ mean, sd }",
+     R"({"type": "object", "properties": {"mean": {"type": ["number", "string"]},
+         "sd": {"type": "number", "exclusiveMinimum": 0}},
+         "required": ["mean", "sd"], "additionalProperties": false})"},
+};
+
+bool is_sd(const Kind& kind) {
+  return kind.form == Kind::sd || kind.form == Kind::sd_of_fit;
 }
 
 }  // namespace
 
+std::string KeyFacts::kind_text() const {
+  if (kind.form == Kind::word) return fmt::format("\"{}\"", fmt::join(kind.words, "\", \""));
+  const bool sd_of_angle = is_sd(kind) && quantity().ends_with("_rad");
+  return kForms[sd_of_angle ? Kind::angle : kind.form].text;
+}
+
 Json KeyFacts::schema() const {
-  switch (kind.form) {
-    case Kind::number:
-      return {{"type", "number"}};
-    case Kind::above_zero:
-      return {{"type", "number"}, {"exclusiveMinimum", 0}};
-    case Kind::not_negative:
-      return {{"type", "number"}, {"minimum", 0}};
-    case Kind::angle:
-      return number_or_angle("_rad");
-    case Kind::sd:
-    case Kind::sd_of_fit: {
-      Json sd = number_or_angle(quantity());
-      sd["exclusiveMinimum"] = 0;
-      return sd;
-    }
-    case Kind::whole:
-      return {{"type", "integer"}, {"minimum", kind.least}, {"maximum", kind.most}};
-    case Kind::word:
-      return {{"enum", kind.words}};
-    case Kind::text:
-    case Kind::file:
-      return {{"type", "string"}};
-    case Kind::texts:
-      return {{"type", "array"}, {"items", {{"type", "string"}}}};
-    case Kind::text_or_texts:
-      return {{"type", {"string", "array"}}, {"items", {{"type", "string"}}}};
-    case Kind::circle:
-      return list_of("number", 3);
-    case Kind::rectangle:
-      return list_of("integer", 4);
-    case Kind::two_wholes:
-      return list_of("integer", 2);
-    case Kind::place_by_name:
-      return {{"type", "object"},
-              {"additionalProperties",
-               {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 3}, {"maxItems", 4}}}};
-    case Kind::mean_and_sd:
-      return {{"type", "object"},
-              {"properties",
-               {{"mean", number_or_angle(name)}, {"sd", {{"type", "number"}, {"exclusiveMinimum", 0}}}}},
-              {"required", {"mean", "sd"}},
-              {"additionalProperties", false}};
-  }
-  return Json::object();
+  Json schema = Json::parse(kForms[kind.form].schema);
+  if (kind.form == Kind::word) schema["enum"] = kind.words;
+  if (kind.form == Kind::whole) schema.update({{"minimum", kind.least}, {"maximum", kind.most}});
+  if (is_sd(kind) && quantity().ends_with("_rad")) schema["type"] = {"number", "string"};
+  return schema;
 }
 
 std::vector<OtherName> other_names(std::string_view name) {
@@ -150,10 +110,6 @@ std::optional<double> read_number(StrictTable& table, const Kind& kind, const st
 }
 
 namespace {
-
-bool is_sd(const Kind& kind) {
-  return kind.form == Kind::sd || kind.form == Kind::sd_of_fit;
-}
 
 /// The number under the key's name or another one of its quantity.
 std::optional<double> read_number(StrictTable& table, const KeyFacts& key) {
@@ -237,6 +193,11 @@ struct Writer {
 };
 
 }  // namespace
+
+void require_company(const StrictTable& table, const KeyFacts& key) {
+  if (!key.with.empty() && table.has(key.name) && !table.has(key.with))
+    table.fail(key.name, fmt::format("needs `{}`, which is not given here: give both, or neither", key.with));
+}
 
 void read_value(StrictTable& table, const KeyFacts& key, const std::filesystem::path& folder,
                 const Value& value) {

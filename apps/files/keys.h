@@ -89,6 +89,8 @@ using Value = std::variant<double*, std::optional<double>*, Milli<double>, Milli
 
 /// Nothing where the table has no such key. Throws InvalidInput.
 std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name);
+/// Refuses a key that stands without the one it goes with.
+void require_company(const StrictTable& table, const KeyFacts& key);
 /// Leaves the value alone where the table has no such key. Throws InvalidInput.
 void read_value(StrictTable& table, const KeyFacts& key, const std::filesystem::path& folder,
                 const Value& value);
@@ -141,6 +143,7 @@ void read_keys(StrictTable& table, const Keys<Section>& keys, Section& section,
                const std::filesystem::path& folder = {}, WithSd with_sd = WithSd::yes) {
   for (const Key<Section>& key : keys) {
     if (key.kind.form == Kind::sd_of_fit && with_sd == WithSd::no) continue;
+    require_company(table, key);
     if (const auto value = key.value(section))
       read_value(table, key, folder, *value);
     else

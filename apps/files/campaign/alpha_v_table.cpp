@@ -28,24 +28,35 @@ constexpr const char* kWanted =
     "a table of alpha and v has the columns phi_deg, dtau_deg, alpha_deg and v_mm_s (angles also as _rad), "
     "with alpha_sd_deg and v_sd_mm_s where they are known";
 
-/// A quantity that a column may hold, the dimensions its unit may have, and how its unit may be written.
+/// A quantity that a column may hold: the dimensions its unit may have, how that may be written, and where a
+/// run keeps it.
 struct Quantity {
   std::string_view name;
   std::vector<Dimension> dimensions;
   const char* write;
+  Value (*value)(CampaignRun&) = nullptr;
+  Value (*sd)(CampaignRun&) = nullptr;
+  bool measured = false;  ///< not a condition, of which an sd of 0 says that it is exact
 };
 
 const std::vector<Quantity>& quantities() {
+  using R = CampaignRun;
   static const std::vector<Quantity> all = {
-      {"phi", {Dimension::angle}, "phi_rad or phi_deg"},
-      {"dtau", {Dimension::angle}, "dtau_rad or dtau_deg"},
-      {"alpha", {Dimension::angle}, "alpha_rad or alpha_deg"},
-      {"v", {Dimension::velocity}, "v_mm_s or v_m_s"},
-      {"amplitude", {Dimension::length}, "amplitude_mm"},
+      {"phi", {Dimension::angle}, "phi_rad or phi_deg", at<&R::phi>, at<&R::phi_sd>},
+      {"dtau", {Dimension::angle}, "dtau_rad or dtau_deg", at<&R::dtau>, at<&R::dtau_sd>},
+      {"alpha", {Dimension::angle}, "alpha_rad or alpha_deg", at<&R::alpha>, at<&R::alpha_sd>, true},
+      {"v", {Dimension::velocity}, "v_mm_s or v_m_s", at<&R::v>, at<&R::v_sd>, true},
+      {"amplitude", {Dimension::length}, "amplitude_mm", at<&R::amplitude>, at<&R::amplitude_sd>},
       {"angular_frequency",
        {Dimension::angular_frequency, Dimension::frequency},
-       "angular_frequency_rad_s or frequency_hz"},
-      {"start_phase", {Dimension::angle}, "start_phase_rad or start_phase_deg"},
+       "angular_frequency_rad_s or frequency_hz",
+       at<&R::angular_frequency>,
+       at<&R::angular_frequency_sd>},
+      {"start_phase",
+       {Dimension::angle},
+       "start_phase_rad or start_phase_deg",
+       at<&R::start_phase>,
+       at<&R::start_phase_sd>},
       {"dx", {Dimension::length}, "dx_mm"},
       {"dy", {Dimension::length}, "dy_mm"}};
   return all;
@@ -170,7 +181,7 @@ class Cells {
   }
 
   /// SI; nothing for an empty cell.
-  std::optional<double> value(const char* name, bool sd = false) const {
+  std::optional<double> value(std::string_view name, bool sd = false) const {
     const Place* place = columns_.find(name, sd);
     const std::string_view cell = place == nullptr ? std::string_view() : text(place->column);
     if (cell.empty()) return std::nullopt;
@@ -179,26 +190,21 @@ class Cells {
       table_.fail(cell, fmt::format("`{}` is out of range for {}", cell, name));
     return value;
   }
-  double required(const char* name) const {
-    if (const auto found = value(name)) return *found;
-    table_.fail(fmt::format("has no {}; fill in the cell, or take the line out", name));
+  void require(std::string_view name) const {
+    if (!value(name)) table_.fail(fmt::format("has no {}; fill in the cell, or take the line out", name));
   }
-  /// Of a condition: 0 is an exact one, as none is.
-  std::optional<double> sd_of_condition(const char* name) const {
-    const auto found = value(name, true);
-    return found && *found == 0 ? std::nullopt : sd(name);
-  }
-  std::optional<double> sd(const char* name) const {
-    const auto found = value(name, true);
-    if (found && !(*found > kLeastSd))
-      table_.fail(
-          text(columns_.find(name, true)->column),
-          fmt::format("the sd of {} must be greater than 0; leave the cell empty where it is not known",
-                      name));
+  std::optional<double> sd(const Quantity& quantity) const {
+    const auto found = value(quantity.name, true);
+    if (!found || (*found == 0 && !quantity.measured)) return std::nullopt;
+    if (!(*found > kLeastSd))
+      fail(quantity.name,
+           fmt::format("the sd of {} must be greater than 0; leave the cell empty where it is not known",
+                       quantity.name),
+           true);
     return found;
   }
-  [[noreturn]] void fail(const char* name, const std::string& what) const {
-    table_.fail(text(columns_.find(name)->column), what);
+  [[noreturn]] void fail(std::string_view name, const std::string& what, bool sd = false) const {
+    table_.fail(text(columns_.find(name, sd)->column), what);
   }
 
  private:
@@ -219,50 +225,44 @@ class Cells {
 };
 
 /// Direction and its sd from the displacement, where a run of runs.csv has no alpha; false where it has none.
-bool direction_from_displacement(const Cells& cells, AlphaVLine& line) {
+bool direction_from_displacement(const Cells& cells, CampaignRun& run) {
   const auto dx = cells.value("dx"), dy = cells.value("dy");
-  if (!dx || !dy || !line.v_sd) return false;
-  line.alpha = std::atan2(*dy, *dx);
-  line.alpha_sd = line.v > 0 ? *line.v_sd / line.v : 1;
+  if (!dx || !dy || !run.v_sd) return false;
+  run.alpha = std::atan2(*dy, *dx);
+  run.alpha_sd = *run.v > 0 ? *run.v_sd / *run.v : 1;
   return true;
 }
 
-AlphaVLine read_line(const CsvTable& table, const Columns& columns) {
+CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSection& otherwise) {
   const Cells cells(table, columns);
-  AlphaVLine line;
-  line.place = table.place();
-  line.name = cells.text(columns.name);
-  line.phi = cells.required("phi");
-  line.dtau = cells.required("dtau");
-  if (!(line.dtau >= 0 && line.dtau <= kTurn * (1 + 1e-9)))
+  CampaignRun run;
+  run.place = table.place();
+  run.name = cells.text(columns.name);
+  run.start = otherwise.start;
+  run.cycles = otherwise.cycles;
+  for (const Quantity& quantity : quantities()) {
+    if (quantity.value == nullptr) continue;
+    if (const auto value = cells.value(quantity.name)) set_value(quantity.value(run), *value);
+    if (const auto sd = cells.sd(quantity)) set_value(quantity.sd(run), *sd);
+  }
+  for (const char* name : {"phi", "dtau", "v"}) cells.require(name);
+  if (!(run.dtau >= 0 && run.dtau <= kTurn * (1 + 1e-9)))
     cells.fail("dtau", "dtau must lie between 0 and a whole turn");
-  line.v = cells.required("v");
-  if (line.v < 0) cells.fail("v", "v must be 0 or more: its direction is alpha");
-  line.v_sd = cells.sd("v");
-  line.alpha_sd = cells.sd("alpha");
-  if (const auto alpha = cells.value("alpha"))
-    line.alpha = *alpha;
-  else if (line.v > 0 && !direction_from_displacement(cells, line))
-    cells.required("alpha");
-  line.phi_sd = cells.sd_of_condition("phi");
-  line.dtau_sd = cells.sd_of_condition("dtau");
-  line.amplitude = cells.value("amplitude");
-  if (line.amplitude && *line.amplitude < 0) cells.fail("amplitude", "amplitude must be 0 or more");
-  line.angular_frequency = cells.value("angular_frequency");
-  if (line.angular_frequency && !(*line.angular_frequency > 0))
+  run.dtau = std::min(run.dtau, kTurn);
+  if (*run.v < 0) cells.fail("v", "v must be 0 or more: its direction is alpha");
+  if (!run.alpha && *run.v > 0 && !direction_from_displacement(cells, run)) cells.require("alpha");
+  if (!run.alpha) run.alpha = 0;
+  if (run.amplitude && *run.amplitude < 0) cells.fail("amplitude", "amplitude must be 0 or more");
+  if (run.angular_frequency && !(*run.angular_frequency > 0))
     cells.fail("angular_frequency", "the frequency must be greater than 0");
-  line.amplitude_sd = cells.sd_of_condition("amplitude");
-  line.angular_frequency_sd = cells.sd_of_condition("angular_frequency");
-  line.start_phase = cells.value("start_phase");
-  line.start_phase_sd = cells.sd_of_condition("start_phase");
   if (const std::string_view cell = cells.text(columns.cycles); !cell.empty()) {
     constexpr double kMostCycles = 1e6;
     const double count = table.number(cell);
     if (!(count >= 1 && count <= kMostCycles) || count != std::floor(count))
       table.fail(cell, fmt::format("`{}` is no number of cycles; it must be whole, 1 to 1000000", cell));
-    line.cycles = static_cast<int>(count);
+    run.cycles = static_cast<int>(count);
   }
-  return line;
+  return run;
 }
 
 /// Failed runs and free slides of a runs.csv.
@@ -278,7 +278,7 @@ bool is_left_out(const CsvTable& table, const Columns& columns, std::vector<std:
 
 }  // namespace
 
-AlphaVTable read_alpha_v_table(const std::filesystem::path& path) {
+AlphaVTable read_alpha_v_table(const std::filesystem::path& path, const FitSection& otherwise) {
   if (!std::filesystem::is_regular_file(path))
     throw InvalidInput(fmt::format("{}: there is no such table; check `table` in [data]", path.string()));
   std::string text = read_text(path);
@@ -291,8 +291,9 @@ AlphaVTable read_alpha_v_table(const std::filesystem::path& path) {
   if (!table.next()) throw InvalidInput(fmt::format("{}: is empty; {}", path.string(), kWanted));
   const Columns columns(table);
   while (table.next())
-    if (!is_left_out(table, columns, result.notes)) result.lines.push_back(read_line(table, columns));
-  if (result.lines.empty())
+    if (!is_left_out(table, columns, result.notes))
+      result.runs.push_back(read_line(table, columns, otherwise));
+  if (result.runs.empty())
     throw InvalidInput(fmt::format("{}: has no line of numbers under its header", path.string()));
   if (!columns.unused().empty())
     result.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(columns.unused(), ", ")));

@@ -1,4 +1,4 @@
-#include <array>
+#include <sstream>
 
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/keys.h"
@@ -7,47 +7,15 @@ namespace tribotrack::apps {
 
 namespace {
 
-/// What the entry of a run holds: its own values, else those of the sections it inherits them from.
-constexpr std::array kOfEveryRun = {"name",
-                                    "video",
-                                    "kind",
-                                    "phi_rad",
-                                    "phi_rad_sd",
-                                    "dtau_rad",
-                                    "dtau_rad_sd",
-                                    "start",
-                                    "cycles",
-                                    "amplitude_mm",
-                                    "amplitude_mm_sd",
-                                    "amplitude_y_mm",
-                                    "angular_frequency_rad_s",
-                                    "angular_frequency_rad_s_sd",
-                                    "phase_shift_rad",
-                                    "phase_at_zero_rad",
-                                    "phase_at_zero_rad_sd",
-                                    "start_phase_rad",
-                                    "start_phase_rad_sd",
-                                    "frames",
-                                    "frame_rate_hz",
-                                    "frame_rate_hz_sd",
-                                    "mm_per_px",
-                                    "mm_per_px_sd",
-                                    "calibration",
-                                    "diameter_mm",
-                                    "diameter_sd_mm",
-                                    "height_mm",
-                                    "height_mm_sd",
-                                    "working_distance_mm",
-                                    "working_distance_mm_sd",
-                                    "xi_axis_rad",
-                                    "xi_axis_rad_sd",
-                                    "row_time_s",
-                                    "disc_px",
-                                    "template_px",
-                                    "marker_px",
-                                    "marker",
-                                    "gate_px",
-                                    "scope"};
+/// What the entry of a run holds, in this order: its own values, else those of the sections that it inherits.
+constexpr const char* kOfEveryRun =
+    "name video kind phi_rad phi_rad_sd dtau_rad dtau_rad_sd start cycles amplitude_mm amplitude_mm_sd "
+    "amplitude_y_mm angular_frequency_rad_s angular_frequency_rad_s_sd phase_shift_rad phase_at_zero_rad "
+    "phase_at_zero_rad_sd start_phase_rad start_phase_rad_sd frames frame_rate_hz frame_rate_hz_sd mm_per_px "
+    "mm_per_px_sd calibration diameter_mm diameter_sd_mm height_mm height_mm_sd working_distance_mm "
+    "working_distance_mm_sd xi_axis_rad xi_axis_rad_sd row_time_s disc_px template_px marker_px marker "
+    "gate_px "
+    "scope";
 
 /// Those of a section among the names.
 Json picked(const Json& values, std::initializer_list<const char*> names) {
@@ -66,7 +34,8 @@ Json run_configuration(const Campaign& campaign, const CampaignRun& run) {
   inherited.update(written(camera_keys(), campaign.camera));
   inherited.update(part_configuration(campaign.part));
   Json json;
-  for (const std::string name : kOfEveryRun) {
+  std::istringstream names(kOfEveryRun);
+  for (std::string name; names >> name;) {
     const std::string quantity = name.ends_with("_sd") ? name.substr(0, name.size() - 3) : name;
     const bool is_own = own.contains(name) && (!own.at(quantity).is_null() || !inherited.contains(name));
     json[name] = is_own ? own.at(name) : inherited.at(name);

@@ -35,7 +35,7 @@ bool same_angle(double a, double b) {
   return same(std::remainder(a - b, 2 * std::numbers::pi), 0);
 }
 
-bool same_point(const AlphaVLine& a, const AlphaVLine& b) {
+bool same_point(const CampaignRun& a, const CampaignRun& b) {
   return same_angle(a.phi, b.phi) && same(a.dtau, b.dtau) && same(a.amplitude, b.amplitude) &&
          same(a.angular_frequency, b.angular_frequency) && same(a.start_phase, b.start_phase) &&
          a.cycles == b.cycles;
@@ -45,10 +45,10 @@ bool same_point(const AlphaVLine& a, const AlphaVLine& b) {
 /// without looking at them all.
 class PointsByPlace {
  public:
-  void add(const AlphaVLine& line, std::size_t point) { cells_[cell_of(line)].push_back(point); }
+  void add(const CampaignRun& line, std::size_t point) { cells_[cell_of(line)].push_back(point); }
   /// The first of those that lie near, in the order of their numbers, for which `wanted` holds.
   template <class Wanted>
-  std::optional<std::size_t> find(const AlphaVLine& line, const Wanted& wanted) const {
+  std::optional<std::size_t> find(const CampaignRun& line, const Wanted& wanted) const {
     std::optional<std::size_t> first;
     const auto [phi, dtau] = cell_of(line);
     for (long long i = -1; i <= 1; ++i)
@@ -63,7 +63,7 @@ class PointsByPlace {
   using Cell = std::pair<long long, long long>;
   // Of 1e-5 rad: numbers that mean the same lie in one cell or in neighbouring ones.
   static constexpr long long kTurn = 628'318;  ///< cells of a turn
-  static Cell cell_of(const AlphaVLine& line) {
+  static Cell cell_of(const CampaignRun& line) {
     const double turns = line.phi / (2 * std::numbers::pi);
     return {static_cast<long long>((turns - std::floor(turns)) * kTurn) % kTurn,
             static_cast<long long>(std::floor(line.dtau * (kTurn / (2 * std::numbers::pi))))};
@@ -72,7 +72,7 @@ class PointsByPlace {
 };
 
 /// Where no sd is known: of the first such line.
-[[noreturn]] void refuse_without_sd(const AlphaVLine& line, const fit::PooledPoints& pooled) {
+[[noreturn]] void refuse_without_sd(const CampaignRun& line, const fit::PooledPoints& pooled) {
   const bool alpha = !line.alpha_sd, v = !line.v_sd;
   throw InvalidInput(fmt::format(
       "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
@@ -96,12 +96,12 @@ class TableRuns {
  public:
   explicit TableRuns(Campaign& campaign) : campaign_(campaign) {
     for (const fs::path& path : campaign.data.tables) {
-      AlphaVTable table = read_alpha_v_table(path);
+      AlphaVTable table = read_alpha_v_table(path, campaign.fit);
       campaign.table_inputs.push_back(table.input);
       for (std::string& note : table.notes) campaign.notes.push_back(std::move(note));
-      for (AlphaVLine& line : table.lines) lines_.push_back(std::move(line));
+      for (CampaignRun& line : table.runs) lines_.push_back(std::move(line));
     }
-    for (AlphaVLine& line : lines_) {
+    for (CampaignRun& line : lines_) {
       if (!line.alpha_sd) line.alpha_sd = campaign.data.alpha_sd;
       if (!line.v_sd) line.v_sd = campaign.data.v_sd;
     }
@@ -111,9 +111,9 @@ class TableRuns {
   void add() {
     std::vector<fit::PointMeasurement> measurements;
     for (std::size_t k = 0; k < lines_.size(); ++k) {
-      const AlphaVLine& line = lines_[k];
+      const CampaignRun& line = lines_[k];
       measurements.push_back(
-          {point_of_[k], {{line.alpha, line.alpha_sd.value_or(0)}, {line.v, line.v_sd.value_or(0)}}});
+          {point_of_[k], {{*line.alpha, line.alpha_sd.value_or(0)}, {*line.v, line.v_sd.value_or(0)}}});
     }
     const fit::PooledPoints pooled = fit::pool_points(measurements);
     for (std::size_t p = 0; p < points_.size(); ++p) add_run(points_[p], pooled.points[p], pooled);
@@ -123,7 +123,7 @@ class TableRuns {
  private:
   void sort_into_points() {
     PointsByPlace known;
-    for (const AlphaVLine& line : lines_) {
+    for (const CampaignRun& line : lines_) {
       const auto repeated = known.find(
           line, [&](std::size_t point) { return same_point(lines_[points_[point].front()], line); });
       const std::size_t number = repeated.value_or(points_.size());
@@ -138,32 +138,15 @@ class TableRuns {
 
   void add_run(const std::vector<std::size_t>& members, const fit::AlphaV& value,
                const fit::PooledPoints& pooled) {
-    for (const std::size_t k : members) {
-      const AlphaVLine& line = lines_[k];
-      if ((!line.alpha_sd && !(value.alpha.sd > 0)) || (!line.v_sd && !(value.velocity.sd > 0)))
-        refuse_without_sd(line, pooled);
-    }
-    const AlphaVLine& first = lines_[members.front()];
-    CampaignRun run;
-    run.place = first.place;
-    run.name = first.name;
+    for (const std::size_t k : members)
+      if ((!lines_[k].alpha_sd && !(value.alpha.sd > 0)) || (!lines_[k].v_sd && !(value.velocity.sd > 0)))
+        refuse_without_sd(lines_[k], pooled);
+    CampaignRun run = lines_[members.front()];
     if (run.name.empty()) {
-      const fs::path place = first.place;  // "folder/alpha_v.csv:7"
+      const fs::path place = run.place;  // "folder/alpha_v.csv:7"
       const std::string line = place.extension().string();
       run.name = place.stem().string() + line.substr(std::min(line.find(':'), line.size()));
     }
-    run.phi = first.phi;
-    run.dtau = std::min(first.dtau, 2 * std::numbers::pi);
-    run.phi_sd = first.phi_sd;
-    run.dtau_sd = first.dtau_sd;
-    run.amplitude = first.amplitude;
-    run.amplitude_sd = first.amplitude_sd;
-    run.angular_frequency = first.angular_frequency;
-    run.angular_frequency_sd = first.angular_frequency_sd;
-    run.start_phase = first.start_phase;
-    run.start_phase_sd = first.start_phase_sd;
-    run.start = campaign_.fit.start;
-    run.cycles = first.cycles.value_or(campaign_.fit.cycles);
     run.alpha = value.alpha.value;
     run.alpha_sd = value.alpha.sd;
     run.v = value.velocity.value;
@@ -203,7 +186,7 @@ class TableRuns {
   }
 
   Campaign& campaign_;
-  std::vector<AlphaVLine> lines_;
+  std::vector<CampaignRun> lines_;
   std::vector<std::vector<std::size_t>> points_;  ///< the lines of each
   std::vector<std::size_t> point_of_;             ///< of each line
 };
@@ -233,9 +216,6 @@ Json written_tables(const DataSection& data) {
 DataSection read_data(StrictTable& table, const fs::path& folder) {
   DataSection data;
   read_keys(table, data_keys(), data, folder);
-  for (const char* key : {"alpha_sd_rad", "v_sd_mm_s"})
-    if (table.has(key) && data.tables.empty())
-      table.fail(key, "is for the lines of a `table`, which [data] does not name");
   if (data.alpha_sd && !(*data.alpha_sd > 0)) table.fail("alpha_sd_rad", "must be greater than 0");
   table.finish();
   return data;

@@ -95,7 +95,7 @@ const Keys<CameraSection>& camera_keys() {
       {"tag_mm", Kind::above_zero, at<&C::tag_mm>, "8.0",
        "side of the tag's black square, where `marker` is one: sets the scale"},
       {"tag_mm_sd", Kind::sd, at<&C::tag_mm_sd>, "0.02", "as printed"},
-      {"mm_per_px_sd", Kind::not_negative, at<&C::mm_per_px_sd>, "0.00002", "", "mm_per_px"},
+      {"mm_per_px_sd", Kind::not_negative, at<&C::mm_per_px_sd>, "0.00002"},
       {"calibration", Kind::file, at<&C::calibration>, "\"calibration.json\"",
        "by `tribotrack calibrate`, instead of mm_per_px"},
       {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
@@ -200,8 +200,7 @@ const Keys<CampaignRun>& run_keys() {
        "set sliding by hand on the platform at rest; gives mu1 by itself (film several). Else \"pulses\""},
       {"slope_rad", Kind::angle, at<&R::slope>, "\"20deg\"",
        "of a free slide on an incline: > 0 slides down, < 0 is pushed up; mu1 = tan(slope) - a/(g "
-       "cos(slope))",
-       "kind"},
+       "cos(slope))"},
       {"slope_rad_sd", Kind::sd, at<&R::slope_sd>, "0.002", "the same for all inclines of the campaign"},
       {"phi_rad", Kind::angle, at<&R::phi>, "\"45deg\"", "commanded phase of the pulse"},
       {"phi_rad_sd", Kind::sd, at<&R::phi_sd>, "0.005", "of this run alone"},

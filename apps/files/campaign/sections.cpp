@@ -58,9 +58,6 @@ void check_places(const StrictTable& table, const CampaignRun& run) {
 void check_track(const StrictTable& table, const CampaignRun& run) {
   if (run.track && run.video)
     table.fail("track", "and `video` are two sources of one motion; a run has one of them");
-  if (!run.track)
-    for (const char* key : {"track_unit", "track_y", "track_point", "track_mark"})
-      if (table.has(key)) table.fail(key, "belongs to a run with a `track`");
   if (run.track)
     for (const char* key : {"disc_px", "template_px", "marker_px"})
       if (table.has(key)) table.fail(key, "is for tracking a `video`; this run's `track` is finished");

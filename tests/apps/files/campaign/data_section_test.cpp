@@ -200,7 +200,7 @@ TEST_F(Tables, WhatIsWrongIsNamedWithPlaceAndRemedy) {
               HasSubstr("there is no such table; check `table` in [data]"));
   put(in_folder("c.toml"), "[data]\nv_sd_mm_s = 1\n[[run]]\n");
   EXPECT_THAT(complaint_of([&] { read_campaign(in_folder("c.toml")); }),
-              HasSubstr("which [data] does not name"));
+              HasSubstr("needs `table`"));
 }
 
 TEST_F(Tables, RepeatsThatScatterMoreThanTheirSdsAreAWarning) {
@@ -219,7 +219,7 @@ TEST_F(Tables, ARunHasOneSourceOfItsMotion) {
   EXPECT_THAT(run("track = \"x.csv\"\nvideo = \"x.avi\"\n"),
               HasSubstr("c.toml:4:1: `track` in [[run]] and `video` are two sources of one motion"));
   EXPECT_THAT(run("track = \"x.csv\"\ndisc_px = [1, 2, 3]\n"), HasSubstr("this run's `track` is finished"));
-  EXPECT_THAT(run("track_unit = \"mm\"\nvideo = \"x.avi\"\n"), HasSubstr("belongs to a run with a `track`"));
+  EXPECT_THAT(run("track_unit = \"mm\"\nvideo = \"x.avi\"\n"), HasSubstr("needs `track`"));
   EXPECT_THAT(run("track = \"x.csv\"\nalpha_rad = 1\n"), HasSubstr("not both"));
   EXPECT_THAT(run("track = \"x.csv\"\ntrack_unit = \"inch\"\n"),
               HasSubstr("must be one of px, um, mm, cm, m, not \"inch\""));
