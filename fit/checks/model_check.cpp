@@ -36,7 +36,7 @@ struct Criteria {
     row.name = name;
     row.chi2 = chi2;
     row.parameters = static_cast<int>(parameters);
-    const double n = static_cast<double>(residuals.size()), k = static_cast<double>(parameters);
+    const double n = static_cast<double>(residuals.layout().rows()), k = static_cast<double>(parameters);
     const double misfit = known_sigma ? chi2 : n * std::log(chi2 / n);
     row.aic = misfit + 2 * k;
     row.bic = misfit + k * std::log(n);

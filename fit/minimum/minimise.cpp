@@ -201,10 +201,11 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   const auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   double* const shared = evaluation.z.data();
   std::deque<GroupCost> costs;
-  for (std::size_t group = 0; group < residuals.groups(); ++group) {
-    const Range own = residuals.own(group);
-    if (residuals.rows(group) == 0) continue;
-    costs.emplace_back(evaluation, group, residuals.rows(group), unknowns.common(), own.count);
+  const auto& groups = residuals.layout().groups;
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    const auto& [rows, own] = groups[group];
+    if (rows == 0) continue;
+    costs.emplace_back(evaluation, group, rows, unknowns.common(), own.count);
     std::vector<double*> blocks{shared};
     if (own.count > 0) {
       blocks.push_back(shared + own.first);

@@ -52,56 +52,43 @@ void Residuals::prepare() {
   common_.reset();
   const auto sharing = std::find_if(tracks_.begin(), tracks_.end(),
                                     [](const auto& track) { return track->common().count() > 0; });
-  if (sharing == tracks_.end()) return;
+  const bool share = sharing != tracks_.end();
+  const Eigen::Index common = unknowns_->common();
+  layout_ = {};
+  layout_.groups.push_back(
+      {static_cast<Eigen::Index>(2 * problem_->summary_runs.size() + priors_.size()), {common, 0}});
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!share || i == 0)
+      layout_.groups.push_back({0, share ? Range{common, unknowns_->size() - common} : unknowns_->own(i)});
+    RowLayout::Group& group = layout_.groups.back();
+    RowLayout::Place place{layout_.groups.size() - 1, group.rows,
+                           2 * static_cast<Eigen::Index>(tracks_[i]->points())};
+    place.rows = place.points;
+    for (const NuisanceBlock& block : unknowns_->nuisances(i)) place.rows += block.known.rows();
+    group.rows += place.rows;
+    layout_.tracks.push_back(place);
+  }
+  if (!share) return;
   // (I + U G U')^(-1/2) behind the runs' own whitening, U their shapes one below the other.
   const ErrorShapes& like = (*sharing)->common();
-  Eigen::Index row = 0;
-  Eigen::MatrixXd stacked(0, 2 * static_cast<Eigen::Index>(like.count()));
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const Eigen::Index rows = track_rows(i);
-    stacked.conservativeResize(row + rows, Eigen::NoChange);
-    stacked.bottomRows(rows).setZero();
+  Eigen::MatrixXd stacked =
+      Eigen::MatrixXd::Zero(layout_.groups.back().rows, 2 * static_cast<Eigen::Index>(like.count()));
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
     if (tracks_[i]->common().count() > 0)
-      stacked.middleRows(row, tracks_[i]->white().rows()) =
+      stacked.middleRows(layout_.tracks[i].row, layout_.tracks[i].points) =
           tracks_[i]->whitened(error_columns(tracks_[i]->common()));
-    row += rows;
-  }
   common_ =
       std::make_shared<CorrelatedWhitening>(std::move(stacked), column_variances(like, excess_.correlated));
 }
 
-Eigen::Index Residuals::track_rows(std::size_t run) const {
-  Eigen::Index rows = 2 * static_cast<Eigen::Index>(tracks_[run]->points());
-  for (const NuisanceBlock& block : unknowns_->nuisances(run)) rows += block.known.rows();
-  return rows;
-}
-
-Residuals::Place Residuals::place(std::size_t run) const {
-  if (!common_) return {1 + run, 0};
-  Place place{1, 0};
-  for (std::size_t i = 0; i < run; ++i) place.row += track_rows(i);
-  return place;
-}
-
-Eigen::Index Residuals::rows(std::size_t group) const {
-  if (group == 0) return static_cast<Eigen::Index>(2 * problem_->summary_runs.size() + priors_.size());
-  return common_ ? place(tracks_.size()).row : track_rows(group - 1);
-}
-
-Range Residuals::own(std::size_t group) const {
-  if (group == 0) return {unknowns_->common(), 0};
-  return common_ ? Range{unknowns_->common(), unknowns_->size() - unknowns_->common()}
-                 : unknowns_->own(group - 1);
-}
-
-Eigen::Index Residuals::size() const {
-  Eigen::Index rows = 0;
-  for (std::size_t group = 0; group < groups(); ++group) rows += this->rows(group);
-  return rows;
+Eigen::Index RowLayout::rows() const {
+  Eigen::Index sum = 0;
+  for (const Group& group : groups) sum += group.rows;
+  return sum;
 }
 
 double Residuals::degrees_of_freedom() const {
-  double dof = static_cast<double>(size() - unknowns_->size());
+  double dof = static_cast<double>(layout_.rows() - unknowns_->size());
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     dof +=
         2.0 * static_cast<double>(tracks_[i]->points()) * (1 / excess_.trajectories[i].correlation_time - 1) -
@@ -134,9 +121,10 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
   Linearised result;
   result.groups.resize(1 + tracks_.size());
   RowGroup& shared = result.groups.front();
-  shared.residuals.resize(rows(0));
-  shared.shared.setZero(rows(0), derivatives ? unknowns_->common() : 0);
-  shared.own.resize(rows(0), 0);
+  const Eigen::Index rows = layout_.groups.front().rows;
+  shared.residuals.resize(rows);
+  shared.shared.setZero(rows, derivatives ? unknowns_->common() : 0);
+  shared.own.resize(rows, 0);
   const std::size_t summaries = problem_->summary_runs.size();
   try {
     parallel_for(summaries + tracks_.size(), threads_, [&](std::size_t i) {
@@ -212,7 +200,7 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
 Eigen::Vector2d Residuals::difference(const Linearised& at, std::size_t index) const {
   return Factor2(covariance(index)).lower() *
          at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(index)) /
-         std::sqrt(run_weight(index));
+         std::sqrt(weights_.of(index));
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool derivatives,
@@ -226,7 +214,7 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
   const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
-  const double root = std::sqrt(run_weight(index));
+  const double root = std::sqrt(weights_.of(index));
   group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - position);
   if (!derivatives) return;
   Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->common());
@@ -252,7 +240,7 @@ RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
   const TrackWhitening& track = *tracks_[index];
   const PointModel modelled = modelled_points(values, index, derivatives);
   const Range own = unknowns_->own(index);
-  const Eigen::Index rows = track_rows(index), shared = derivatives ? unknowns_->common() : 0;
+  const Eigen::Index rows = layout_.tracks[index].rows, shared = derivatives ? unknowns_->common() : 0;
   Eigen::Index row = modelled.positions.size();
   RowGroup group{Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, shared),
                  Eigen::MatrixXd::Zero(rows, derivatives ? own.count : 0), own.first};
@@ -286,8 +274,8 @@ void Residuals::take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> co
   if (group == 0) return;
   if (common_) common_->apply(column);
   for (std::size_t i = 0; i < tracks_.size(); ++i)
-    if (const Place here = place(i); here.group == group)
-      tracks_[i]->take_own(column.segment(here.row, 2 * static_cast<Eigen::Index>(tracks_[i]->points())));
+    if (const RowLayout::Place& place = layout_.tracks[i]; place.group == group)
+      tracks_[i]->take_own(column.segment(place.row, place.points));
 }
 
 }  // namespace tribotrack::fit::internal

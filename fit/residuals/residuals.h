@@ -34,6 +34,23 @@ struct ExcessVariance {
 struct Weights {
   std::vector<double> runs;                 ///< summary runs
   std::vector<std::vector<double>> points;  ///< trajectory runs
+  double of(std::size_t summary_run) const { return runs.empty() ? 1 : runs[summary_run]; }
+};
+
+/// Where rows and unknowns are.
+struct RowLayout {
+  struct Group {
+    Eigen::Index rows = 0;
+    Range own;  ///< unknowns of its runs alone
+  };
+  /// The points of a trajectory run, the priors of its own unknowns behind them.
+  struct Place {
+    std::size_t group = 0;
+    Eigen::Index row = 0, points = 0, rows = 0;  ///< the first; of points; with the priors
+  };
+  std::vector<Group> groups;
+  std::vector<Place> tracks;
+  Eigen::Index rows() const;  ///< of all groups
 };
 
 class Residuals {
@@ -47,7 +64,6 @@ class Residuals {
   void set_excess_variance(const ExcessVariance& excess);
   const Weights& weights() const { return weights_; }
   void set_weights(const Weights& weights);
-  double run_weight(std::size_t run) const { return weights_.runs.empty() ? 1 : weights_.runs[run]; }
   /// What SummaryRun::own adds to the covariance of each run, linearised at these values; until then nothing.
   void set_own_errors(const Eigen::VectorXd& values);
   const Eigen::Matrix2d& own_error(std::size_t summary_run) const { return own_[summary_run]; }
@@ -74,17 +90,7 @@ class Residuals {
   /// Of these residuals and all their copies.
   const FailedEvaluations& failures() const { return *failures_; }
 
-  /// Number of rows; of a group, and the own unknowns of its runs.
-  Eigen::Index size() const;
-  std::size_t groups() const { return 1 + (common_ ? 1 : tracks_.size()); }
-  Eigen::Index rows(std::size_t group) const;
-  Range own(std::size_t group) const;
-  /// Where the points of a trajectory run are, the priors of its own unknowns behind them.
-  struct Place {
-    std::size_t group = 0;
-    Eigen::Index row = 0;
-  };
-  Place place(std::size_t trajectory_run) const;
+  const RowLayout& layout() const { return layout_; }
   /// Independent rows less unknowns (trajectory points divided by their correlation time).
   double degrees_of_freedom() const;
   /// max(1, chi^2/dof): by how much the residuals exceed their sigma.
@@ -105,7 +111,6 @@ class Residuals {
   void summary(const Eigen::VectorXd& values, std::size_t run, bool derivatives, RowGroup& group) const;
   RowGroup trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  Eigen::Index track_rows(std::size_t run) const;  ///< with the priors of its own unknowns
   void prepare();
 
   const Problem* problem_;
@@ -119,6 +124,7 @@ class Residuals {
   std::vector<Eigen::Matrix2d> own_;  ///< m^2, of each summary run
   std::vector<std::size_t> first_point_;
   std::vector<std::shared_ptr<const TrackWhitening>> tracks_;
+  RowLayout layout_;
   std::shared_ptr<const CorrelatedWhitening> common_;  ///< of all trajectory runs; null without
   double reference_time_ = 0;
   std::shared_ptr<FailedEvaluations> failures_ = std::make_shared<FailedEvaluations>();

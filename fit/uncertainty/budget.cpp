@@ -197,7 +197,7 @@ class Sources {
       const Eigen::Matrix2d all = residuals_.covariance(i);
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
-          std::sqrt(residuals_.run_weight(i)) *
+          std::sqrt(residuals_.weights().of(i)) *
           Factor2(all).by_upper(by_rows_[0].middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
@@ -215,8 +215,9 @@ class Sources {
     if (problem_.trajectory_runs.empty()) return;
     std::vector<Eigen::MatrixXd> points = by_rows_;
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) {
-      auto [group, row] = residuals_.place(i);
-      row += 2 * static_cast<Eigen::Index>(residuals_.track(i).points());
+      const RowLayout::Place& place = residuals_.layout().tracks[i];
+      const std::size_t group = place.group;
+      Eigen::Index row = place.row + place.points;
       for (const NuisanceBlock& block : unknowns_.nuisances(i)) {
         const Eigen::Index rows = block.known.rows();
         add_nuisance(block.kind, by_rows_[group].middleCols(row, rows).rowwise().squaredNorm());

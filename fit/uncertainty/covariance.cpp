@@ -107,19 +107,15 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
   const Eigen::MatrixXd all = left.normal();
   const Eigen::VectorXd sd = uncertainty.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index run = 0; run < summary + trajectories; ++run) {
-    Residuals::Place place{0, 2 * run};
-    Eigen::Index rows = 2;
-    if (run >= summary) {
-      const auto track = static_cast<std::size_t>(run - summary);
-      place = residuals.place(track);
-      rows = 2 * static_cast<Eigen::Index>(residuals.track(track).points());
-    }
+    const RowLayout::Place place = run < summary
+                                       ? RowLayout::Place{0, 2 * run, 2, 2}
+                                       : residuals.layout().tracks[static_cast<std::size_t>(run - summary)];
     const RowGroup& group = left.groups[place.group];
-    influence.row(run) =
-        change(all, group.shared.middleRows(place.row, rows), group.residuals.segment(place.row, rows))
-            .head(reported)
-            .cwiseQuotient(sd)
-            .transpose();
+    influence.row(run) = change(all, group.shared.middleRows(place.row, place.points),
+                                group.residuals.segment(place.row, place.points))
+                             .head(reported)
+                             .cwiseQuotient(sd)
+                             .transpose();
   }
   return influence;
 }
@@ -262,7 +258,8 @@ Eigen::VectorXd refit(const Problem& problem, const Residuals& residuals, const 
   Residuals refit(own);
   refit.set_excess_variance(residuals.excess_variance());
   refit.set_tolerance(residuals.tolerance_for(0.03, 1e-5));
-  if (refit.size() != residuals.size()) return {};  // a free slide whose strike moved by a frame
+  if (refit.layout().rows() != residuals.layout().rows())
+    return {};  // a free slide whose strike moved by a frame
   Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
   if (loss != Loss::squares && std::isfinite(minimum.chi2)) reweighted_fit(refit, minimum, {.loss = loss});
   return minimum.converged ? own.values(minimum.z) : Eigen::VectorXd();

@@ -20,7 +20,7 @@ bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
   RowGroup& rows = at.at.groups.front();
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    const double root = std::sqrt(now.run_weight(i) / before.run_weight(i));
+    const double root = std::sqrt(now.weights().of(i) / before.weights().of(i));
     const Eigen::Matrix2d factor =
         root * Factor2(now.covariance(i)).whiten_columns(Factor2(before.covariance(i)).lower());
     rows.residuals.segment<2>(row) = (factor * rows.residuals.segment<2>(row)).eval();
@@ -91,7 +91,7 @@ constexpr double kHuber = 2, kCauchy = 3;
 
 double distance(const Residuals& residuals, const Linearised& at, std::size_t run) {
   return at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(run)).norm() /
-         std::sqrt(residuals.run_weight(run));
+         std::sqrt(residuals.weights().of(run));
 }
 
 /// Half the trace of d psi/d r in the plane.

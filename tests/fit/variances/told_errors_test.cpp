@@ -112,7 +112,7 @@ TEST(ToldErrors, AreNotCountedTwice) {
       if (!tells) continue;
       const auto at = residuals.at(truth, false);
       ASSERT_TRUE(at);
-      ratio += at->chi2() / (static_cast<double>(residuals.size() - 12) * trials);
+      ratio += at->chi2() / (static_cast<double>(residuals.layout().rows() - 12) * trials);
       for (const auto& run : estimate_excess_variance(residuals, truth, *at).trajectories)
         scatter = std::max(scatter, run.between_points);
     }
