@@ -104,15 +104,12 @@ Value velocity(ScenarioFile& file) {
   return Milli<double>{&file.scenario.initial_velocity[axis]};
 }
 
-}  // namespace
+constexpr auto scenario = &ScenarioFile::scenario;
+using S = model::Scenario;
 
-const Keys<ScenarioFile>& scenario_parameters() {
-  using F = ScenarioFile;
-  using S = model::Scenario;
+const Keys<ScenarioFile>& platform_parameters() {
   using D = model::Drive;
-  using M = model::Friction;
-  constexpr auto scenario = &F::scenario;
-  static const Keys<F> keys = {
+  static const Keys<ScenarioFile> keys = {
       {"amplitude_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude>, "",
        "Platform amplitude A (and A_y)"},
       {"amplitude_y_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude_y>, "",
@@ -126,17 +123,31 @@ const Keys<ScenarioFile>& scenario_parameters() {
        "Slope of the platform towards +x (right)"},
       {"tilt_y_rad", Kind::angle, at<scenario, &S::drive, &D::tilt_y>, "",
        "Slope of the platform towards +y (up)"},
+  };
+  return keys;
+}
+
+const Keys<ScenarioFile>& friction_parameters() {
+  using M = model::Friction;
+  static const Keys<ScenarioFile> keys = {
       {"mu1", Kind::not_negative, at<scenario, &S::friction, &M::nominal>, "",
        "Nominal friction coefficient mu1"},
       {"mu2", Kind::not_negative, at<scenario, &S::friction, &M::reduced>, "",
        "Reduced friction coefficient mu2, inside the pulse"},
-      {"mu1_over_mu2", Kind::above_zero, at<&F::mu1_over_mu2>, "", "Give mu2 as this ratio mu1/mu2 instead"},
+      {"mu1_over_mu2", Kind::above_zero, at<&ScenarioFile::mu1_over_mu2>, "",
+       "Give mu2 as this ratio mu1/mu2 instead"},
       {"phi_rad", Kind::angle, at<scenario, &S::friction, &M::phase>, "",
        "Phase phi at which the pulse of reduced friction opens"},
       {"dtau_rad", Kind::angle, at<scenario, &S::friction, &M::pulse_width>, "",
        "Width dtau of the pulse, 0 .. 2pi"},
       {"lag_rad", Kind::angle, at<scenario, &S::friction, &M::lag>, "",
        "Phase lag of the actuator, added to phi"},
+  };
+  return keys;
+}
+
+const Keys<ScenarioFile>& run_parameters() {
+  static const Keys<ScenarioFile> keys = {
       {"start_phase_rad", Kind::angle, at<scenario, &S::start_phase>, "", "Platform phase wt at the start"},
       {"velocity_x_mm_s", Kind::number, velocity<0>, "",
        "Initial velocity relative to the platform (start = rest)"},
@@ -150,17 +161,17 @@ const Keys<ScenarioFile>& scenario_parameters() {
   return keys;
 }
 
-namespace {
-
-/// Those of [friction] or [run].
-void read_parameters(StrictTable& table, ScenarioFile& file, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    const auto key = std::ranges::find(scenario_parameters(), name, &KeyFacts::name);
-    read_value(table, *key, {}, key->value(file).value());
-  }
-}
-
 }  // namespace
+
+const Keys<ScenarioFile>& scenario_parameters() {
+  static const Keys<ScenarioFile> all = [] {
+    Keys<ScenarioFile> keys = platform_parameters();
+    for (const auto& more : {friction_parameters(), run_parameters()})
+      keys.insert(keys.end(), more.begin(), more.end());
+    return keys;
+  }();
+  return all;
+}
 
 ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
@@ -176,15 +187,13 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     drive.tilt_y = platform.tilt_y;
   }
   if (auto table = top.table("friction")) {
-    read_parameters(*table, file, {"mu1", "mu2", "mu1_over_mu2", "phi_rad", "dtau_rad", "lag_rad"});
+    read_keys(*table, friction_parameters(), file);
     if (table->has("mu2") && file.mu1_over_mu2)
       table->fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
     table->finish();
   }
   if (auto table = top.table("run")) {
-    read_parameters(*table, file,
-                    {"cycles", "start_phase_rad", "velocity_x_mm_s", "velocity_y_mm_s", "spin_rad_s",
-                     "radius_mm", "spin_inertia"});
+    read_keys(*table, run_parameters(), file);
     if (const auto start = table->choice("start", kStarts))
       file.scenario.start = static_cast<model::Start>(*start);
     read_value(*table, {"samples_per_cycle", Kind::wholes(1, 1'000'000)}, {}, &file.samples_per_cycle);

@@ -128,32 +128,22 @@ std::vector<NameGuess> guesses_from(const std::vector<std::string>& names) {
 
 namespace {
 
-const char* role_text(vision::DiscRole role) {
-  switch (role) {
-    case vision::DiscRole::part:
-      return "the part";
-    case vision::DiscRole::mark:
-      return "a mark on the platform";
-    case vision::DiscRole::like_part:
-      return "moves as the part may";
-    case vision::DiscRole::resting:
-      break;
-  }
-  return "at rest";
-}
+struct RoleName {
+  const char *word, *text;  ///< in JSON, and for people
+};
 
-const char* role_word(vision::DiscRole role) {
+RoleName name_of(vision::DiscRole role) {
   switch (role) {
     case vision::DiscRole::part:
-      return "part";
+      return {"part", "the part"};
     case vision::DiscRole::mark:
-      return "mark";
+      return {"mark", "a mark on the platform"};
     case vision::DiscRole::like_part:
-      return "like_part";
+      return {"like_part", "moves as the part may"};
     case vision::DiscRole::resting:
       break;
   }
-  return "resting";
+  return {"resting", "at rest"};
 }
 
 std::string motion_text(const vision::SurveyedDisc& disc, int looked_at) {
@@ -174,7 +164,7 @@ std::vector<std::string> descriptions(const vision::Survey& seen) {
   for (std::size_t k = 0; k < seen.discs.size(); ++k) {
     const vision::SurveyedDisc& disc = seen.discs[k];
     lines.push_back(fmt::format("disc {}: {}, ({:.1f}, {:.1f}) px, radius {:.1f} px, {}", k + 1,
-                                role_text(disc.role), disc.circle.x, disc.circle.y, disc.circle.radius,
+                                name_of(disc.role).text, disc.circle.x, disc.circle.y, disc.circle.radius,
                                 motion_text(disc, seen.frames_looked_at)));
   }
   for (std::size_t k = 0; k < seen.lamps.size(); ++k) {
@@ -218,7 +208,7 @@ Json json_of(const vision::Survey& seen) {
   Json discs = Json::array(), lamps = Json::array();
   for (const vision::SurveyedDisc& disc : seen.discs)
     discs.push_back({{"circle_px", circle(disc.circle)},
-                     {"role", role_word(disc.role)},
+                     {"role", name_of(disc.role).word},
                      {"moved_px", disc.moved_px},
                      {"coverage", disc.coverage},
                      {"seen_in_frames", disc.seen_in}});

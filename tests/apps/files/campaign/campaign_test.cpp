@@ -113,28 +113,17 @@ frames = [120, 480]
   EXPECT_TRUE(c.warnings.empty());
 }
 
+// What the tables of refusals do not state.
 TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
-  EXPECT_THAT(complaint("[fit]\ncycels = 20\n" + kRun), HasSubstr("c.toml:2:1"));
-  EXPECT_THAT(complaint("[camera]\ndiameter_mm = 6\n" + kRun),
-              HasSubstr("c.toml:2:1: `diameter_mm` in [camera] does not belong here but in [part]"));
   EXPECT_THAT(complaint("amplitude_mm = 0.28\n" + kRun), HasSubstr("does not belong here but in [platform]"));
-  EXPECT_THAT(complaint("[part]\ndiameter_mm = 0\n" + kRun),
-              HasSubstr("c.toml:2:1: `diameter_mm` in [part] must be greater than 0"));
-  EXPECT_THAT(complaint("[part]\ndiameter_mm = -6\n" + kRun), HasSubstr("greater than 0"));
-  EXPECT_THAT(complaint("[[run]]\nphi_rad = nan\ndtau_rad = 1\n"), HasSubstr("c.toml:2:1: `phi_rad`"));
-  EXPECT_THAT(complaint("[[run]]\nphi_rad = \"pie\"\ndtau_rad = 1\n"), HasSubstr("angle"));
-  EXPECT_THAT(complaint("[[run]]\nphi_rad = 0\ndtau_rad = 7\n"), HasSubstr("2pi"));
-  EXPECT_THAT(complaint("[[run]]\nphi_rad = 0\ndtau_rad = 1\n"), HasSubstr("needs `video`"));
-  EXPECT_THAT(complaint("[[run]]\nvideo = \"v.cine\"\nphi_rad = 0\ndtau_rad = 1\n"),
-              HasSubstr("diameter_mm"));
-  EXPECT_THAT(complaint("[fit]\nparameters = [\"mu3\"]\n" + kRun), HasSubstr("did you mean \"mu1\""));
-  EXPECT_THAT(complaint("[fit]\nparameters = [\"mu1\"]\n[fit.fixed]\nmu1 = 0.1\n" + kRun),
-              HasSubstr("lists as fitted"));
-  EXPECT_THAT(complaint("[fit]\n"), HasSubstr("no [[run]]"));
-  EXPECT_THAT(complaint("[[run]]\nname = \"a\"\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 1\nalpha_sd_rad = "
-                        "0\nv_mm_s = 1\nv_sd_mm_s = 1\n"),
-              HasSubstr("alpha_sd_rad"));
-  EXPECT_THAT(complaint("[platform]\namplitude_mm = 0.28\n[platform]\n" + kRun), HasSubstr("c.toml:3:"));
+  EXPECT_THAT(complaint("[fit]\n[fit.fixed]\nmu1 = -0.1\n" + kRun), HasSubstr("c.toml:3:1: `mu1`"));
+  EXPECT_THAT(complaint("[fit]\n[fit.prior]\nmu1 = { mean = 0.1 }\n" + kRun), HasSubstr("needs a mean"));
+  EXPECT_THAT(complaint("[fit]\n[fit.prior]\nmu3 = { mean = 0.1, sd = 1 }\n" + kRun),
+              HasSubstr("did you mean \"mu1\""));
+  EXPECT_THAT(complaint("[fit]\n[fit.prior]\ndelay_s = { mean = 0.1, sd = 1 }\n" + kRun),
+              HasSubstr("is not among `parameters`"));
+  EXPECT_THAT(complaint("[scope]\nsensor_channel = 7\n" + kRun), HasSubstr("between 0 and 4, not 7"));
+  EXPECT_THAT(complaint("[camera]\nframe_rate_reason = \"x\"\n" + kRun), HasSubstr("needs `frame_rate_hz`"));
 }
 
 // Guesses once stood in [fit.start], beside `start = "rest"`: TOML calls that one key twice.
@@ -167,11 +156,9 @@ TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
 TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
   EXPECT_THAT(
       complaint("[platform]\namplitude_mm_sd = 0.001\n" + kRun),
-      HasSubstr(
-          "c.toml:2:1: `amplitude_mm_sd` in [platform] is the sd of `amplitude_mm`, which is not given"));
+      HasSubstr("c.toml:2:1: `amplitude_mm_sd` in [platform] is the sd of `amplitude_mm`, which is not"));
   EXPECT_THAT(complaint("[platform]\ngravity_m_s2 = 9.81\ngravity_m_s2_sd = -1\n" + kRun),
               HasSubstr("c.toml:3:1: `gravity_m_s2_sd` in [platform] must be greater than 0, not -1"));
-  EXPECT_THAT(complaint("[platform]\ntilt_x_rad = 0\ntilt_x_rad_sd = nan\n" + kRun), HasSubstr("finite"));
   EXPECT_THAT(complaint("[part]\nheight_mm = 1\nheight_mm_sd = 0.1\n" + kRun),
               HasSubstr("needs working_distance_mm"));
   EXPECT_THAT(complaint("[camera]\nworking_distance_mm = 100\nworking_distance_mm_sd = 1\n" + kRun),
