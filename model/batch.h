@@ -50,16 +50,13 @@ struct BatchOptions {
   /// Of the velocity at every step of an end's run, in units of A w: 1e-14 leaves some 1e-13 of the path.
   /// Looser ones are faster; steady motions always come at full accuracy.
   double tolerance = 1e-14;
-  /// False: every scenario by the scalar integrator, one at a time (to compare with).
-  bool lanes = true;
   /// Progress callback: solutions done and wanted. Called now and then, by one thread at a time.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
 /// Why a solution was left to the scalar integrator.
 enum class ScalarReason {
-  not_asked,          ///< BatchOptions::lanes = false
-  drive,              ///< elliptic, tilted or none: not constant in the turning frame
+  drive,              ///< elliptic, tilted or none (all that spins): not constant in the turning frame
   constant_friction,  ///< steady motion without pulses
   start,              ///< the start needs a steady motion of its own
   marginal,           ///< starts from rest with mu g within 2 % of the drive, or stops about at an edge
@@ -67,7 +64,7 @@ enum class ScalarReason {
   weak_friction,      ///< cycles hardly contract: what rounding leaves of their motion would show
   no_convergence,     ///< Newton's method on the one-cycle map
 };
-inline constexpr std::size_t kScalarReasons = 8;
+inline constexpr std::size_t kScalarReasons = 7;
 const char* to_string(ScalarReason reason);
 
 /// What the batch did. Counts solutions: two per scenario where both ends and steady motions are wanted.

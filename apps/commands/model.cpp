@@ -83,21 +83,23 @@ std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle)
   return table;
 }
 
-void check_output(const SimulateOptions& options) {
-  if (options.output.empty()) return;
-  if (is_standard_output(options.output)) {
-    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
+/// One output, by name or standard output, and a scenario file that it must not replace.
+void check_output(const std::string& output, const std::string& scenario, bool json) {
+  if (is_standard_output(output)) {
+    if (json) throw UsageError("give -o - or --json: both would go to standard output");
     return;
   }
   std::vector<std::filesystem::path> inputs;
-  if (!options.scenario.empty()) inputs.emplace_back(options.scenario);
-  require_writable({{options.output}}, inputs);
+  if (!scenario.empty()) inputs.emplace_back(scenario);
+  require_writable({{output}}, inputs);
 }
 
 void simulate(const SimulateOptions& options, const Context& context) {
   const ScenarioFile file = scenario_of(given_of(options));
-  check_output(options);
-  if (!options.output.empty()) require_sensible_table(options.output, file.scenario, file.samples_per_cycle);
+  if (!options.output.empty()) {
+    check_output(options.output, options.scenario, options.json);
+    require_sensible_table(options.output, file.scenario, file.samples_per_cycle);
+  }
   if (const model::Friction& friction = file.scenario.friction; friction.reduced > friction.nominal)
     say(context.quiet, fmt::format("note: mu2 = {} within the pulse is more than mu1 = {} outside of it",
                                    friction.reduced, friction.nominal));
@@ -190,14 +192,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   const ScenarioFile base = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
   const auto& texts = options.over.empty() ? base.over : options.over;
   const Sweep sweep(base, sweep_axes(texts));
-  if (is_standard_output(options.output)) {
-    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
-  } else {
-    std::vector<std::filesystem::path> inputs;
-    if (!options.scenario.empty()) inputs.emplace_back(options.scenario);
-    require_writable({{options.output}}, inputs);
-  }
-
+  check_output(options.output, options.scenario, options.json);
   const SweptModel solved = solve(sweep, context);
   if (options.json) print_text(text_of(columns_of(sweep, solved)));
   std::string table;

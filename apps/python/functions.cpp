@@ -32,10 +32,6 @@ using apps::UsageError;
 
 namespace {
 
-bool is_path(const py::object& value) {
-  return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
-}
-
 /// What a table in memory is called in messages.
 constexpr const char* kTrack = "track";
 constexpr const char* kCampaign = "campaign";
@@ -115,8 +111,7 @@ py::dict measure(const py::object& track, const py::dict& options) {
   std::optional<apps::Track> given;
   if (!is_path(track)) given = track_in(track);
   const auto result = released<apps::TrackMeasurement>([name, how, choices, given](const Tell&) {
-    const apps::Track table =
-        given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
+    const apps::Track table = given ? *given : reading(name, [&] { return apps::read_any_track(name, how); });
     return apps::measure_track(name, table, choices);
   });
   if (!result.failure.empty()) warn_of_quality(result.failure);
@@ -160,8 +155,6 @@ py::dict fit(const py::object& campaign, const py::dict& options, const py::obje
 }
 
 // simulate() and sweep().
-
-namespace py = pybind11;
 
 namespace {
 

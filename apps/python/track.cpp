@@ -186,7 +186,7 @@ py::dict track(const py::object& source, const py::dict& options, const py::obje
   const apps::TrackChoices choices = choices_of(options);
   apps::Context context;
   context.threads = static_cast<int>(whole_in(options, "threads").value_or(0));
-  const bool file = py::isinstance<py::str>(source) || py::hasattr(source, "__fspath__");
+  const bool file = is_path(source);
   const std::string name = file ? path_of(source) : "";
   const Files files = files_in(options, name, choices);
   apps::Recording recording = apps::recording_of(file ? name : "frames in memory", choices);

@@ -180,6 +180,10 @@ std::optional<vision::Circle> circle_in(const py::dict& options, const char* nam
   return vision::Circle{v[0], v[1], v[2]};
 }
 
+bool is_path(const py::handle& value) {
+  return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
+}
+
 std::string path_of(const py::handle& value) {
   return py::module_::import("os").attr("fsdecode")(value).cast<std::string>();
 }

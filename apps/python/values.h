@@ -37,7 +37,8 @@ std::optional<vision::Circle> circle_in(const pybind11::dict& options, const cha
 /// `count` finite numbers. Throws UsageError: the flag must be `form`.
 std::vector<double> numbers_of(const std::string& name, const pybind11::handle& value, std::size_t count,
                                const char* form);
-/// A file's name as Python gives it.
+/// A file's name as Python gives it: a str or a pathlib.Path.
+bool is_path(const pybind11::handle& value);
 std::string path_of(const pybind11::handle& value);
 
 /// A NumPy array of one dimension.

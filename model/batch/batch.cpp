@@ -1,6 +1,7 @@
 #include "model/batch.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdio>
 #include <exception>
@@ -79,11 +80,9 @@ class Crew {
       return next < end ? std::optional(next++) : std::nullopt;
     };
     const auto begin = [&](Run& run, std::size_t number) {
-      if (!options_.lanes) return Need::scalar;
       try {
         const Scenario scenario = scenario_at_(number);
         scenario.validate();
-        if (scenario.spin.rate != 0) return Need::scalar;  // lanes know no spin
         return run.begin(scenario, options_);
       } catch (const std::exception& invalid) {
         refuse(number, BatchStatus::invalid, invalid.what());
@@ -183,41 +182,19 @@ BatchOutcome solve_batch(std::span<const Scenario> scenarios, const BatchOptions
 }
 
 const char* to_string(BatchStatus status) {
-  switch (status) {
-    case BatchStatus::done:
-      return "done";
-    case BatchStatus::invalid:
-      return "invalid";
-    case BatchStatus::no_steady_motion:
-      return "no steady motion";
-    case BatchStatus::too_long:
-      return "too long";
-    case BatchStatus::failed:
-      break;
-  }
-  return "failed";
+  return std::array{"done", "invalid", "no steady motion", "too long", "failed"}.at(
+      static_cast<std::size_t>(status));
 }
 
 const char* to_string(ScalarReason reason) {
-  switch (reason) {
-    case ScalarReason::not_asked:
-      return "lanes not asked for";
-    case ScalarReason::drive:
-      return "drive not circular";
-    case ScalarReason::constant_friction:
-      return "constant friction";
-    case ScalarReason::start:
-      return "starts on a steady motion";
-    case ScalarReason::marginal:
-      return "starts or stops near the threshold of friction";
-    case ScalarReason::many_steps:
-      return "creeps for long";
-    case ScalarReason::weak_friction:
-      return "friction so weak that cycles hardly contract";
-    case ScalarReason::no_convergence:
-      break;
-  }
-  return "Newton's method does not settle";
+  return std::array{"drive not circular",
+                    "constant friction",
+                    "starts on a steady motion",
+                    "starts or stops near the threshold of friction",
+                    "creeps for long",
+                    "friction so weak that cycles hardly contract",
+                    "Newton's method does not settle"}
+      .at(static_cast<std::size_t>(reason));
 }
 
 std::string BatchSummary::brief_report() const {

@@ -42,7 +42,7 @@ BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, 
 class LaneRun {
  public:
   LaneState lane;
-  ScalarReason reason = ScalarReason::not_asked;  ///< why it needs the scalar integrator
+  ScalarReason reason = ScalarReason::drive;  ///< why it needs the scalar integrator
   int steps = 0;
 
   /// After a step of that kind.

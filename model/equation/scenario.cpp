@@ -58,15 +58,7 @@ const char* to_string(Parameter parameter) {
 }
 
 const char* to_string(Start start) {
-  switch (start) {
-    case Start::rest:
-      return "rest";
-    case Start::circling:
-      return "circling";
-    case Start::steady:
-      return "steady";
-  }
-  return "?";
+  return std::array{"rest", "circling", "steady"}.at(static_cast<std::size_t>(start));
 }
 
 double Scenario::get(Parameter parameter) const {

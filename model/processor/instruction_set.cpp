@@ -1,6 +1,7 @@
 #include "model/processor/instruction_set.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <stdexcept>
 #include <string>
@@ -19,15 +20,7 @@ std::atomic<InstructionSet>& in_use() {
 }  // namespace
 
 const char* to_string(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::avx512:
-      return "AVX-512";
-    case InstructionSet::avx2:
-      return "AVX2";
-    case InstructionSet::baseline:
-      break;
-  }
-  return "baseline";
+  return std::array{"baseline", "AVX2", "AVX-512"}.at(static_cast<std::size_t>(set));
 }
 
 std::vector<InstructionSet> available_instruction_sets() {

@@ -195,17 +195,8 @@ class Integration {
 }  // namespace
 
 const char* to_string(RivalLaw::Kind kind) {
-  switch (kind) {
-    case RivalLaw::Kind::coulomb:
-      return "Coulomb";
-    case RivalLaw::Kind::stribeck:
-      return "Stribeck";
-    case RivalLaw::Kind::viscous:
-      return "viscous part";
-    case RivalLaw::Kind::rise_time:
-      return "finite rise time";
-  }
-  return "";
+  return std::array{"Coulomb", "Stribeck", "viscous part", "finite rise time"}.at(
+      static_cast<std::size_t>(kind));
 }
 
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {

@@ -248,16 +248,6 @@ TEST(Batch, FallsBackOnTheScalarIntegratorAndSaysWhy) {
   EXPECT_NE(report.find("one at a time: 6 (drive not circular)"), std::string::npos) << report;
 }
 
-TEST(Batch, LanesOffIsTheScalarIntegrator) {
-  const auto scenarios = typical_sweep(5);
-  BatchOptions options = both();
-  options.lanes = false;
-  const auto outcome = solve_batch(scenarios, options);
-  EXPECT_EQ(outcome.summary.in_lanes, 0u);
-  EXPECT_EQ(outcome.summary.by_scalar[static_cast<std::size_t>(ScalarReason::not_asked)], 10u);
-  for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(outcome.steady[k].drift, steady_orbit(scenarios[k])->drift);
-}
-
 /// Without pulses the part settles on a circle; held, it stays where it is and has no direction.
 TEST(Batch, RestAndConstantFriction) {
   Scenario held;
