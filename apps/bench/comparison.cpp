@@ -24,8 +24,7 @@ namespace {
 const ComparedRow* set_against(const ComparedRow& peer, const std::vector<ComparedRow>& rows) {
   const ComparedRow *fastest = nullptr, *closest = nullptr;
   for (const ComparedRow& row : rows) {
-    if (row.whose != Whose::ours || row.scene != peer.scene || row.group != peer.group || !row.arrived)
-      continue;
+    if (!row.ours || row.scene != peer.scene || row.group != peer.group || !row.arrived) continue;
     if (!closest || row.error < closest->error) closest = &row;
     if (row.error <= peer.error * (1 + kSameError) && (!fastest || row.time < fastest->time)) fastest = &row;
   }
@@ -44,11 +43,11 @@ struct InGroup {
   double time() const { return median(times); }
 };
 
-std::vector<InGroup> methods_in(const Comparison& comparison, const std::string& group, Whose whose) {
+std::vector<InGroup> methods_in(const Comparison& comparison, const std::string& group, bool ours) {
   std::vector<InGroup> methods;
   std::vector<std::string> seen;
   for (const ComparedRow& row : comparison.rows) {
-    if (row.group != group || row.whose != whose) continue;
+    if (row.group != group || row.ours != ours) continue;
     const std::string key = row.scene + "\n" + row.method;
     if (std::ranges::find(seen, key) != seen.end()) continue;
     seen.push_back(key);
@@ -93,8 +92,7 @@ std::string who_wins(const InGroup* own, const InGroup* peer, bool by_time) {
 
 void set_against_ours(Comparison& comparison) {
   for (ComparedRow& row : comparison.rows)
-    if (const ComparedRow* own =
-            row.whose == Whose::peer && row.arrived ? set_against(row, comparison.rows) : nullptr) {
+    if (const ComparedRow* own = !row.ours && row.arrived ? set_against(row, comparison.rows) : nullptr) {
       row.error_over_ours = row.error / own->error;
       row.time_over_ours = row.time / own->time;
     }
@@ -105,7 +103,7 @@ bool peer_wins(const ComparedRow& row) {
 }
 
 std::string verdict(const ComparedRow& row) {
-  if (row.whose != Whose::peer) return "";
+  if (row.ours) return "";
   if (!row.arrived) return "does not arrive";
   if (more_accurate(row))
     return fmt::format("PEER WINS on error: x{:.2g} of our least, time x{:.2g}", row.error_over_ours,
@@ -129,17 +127,14 @@ std::vector<SummaryLine> summary_of(const Comparison& comparison) {
     if (std::ranges::find(groups, row.group) == groups.end()) groups.push_back(row.group);
   const bool by_time = comparison.target > 0;
   for (const std::string& group : groups) {
-    const auto ours = methods_in(comparison, group, Whose::ours),
-               peers = methods_in(comparison, group, Whose::peer);
+    const auto ours = methods_in(comparison, group, true), peers = methods_in(comparison, group, false);
     const InGroup *own = best_of(ours, by_time), *peer = best_of(peers, by_time);
     const auto told = [&](const InGroup* method) {
       return method ? fmt::format("{}, {:.3g} {} ({})", time_text(method->time()), method->error(),
                                   comparison.unit, method->method)
                     : "-";
     };
-    const auto of_group = [&](const ComparedRow& row) {
-      return row.group == group && row.whose == Whose::peer;
-    };
+    const auto of_group = [&](const ComparedRow& row) { return row.group == group && !row.ours; };
     const auto wins = std::ranges::count_if(
         comparison.rows, [&](const ComparedRow& row) { return of_group(row) && peer_wins(row); });
     lines.push_back({fmt::format("{}, {}: {}, {}", comparison.name, group, comparison.time, comparison.error),
@@ -162,8 +157,6 @@ using std::numbers::pi;
 /// Where all descents start.
 constexpr FitTruth kFirstGuess{0.09, 0.015, 0.1};
 
-enum class Solver { ours, segmented_dormand_prince, paper_recipe };
-
 /// What a method estimates from one campaign: mu1, mu2, lag.
 struct Answer {
   Vector3d estimate = Vector3d::Zero(), sd = estimate;
@@ -171,110 +164,84 @@ struct Answer {
   double time = 0;  ///< s
 };
 using Fitting = std::function<Answer(const Problem&)>;
+using EndBySolver = std::function<Vector2d(const model::Scenario&)>;
 
-model::Scenario scenario_at(const model::Scenario& base, const Vector3d& z) {
-  model::Scenario s = base;
-  s.friction.nominal = std::exp(z(0));
-  s.friction.reduced = std::exp(z(1));
-  s.friction.lag = z(2);
-  return s;
+Vector2d end_by_ours(const model::Scenario& scenario) {
+  return end_point(scenario, {}, 1e-16).position;
 }
 
-Vector2d end_by(Solver solver, const model::Scenario& scenario) {
-  if (solver == Solver::ours) return end_point(scenario, {}, 1e-16).position;
-  return dormand_prince(scenario, solver == Solver::paper_recipe ? paper_recipe()
-                                                                 : segmented_dormand_prince(scenario, 1e-8))
-      .position;
+Vector2d end_by_dormand_prince(const model::Scenario& scenario) {
+  return dormand_prince(scenario, segmented_dormand_prince(scenario, 1e-8)).position;
 }
 
-Eigen::VectorXd residuals_by(Solver solver, const Problem& problem, const Vector3d& z) {
+Vector2d end_by_recipe(const model::Scenario& scenario) {
+  return dormand_prince(scenario, paper_recipe()).position;
+}
+
+/// In standard deviations, at z: the logarithms of mu1 and mu2, and the lag.
+Eigen::VectorXd residuals_at(const Vector3d& z, const EndBySolver& end, const Problem& problem) {
   Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()));
   Eigen::Index row = 0;
   for (const SummaryRun& run : problem.summary_runs) {
+    model::Scenario scenario = run.scenario;
+    scenario.friction.nominal = std::exp(z(0));
+    scenario.friction.reduced = std::exp(z(1));
+    scenario.friction.lag = z(2);
     const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
-    r.segment<2>(row) =
-        factor.matrixL().solve(run.measured.vector - end_by(solver, scenario_at(run.scenario, z)));
+    r.segment<2>(row) = factor.matrixL().solve(run.measured.vector - end(scenario));
     row += 2;
   }
   return r;
 }
 
-/// Residuals at z; the Jacobian where it is not null.
-using PlainResiduals = std::function<Eigen::VectorXd(const Eigen::Vector3d& z, Eigen::MatrixX3d* jacobian)>;
-
-PlainResiduals by_differences(const Problem& problem, Solver solver, double step) {
-  return [&problem, solver, step](const Vector3d& z, Eigen::MatrixX3d* jacobian) {
-    const Eigen::VectorXd r = residuals_by(solver, problem, z);
-    if (jacobian) {
-      jacobian->resize(r.size(), 3);
+/// What a researcher writes around a solver: a textbook Levenberg-Marquardt for three parameters with central
+/// differences of this step. Ends when a step changes no parameter by more than 1e-7 or chi-square by less
+/// than 1e-10 of it, without convergence after max_iterations or when no step helps.
+Fitting descent_by_differences(const EndBySolver& end, int max_iterations, double step = 1e-6) {
+  return [end, max_iterations, step](const Problem& problem) {
+    const auto residuals = [&](const Vector3d& z) { return residuals_at(z, end, problem); };
+    const auto jacobian = [&](const Vector3d& z) {
+      Eigen::MatrixX3d j(2 * static_cast<Eigen::Index>(problem.summary_runs.size()), 3);
       for (Eigen::Index i = 0; i < 3; ++i) {
-        const Vector3d h = step * Vector3d::Unit(i);  // relative for mu1 and mu2: logarithms
-        jacobian->col(i) =
-            (residuals_by(solver, problem, z + h) - residuals_by(solver, problem, z - h)) / (2 * step);
+        const Vector3d h = step * Vector3d::Unit(i);
+        j.col(i) = (residuals(z + h) - residuals(z - h)) / (2 * step);
       }
+      return j;
+    };
+    Vector3d z(std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag);
+    Eigen::VectorXd r = residuals(z);
+    Eigen::MatrixX3d j = jacobian(z);
+    double damping = 1e-3;
+    bool converged = false;
+    for (int k = 0; k < max_iterations && !converged && damping < 1e12; ++k) {
+      const Eigen::Matrix3d normal = j.transpose() * j;
+      Eigen::Matrix3d damped = normal;
+      damped.diagonal() += damping * normal.diagonal();
+      const Vector3d change = -damped.ldlt().solve(j.transpose() * r);
+      const Eigen::VectorXd trial = residuals(z + change);
+      const double before = r.squaredNorm(), after = trial.squaredNorm();
+      // A step this small that still does not help: the minimum, as far as these derivatives see it.
+      converged = change.cwiseAbs().maxCoeff() < 1e-7 || (after <= before && before - after <= 1e-10 * after);
+      damping *= after <= before ? 0.1 : 10;
+      if (!(after <= before)) continue;
+      z += change;
+      r = trial;
+      j = jacobian(z);
     }
-    return r;
+    Answer answer;
+    // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
+    const Eigen::Matrix3d covariance = (j.transpose() * j).inverse();
+    answer.converged = converged && covariance.diagonal().cwiseMax(0).cwiseSqrt().allFinite();
+    answer.estimate = {std::exp(z(0)), std::exp(z(1)), z(2)};
+    return answer;
   };
 }
 
-/// What a researcher writes around a solver: a textbook Levenberg-Marquardt for three parameters.
-struct PlainDescent {
-  Eigen::Vector3d z = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< (J'J)^-1
-  double chi2 = 0;
-  bool converged = false;
-};
-
-/// Ends when a step changes no parameter by more than 1e-7 or chi-square by less than 1e-10 of it, without
-/// convergence after max_iterations or when no step helps.
-PlainDescent descend(const PlainResiduals& residuals, const Eigen::Vector3d& start, int max_iterations) {
-  PlainDescent state;
-  state.z = start;
-  Eigen::MatrixX3d j;
-  Eigen::VectorXd r = residuals(state.z, &j);
-  state.chi2 = r.squaredNorm();
-  double damping = 1e-3;
-  for (int iteration = 0; iteration < max_iterations && !state.converged && damping < 1e12; ++iteration) {
-    const Eigen::Matrix3d normal = j.transpose() * j;
-    Eigen::Matrix3d damped = normal;
-    damped.diagonal() += damping * normal.diagonal();
-    const Eigen::Vector3d step = -damped.ldlt().solve(j.transpose() * r);
-    const Eigen::Vector3d trial = state.z + step;
-    const double chi2 = residuals(trial, nullptr).squaredNorm();
-    if (!(chi2 <= state.chi2)) {
-      damping *= 10;
-      // A step this small that still does not help: the minimum, as far as these derivatives see it.
-      state.converged = step.cwiseAbs().maxCoeff() < 1e-7;
-      continue;
-    }
-    const bool settled = step.cwiseAbs().maxCoeff() < 1e-7 || state.chi2 - chi2 <= 1e-10 * chi2;
-    state.z = trial;
-    state.chi2 = chi2;
-    damping *= 0.1;
-    r = residuals(state.z, &j);
-    state.converged = settled;
-  }
-  state.covariance = (j.transpose() * j).inverse();
-  return state;
-}
-
-Answer plain(const PlainResiduals& residuals, int max_iterations) {
-  const PlainDescent end = descend(
-      residuals, {std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag}, max_iterations);
-  const Vector3d sd = end.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  Answer answer;
-  // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
-  answer.converged = end.converged && sd.allFinite();
-  answer.estimate = {std::exp(end.z(0)), std::exp(end.z(1)), end.z(2)};
-  return answer;
-}
-
-/// estimate() on one thread, as `fit` calls it but for what is left out here.
-Fitting our_fit(bool profiles, int starts) {
-  return [profiles, starts](const Problem& problem) {
+/// estimate() on one thread, as `fit` calls it.
+Fitting our_fit(int starts) {
+  return [starts](const Problem& problem) {
     FitOptions options;
     options.multi_starts = starts;
-    options.profiles = profiles;
     const FitResult result = fit::estimate(problem, options);
     Answer answer;
     answer.converged = result.usable();
@@ -287,35 +254,26 @@ Fitting our_fit(bool profiles, int starts) {
   };
 }
 
-Fitting descent_by_differences(Solver solver, int max_iterations, double step = 1e-6) {
-  return [solver, max_iterations, step](const Problem& problem) {
-    return plain(by_differences(problem, solver, step), max_iterations);
-  };
-}
-
 struct Method {
   const char* name;
-  Whose whose;
   Fitting fit;
   std::vector<Answer> answers = {};
 };
 
+/// Ours first.
 std::vector<Method> methods_for(bool quick) {
-  const int starts = quick ? 2 : FitOptions().multi_starts;
-  return {
-      {"tribotrack", Whose::ours, our_fit(true, starts)},
-      {"tribotrack without profiles, one start", Whose::variant, our_fit(false, 1)},
-      {"one descent, differences through our solver", Whose::peer, descent_by_differences(Solver::ours, 50)},
-      {"one descent, differences through segmented Dormand-Prince 1e-8", Whose::peer,
-       descent_by_differences(Solver::segmented_dormand_prince, 50)},
-      {"one descent, differences through the paper's recipe", Whose::peer,
-       descent_by_differences(Solver::paper_recipe, quick ? 4 : 15)},
-      {"the same with differences of 1 %, above its noise", Whose::peer,
-       descent_by_differences(Solver::paper_recipe, quick ? 4 : 40, 0.01)}};
+  return {{"tribotrack", our_fit(quick ? 2 : FitOptions().multi_starts)},
+          {"one descent, differences through our solver", descent_by_differences(end_by_ours, 50)},
+          {"one descent, differences through segmented Dormand-Prince 1e-8",
+           descent_by_differences(end_by_dormand_prince, 50)},
+          {"one descent, differences through the paper's recipe",
+           descent_by_differences(end_by_recipe, quick ? 4 : 15)},
+          {"the same with differences of 1 %, above its noise",
+           descent_by_differences(end_by_recipe, quick ? 4 : 40, 0.01)}};
 }
 
 ComparedRow judge(const Method& method, const Method& ours, const std::vector<FitTruth>& truths) {
-  ComparedRow row{"14 displacements", "14 displacements", method.name, "", method.whose};
+  ComparedRow row{"14 displacements", "14 displacements", method.name, "", &method == &ours};
   const auto count = static_cast<double>(method.answers.size());
   double converged = 0, off_minimum = 0;
   Vector3d square = Vector3d::Zero();

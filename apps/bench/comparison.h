@@ -10,12 +10,6 @@
 
 namespace tribotrack::bench {
 
-enum class Whose {
-  ours,     ///< as users get it
-  variant,  ///< also ours, shown beside it: for what a part of it costs
-  peer
-};
-
 /// What one benchmark knows of its rows besides, named as in its CSV.
 struct Detail {
   const char* name;
@@ -27,7 +21,7 @@ struct ComparedRow {
   std::string group;  ///< of scenes: a line of the summary, a panel of the figure
   std::string scene;  ///< rows of one scene are set against each other
   std::string method, setting;
-  Whose whose = Whose::peer;
+  bool ours = false;    ///< as users get it
   bool arrived = true;  ///< false: it gave up, or ended elsewhere
   double error = 0;     ///< in the comparison's unit
   double time = 0;      ///< s, CPU time

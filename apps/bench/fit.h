@@ -14,13 +14,12 @@ struct FitBenchOptions {
   std::function<void(int done, int total)> progress;
 };
 
-/// Ours: estimate() as `fit` calls it; a variant of it has no profiles and one start. Others: one textbook
-/// Levenberg-Marquardt from that start, with central differences (relative step 1e-6) through our solver,
-/// through a segmented Dormand-Prince at 1e-8, and through the paper's recipe, there also with steps of 1 %:
-/// with finer ones its derivatives are noise and it does not arrive. Four campaigns of displacements, the
-/// same for all. The error is the rms of mu1's, relative; who ends farther than kSameMinimum from our
-/// minimum, or in some campaign nowhere, did not arrive. Details: campaigns, converged, off_minimum_sd,
-/// mu2_rms_relative, lag_rms_rad.
+/// Ours: estimate() as `fit` calls it. Others: one textbook Levenberg-Marquardt from one start, with central
+/// differences (relative step 1e-6) through our solver, through a segmented Dormand-Prince at 1e-8, and
+/// through the paper's recipe, there also with steps of 1 %: with finer ones its derivatives are noise and it
+/// does not arrive. Four campaigns of displacements, the same for all. The error is the rms of mu1's,
+/// relative; who ends farther than kSameMinimum from our minimum, or in some campaign nowhere, did not
+/// arrive. Details: campaigns, converged, off_minimum_sd, mu2_rms_relative, lag_rms_rad.
 Comparison bench_fit(const FitBenchOptions& options = {});
 /// As close to the minimum as matters, in standard deviations.
 inline constexpr double kSameMinimum = 1e-3;

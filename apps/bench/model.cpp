@@ -22,6 +22,7 @@ using std::numbers::pi;
 
 /// An explicit method that needs more than this has failed.
 constexpr long kPatience = 300'000;
+constexpr const char* kOurs = "tribotrack";
 
 struct Scene {
   std::string name;
@@ -57,18 +58,15 @@ std::vector<Scene> scenes_of(bool quick) {
 
 struct Method {
   std::string name, setting;
-  Whose whose;
   std::function<PeerResult(const Scenario&)> run;
 };
 
-/// End points, as of the others; every cycle integrated, or repeating ones left out, as users get it.
-Method ours(double tolerance, bool leaves_out) {
+/// The end point, as of the others; repeating cycles are left out, as users get it.
+Method ours(double tolerance) {
   IntegrationOptions options;
   options.tolerance = tolerance;
   options.dense = false;
-  options.reuse_repeating_cycles = leaves_out;
-  return {leaves_out ? "tribotrack" : "tribotrack, every cycle", fmt::format("tolerance {:g}", tolerance),
-          leaves_out ? Whose::ours : Whose::variant, [options](const Scenario& s) {
+  return {kOurs, fmt::format("tolerance {:g}", tolerance), [options](const Scenario& s) {
             const Trajectory trajectory = integrate(s, options);
             return PeerResult{trajectory.end().position, trajectory.end().velocity,
                               trajectory.summary().steps, true};
@@ -81,7 +79,7 @@ Method recipe(double tolerance, double max_step) {
   options.max_step = max_step;
   options.max_steps = kPatience;
   return {"paper's recipe", fmt::format("tolerance {:g}, steps up to {:g} s", tolerance, max_step),
-          Whose::peer, [options](const Scenario& s) { return dormand_prince(s, options); }};
+          [options](const Scenario& s) { return dormand_prince(s, options); }};
 }
 
 std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& options) {
@@ -95,8 +93,7 @@ std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& opt
     if (!scene.independent_reference) tolerances = {1e-4, 1e-6, 1e-8};
   }
   std::vector<Method> methods;
-  for (const bool leaves_out : {true, false})
-    for (const double tolerance : tight) methods.push_back(ours(tolerance, leaves_out));
+  for (const double tolerance : tight) methods.push_back(ours(tolerance));
   for (const auto& [tolerance, step] : {std::pair(1e-6, 1e-4), {1e-6, 3e-4}, {1e-9, 1e-4}})
     if (!quick || tolerance > 1e-9) methods.push_back(recipe(tolerance, step));
   std::vector<BenchPeer> peers = options.peers;
@@ -108,10 +105,10 @@ std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& opt
   for (const BenchPeer& peer : peers)
     for (const double tolerance : tolerances)
       methods.push_back(
-          {peer.name, fmt::format("tolerance {:g}", tolerance), Whose::peer,
+          {peer.name, fmt::format("tolerance {:g}", tolerance),
            [run = peer.run, tolerance](const Scenario& s) { return run(s, tolerance, kPatience); }});
   for (const double step : quick ? std::vector{1e-4} : std::vector{1e-4, 1e-5, 1e-6})
-    methods.push_back({"Moreau-Jean", fmt::format("steps of {:g} s", step), Whose::peer,
+    methods.push_back({"Moreau-Jean", fmt::format("steps of {:g} s", step),
                        [step](const Scenario& s) { return moreau_jean(s, step); }});
   return methods;
 }
@@ -136,7 +133,8 @@ std::vector<ComparedRow> bench_scene(const Scene& scene, const ModelBenchOptions
     // Who gave up at one tolerance is not asked for a tighter one.
     if (!rows.empty() && rows.back().method == method.name && !rows.back().arrived) continue;
     const PeerResult result = method.run(scene.scenario);
-    ComparedRow row{scene.name, scene.name, method.name, method.setting, method.whose, result.finished};
+    ComparedRow row{scene.name,     scene.name,           method.name,
+                    method.setting, method.name == kOurs, result.finished};
     row.error = (result.position - reference).norm();
     row.details = {{"steps", static_cast<double>(result.steps)}};
     rows.push_back(row);

@@ -79,7 +79,7 @@ Figure figure_of(const Comparison& comparison) {
     if (!row.arrived) continue;
     Dots& dots = found_or_added(found_or_added(groups, row.group, &Group::name).dots, legend_of(row.method),
                                 &Dots::name);
-    dots.large = row.whose != Whose::peer;
+    dots.large = row.ours;
     dots.x.push_back(row.time);
     dots.y.push_back(row.error > 0 ? row.error : std::pow(10, y["range"][0].get<double>()));
     dots.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene, row.error,

@@ -186,7 +186,7 @@ namespace {
 /// What one method found in each frame, empty where it lost the part.
 struct Finding {
   std::string method;
-  Whose whose = Whose::peer;
+  bool ours = false;
   std::vector<std::optional<Point>> positions = {};
   std::vector<Eigen::Matrix2d> covariances = {};  ///< of ours, px^2
   double time = 0;                                ///< s a frame
@@ -199,7 +199,7 @@ Finding track_as_users_do(FrameSource& source, const BenchScene& scene) {
   options.target.disc = scene.part(0);
   options.marker.kind = MarkerChoice::Kind::circle;
   options.marker.circle = scene.marker(0);
-  Finding finding{"tribotrack track", Whose::ours};
+  Finding finding{"tribotrack track", true};
   const double begin = thread_seconds();
   const TrackResult result = track(source, options);
   finding.time = (thread_seconds() - begin) / static_cast<double>(source.info().frame_count);
@@ -231,14 +231,14 @@ ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise,
   row.scene = fmt::format("R = {:g} px, texture {:g}, noise {:g}", scene.part(0).radius,
                           scene.scene().platform.texture_rms, noise);
   row.method = finding.method;
-  row.whose = finding.whose;
+  row.ours = finding.ours;
   row.time = finding.time;
   PositionErrors errors(scene);
   for (std::size_t k = 1; k < finding.positions.size(); ++k)  // the first is the template's own frame
     errors.see(static_cast<int>(k), finding.positions[k]);
   row.error = errors.rms() / bound;
   row.arrived = errors.count() > 3;
-  if (finding.whose != Whose::ours) {
+  if (!finding.ours) {
     row.details = details_of(errors, bound);
     return row;
   }

@@ -30,7 +30,7 @@ TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
   FitBenchOptions options;
   options.quick = true;
   const auto rows = bench_fit(options).rows;
-  ASSERT_EQ(rows.size(), 6u);
+  ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows[0].method, "tribotrack");
   EXPECT_EQ(rows[0].at("off_minimum_sd"), 0);
   // Good differences come to the same minimum, another implementation of it all.
