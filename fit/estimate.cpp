@@ -83,9 +83,13 @@ class Estimation {
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
   void quantify_uncertainty();
+  /// Estimates and runs alone.
+  FitResult estimates();
+  /// With what determines them, what checks them, and what to film next.
   FitResult report();
 
  private:
+  void describe();
   void add_scatter_of_replicates();
   void find_other_minima();
   void take(std::size_t index);
@@ -250,15 +254,27 @@ void Estimation::quantify_uncertainty() {
   if (minima_.front().chi2 < found) take(0);
 }
 
+void Estimation::describe() {
+  result_.converged = best_.converged;
+  result_.chi2 = best_.chi2;
+  result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
+  fill_parameters(unknowns_, values_, uncertainty_, t_, result_);
+  for (std::size_t i = 0; i < profiles_.size(); ++i)
+    fill_profile(profiles_[i], t_[i] * t_[i], result_.parameters[i]);
+  fill_excess_variance(residuals_, options_.estimate_scatter, result_);
+  fill_correlated_errors(residuals_, result_);
+}
+
+FitResult Estimation::estimates() {
+  describe();
+  fill_runs(residuals_, best_, result_);
+  return std::move(result_);
+}
+
 FitResult Estimation::report() {
+  describe();
   const Minimum& best = best_;
   FitResult& result = result_;
-  result.converged = best.converged;
-  result.chi2 = best.chi2;
-  result.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
-  fill_parameters(unknowns_, values_, uncertainty_, t_, result);
-  for (std::size_t i = 0; i < profiles_.size(); ++i)
-    fill_profile(profiles_[i], t_[i] * t_[i], result.parameters[i]);
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
     result.bootstrap = refits.converged;
@@ -266,8 +282,6 @@ FitResult Estimation::report() {
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
-  fill_excess_variance(residuals_, options_.estimate_scatter, result);
-  fill_correlated_errors(residuals_, result);
   result.scatter_dominates = result.scatter > kScatterShare * typical_displacement(problem_);
   if (result.scatter_dominates)
     result.warnings.push_back(
@@ -311,7 +325,7 @@ FitResult fit_alone(const Problem& problem, const FitOptions& options) {
   fit.test_residuals();
   fit.explain_excess_variance();
   fit.quantify_uncertainty();
-  return fit.report();
+  return fit.estimates();
 }
 
 }  // namespace

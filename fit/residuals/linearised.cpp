@@ -81,7 +81,8 @@ Eigen::MatrixXd Linearised::triangle() const {
   Eigen::MatrixXd result(0, groups.front().shared.cols());
   for (const RowGroup& group : groups) {
     Eigen::MatrixXd stacked(result.rows() + group.shared.rows(), result.cols());
-    stacked << result, group.shared;
+    stacked.topRows(result.rows()) = result;
+    stacked.bottomRows(group.shared.rows()) = group.shared;
     result = stacked.rows() > stacked.cols() ? triangle_of(std::move(stacked)) : stacked;
   }
   return result;

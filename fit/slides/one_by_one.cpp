@@ -68,6 +68,7 @@ double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlo
   if (!(run.track.radius > 0)) run.track.radius = 1;  // only the rim's speed counts
   const double rate = 0.5 * slide.speed / run.track.radius, sure = 1e-4;
   run.spin = DiscSpin{rate, 0, Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
+  alone.start[FitParameter::mu1] = slide.mu1.value;
   return fit_alone(alone).parameters.front().estimate / slide.mu1.value - 1;
 }
 
