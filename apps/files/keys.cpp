@@ -63,15 +63,11 @@ constexpr FormFacts kForms[] = {
          "required": ["mean", "sd"], "additionalProperties": false})"},
 };
 
-bool is_sd(const Kind& kind) {
-  return kind.form == Kind::sd || kind.form == Kind::sd_of_fit;
-}
-
 }  // namespace
 
 std::string KeyFacts::kind_text() const {
   if (kind.form == Kind::word) return fmt::format("\"{}\"", fmt::join(kind.words, "\", \""));
-  const bool sd_of_angle = is_sd(kind) && quantity().ends_with("_rad");
+  const bool sd_of_angle = kind.is_sd() && quantity().ends_with("_rad");
   return kForms[sd_of_angle ? Kind::angle : kind.form].text;
 }
 
@@ -79,7 +75,7 @@ Json KeyFacts::schema() const {
   Json schema = Json::parse(kForms[kind.form].schema);
   if (kind.form == Kind::word) schema["enum"] = kind.words;
   if (kind.form == Kind::whole) schema.update({{"minimum", kind.least}, {"maximum", kind.most}});
-  if (is_sd(kind) && quantity().ends_with("_rad")) schema["type"] = {"number", "string"};
+  if (kind.is_sd() && quantity().ends_with("_rad")) schema["type"] = {"number", "string"};
   return schema;
 }
 
@@ -116,7 +112,7 @@ std::optional<double> read_number(StrictTable& table, const KeyFacts& key) {
   std::optional<double> value = read_number(table, key.kind, key.name);
   std::string given = key.name;
   for (const OtherName& other : other_names(key.quantity())) {
-    const std::string name = other.name + (is_sd(key.kind) ? "_sd" : "");
+    const std::string name = other.name + (key.kind.is_sd() ? "_sd" : "");
     if (!table.has(name)) continue;
     if (value) table.fail(name, fmt::format("and `{}` mean the same; give one of them", given));
     value = other.factor * read_number(table, key.kind, name).value();

@@ -47,6 +47,7 @@ struct Kind {
   Kind(Form one) : form(one) {}
   static Kind wholes(int least, int most);
   static Kind one_of(std::vector<std::string> words);
+  bool is_sd() const { return form == sd || form == sd_of_fit; }
 
   Form form;
   std::vector<std::string> words = {};
@@ -169,7 +170,8 @@ std::vector<KeyFacts> facts_of(const Keys<Section>& keys, const Section& default
   std::vector<KeyFacts> facts;
   for (const Key<Section>& key : keys) {
     facts.push_back(key);
-    if (const Json& value = values[key.name]; value != "") facts.back().otherwise = value;
+    if (const Json& value = values[key.name]; value != "" && !key.kind.is_sd() && key.place.index() == 0)
+      facts.back().otherwise = value;
   }
   return facts;
 }

@@ -9,10 +9,10 @@ namespace tribotrack::apps {
 std::string campaign_reference() {
   std::string text =
       "A campaign is a TOML file: a lab's recordings and what is to be learnt from them. Units stand in the "
-      "names of "
-      "keys.\nAngles are radians, or texts such as \"11pi/9\", \"-pi/2\", \"90deg\". KEY_sd is a standard "
-      "deviation; a "
-      "quantity\nwithout one is taken as exact. `tribotrack init DIR` writes a campaign to start from.\n";
+      "names of keys.\nAngles are radians, or texts such as \"11pi/9\", \"-pi/2\", \"90deg\". KEY_sd is a "
+      "standard deviation; a quantity\nwithout one is taken as exact. `tribotrack init DIR` writes a "
+      "campaign "
+      "to start from, `tribotrack help campaign\n--json` prints these keys as a JSON Schema.\n";
   for (const CampaignSection& section : campaign_sections()) {
     text += section.name.empty() ? fmt::format("\nFirst: {}\n", section.remark)
             : section.repeated   ? fmt::format("\n[[{}]]  {}\n", section.name, section.remark)
