@@ -73,16 +73,6 @@ TEST_F(Tables, EachLineIsARun) {
   EXPECT_EQ(std::count(files.begin(), files.end(), in_folder("alpha_v.csv")), 1);
 }
 
-TEST_F(Tables, CommasSemicolonsAndTabsAreTheSame) {
-  std::string semicolons = kTable, tabs = kTable;
-  for (char& c : semicolons) c = c == ',' ? ';' : c == '.' ? ',' : c;
-  for (char& c : tabs) c = c == ',' ? '\t' : c;
-  const Campaign commas = read(kTable);
-  expect_same_runs(commas, read(semicolons));
-  expect_same_runs(commas, read(tabs));
-  expect_same_runs(commas, read("\xef\xbb\xbf" + std::string(kTable)));
-}
-
 TEST_F(Tables, DegreesAreRadians) {
   std::string degrees = "v (m/s);\xce\xb1 [\xc2\xb0];phi (deg);sd v (m/s);dtau_deg;sd_alpha_deg\n";
   const auto row = [&](double phi, double dtau, double alpha, double alpha_sd, double v, double v_sd) {

@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <fstream>
+#include <map>
 #include <numbers>
 #include <set>
 #include <sstream>
 
-#include "apps/chromium.h"
 #include "apps/program.h"
 #include "apps/program/errors.h"
 #include "apps/survey/campaign_draft.h"
@@ -17,10 +16,6 @@ namespace tribotrack::apps {
 namespace {
 
 using testing::HasSubstr;
-
-std::string full_name(std::string_view section, std::string_view key) {
-  return std::string(section) + "." + std::string(key);
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -109,71 +104,44 @@ TEST_F(CampaignKeys, AQuantityHasOneOfItsNames) {
               HasSubstr("c.toml:3:1: `frequency_hz` in [platform] and `omega_rad_s` mean the same"));
 }
 
-class Draft : public testing::Test {
- protected:
-  /// A draft with one run, and the lines before `uncommented` taken out of their comments.
-  std::string complaint(const std::set<std::string>& uncommented) const {
-    std::string text, section;
-    for (std::string line : lines_of(draft_)) {
-      const bool comment = line.starts_with("# ");
-      std::string plain = comment ? line.substr(2) : line;
-      if (plain.starts_with('[')) section = plain.substr(0, plain.find_last_of(']') + 1);
-      std::erase_if(section, [](char c) { return c == '[' || c == ']'; });
-      const std::string key = full_name(section, plain.substr(0, plain.find(" =")));
-      const bool header = comment && plain.starts_with('[') && !plain.starts_with("[[run]]:");
-      const bool needed =
-          header && std::any_of(uncommented.begin(), uncommented.end(), [&](const std::string& name) {
-            return name.substr(0, name.find_last_of('.')) == section && section != "run";
-          });
-      text += (needed || (comment && uncommented.contains(key)) ? plain : line) + "\n";
-    }
-    const std::filesystem::path file = folder_.path() / "campaign.toml";
-    std::ofstream(file) << text;
-    try {
-      read_campaign(file);
-      return "";
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-  }
-  test::TemporaryFolder folder_;
-  std::string draft_ = [] {
-    CampaignDraft draft;
-    draft.tables["part"]["diameter_mm"] = {"6.0", "given"};
-    draft.runs = {{{"video", {"\"a.cine\"", ""}}, {"phi_rad", {"0", ""}}, {"dtau_rad", {"1", ""}}}};
-    return toml_of(draft);
-  }();
-};
-
-TEST_F(Draft, ReadsAsItIsWritten) {
-  EXPECT_EQ(complaint({}), "");
+/// A key with its example, after those that it needs.
+std::string lines_with(const CampaignSection& section, const KeyFacts& key) {
+  const auto needed = [&](const std::string& name) -> std::string {
+    const auto found = std::ranges::find(section.keys, name, &KeyFacts::name);
+    return found == section.keys.end() || name == key.name ? "" : lines_with(section, *found);
+  };
+  return needed(key.quantity()) + needed(key.with) + key.name + " = " + key.example + "\n";
 }
 
-// Every commented line is valid TOML of the right type, at a place where the reader knows it.
-TEST_F(Draft, EveryKeyIsValidWithItsCommentSignRemoved) {
+TEST_F(CampaignKeys, ExamplesAreRead) {
+  const std::map<std::string, std::string> of_other_sections = {
+      {"part.height_mm_sd", "[camera]\nworking_distance_mm = 100\n"},
+      {"camera.working_distance_mm_sd", "[part]\nheight_mm = 0.8\n"}};
   for (const CampaignSection& section : campaign_sections())
     for (const KeyFacts& key : section.keys) {
-      std::set<std::string> lines;
-      for (std::string name = key.name; !name.empty();) {  // and what it needs
-        lines.insert(full_name(section.name, name));
-        const auto at = std::ranges::find(section.keys, name, &KeyFacts::name);
-        name = at->quantity() != name && std::ranges::count(section.keys, at->quantity(), &KeyFacts::name) > 0
-                   ? at->quantity()
-                   : at->with;
-      }
-      for (const char* height : {"part.height_mm", "camera.working_distance_mm"})
-        if (key.name == "height_mm_sd" || key.name == "working_distance_mm_sd") lines.insert(height);
-      const std::string said = complaint(lines);
-      for (const char* wrong : {"not a known key", "must be", "expected", "needs "})
-        EXPECT_THAT(said, testing::Not(HasSubstr(wrong))) << section.name << "." << key.name;
+      std::string lines = lines_with(section, key);
+      if (section.repeated)
+        for (const std::string given : {"phi_rad = 0\n", "dtau_rad = 1\n"})
+          if (lines.find(given.substr(0, given.find(' ') + 1)) == std::string::npos) lines += given;
+      const std::string name = section.name + "." + key.name;
+      const auto other = of_other_sections.find(name);
+      const std::string heading = section.repeated       ? "[[run]]\n"
+                                  : section.name.empty() ? ""
+                                                         : "[" + section.name + "]\n";
+      const std::string said = complaint(heading + lines + (section.repeated ? "" : kRun) +
+                                         (other == of_other_sections.end() ? "" : other->second));
+      for (const char* wrong : {"not a known key", "must be", "expected", "needs `"})
+        EXPECT_THAT(said, testing::Not(HasSubstr(wrong))) << name;
     }
 }
 
-TEST_F(Draft, WithoutRunsItAsksForThem) {
-  const std::filesystem::path file = folder_.path() / "campaign.toml";
-  std::ofstream(file) << toml_of({});
-  EXPECT_THROW(read_campaign(file), InvalidInput);
-  EXPECT_TRUE(read_campaign(file, Runs::may_be_missing).runs.empty());
+TEST_F(CampaignKeys, ADraftReadsAsItIsWritten) {
+  CampaignDraft draft;
+  draft.tables["part"]["diameter_mm"] = {"6.0", "given"};
+  draft.runs = {{{"video", {"\"a.cine\"", ""}}, {"phi_rad", {"0", ""}}, {"dtau_rad", {"1", ""}}}};
+  EXPECT_EQ(complaint(toml_of(draft)), "no complaint");
+  EXPECT_THAT(complaint(toml_of({})), HasSubstr("has no [[run]]"));
+  EXPECT_TRUE(read_campaign(in_folder("c.toml"), Runs::may_be_missing).runs.empty());
 }
 
 }  // namespace
