@@ -15,6 +15,19 @@
 
 namespace tribotrack::apps {
 
+namespace {
+
+std::string kind_of(const toml::node& node) {
+  if (node.is_string()) return fmt::format("the text \"{}\"", node.ref<std::string>());
+  if (node.is_integer() || node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+  if (node.is_boolean()) return "true/false";
+  if (node.is_array()) return "a list";
+  if (node.is_table()) return "a table";
+  return "a date or time";
+}
+
+}  // namespace
+
 struct StrictTable::Node {
   std::shared_ptr<const toml::table> document;  // keeps the tree alive
   const toml::table* table = nullptr;
@@ -28,6 +41,45 @@ struct StrictTable::Node {
     looked_up.emplace(key);
     return table->get(key);
   }
+
+  std::string place(std::string_view key) const {
+    if (!parsed) return file;
+    const toml::node* node = key.empty() ? nullptr : table->get(key);
+    auto source = node != nullptr ? node->source() : table->source();
+    if (!source.begin) source.begin = {1, 1};
+    if (node != nullptr)
+      for (auto&& [word, value] : *table)
+        if (word.str() == key && word.source().begin) source = word.source();
+    return fmt::format("{}:{}:{}", file, source.begin.line, source.begin.column);
+  }
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const {
+    const std::string where = name.empty() ? "" : fmt::format(" in [{}]", name);
+    throw InvalidInput(fmt::format("{}: `{}`{} {}", place(key), key, where, message));
+  }
+
+  template <class T>
+  std::optional<T> exactly(std::string_view key, const char* what) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    const auto value = node->value_exact<T>();
+    if (!value) fail(key, fmt::format("must be {}, not {}", what, kind_of(*node)));
+    return value;
+  }
+  template <class T>
+  std::optional<std::vector<T>> list(std::string_view key, std::optional<T> (*value_in)(const toml::node&),
+                                     const std::string& what, std::optional<std::size_t> count) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    const toml::array* list = node->as_array();
+    std::vector<T> values;
+    if (list != nullptr)
+      for (const toml::node& item : *list)
+        if (const auto value = value_in(item)) values.push_back(*value);
+    if (list == nullptr || values.size() != list->size() || values.size() != count.value_or(values.size()))
+      fail(key, "must be a list of " + what);
+    return values;
+  }
+
   /// A table in this one.
   StrictTable inner(const toml::table& one, std::string called) const {
     auto node = std::make_shared<Node>(*this);
@@ -39,15 +91,6 @@ struct StrictTable::Node {
 };
 
 namespace {
-
-std::string kind_of(const toml::node& node) {
-  if (node.is_string()) return fmt::format("the text \"{}\"", node.ref<std::string>());
-  if (node.is_integer() || node.is_floating_point()) return fmt::format("{}", *node.value<double>());
-  if (node.is_boolean()) return "true/false";
-  if (node.is_array()) return "a list";
-  if (node.is_table()) return "a table";
-  return "a date or time";
-}
 
 /// "in [part]", for a section by its name.
 std::string heading_of(const std::string& section) {
@@ -153,19 +196,11 @@ StrictTable StrictTable::of(const Json& object, const std::string& name) {
 }
 
 std::string StrictTable::place(std::string_view key) const {
-  if (!node_->parsed) return node_->file;
-  const toml::node* node = key.empty() ? nullptr : node_->table->get(key);
-  auto source = node != nullptr ? node->source() : node_->table->source();
-  if (!source.begin) source.begin = {1, 1};
-  if (node != nullptr)
-    for (auto&& [name, value] : *node_->table)
-      if (name.str() == key && name.source().begin) source = name.source();
-  return fmt::format("{}:{}:{}", node_->file, source.begin.line, source.begin.column);
+  return node_->place(key);
 }
 
 void StrictTable::fail(std::string_view key, const std::string& message) const {
-  const std::string where = node_->name.empty() ? "" : fmt::format(" in [{}]", node_->name);
-  throw InvalidInput(fmt::format("{}: `{}`{} {}", place(key), key, where, message));
+  node_->fail(key, message);
 }
 
 std::optional<double> StrictTable::number(std::string_view key) {
@@ -192,58 +227,29 @@ std::optional<double> StrictTable::not_negative(std::string_view key) {
 std::optional<double> StrictTable::angle(std::string_view key) {
   const toml::node* node = node_->find(key);
   if (node == nullptr) return std::nullopt;
-  if (const auto text = node->value_exact<std::string>()) {
-    const auto value = parse_angle(*text);
-    if (!value)
-      fail(key, fmt::format("must be an angle in radians, a number or a text such as \"11pi/9\", \"-pi/2\" "
-                            "or \"90deg\", not "
-                            "\"{}\"",
-                            *text));
-    if (const std::string slip = angle_slip(*value); !slip.empty()) fail(key, slip);
-    return value;
-  }
-  const auto value = number_in(*node);
-  if (!value) fail(key, fmt::format("must be an angle in radians, not {}", kind_of(*node)));
+  const auto text = node->value_exact<std::string>();
+  const auto value = text ? parse_angle(*text) : number_in(*node);
+  if (!value)
+    fail(key,
+         text ? fmt::format("must be an angle in radians, a number or a text such as \"11pi/9\", \"-pi/2\" "
+                            "or \"90deg\", not \"{}\"",
+                            *text)
+              : fmt::format("must be an angle in radians, not {}", kind_of(*node)));
   if (!std::isfinite(*value)) fail(key, "must be a finite angle");
   if (const std::string slip = angle_slip(*value); !slip.empty()) fail(key, slip);
   return value;
 }
 
 std::optional<std::int64_t> StrictTable::integer(std::string_view key) {
-  const toml::node* node = node_->find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_integer()) fail(key, fmt::format("must be a whole number, not {}", kind_of(*node)));
-  return node->value<std::int64_t>();
+  return node_->exactly<std::int64_t>(key, "a whole number");
 }
 
 std::optional<bool> StrictTable::boolean(std::string_view key) {
-  const toml::node* node = node_->find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_boolean()) fail(key, fmt::format("must be true or false, not {}", kind_of(*node)));
-  return node->value<bool>();
+  return node_->exactly<bool>(key, "true or false");
 }
 
 std::optional<std::string> StrictTable::text(std::string_view key) {
-  const toml::node* node = node_->find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_string()) fail(key, fmt::format("must be a text in quotes, not {}", kind_of(*node)));
-  return node->value<std::string>();
-}
-
-template <class T>
-std::optional<std::vector<T>> StrictTable::list(std::string_view key,
-                                                std::optional<T> (*value_in)(const toml::node&),
-                                                const std::string& what, std::optional<std::size_t> count) {
-  const toml::node* node = node_->find(key);
-  if (node == nullptr) return std::nullopt;
-  const toml::array* list = node->as_array();
-  std::vector<T> values;
-  if (list != nullptr)
-    for (const toml::node& item : *list)
-      if (const auto value = value_in(item)) values.push_back(*value);
-  if (list == nullptr || values.size() != list->size() || values.size() != count.value_or(values.size()))
-    fail(key, "must be a list of " + what);
-  return values;
+  return node_->exactly<std::string>(key, "a text in quotes");
 }
 
 std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, std::size_t count) {
@@ -251,17 +257,17 @@ std::optional<std::vector<double>> StrictTable::numbers(std::string_view key, st
     const auto value = number_in(node);
     return value && std::isfinite(*value) ? value : std::nullopt;
   };
-  return list<double>(key, finite, fmt::format("{} numbers", count), count);
+  return node_->list<double>(key, finite, fmt::format("{} numbers", count), count);
 }
 
 std::optional<std::vector<std::int64_t>> StrictTable::integers(std::string_view key, std::size_t count) {
   const auto whole = [](const toml::node& node) { return node.value_exact<std::int64_t>(); };
-  return list<std::int64_t>(key, whole, fmt::format("{} whole numbers", count), count);
+  return node_->list<std::int64_t>(key, whole, fmt::format("{} whole numbers", count), count);
 }
 
 std::optional<std::vector<std::string>> StrictTable::texts(std::string_view key) {
   const auto text = [](const toml::node& node) { return node.value_exact<std::string>(); };
-  return list<std::string>(key, text, "texts in quotes", std::nullopt);
+  return node_->list<std::string>(key, text, "texts in quotes", std::nullopt);
 }
 
 std::optional<StrictTable> StrictTable::table(std::string_view key) {

@@ -11,12 +11,6 @@
 
 #include "apps/text/json.h"
 
-namespace toml {
-inline namespace v3 {
-class node;
-}
-}  // namespace toml
-
 namespace tribotrack::apps {
 
 /// One table of a TOML file. Every getter checks the type and remembers the key; finish() refuses the keys
@@ -66,10 +60,6 @@ class StrictTable {
 
  private:
   std::string home_of(const std::string& key) const;  ///< "in [part]"; empty where no table has the key
-
-  template <class T>
-  std::optional<std::vector<T>> list(std::string_view key, std::optional<T> (*value_in)(const toml::node&),
-                                     const std::string& what, std::optional<std::size_t> count);
 
   struct Node;
   explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
