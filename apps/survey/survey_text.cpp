@@ -178,28 +178,21 @@ std::vector<std::string> descriptions(const vision::Survey& seen) {
   return lines;
 }
 
-std::vector<CampaignLine> places(const vision::Survey& seen) {
-  std::vector<CampaignLine> lines;
-  if (const auto* part = seen.part())
-    lines.push_back(
-        {"disc_px", circle_text(part->circle), "disc 1, " + motion_text(*part, seen.frames_looked_at)});
-  if (const auto* mark = seen.mark())
-    lines.push_back({"marker_px", circle_text(mark->circle),
-                     fmt::format("disc {}, {}", mark - seen.discs.data() + 1,
-                                 motion_text(*mark, seen.frames_looked_at))});
-  if (!seen.lamps.empty())
-    lines.push_back(
-        {"gate_px", circle_text(seen.lamps.front().circle),
-         fmt::format("lamp L1, lit in {:.0f} % of the frames", 100 * seen.lamps.front().lit_share)});
-  return lines;
-}
-
 std::string camera_section(const vision::Survey& seen, const vision::SourceInfo& info) {
   std::string text = "[camera]\n";
+  const auto add = [&text](const char* key, const vision::Circle& circle, const std::string& why) {
+    text += fmt::format("{:<36} # {}\n", fmt::format("{} = {}", key, circle_text(circle)), why);
+  };
   if (!info.time_base.known())
     text += fmt::format("# frame_rate_hz =      # to be given: {}\n", info.time_base.why_unknown());
-  for (const CampaignLine& line : places(seen))
-    text += fmt::format("{:<36} # {}\n", line.key + " = " + line.value, line.why);
+  if (const auto* part = seen.part())
+    add("disc_px", part->circle, "disc 1, " + motion_text(*part, seen.frames_looked_at));
+  if (const auto* mark = seen.mark())
+    add("marker_px", mark->circle,
+        fmt::format("disc {}, {}", mark - seen.discs.data() + 1, motion_text(*mark, seen.frames_looked_at)));
+  if (!seen.lamps.empty())
+    add("gate_px", seen.lamps.front().circle,
+        fmt::format("lamp L1, lit in {:.0f} % of the frames", 100 * seen.lamps.front().lit_share));
   return text;
 }
 
