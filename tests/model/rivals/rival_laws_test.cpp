@@ -24,22 +24,6 @@ TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
   }
 }
 
-// u' = -m - c u on a resting platform: u = (u0 + m/c) e^{-ct} - m/c until it stops at ln(1 + c u0/m)/c.
-TEST(RivalLaws, ViscousSlideInClosedForm) {
-  Scenario scenario;
-  scenario.drive.amplitude = 1e-12;
-  scenario.drive.amplitude_y = 1e-12;
-  scenario.friction = {0.1, 0.1, 0, 0, 0};
-  scenario.initial_velocity = {0.3, 0.4};
-  scenario.duration = 1;
-  // Tolerances are relative to A and A w, which are nothing here: ask for the real ones.
-  const double m = 0.1 * 9.81, c = 2, u0 = 0.5, stop = std::log(1 + c * u0 / m) / c;
-  const double way = (u0 + m / c) / c * (1 - std::exp(-c * stop)) - m / c * stop;
-  const Eigen::Vector2d end = rival_displacement(scenario, {Kind::viscous, c}, 10);
-  EXPECT_NEAR(end.norm(), way, 1e-8);
-  EXPECT_NEAR(end.y() / end.x(), 4.0 / 3, 1e-8);
-}
-
 // A short rise acts, to first order, like switching its half later.
 TEST(RivalLaws, AShortRiseIsADelayOfItsHalf) {
   Scenario scenario;
