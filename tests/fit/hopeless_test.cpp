@@ -8,14 +8,12 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "model/rival_laws.h"
 
 namespace tribotrack::fit {
 namespace {
 
 using test::Truth;
 using testing::AnyOf;
-using testing::Contains;
 using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
 
@@ -121,41 +119,6 @@ TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
   EXPECT_THAT(said(result), HasSubstr("mu1 and mu2 above A w^2/g = 0.113"));
   EXPECT_THAT(said(result), HasSubstr("Drive harder"));
   for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
-}
-
-// Alternative models without an option: where the residuals require it, tilt, then laws; or scatter.
-TEST(Hopeless, DataOfAnotherLawAreNotFittedInSilence) {
-  using Kind = model::RivalLaw::Kind;
-  for (const model::RivalLaw law : {model::RivalLaw{Kind::stribeck, 0.15}, {Kind::viscous, 2.0}}) {
-    for (unsigned seed = 0; seed < 3; ++seed) {
-      SCOPED_TRACE(seed);
-      std::mt19937 random(seed);
-      std::normal_distribution<double> normal(0, 2e-6);
-      Problem problem;
-      problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-      for (const auto& s : test::fourteen({})) {
-        SummaryRun run;
-        run.name = "run" + std::to_string(problem.summary_runs.size());
-        run.scenario = s;
-        run.measured.vector =
-            model::rival_displacement(s, law) + Eigen::Vector2d(normal(random), normal(random));
-        run.measured.covariance = 4e-12 * Eigen::Matrix2d::Identity();
-        run.measured.duration = s.end_time();
-        derive_alpha_and_v(run.measured);
-        problem.summary_runs.push_back(run);
-      }
-      const FitResult result = estimate(problem, quick());
-      EXPECT_LT(result.p_value, 1e-3);
-      ASSERT_FALSE(result.models.empty());
-      // Named, or reported as scatter that the intervals count.
-      const bool named = result.models.size() > 2;
-      if (named) {
-        EXPECT_THAT(result.warnings, Contains(HasSubstr("The data prefer the model with"))) << said(result);
-      }
-      EXPECT_GT(result.scatter, 2e-6);
-      EXPECT_THAT(result.warnings, Contains(HasSubstr("or something in A, w, tilt or the model is wrong")));
-    }
-  }
 }
 
 // alpha is an angle: the displacement vector knows no edge at 0 = 2 pi.

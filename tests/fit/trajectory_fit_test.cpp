@@ -94,18 +94,6 @@ TEST(TrajectoryFit, EveryPointOfTwoRunsPinsAllThree) {
   }
 }
 
-TEST(TrajectoryFit, ExactPointsGiveTheExactParameters) {
-  std::mt19937 random(1);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  problem.trajectory_runs = {driven(test::scenario({0.1, 0.0125, 0.1}, 0.3, pi / 2, 5), 300, 1e-12, random)};
-  for (auto& c : problem.trajectory_runs[0].track.covariance) c = 1e-12 * Eigen::Matrix2d::Identity();
-  const FitResult result = estimate(problem, quick());
-  EXPECT_NEAR(result.value(FitParameter::mu1), 0.1, 1e-7);
-  EXPECT_NEAR(result.value(FitParameter::mu2), 0.0125, 1e-7);
-  EXPECT_NEAR(result.value(FitParameter::lag), 0.1, 1e-6);
-}
-
 // A platform phase wrong by 0.02 rad: taken as exact it spoils the fit, with its sd it is found.
 TEST(TrajectoryFit, ThePlatformsPhaseIsANuisanceWithItsSd) {
   const unsigned seed = 19;

@@ -47,27 +47,6 @@ TEST(Profile, Mu2CompatibleWithZeroIsOneSided) {
   EXPECT_LT(mu2.estimate, mu2.profile_ci95.high);
 }
 
-// chi^2 at the end of a profile, minimised again by other means, is 3.84 above the minimum.
-TEST(Profile, ItsEndsAreWhereChiSquareHasRisenBy384) {
-  std::mt19937 random(9);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen({}))
-    if (s.friction.phase < 0.5)
-      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
-  FitOptions options;
-  options.multi_starts = 2;
-  const FitResult result = estimate(problem, options);
-  options.profiles = false;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (const double end : {result.parameters[i].profile_ci95.low, result.parameters[i].profile_ci95.high}) {
-      Problem held = problem;
-      held.free.erase(held.free.begin() + long(i));
-      held.fixed[result.parameters[i].parameter] = end;
-      EXPECT_NEAR(estimate(held, options).chi2 - result.chi2, 3.8415, 0.06);
-    }
-}
-
 // Handed a place that is no minimum as if it were one, the profiles find the better one and start anew.
 TEST(Profile, ABetterOptimumRestartsThem) {
   using namespace internal;

@@ -236,37 +236,5 @@ TEST(CorrelatedErrors, AForecastCountsThem) {
   }
 }
 
-// White noise alone: the estimate is nothing or next to nothing, and the intervals those of white noise.
-TEST(CorrelatedErrorsCampaign, DISABLED_WhiteNoiseStaysWhite) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(seed);
-  double widest = 0, mean = 0;
-  const int trials = 12;
-  for (int trial = 0; trial < trials; ++trial) {
-    std::mt19937 random(seed + static_cast<unsigned>(trial));
-    Problem problem;
-    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    for (const auto& scenario : test::fourteen({}))
-      problem.trajectory_runs.push_back(test::slow_track(scenario, 100, 0.5e-6, {}, random));
-    FitOptions options;
-    options.profiles = options.next_experiment = false;
-    options.multi_starts = 1;
-    problem.start = {{FitParameter::mu1, 0.1}, {FitParameter::mu2, 0.0125}, {FitParameter::lag, 0.1}};
-    const FitResult with = estimate(problem, options);
-    options.estimate_scatter = false;
-    const FitResult without = estimate(problem, options);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto width = [i](const FitResult& result) {
-        return result.parameters[i].ci95.high - result.parameters[i].ci95.low;
-      };
-      widest = std::max(widest, width(with) / width(without));
-      mean += width(with) / width(without) / (3 * trials);
-    }
-  }
-  std::printf("intervals with slow errors estimated from white noise: %.3f of theirs, %.3f at most\n", mean,
-              widest);
-  EXPECT_LT(mean, 1.05);
-}
-
 }  // namespace
 }  // namespace tribotrack::fit::internal

@@ -182,6 +182,9 @@ TEST(SlowCoverageCampaign, DISABLED_OfHundredsIsBetween93And97Percent) {
     for (const Row& row : coverage(kind, seed, campaigns)) {
       EXPECT_GE(row.share(), 0.93 - error) << kind.name;
       EXPECT_LE(row.share(), 0.97 + error) << kind.name;
+      if (&kind == kKinds) {
+        EXPECT_LT(row.widening, 1.05);  // white noise stays white
+      }
     }
 }
 
