@@ -13,6 +13,7 @@
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
+#include "fit/tools/track_part.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -231,22 +232,6 @@ std::size_t every_of(const TrajectoryRun& run) {
   return run.free_slide ? 1 : (run.track.time.size() + kMostPoints - 1) / kMostPoints;
 }
 
-void thin(TrackTable& track, std::size_t every) {
-  const std::size_t n = track.time.size();
-  TrackTable few;
-  few.platform_frame = track.platform_frame;
-  few.radius = track.radius;
-  few.slow = track.slow;
-  for (std::size_t i = 0; i < n; i += every) {
-    if (i < track.frame.size()) few.frame.push_back(track.frame[i]);
-    few.time.push_back(track.time[i]);
-    few.position.push_back(track.position[i]);
-    few.covariance.push_back(track.covariance[i]);
-    if (!track.shared.empty()) few.shared.push_back(track.shared[i]);
-  }
-  track = few;
-}
-
 Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
   Problem problem = unknowns.problem();
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
@@ -260,7 +245,7 @@ Problem thinned(const Unknowns& unknowns, const Eigen::VectorXd& values) {
         run.scenario.set(run.own.parameters[k], run.scenario.get(run.own.parameters[k]) +
                                                     values(own->first + static_cast<Eigen::Index>(k)));
     run.own = {};
-    thin(run.track, every_of(run));
+    run.track = part_of(run.track, 0, run.track.time.size(), every_of(run));
   }
   return problem;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "fit/residuals/point_model.h"
 #include "model/trajectory.h"
@@ -11,34 +12,24 @@ namespace {
 
 constexpr std::size_t kFewest = 8;
 
-/// Slope of a straight line through the points [first, last).
-Eigen::Vector2d slope(const TrackTable& track, std::size_t first, std::size_t last) {
-  const double count = static_cast<double>(last - first);
-  double time = 0, square = 0;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero(), product = Eigen::Vector2d::Zero();
-  for (std::size_t i = first; i < last; ++i) {
-    time += track.time[i] / count;
-    position += track.position[i] / count;
+/// Slope of a straight line through values over times.
+template <class Value>
+Value line_slope(std::span<const double> times, std::span<const Value> values, Value sum) {
+  double mean = 0, square = 0;
+  for (const double time : times) mean += time / static_cast<double>(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    square += (times[i] - mean) * (times[i] - mean);
+    sum += (times[i] - mean) * values[i];
   }
-  for (std::size_t i = first; i < last; ++i) {
-    square += (track.time[i] - time) * (track.time[i] - time);
-    product += (track.time[i] - time) * (track.position[i] - position);
-  }
-  return product / square;
+  if (square > 0) sum /= square;
+  return sum;
 }
 
-/// Slope of a straight line through speeds over times.
-double line_slope(const std::vector<double>& times, const std::vector<double>& speeds) {
-  double mean_time = 0, mean_speed = 0, square = 0, product = 0;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    mean_time += times[i] / static_cast<double>(times.size());
-    mean_speed += speeds[i] / static_cast<double>(times.size());
-  }
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    square += (times[i] - mean_time) * (times[i] - mean_time);
-    product += (times[i] - mean_time) * (speeds[i] - mean_speed);
-  }
-  return square > 0 ? product / square : 0;
+/// Velocity over the points [first, last).
+Eigen::Vector2d velocity(const TrackTable& track, std::size_t first, std::size_t last) {
+  return line_slope<Eigen::Vector2d>(std::span(track.time).subspan(first, last - first),
+                                     std::span(track.position).subspan(first, last - first),
+                                     Eigen::Vector2d::Zero());
 }
 
 /// Deceleration of a part of mu = 0, and that of mu = 1 beyond it.
@@ -55,7 +46,7 @@ Braking braking(const TrajectoryRun& run) {
 std::vector<double> smoothed_speeds(const TrackTable& track) {
   std::vector<double> speeds;
   for (std::size_t i = kSpeedWindow; i + kSpeedWindow < track.time.size(); ++i)
-    speeds.push_back(slope(track, i - kSpeedWindow, i + kSpeedWindow + 1).norm());
+    speeds.push_back(velocity(track, i - kSpeedWindow, i + kSpeedWindow + 1).norm());
   return speeds;
 }
 
@@ -108,11 +99,11 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
     speeds.push_back(here);
   }
   const Braking by = braking(run);
-  guess.mu = (-line_slope(times, speeds) - by.by_slope) / by.by_friction;
+  guess.mu = (-line_slope<double>(times, speeds, 0) - by.by_slope) / by.by_friction;
   if (!(guess.mu > 0)) guess.mu = 0.01 * top * top / by.by_friction;
   guess.mu = std::max(guess.mu, 1e-4);
   const std::size_t window_end = std::min(n, guess.first + 2 * kSpeedWindow + 1);
-  const Eigen::Vector2d early = slope(track, guess.first, window_end);
+  const Eigen::Vector2d early = velocity(track, guess.first, window_end);
   const double middle = 0.5 * (track.time[window_end - 1] - track.time[guess.first]);
   const double first_speed = early.norm() + (by.by_slope + guess.mu * by.by_friction) * middle;
   guess.velocity =

@@ -11,6 +11,7 @@
 #include "fit/slides/shown_errors.h"
 #include "fit/slides/slide_spin.h"
 #include "fit/tools/thresholds.h"
+#include "fit/tools/track_part.h"
 #include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
@@ -152,25 +153,6 @@ namespace {
 /// A blow to a part slower than this share of its speed afterwards is what sets it sliding.
 constexpr double kFromRest = 0.2;
 
-template <class T>
-void keep(std::vector<T>& column, const Stretch& stretch) {
-  if (column.size() < stretch.last) return;
-  column.erase(column.begin() + static_cast<std::ptrdiff_t>(stretch.last), column.end());
-  column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(stretch.first));
-}
-
-void cut(TrackTable& track, const Stretch& stretch) {
-  keep(track.frame, stretch);
-  keep(track.time, stretch);
-  keep(track.position, stretch);
-  keep(track.covariance, stretch);
-  keep(track.shared, stretch);
-  keep(track.angle, stretch);
-  keep(track.angle_sigma, stretch);
-  keep(track.marker, stretch);
-  keep(track.marker_sigma, stretch);
-}
-
 Blow blow_of(const TrackTable& track, const FoundBlow& found) {
   Blow blow;
   blow.frame = found.row < track.frame.size() ? track.frame[found.row] : static_cast<std::int64_t>(found.row);
@@ -197,9 +179,10 @@ std::vector<SlideResult> prepare_slides(Problem& problem) {
                              blow.before.norm() < kFromRest * blow.after.norm();
       if (!starts_it) slide.blows.push_back(blow_of(run.track, blow));
     }
-    cut(run.track, stretch);
+    run.track = part_of(run.track, stretch.first, stretch.last);
     if (run.slope != 0) {
-      cut(run.track, sliding_stretch(run.track));
+      const Stretch sliding = sliding_stretch(run.track);
+      run.track = part_of(run.track, sliding.first, sliding.last);
       if (run.downhill.isZero()) run.downhill = downhill_of(run);
     } else if (!run.spin) {
       run.spin = first_slide_spin(run);
