@@ -1,5 +1,5 @@
-// What the fuzz targets share. A target is a program of libFuzzer where one is built (preset `fuzz`), and
-// otherwise one that reads every file of its corpus once (replay.cpp).
+// What the fuzz targets (targets.cpp) share: hostile input is read or refused, in the program's own words and
+// within a second.
 #pragma once
 
 #include <unistd.h>
@@ -17,8 +17,6 @@
 #include "fit/measurement.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace tribotrack::fuzz {
 
@@ -42,9 +40,6 @@ class Folder {
     std::ofstream(file, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
     return file;
   }
-  std::filesystem::path write(const std::string& name, const std::uint8_t* data, std::size_t size) const {
-    return write(name, {reinterpret_cast<const char*>(data), size});
-  }
 
  private:
   std::filesystem::path path_;
@@ -63,23 +58,30 @@ inline void require_own_words(const std::string& message, std::string_view input
   if (message.empty()) find("a refusal without a word");
 }
 
-/// Reads what may be hostile: it is either read or refused, within a second.
-template <class Read>
-void read_or_refuse(const std::uint8_t* data, std::size_t size, const Read& read) {
-  const std::string_view input(reinterpret_cast<const char*>(data), size);
-  const std::clock_t begin = std::clock();
-  try {
-    read();
-  } catch (const apps::InvalidInput& refusal) {
-    require_own_words(refusal.what(), input);
-  } catch (const vision::InputError& refusal) {
-    require_own_words(refusal.what(), input);
-  } catch (const fit::DataError& refusal) {
-    require_own_words(refusal.what(), input);
-  } catch (const model::InvalidParameter& refusal) {
-    require_own_words(refusal.what(), input);
+/// What a file from a stranger holds.
+struct Hostile {
+  const Folder& folder;
+  std::string_view text;
+
+  std::filesystem::path as(const std::string& name) const { return folder.write(name, text); }
+
+  /// It is either read or refused, within a second.
+  template <class Read>
+  void read_or_refuse(const Read& read) const {
+    const std::clock_t begin = std::clock();
+    try {
+      read();
+    } catch (const apps::InvalidInput& refusal) {
+      require_own_words(refusal.what(), text);
+    } catch (const vision::InputError& refusal) {
+      require_own_words(refusal.what(), text);
+    } catch (const fit::DataError& refusal) {
+      require_own_words(refusal.what(), text);
+    } catch (const model::InvalidParameter& refusal) {
+      require_own_words(refusal.what(), text);
+    }
+    if (std::clock() - begin > CLOCKS_PER_SEC) find("it took longer than a second");
   }
-  if (std::clock() - begin > CLOCKS_PER_SEC) find("it took longer than a second");
-}
+};
 
 }  // namespace tribotrack::fuzz
