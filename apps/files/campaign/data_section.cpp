@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -91,105 +91,98 @@ class PointsByPlace {
                  : "v_sd_mm_s = 0.1"));
 }
 
-/// The lines of all tables, sorted into points, and the points' pooled values.
-class TableRuns {
- public:
-  explicit TableRuns(Campaign& campaign) : campaign_(campaign) {
-    for (const fs::path& path : campaign.data.tables) {
-      AlphaVTable table = read_alpha_v_table(path, campaign.fit);
-      campaign.table_inputs.push_back(table.input);
-      for (std::string& note : table.notes) campaign.notes.push_back(std::move(note));
-      for (CampaignRun& line : table.runs) lines_.push_back(std::move(line));
-    }
-    for (CampaignRun& line : lines_) {
-      if (!line.alpha_sd) line.alpha_sd = campaign.data.alpha_sd;
-      if (!line.v_sd) line.v_sd = campaign.data.v_sd;
-    }
-    sort_into_points();
-  }
+using Points = std::vector<std::vector<std::size_t>>;  ///< the lines of each
 
-  void add() {
-    std::vector<fit::PointMeasurement> measurements;
-    for (std::size_t k = 0; k < lines_.size(); ++k) {
-      const CampaignRun& line = lines_[k];
-      measurements.push_back(
-          {point_of_[k], {{*line.alpha, line.alpha_sd.value_or(0)}, {*line.v, line.v_sd.value_or(0)}}});
-    }
-    const fit::PooledPoints pooled = fit::pool_points(measurements);
-    for (std::size_t p = 0; p < points_.size(); ++p) add_run(points_[p], pooled.points[p], pooled);
-    note(pooled);
+/// The lines of all tables.
+std::vector<CampaignRun> lines_of(Campaign& campaign) {
+  std::vector<CampaignRun> lines;
+  for (const fs::path& path : campaign.data.tables) {
+    AlphaVTable table = read_alpha_v_table(path, campaign.fit);
+    campaign.table_inputs.push_back(table.input);
+    std::ranges::move(table.notes, std::back_inserter(campaign.notes));
+    std::ranges::move(table.runs, std::back_inserter(lines));
   }
-
- private:
-  void sort_into_points() {
-    PointsByPlace known;
-    for (const CampaignRun& line : lines_) {
-      const auto repeated = known.find(
-          line, [&](std::size_t point) { return same_point(lines_[points_[point].front()], line); });
-      const std::size_t number = repeated.value_or(points_.size());
-      if (!repeated) {
-        points_.emplace_back();
-        known.add(line, number);
-      }
-      points_[number].push_back(static_cast<std::size_t>(&line - lines_.data()));
-      point_of_.push_back(number);
-    }
+  for (CampaignRun& line : lines) {
+    if (!line.alpha_sd) line.alpha_sd = campaign.data.alpha_sd;
+    if (!line.v_sd) line.v_sd = campaign.data.v_sd;
   }
+  return lines;
+}
 
-  void add_run(const std::vector<std::size_t>& members, const fit::AlphaV& value,
-               const fit::PooledPoints& pooled) {
-    for (const std::size_t k : members)
-      if ((!lines_[k].alpha_sd && !(value.alpha.sd > 0)) || (!lines_[k].v_sd && !(value.velocity.sd > 0)))
-        refuse_without_sd(lines_[k], pooled);
-    CampaignRun run = lines_[members.front()];
-    if (run.name.empty()) {
-      const fs::path place = run.place;  // "folder/alpha_v.csv:7"
-      const std::string line = place.extension().string();
-      run.name = place.stem().string() + line.substr(std::min(line.find(':'), line.size()));
+Points points_of(const std::vector<CampaignRun>& lines) {
+  Points points;
+  PointsByPlace known;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto repeated = known.find(
+        lines[k], [&](std::size_t point) { return same_point(lines[points[point].front()], lines[k]); });
+    if (!repeated) {
+      known.add(lines[k], points.size());
+      points.emplace_back();
     }
-    run.alpha = value.alpha.value;
-    run.alpha_sd = value.alpha.sd;
-    run.v = value.velocity.value;
-    run.v_sd = value.velocity.sd;
-    if (members.size() > 1)
-      for (const std::size_t k : members) run.pooled_from.push_back(lines_[k].place);
-    campaign_.runs.push_back(std::move(run));
+    points[repeated.value_or(points.size() - 1)].push_back(k);
   }
+  return points;
+}
 
-  void note(const fit::PooledPoints& pooled) {
-    const std::size_t repeated = lines_.size() - points_.size();
-    if (repeated > 0)
-      campaign_.notes.push_back(
-          fmt::format("{} lines of tables are {} points: repeats of one point are pooled into their mean",
-                      lines_.size(), points_.size()));
-    std::vector<std::string> sds;
-    if (const fit::RepeatScatter& alpha = pooled.across; alpha.sd > 0)
-      sds.push_back(alpha.relative ? fmt::format("alpha {:.2g} rad ({:.2g} deg)", alpha.sd,
-                                                 alpha.sd * 180 / std::numbers::pi)
-                                   : fmt::format("alpha {:.2g} mm/s over v", alpha.sd * 1e3));
-    if (const fit::RepeatScatter& v = pooled.along; v.sd > 0)
-      sds.push_back(v.relative ? fmt::format("v {:.2g} %", v.sd * 100)
-                               : fmt::format("v {:.2g} mm/s", v.sd * 1e3));
-    if (!sds.empty()) {
-      const std::size_t dof = std::max(pooled.along.dof, pooled.across.dof);
-      campaign_.notes.push_back(
-          fmt::format("lines without an sd have that of the scatter between repeats: of one measurement {} "
-                      "({} degree{} of "
-                      "freedom), widened {:.2f} times, so that 95 % intervals are Student's",
-                      fmt::join(sds, ", "), dof, dof == 1 ? "" : "s", pooled.widened));
-    }
-    if (pooled.scattered > 1)
-      campaign_.warnings.push_back(fmt::format(
-          "repeats in the tables scatter {:.2g} times as much as their sds say (chi2 {:.3g} at {} degrees of "
-          "freedom): the sds of all their lines are widened by that",
-          pooled.scattered, pooled.chi2, pooled.chi2_dof));
+fit::PooledPoints pooled_points(const std::vector<CampaignRun>& lines, const Points& points) {
+  std::vector<fit::PointMeasurement> measurements(lines.size());
+  for (std::size_t p = 0; p < points.size(); ++p)
+    for (const std::size_t k : points[p])
+      measurements[k] = {
+          p, {{*lines[k].alpha, lines[k].alpha_sd.value_or(0)}, {*lines[k].v, lines[k].v_sd.value_or(0)}}};
+  return fit::pool_points(measurements);
+}
+
+/// "alpha_v:7" by the table and its line, for "folder/alpha_v.csv:7".
+std::string name_by_place(const fs::path& place) {
+  const std::string line = place.extension().string();
+  return place.stem().string() + line.substr(std::min(line.find(':'), line.size()));
+}
+
+/// The run of a point whose values are pooled.
+CampaignRun run_of(const std::vector<CampaignRun>& lines, const std::vector<std::size_t>& members,
+                   const fit::AlphaV& value, const fit::PooledPoints& pooled) {
+  for (const std::size_t k : members)
+    if ((!lines[k].alpha_sd && !(value.alpha.sd > 0)) || (!lines[k].v_sd && !(value.velocity.sd > 0)))
+      refuse_without_sd(lines[k], pooled);
+  CampaignRun run = lines[members.front()];
+  if (run.name.empty()) run.name = name_by_place(run.place);
+  run.alpha = value.alpha.value;
+  run.alpha_sd = value.alpha.sd;
+  run.v = value.velocity.value;
+  run.v_sd = value.velocity.sd;
+  if (members.size() > 1)
+    for (const std::size_t k : members) run.pooled_from.push_back(lines[k].place);
+  return run;
+}
+
+/// What was pooled, and where sds came from.
+void note(Campaign& campaign, std::size_t lines, std::size_t points, const fit::PooledPoints& pooled) {
+  if (lines > points)
+    campaign.notes.push_back(fmt::format(
+        "{} lines of tables are {} points: repeats of one point are pooled into their mean", lines, points));
+  std::vector<std::string> sds;
+  if (const fit::RepeatScatter& alpha = pooled.across; alpha.sd > 0)
+    sds.push_back(alpha.relative ? fmt::format("alpha {:.2g} rad ({:.2g} deg)", alpha.sd,
+                                               alpha.sd * 180 / std::numbers::pi)
+                                 : fmt::format("alpha {:.2g} mm/s over v", alpha.sd * 1e3));
+  if (const fit::RepeatScatter& v = pooled.along; v.sd > 0)
+    sds.push_back(v.relative ? fmt::format("v {:.2g} %", v.sd * 100)
+                             : fmt::format("v {:.2g} mm/s", v.sd * 1e3));
+  if (!sds.empty()) {
+    const std::size_t dof = std::max(pooled.along.dof, pooled.across.dof);
+    campaign.notes.push_back(
+        fmt::format("lines without an sd have that of the scatter between repeats: of one measurement {} "
+                    "({} degree{} of "
+                    "freedom), widened {:.2f} times, so that 95 % intervals are Student's",
+                    fmt::join(sds, ", "), dof, dof == 1 ? "" : "s", pooled.widened));
   }
-
-  Campaign& campaign_;
-  std::vector<CampaignRun> lines_;
-  std::vector<std::vector<std::size_t>> points_;  ///< the lines of each
-  std::vector<std::size_t> point_of_;             ///< of each line
-};
+  if (pooled.scattered > 1)
+    campaign.warnings.push_back(fmt::format(
+        "repeats in the tables scatter {:.2g} times as much as their sds say (chi2 {:.3g} at {} degrees of "
+        "freedom): the sds of all their lines are widened by that",
+        pooled.scattered, pooled.chi2, pooled.chi2_dof));
+}
 
 }  // namespace
 
@@ -222,7 +215,13 @@ DataSection read_data(StrictTable& table, const fs::path& folder) {
 }
 
 void add_table_runs(Campaign& campaign) {
-  if (!campaign.data.tables.empty()) TableRuns(campaign).add();
+  if (campaign.data.tables.empty()) return;
+  const std::vector<CampaignRun> lines = lines_of(campaign);
+  const Points points = points_of(lines);
+  const fit::PooledPoints pooled = pooled_points(lines, points);
+  for (std::size_t p = 0; p < points.size(); ++p)
+    campaign.runs.push_back(run_of(lines, points[p], pooled.points[p], pooled));
+  note(campaign, lines.size(), points.size(), pooled);
 }
 
 }  // namespace tribotrack::apps
