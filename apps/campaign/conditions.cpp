@@ -16,9 +16,9 @@ namespace tribotrack::apps {
 
 namespace {
 
-/// Conditions of a run: what is given beats what was measured.
-model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const RunMeasurement* measured,
-                      bool& amplitude_from_track) {
+/// As the campaign gives it; what marks show of it is taken in with what all runs share
+/// (shared_conditions.h).
+model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, bool seen) {
   const PlatformSection& given = campaign.platform;
   model::Drive drive;
   drive.gravity = given.gravity;
@@ -28,37 +28,17 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, const Ru
     drive.amplitude = drive.amplitude_y = 0;
     return drive;
   }
-  const fit::PlatformMotion* seen =
-      measured != nullptr && measured->platform ? &*measured->platform : nullptr;
-  const auto demand = [&](const char* key) {
-    return InvalidInput(
-        fmt::format("{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or "
-                    "`marker_px` in [camera]",
-                    run.place, run.name, key));
+  const auto demand = [&](bool known, const char* key) {
+    if (!known && !seen)
+      throw InvalidInput(
+          fmt::format("{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or "
+                      "`marker_px` in [camera]",
+                      run.place, run.name, key));
   };
-  const std::optional<double> amplitude = run.amplitude ? run.amplitude : given.amplitude;
-  if (amplitude) {
-    drive.amplitude = *amplitude;
-    drive.amplitude_y = given.amplitude_y.value_or(*amplitude);
-  } else if (seen != nullptr) {
-    drive.amplitude = seen->amplitude.value;
-    drive.amplitude_y = given.amplitude_y.value_or(seen->amplitude_y.value);
-    amplitude_from_track = true;
-  } else {
-    throw demand("amplitude_mm");
-  }
-  const std::optional<double> frequency =
-      run.angular_frequency ? run.angular_frequency : given.angular_frequency;
-  if (frequency)
-    drive.angular_frequency = *frequency;
-  else if (seen != nullptr)
-    drive.angular_frequency = seen->angular_frequency.value;
-  else
-    throw demand("angular_frequency_rad_s");
-  if (given.phase_shift)
-    drive.phase_shift = *given.phase_shift;
-  else if (seen != nullptr)
-    drive.phase_shift = seen->phase_shift.value;
+  demand(run.amplitude || given.amplitude, "amplitude_mm");
+  demand(run.angular_frequency || given.angular_frequency, "angular_frequency_rad_s");
+  drive.angular_frequency =
+      run.angular_frequency.value_or(given.angular_frequency.value_or(drive.angular_frequency));
   return drive;
 }
 
@@ -245,9 +225,9 @@ void measure_again(const Campaign& campaign, Run& analysed) {
   analysed.own = {};
   if (analysed.track && !run.free_slide)
     analysed.measurement = measure_run(run.name, *analysed.track, given_for(campaign, analysed));
-  RunMeasurement* measured = analysed.measurement ? &*analysed.measurement : nullptr;
+  const RunMeasurement* measured = analysed.measurement ? &*analysed.measurement : nullptr;
   model::Scenario& scenario = analysed.scenario;
-  scenario.drive = drive_of(campaign, run, measured, analysed.amplitude_from_track);
+  scenario.drive = drive_of(campaign, run, measured != nullptr && measured->platform);
   scenario.start = run.start;
   scenario.cycles = run.cycles;
   if (measured != nullptr) {

@@ -239,25 +239,26 @@ model::Drive reference_drive(const Problem& problem) {
   return driven != drives.end() ? *driven : drives.empty() ? model::Drive{} : drives.front();
 }
 
-/// What a relative error is relative to, or 1.
-double size_of(FitParameter quantity, const model::Drive& drive) {
+/// The value that the runs have, as a fit counts it, and what an error of it is relative to.
+struct Reference {
+  double value = 1, size = 1;
+};
+Reference reference(FitParameter quantity, const model::Drive& drive) {
+  const double amplitude = std::max(drive.amplitude, drive.amplitude_y);
   switch (quantity) {
     case FitParameter::amplitude:
-      return std::max(drive.amplitude, drive.amplitude_y);
+      return {amplitude, amplitude};
     case FitParameter::angular_frequency:
-      return drive.angular_frequency;
+      return {drive.angular_frequency, drive.angular_frequency};
     case FitParameter::gravity:
-      return drive.gravity;
+      return {drive.gravity, drive.gravity};
+    case FitParameter::tilt_x:
+      return {drive.tilt_x, 1};
+    case FitParameter::tilt_y:
+      return {drive.tilt_y, 1};
     default:
-      return 1;
+      return {};
   }
-}
-
-/// The value that the runs have, as a fit counts it.
-double value_of(FitParameter quantity, const model::Drive& drive) {
-  return quantity == FitParameter::tilt_x   ? drive.tilt_x
-         : quantity == FitParameter::tilt_y ? drive.tilt_y
-                                            : size_of(quantity, drive);
 }
 
 }  // namespace
@@ -266,14 +267,14 @@ void put_into(Problem& problem, const Conditions& conditions) {
   const model::Drive drive = reference_drive(problem);
   std::map<FitParameter, double> variance;
   for (const SharedError& error : conditions.errors) {
-    const double sd = error.sd * size_of(error.quantity, drive);
+    const double sd = error.sd * reference(error.quantity, drive).size;
     if (std::ranges::count(problem.free, error.quantity) == 0)
       problem.conditions.push_back({error.quantity, sd, error.from});
     else if (error.known_beforehand)
       variance[error.quantity] += sd * sd;
   }
   for (const auto& [quantity, sum] : variance)
-    problem.prior.try_emplace(quantity, Prior{value_of(quantity, drive), std::sqrt(sum)});
+    problem.prior.try_emplace(quantity, Prior{reference(quantity, drive).value, std::sqrt(sum)});
   for (const Source source : conditions.taken_as_exact)
     if (source == Source::diameter || source == Source::scale || source == Source::tag)
       problem.exact.emplace_back(FitParameter::scale, to_string(source));

@@ -112,6 +112,7 @@ TEST(Conditions, WhatRecordingsShareIsNotAveragedOut) {
     run.seen->exposure_doubt = 0.01;
     run.coder_attenuation = 0.02;
     run.seen->amplitude.sd = std::hypot(1e-4, 0.01, 0.02) * run.seen->amplitude.value;
+    run.seen->amplitude_y.sd = std::hypot(2e-4, 0.01, 0.02) * run.seen->amplitude_y.value;
     run.coder_delay = 0.03;
   }
   const Conditions c = pooled(runs);
@@ -119,7 +120,7 @@ TEST(Conditions, WhatRecordingsShareIsNotAveragedOut) {
   EXPECT_NEAR(error_of(c, FitParameter::amplitude, kFromCoder), 0.02, 1e-12);
   EXPECT_NEAR(error_of(c, FitParameter::amplitude, "exposure, not known"), 0.01, 1e-12);
   EXPECT_NEAR(error_of(c, FitParameter::phase_reference), 0.03, 1e-12);
-  EXPECT_NEAR(error_of(c, FitParameter::amplitude_ratio), 2e-4 / 4 * std::hypot(1, 0.5), 1e-4);
+  EXPECT_NEAR(error_of(c, FitParameter::amplitude_ratio), std::hypot(1e-4, 2e-4) / 4, 1e-9);
   for (RunEvidence& run : runs) run.amplitude = all(0.28e-3);  // not from the track
   EXPECT_EQ(error_of(pooled(runs), FitParameter::amplitude), 0);
 }
