@@ -39,11 +39,6 @@ std::string default_text(const Key<ScenarioFile>& parameter) {
   return value ? fmt::format(" (default {:.10g})", *value) : "";
 }
 
-std::string flag_of(std::string name) {
-  std::ranges::replace(name, '_', '-');
-  return "--" + name;
-}
-
 /// A flag for each parameter with a meaning. Names in another unit are flags of their own.
 void add_parameters(CLI::App& command, SimulateOptions& options) {
   struct Flag {

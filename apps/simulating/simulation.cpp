@@ -21,12 +21,12 @@
 
 namespace tribotrack::apps {
 
-namespace {
-
-std::string flag_of(std::string name) {
-  std::ranges::replace(name, '_', '-');
-  return "--" + name;
+std::string flag_of(std::string parameter) {
+  std::ranges::replace(parameter, '_', '-');
+  return "--" + parameter;
 }
+
+namespace {
 
 /// The parameter, by one name of several; mu2 for its ratio.
 std::string meaning_of(const std::string& name) {

@@ -20,6 +20,9 @@ struct GivenScenario {
   std::optional<double> samples_per_cycle;
 };
 
+/// "--omega-rad-s" of "omega_rad_s".
+std::string flag_of(std::string parameter);
+
 /// The file with the values in place, not yet settled: what a sweep varies. Throws InvalidInput and
 /// UsageError.
 ScenarioFile base_of(const GivenScenario& given);
