@@ -1,28 +1,30 @@
 // The conditions of a campaign: what is given of them and what its recordings show of them, made one, with
 // the errors that all runs share and those that each has for itself (JCGM 100:2008, sections 4 and 5).
 //
-//   std::vector<RunEvidence> runs;                      // a run each: given, seen, scale, gate
-//   const Conditions conditions = pool(runs, shared);   // value in, value out
-//   if (!conditions.slips.empty()) refuse(conditions.slips.front());
-//   scenario.drive = conditions.runs[k].drive;          // and own errors, for each run
-//   put_into(problem, conditions);                      // Problem::conditions, Problem::prior
+//   std::vector<RunEvidence> runs;                             // a run each: given, seen, scale, gate
+//   const Conditions found = pool(runs, shared, as_they_are);  // value in, value out
+//   if (!found.slips.empty()) refuse(found.slips.front());
+//   scenario.drive = found.runs[k].drive;                      // and own errors, for each run
+//   put_into(problem, found);                                  // Problem::conditions, Problem::prior
 //
 // The model. One platform moved under all runs: A, A_y, w, epsilon are one quantity q each. Run k is given
 // g_k with an sd (0: exact), and its mark shows m_k:
-//   m_k = q_k (1 + c + e_k),   sd(e_k) = s_k the run's own,  sd(c) = u_c common to all runs,
+//   m_k = q_k (1 + c) + e_k,   sd(e_k) = s_k the run's own,   sd(c) = u_c common to all runs,
 // in proportion to what is given, so that runs commanded to different amplitudes are pooled as well:
-//   x_k = m_k / g_k;   of epsilon x_k = m_k - g_k, and what is relative below is in rad.
+//   x_k = m_k / g_k, own sd s_k / g_k;   of epsilon x_k = m_k - g_k, and what is relative below is in rad.
 // What all share no averaging takes out. Of lengths, with a_k the share of the amplitude that a coder may
-// have taken, b_k what an exposure that is not known hides, u_k the run's scale and l the true length that
-// scales in the picture were measured by (the part's diameter, the side of a tag):
+// have taken, b_k what an exposure that is not known hides, u_k the sd of the run's scale and l that of the
+// true length by which scales in the picture were measured (the part's diameter, the side of a tag):
 //   s_k^2 = sd(m_k)^2 - (a_k^2 + b_k^2) m_k^2  [+ (u_k^2 - l^2) m_k^2 where each run has a scale of its own],
-//   u_c^2 = <a>^2 + <b>^2 + <u>^2 (one scale; else <l>^2) + parallax^2,   <> the mean over the runs;
+//   u_c^2 = <a>^2 + <b>^2 + <u>^2 [else <l>^2] + parallax^2,   <> the mean over the runs;
 // of w u_c is the camera's clock, of epsilon 0.
 //
-// One quantity? The mean is weighted by 1/s_k^2 and held against its scatter (fit/pooling.h):
-//   x = sum x_k / s_k^2 / W,  W = sum 1/s_k^2,  chi2 = sum (x_k - x)^2 / s_k^2,  p = P(chi2_(n-1) > chi2).
-// Below p = 1e-3 the runs differ: what was given none keeps what it shows itself, with its own error s_k.
-// Each run's w then goes with the phase at its start, cov(w, wt_0) = (t_0 - t_middle) s_k^2.
+// One quantity? The mean is weighted by its sds and held against its scatter (fit/pooling.h):
+//   x = sum w_k x_k / W,  w_k = (g_k / s_k)^2,  W = sum w_k,  chi2 = sum w_k (x_k - x)^2,
+//   p = P(chi2 of n - 1 degrees of freedom > chi2),
+// sd(g_k)^2 added to s_k^2 where the value is the run's own. Below p = 1e-3 the runs differ: what was given
+// none keeps what it shows itself, with its own error s_k. Each run's w then goes with the phase at its
+// start, cov(w, wt_0) = (t_0 - t_middle) s_k^2.
 //
 // Which value? Given exactly: that. Given with an sd: the mean of 1 with the variance (sd(g)/g)^2 and x with
 // 1/W + u_c^2, weighted by their inverses. Given none: x. Measured and given differ by
