@@ -167,7 +167,7 @@ Tracked track_file(apps::Recording recording, const Files& files, const Tell& te
 Tracked track_stack(apps::Recording recording, const vision::FrameStack& stack, int bits, const Files& files,
                     const Tell& tell) {
   recording.options.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
-  const auto source = std::make_shared<vision::StackSource>(stack, *recording.frame_rate_hz, bits);
+  const auto source = std::make_shared<vision::StackSource>(stack, *recording.camera.frame_rate_hz, bits);
   return finished(apps::tracked(apps::checked_in_memory(std::move(recording)), source), files);
 }
 
@@ -204,7 +204,7 @@ py::dict track(const py::object& source, const py::dict& options, const py::obje
         std::make_shared<py::buffer_info>(py::reinterpret_borrow<py::buffer>(source).request());
     const vision::FrameStack stack = stack_of(*buffer);
     const int bits = bits_of(options, stack);
-    if (!recording.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+    if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
     result =
         released<Tracked>([recording, stack, bits, files](
                               const Tell& tell) { return track_stack(recording, stack, bits, files, tell); },

@@ -34,15 +34,15 @@ Json marker_json(const vision::MarkerChoice& marker) {
 }
 
 Json configuration_of(const Recording& recording, const std::optional<Input>& calibration) {
-  Json json = {{"frame_rate_hz", optional_json(recording.frame_rate_hz)},
-               {"mm_per_px", optional_json(recording.mm_per_px)},
-               {"mm_per_px_sd", recording.mm_per_px_sd},
+  Json json = {{"frame_rate_hz", optional_json(recording.camera.frame_rate_hz)},
+               {"mm_per_px", optional_json(recording.camera.mm_per_px)},
+               {"mm_per_px_sd", recording.camera.mm_per_px_sd},
                {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
-               {"diameter_mm", optional_json(recording.diameter_mm)},
-               {"diameter_sd_mm", recording.diameter_sd_mm},
-               {"height_mm", optional_json(recording.height_mm)},
-               {"working_distance_mm", optional_json(recording.working_distance_mm)},
-               {"xi_axis_rad", recording.xi_axis_rad},
+               {"diameter_mm", optional_json(recording.part.diameter_mm)},
+               {"diameter_sd_mm", recording.part.diameter_sd_mm},
+               {"height_mm", optional_json(recording.part.height_mm)},
+               {"working_distance_mm", optional_json(recording.camera.working_distance_mm)},
+               {"xi_axis_rad", recording.camera.xi_axis_rad},
                {"target", target_json(recording.options.target)},
                {"marker", marker_json(recording.options.marker)},
                {"gate", circle_json(recording.options.gate)},
@@ -51,25 +51,18 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
                {"min_ncc", recording.options.min_ncc},
                {"max_lost_share", recording.options.max_lost_share},
                {"search_margin_px", recording.options.search_margin_px},
-               {"row_time_s", recording.row_time_s},
+               {"row_time_s", recording.camera.row_time_s},
                {"layers", recording.options.layers == vision::Layers::automatic ? "auto"
                           : recording.options.layers == vision::Layers::on      ? "on"
                                                                                 : "off"}};
-  if (recording.tag_mm) {
-    json["tag_mm"] = *recording.tag_mm;
-    json["tag_mm_sd"] = recording.tag_mm_sd;
+  if (recording.camera.tag_mm) {
+    json["tag_mm"] = *recording.camera.tag_mm;
+    json["tag_mm_sd"] = recording.camera.tag_mm_sd;
   }
-  if (!recording.frame_rate_reason.empty()) json["frame_rate_reason"] = recording.frame_rate_reason;
+  if (!recording.camera.frame_rate_reason.empty())
+    json["frame_rate_reason"] = recording.camera.frame_rate_reason;
   return json;
 }
-
-}  // namespace
-
-Json settings_of(const Recording& recording) {
-  return configuration_of(recording, std::nullopt);
-}
-
-namespace {
 
 /// Hashes the inputs in this order, and remembers their state.
 Recording with_inputs(Recording recording, const std::vector<std::filesystem::path>& files) {
@@ -79,15 +72,51 @@ Recording with_inputs(Recording recording, const std::vector<std::filesystem::pa
     recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
   recording.hashing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   recording.configuration = configuration_of(
-      recording, recording.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
+      recording, recording.camera.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
   return recording;
+}
+
+/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
+void require_rows_in_time(const Recording& recording, const vision::SourceInfo& info) {
+  if (recording.camera.row_time_s == 0) return;
+  const double frame = std::abs(recording.camera.row_time_s) * info.height;
+  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
+    throw InvalidInput(
+        fmt::format("{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
+                    "other every {:.3g} "
+                    "s; give the time from one row to the next",
+                    recording.video.string(), recording.camera.row_time_s, info.height, frame,
+                    1 / *info.time_base.rate_hz));
+  if (recording.options.gate)
+    throw InvalidInput(fmt::format(
+        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+        "give phi_rad and dtau_rad as commanded",
+        recording.video.string()));
+}
+
+constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
+
+/// A rate given against what the camera itself says needs a reason.
+void require_rate_of_recording(const Recording& recording, const vision::SourceInfo& info) {
+  if (!recording.camera.frame_rate_hz || !recording.camera.frame_rate_reason.empty()) return;
+  for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
+    if (said.source.starts_with("cine") && said.rate_hz > 0 &&
+        std::abs(*recording.camera.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
+      throw InvalidInput(fmt::format(
+          "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
+          "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
+          recording.video.string(), *recording.camera.frame_rate_hz, said.rate_hz, said.source));
 }
 
 }  // namespace
 
+Json settings_of(const Recording& recording) {
+  return configuration_of(recording, std::nullopt);
+}
+
 Recording checked(Recording recording) {
   std::vector<std::filesystem::path> files = {recording.video};
-  if (recording.calibration) files.push_back(*recording.calibration);
+  if (recording.camera.calibration) files.push_back(*recording.camera.calibration);
   recording = with_inputs(std::move(recording), files);
   recording.key =
       hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
@@ -95,8 +124,8 @@ Recording checked(Recording recording) {
 }
 
 Recording checked_in_memory(Recording recording) {
-  if (!recording.calibration) return with_inputs(std::move(recording), {});
-  const std::filesystem::path calibration = *recording.calibration;
+  if (!recording.camera.calibration) return with_inputs(std::move(recording), {});
+  const std::filesystem::path calibration = *recording.camera.calibration;
   return with_inputs(std::move(recording), {calibration});
 }
 
@@ -112,45 +141,10 @@ bool is_current(const std::filesystem::path& csv, const std::string& key) {
   }
 }
 
-namespace {
-
-/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
-void require_rows_in_time(const Recording& recording, const vision::SourceInfo& info) {
-  if (recording.row_time_s == 0) return;
-  const double frame = std::abs(recording.row_time_s) * info.height;
-  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
-    throw InvalidInput(fmt::format(
-        "{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
-        "other every {:.3g} "
-        "s; give the time from one row to the next",
-        recording.video.string(), recording.row_time_s, info.height, frame, 1 / *info.time_base.rate_hz));
-  if (recording.options.gate)
-    throw InvalidInput(fmt::format(
-        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
-        "give phi_rad and dtau_rad as commanded",
-        recording.video.string()));
-}
-
-constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
-
-/// A rate given against what the camera itself says needs a reason.
-void require_rate_of_recording(const Recording& recording, const vision::SourceInfo& info) {
-  if (!recording.frame_rate_hz || !recording.frame_rate_reason.empty()) return;
-  for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
-    if (said.source.starts_with("cine") && said.rate_hz > 0 &&
-        std::abs(*recording.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
-      throw InvalidInput(fmt::format(
-          "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
-          "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
-          recording.video.string(), *recording.frame_rate_hz, said.rate_hz, said.source));
-}
-
-}  // namespace
-
 void require_trackable(const Recording& recording, const vision::SourceInfo& info) {
   if (!info.time_base.known())
     throw vision::InputError(fmt::format("{}: {}", recording.video.string(), info.time_base.why_unknown()));
-  if (!recording.mm_per_px && !recording.calibration && recording.diameter_mm &&
+  if (!recording.camera.mm_per_px && !recording.camera.calibration && recording.part.diameter_mm &&
       recording.options.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");

@@ -10,34 +10,18 @@ namespace tribotrack::apps {
 
 namespace {
 
-vision::MarkerChoice marker_of(const CameraSection& camera) {
-  if (camera.marker_px) return {vision::MarkerChoice::Kind::circle, *camera.marker_px};
-  return camera.marker;
-}
-
-/// Puts [part] and [camera] into it.
-void apply(const PartSection& part, const CameraSection& camera, Recording& recording) {
-  recording.frame_rate_hz = camera.frame_rate_hz;
-  recording.frame_rate_reason = camera.frame_rate_reason;
-  recording.mm_per_px = camera.mm_per_px;
-  recording.mm_per_px_sd = camera.mm_per_px_sd;
-  recording.calibration = camera.calibration;
-  recording.diameter_mm = part.diameter_mm;
-  recording.diameter_sd_mm = part.diameter_sd_mm;
-  recording.height_mm = part.height_mm;
-  recording.working_distance_mm = camera.working_distance_mm;
-  recording.xi_axis_rad = camera.xi_axis_rad;
-  recording.tag_mm = camera.tag_mm;
-  recording.tag_mm_sd = camera.tag_mm_sd;
-  recording.row_time_s = camera.row_time_s;
-  const auto follow = [&recording](const auto& place) {
-    if (place.template_px)
-      recording.options.target = {vision::Target::Kind::rectangle, {}, *place.template_px};
-    if (place.disc_px) recording.options.target = {vision::Target::Kind::disc, *place.disc_px, {}};
+/// What is followed, by [part] and [camera].
+void set_target(Recording& recording) {
+  const auto follow = [&](const auto& place) {
+    vision::Target& target = recording.options.target;
+    if (place.template_px) target = {vision::Target::Kind::rectangle, {}, *place.template_px};
+    if (place.disc_px) target = {vision::Target::Kind::disc, *place.disc_px, {}};
   };
-  follow(part);
-  follow(camera);
-  recording.options.marker = marker_of(camera);
+  follow(recording.part);
+  follow(recording.camera);
+  const CameraSection& camera = recording.camera;
+  recording.options.marker = camera.marker;
+  if (camera.marker_px) recording.options.marker = {vision::MarkerChoice::Kind::circle, *camera.marker_px};
   recording.options.gate = camera.gate_px;
 }
 
@@ -46,7 +30,8 @@ void apply(const PartSection& part, const CameraSection& camera, Recording& reco
 Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
   Recording recording;
   recording.video = *run.video;
-  CameraSection camera = campaign.camera;
+  recording.part = campaign.part;
+  CameraSection& camera = recording.camera = campaign.camera;
   if (run.disc_px) {
     camera.disc_px = run.disc_px;
     camera.template_px.reset();
@@ -60,12 +45,12 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
     camera.mm_per_px = run.mm_per_px;
     camera.mm_per_px_sd = run.mm_per_px_sd.value_or(0);
   }
-  apply(campaign.part, camera, recording);
-  if (recording.mm_per_px) recording.calibration.reset();
-  if (recording.mm_per_px || recording.calibration) recording.tag_mm.reset();
-  if (recording.mm_per_px || recording.calibration || recording.tag_mm) recording.diameter_mm.reset();
+  set_target(recording);
+  if (camera.mm_per_px) camera.calibration.reset();
+  if (camera.mm_per_px || camera.calibration) camera.tag_mm.reset();
+  if (camera.mm_per_px || camera.calibration || camera.tag_mm) recording.part.diameter_mm.reset();
   if (run.free_slide) {  // its platform rests and no actuator works
-    if (!recording.tag_mm) recording.options.marker = {vision::MarkerChoice::Kind::none, {}};
+    if (!camera.tag_mm) recording.options.marker = {vision::MarkerChoice::Kind::none, {}};
     recording.options.gate.reset();
   }
   recording.options.first_frame = run.first_frame;
@@ -81,12 +66,10 @@ constexpr double kFastestCamera = 1e9;
 /// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
 void apply_config(Recording& recording, const std::string& file) {
   StrictTable top = StrictTable::read(file);
-  PartSection part;
-  CameraSection camera;
-  if (auto table = top.table("part")) part = read_part(*table, WithSd::no);
+  if (auto table = top.table("part")) recording.part = read_part(*table, WithSd::no);
   if (auto table = top.table("camera"))
-    camera = read_camera(*table, std::filesystem::path(file).parent_path(), WithSd::no);
-  apply(part, camera, recording);
+    recording.camera = read_camera(*table, std::filesystem::path(file).parent_path(), WithSd::no);
+  set_target(recording);
   if (auto track = top.table("track")) {
     recording.options.min_ncc = track->number("min_ncc").value_or(recording.options.min_ncc);
     recording.options.max_lost_share =
@@ -110,85 +93,83 @@ void require_radius(const char* flag, const std::optional<vision::Circle>& circl
 }
 
 void apply_frame_rate(const TrackChoices& choices, Recording& recording) {
+  CameraSection& camera = recording.camera;
   if (is_positive("--fps", choices.fps)) {
     if (*choices.fps > kFastestCamera)
       throw UsageError(
           fmt::format("--fps {:g} is more than any camera records; give frames/s, at most {:.0e}",
                       *choices.fps, kFastestCamera));
-    recording.frame_rate_hz = choices.fps;
-    recording.frame_rate_reason.clear();
+    camera.frame_rate_hz = choices.fps;
+    camera.frame_rate_reason.clear();
   }
   if (choices.fps_reason.empty()) return;
-  if (!recording.frame_rate_hz) throw UsageError("--fps-reason needs --fps");
-  recording.frame_rate_reason = choices.fps_reason;
+  if (!camera.frame_rate_hz) throw UsageError("--fps-reason needs --fps");
+  camera.frame_rate_reason = choices.fps_reason;
 }
 
 void apply_scale(const TrackChoices& choices, Recording& recording) {
+  CameraSection& camera = recording.camera;
   if (choices.mm_per_px && choices.disc_diameter_mm)
     throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
   if (!choices.calibration.empty() && (choices.mm_per_px || choices.disc_diameter_mm))
     throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
   if (is_positive("--mm-per-px", choices.mm_per_px)) {
-    recording.mm_per_px = choices.mm_per_px;
-    recording.mm_per_px_sd = 0;
-    recording.calibration.reset();
+    camera.mm_per_px = choices.mm_per_px;
+    camera.mm_per_px_sd = 0;
+    camera.calibration.reset();
   }
   if (is_positive("--disc-diameter-mm", choices.disc_diameter_mm)) {
-    recording.diameter_mm = choices.disc_diameter_mm;
-    recording.diameter_sd_mm = 0;
-    recording.mm_per_px.reset();
-    recording.calibration.reset();
+    recording.part.diameter_mm = choices.disc_diameter_mm;
+    recording.part.diameter_sd_mm = 0;
+    camera.mm_per_px.reset();
+    camera.calibration.reset();
   }
   if (!choices.calibration.empty()) {
-    recording.calibration = choices.calibration;
-    recording.mm_per_px.reset();
+    camera.calibration = choices.calibration;
+    camera.mm_per_px.reset();
   }
   if (is_positive("--tag-mm", choices.tag_mm)) {
     if (choices.mm_per_px || choices.disc_diameter_mm || !choices.calibration.empty())
       throw UsageError("--tag-mm gives the scale: leave out --mm-per-px, --disc-diameter-mm, --calibration");
-    recording.tag_mm = choices.tag_mm;
-    recording.tag_mm_sd = 0;
-    recording.mm_per_px.reset();
-    recording.calibration.reset();
+    camera.tag_mm = choices.tag_mm;
+    camera.tag_mm_sd = 0;
+    camera.mm_per_px.reset();
+    camera.calibration.reset();
   }
-  if (is_positive("--height-mm", choices.height_mm)) recording.height_mm = choices.height_mm;
+  if (is_positive("--height-mm", choices.height_mm)) recording.part.height_mm = choices.height_mm;
   if (is_positive("--working-distance-mm", choices.working_distance_mm))
-    recording.working_distance_mm = choices.working_distance_mm;
-  if (choices.xi_axis_rad) recording.xi_axis_rad = *choices.xi_axis_rad;
+    camera.working_distance_mm = choices.working_distance_mm;
+  if (choices.xi_axis_rad) camera.xi_axis_rad = *choices.xi_axis_rad;
 }
 
 void apply_target(const TrackChoices& choices, Recording& recording) {
   require_radius("--disc", choices.disc);
   require_radius("--gate", choices.gate);
   if (choices.disc && choices.rectangle) throw UsageError("give --disc or --template, not both");
-  if (choices.disc) {
-    recording.options.target.kind = vision::Target::Kind::disc;
-    recording.options.target.disc = *choices.disc;
-  } else if (choices.rectangle) {
-    if (!(choices.rectangle->width > 0 && choices.rectangle->height > 0))
-      throw UsageError("--template must have a width and a height greater than 0");
-    recording.options.target.kind = vision::Target::Kind::rectangle;
-    recording.options.target.rectangle = *choices.rectangle;
-  }
+  if (choices.rectangle && !(choices.rectangle->width > 0 && choices.rectangle->height > 0))
+    throw UsageError("--template must have a width and a height greater than 0");
+  vision::TrackOptions& options = recording.options;
+  if (choices.disc) options.target = {vision::Target::Kind::disc, *choices.disc, {}};
+  if (choices.rectangle) options.target = {vision::Target::Kind::rectangle, {}, *choices.rectangle};
   if (choices.marker) {
     if (choices.marker->kind == vision::MarkerChoice::Kind::circle)
       require_radius("--marker", choices.marker->circle);
-    recording.options.marker = *choices.marker;
+    options.marker = *choices.marker;
   }
-  if (recording.tag_mm && recording.options.marker.kind != vision::MarkerChoice::Kind::tag)
+  if (recording.camera.tag_mm && options.marker.kind != vision::MarkerChoice::Kind::tag)
     throw UsageError("--tag-mm is the size of a tag; say which: --marker tag:apriltag_36h11");
-  if (choices.gate) recording.options.gate = choices.gate;
+  if (choices.gate) options.gate = choices.gate;
 }
 
 void apply_layers(const TrackChoices& choices, Recording& recording) {
+  vision::TrackOptions& options = recording.options;
   if (choices.layers == "off")
-    recording.options.layers = vision::Layers::off;
+    options.layers = vision::Layers::off;
   else if (choices.layers == "on")
-    recording.options.layers = vision::Layers::on;
+    options.layers = vision::Layers::on;
   else if (!choices.layers.empty() && choices.layers != "auto")
     throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", choices.layers));
-  if (recording.options.layers == vision::Layers::on &&
-      recording.options.target.kind == vision::Target::Kind::rectangle)
+  if (options.layers == vision::Layers::on && options.target.kind == vision::Target::Kind::rectangle)
     throw UsageError("--layers on needs a disc with a round rim, and --template follows a rectangle");
 }
 

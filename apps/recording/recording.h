@@ -23,19 +23,8 @@ namespace tribotrack::apps {
 struct Recording {
   // Given.
   std::filesystem::path video;
-  std::optional<double> frame_rate_hz;
-  std::string frame_rate_reason;    ///< how the user knows it
-  std::optional<double> mm_per_px;  ///< of the platform's plane; beats diameter_mm
-  double mm_per_px_sd = 0;
-  std::optional<std::filesystem::path> calibration;  ///< of the camera; beats diameter_mm
-  std::optional<double> diameter_mm;                 ///< of the part's top
-  double diameter_sd_mm = 0;
-  std::optional<double> height_mm;            ///< of the part's top above the platform
-  std::optional<double> working_distance_mm;  ///< from the lens to the platform; a calibration has its own
-  double xi_axis_rad = 0;
-  std::optional<double> tag_mm;  ///< side of the tag that is the marker: sets the scale
-  double tag_mm_sd = 0;
-  double row_time_s = 0;  ///< of a rolling shutter
+  PartSection part;
+  CameraSection camera;  ///< its mm_per_px beats a calibration, that a tag, that the part's diameter
   vision::TrackOptions options;
 
   // Checked. The content of the inputs is taken before they are read: what stands in the meta file of the

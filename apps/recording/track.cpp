@@ -17,30 +17,33 @@ namespace {
 
 std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, const vision::SourceInfo& info,
                                                  const vision::TrackSummary& summary) {
-  if (recording.calibration) {
-    const vision::CameraCalibration camera = read_calibration(*recording.calibration);
+  if (recording.camera.calibration) {
+    const vision::CameraCalibration camera = read_calibration(*recording.camera.calibration);
     if (camera.width != info.width || camera.height != info.height)
       throw InvalidInput(
           fmt::format("{}: is for pictures of {} x {} pixels, but {} has {} x {}; calibrate with the camera "
                       "set as for the "
                       "recording",
-                      recording.calibration->string(), camera.width, camera.height, recording.video.string(),
-                      info.width, info.height));
-    return vision::PlaneGeometry(camera, recording.height_mm.value_or(0));
+                      recording.camera.calibration->string(), camera.width, camera.height,
+                      recording.video.string(), info.width, info.height));
+    return vision::PlaneGeometry(camera, recording.part.height_mm.value_or(0));
   }
   std::optional<vision::Parallax> parallax;
-  if (recording.height_mm && recording.working_distance_mm)
-    parallax = {*recording.height_mm, *recording.working_distance_mm};
-  if (recording.mm_per_px)
-    return vision::PlaneGeometry(vision::given_scale(*recording.mm_per_px, recording.mm_per_px_sd),
-                                 vision::ScalePlane::platform, parallax);
-  if (recording.tag_mm && summary.tag)
-    return vision::PlaneGeometry(vision::scale_from_tag(*recording.tag_mm, *summary.tag, recording.tag_mm_sd),
-                                 vision::ScalePlane::platform, parallax);
-  if (!recording.diameter_mm) return std::nullopt;
-  return vision::PlaneGeometry(vision::scale_from_diameter(*recording.diameter_mm, summary.disc.radius,
-                                                           summary.disc_radius_sd, recording.diameter_sd_mm),
-                               vision::ScalePlane::part_top, parallax);
+  if (recording.part.height_mm && recording.camera.working_distance_mm)
+    parallax = {*recording.part.height_mm, *recording.camera.working_distance_mm};
+  if (recording.camera.mm_per_px)
+    return vision::PlaneGeometry(
+        vision::given_scale(*recording.camera.mm_per_px, recording.camera.mm_per_px_sd),
+        vision::ScalePlane::platform, parallax);
+  if (recording.camera.tag_mm && summary.tag)
+    return vision::PlaneGeometry(
+        vision::scale_from_tag(*recording.camera.tag_mm, *summary.tag, recording.camera.tag_mm_sd),
+        vision::ScalePlane::platform, parallax);
+  if (!recording.part.diameter_mm) return std::nullopt;
+  return vision::PlaneGeometry(
+      vision::scale_from_diameter(*recording.part.diameter_mm, summary.disc.radius, summary.disc_radius_sd,
+                                  recording.part.diameter_sd_mm),
+      vision::ScalePlane::part_top, parallax);
 }
 
 /// The question as the user sees it: what to look at, and what to paste.
@@ -122,15 +125,15 @@ Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource>
   require_mark(recording, result.track);
   drop_covered_lamp(recording, result);
   result.stage_times.insert(result.stage_times.begin(), {"hashing the inputs", recording.hashing_s});
-  if (recording.row_time_s != 0)
-    vision::shift_to_rows(result.track, recording.row_time_s, 0.5 * (info.height - 1));
+  if (recording.camera.row_time_s != 0)
+    vision::shift_to_rows(result.track, recording.camera.row_time_s, 0.5 * (info.height - 1));
   recording.state.require_unchanged();
   try {
     if (const auto geometry = geometry_of(recording, info, result.summary)) {
       recording.geometry = geometry->as_needed(result.track, result.summary.limit_px, result.summary.plan);
       recording.scale = recording.geometry->part_scale();
     }
-    recording.rows = track_rows(result.track, recording.geometry, recording.xi_axis_rad);
+    recording.rows = track_rows(result.track, recording.geometry, recording.camera.xi_axis_rad);
   } catch (const std::invalid_argument& error) {
     throw InvalidInput(fmt::format("{}: {}", recording.video.string(), error.what()));
   } catch (const std::domain_error& error) {
@@ -145,8 +148,8 @@ Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource>
 Recording tracked(Recording recording, const std::optional<std::filesystem::path>& beside) {
   std::optional<std::filesystem::path> picture;
   if (beside) picture = question_picture(*beside, recording.video);
-  std::shared_ptr<vision::FrameSource> source =
-      vision::open_source(recording.video, {recording.frame_rate_hz, recording.frame_rate_reason});
+  std::shared_ptr<vision::FrameSource> source = vision::open_source(
+      recording.video, {recording.camera.frame_rate_hz, recording.camera.frame_rate_reason});
   return track_source(std::move(recording), std::move(source), picture);
 }
 

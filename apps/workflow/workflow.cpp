@@ -49,7 +49,7 @@ Json json_of(const Campaign& campaign, const CampaignRun& run) {
   json["inputs"].push_back(dependence(*run.video));
   if (run.scope) json["inputs"].push_back(run.scope->string());
   const Recording recording = recording_of(campaign, run);
-  if (recording.calibration) json["inputs"].push_back(recording.calibration->string());
+  if (recording.camera.calibration) json["inputs"].push_back(recording.camera.calibration->string());
   json["settings"] = hash_of_text(TRIBOTRACK_VERSION + settings_of(recording).dump());
   return json;
 }

@@ -107,7 +107,7 @@ class TrackRecording : public ProgramTest {
         "12\nscratches = 0\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
     ASSERT_EQ(run("synth scene.toml -o a.cine -q").exit_code, 0);
     recording_.video = in_folder("a.cine");
-    recording_.mm_per_px = 0.05;
+    recording_.camera.mm_per_px = 0.05;
   }
   Recording recording_;
 };

@@ -204,10 +204,10 @@ TEST_F(SharedConditionsTest, EachSdReachesTheFit) {
     EXPECT_TRUE(all.insert(fingerprint()).second) << key;
   }
   campaign(platform, {{}, {}}, camera, {"", "mm_per_px = 0.1\nmm_per_px_sd = 0.001"}, part);
-  EXPECT_EQ(recording_of(campaign_, campaign_.runs[1]).mm_per_px_sd, 0.001);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[1]).camera.mm_per_px_sd, 0.001);
   campaign(platform, {{}, {}}, camera + "mm_per_px_sd = 0.002", {}, part + "diameter_mm_sd = 0.01");
-  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).mm_per_px_sd, 0.002);
-  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).diameter_sd_mm, 0.01);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).camera.mm_per_px_sd, 0.002);
+  EXPECT_EQ(recording_of(campaign_, campaign_.runs[0]).part.diameter_sd_mm, 0.01);
 }
 
 }  // namespace
