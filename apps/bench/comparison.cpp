@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -38,29 +40,25 @@ bool more_accurate(const ComparedRow& peer) {
 /// One method over the scenes of a group: in each its fastest row that reaches the target.
 struct InGroup {
   std::string method;
-  std::vector<double> errors = {}, times = {};
-  double error() const { return median(errors); }
-  double time() const { return median(times); }
+  std::map<std::string, const ComparedRow*> rows = {};  ///< by their scenes
+  double of(double ComparedRow::*number) const {
+    std::vector<double> values;
+    for (const auto& [scene, row] : rows) values.push_back(row->*number);
+    return upper_median(values);
+  }
+  double error() const { return of(&ComparedRow::error); }
+  double time() const { return of(&ComparedRow::time); }
 };
 
 std::vector<InGroup> methods_in(const Comparison& comparison, const std::string& group, bool ours) {
   std::vector<InGroup> methods;
-  std::vector<std::string> seen;
   for (const ComparedRow& row : comparison.rows) {
-    if (row.group != group || row.ours != ours) continue;
-    const std::string key = row.scene + "\n" + row.method;
-    if (std::ranges::find(seen, key) != seen.end()) continue;
-    seen.push_back(key);
-    const ComparedRow* best = nullptr;
-    for (const ComparedRow& other : comparison.rows)
-      if (other.group == group && other.scene == row.scene && other.method == row.method && other.arrived &&
-          (comparison.target == 0 || other.error <= comparison.target) && (!best || other.time < best->time))
-        best = &other;
-    if (!best) continue;
+    const bool reaches = row.arrived && (comparison.target == 0 || row.error <= comparison.target);
+    if (row.group != group || row.ours != ours || !reaches) continue;
     auto method = std::ranges::find(methods, row.method, &InGroup::method);
     if (method == methods.end()) method = methods.insert(methods.end(), {row.method});
-    method->errors.push_back(best->error);
-    method->times.push_back(best->time);
+    const ComparedRow*& best = method->rows[row.scene];
+    if (!best || row.time < best->time) best = &row;
   }
   return methods;
 }
@@ -68,7 +66,7 @@ std::vector<InGroup> methods_in(const Comparison& comparison, const std::string&
 /// Who arrives in most scenes; among these the fastest, or without a target the most accurate.
 const InGroup* best_of(const std::vector<InGroup>& methods, bool by_time) {
   const auto worse = [by_time](const InGroup& a, const InGroup& b) {
-    if (a.times.size() != b.times.size()) return a.times.size() < b.times.size();
+    if (a.rows.size() != b.rows.size()) return a.rows.size() < b.rows.size();
     return by_time ? a.time() > b.time() : a.error() > b.error();
   };
   return methods.empty() ? nullptr : &*std::ranges::max_element(methods, worse);
@@ -289,7 +287,7 @@ ComparedRow judge(const Method& method, const Method& ours, const std::vector<Fi
   }
   row.arrived = converged == count && off_minimum <= kSameMinimum;
   row.error = std::sqrt(square(0));
-  row.time = median(times);
+  row.time = upper_median(times);
   row.details = {{"campaigns", count},
                  {"converged", converged},
                  {"off_minimum_sd", off_minimum},

@@ -8,7 +8,11 @@
 #include <functional>
 #include <vector>
 
+#include "fit/tools/statistics.h"
+
 namespace tribotrack::bench {
+
+using fit::internal::upper_median;
 
 struct PairedTiming {
   int rounds = 7;
@@ -32,13 +36,6 @@ inline double seconds_of(const std::function<void()>& work) {
   return thread_seconds() - begin;
 }
 
-inline double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Round-robin over the competitors; the first call of each warms up and counts only if it is the only one.
 inline std::vector<MedianTime> paired_medians(const std::vector<std::function<void()>>& competitors,
                                               const PairedTiming& options) {
@@ -54,7 +51,7 @@ inline std::vector<MedianTime> paired_medians(const std::vector<std::function<vo
   std::vector<MedianTime> result;
   for (std::size_t k = 0; k < competitors.size(); ++k) {
     if (times[k].empty()) times[k].push_back(first[k]);
-    result.push_back({median(times[k]), static_cast<int>(times[k].size())});
+    result.push_back({upper_median(times[k]), static_cast<int>(times[k].size())});
   }
   return result;
 }

@@ -17,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "apps/bench/timing.h"
 #include "apps/bench/vision_scene.h"
@@ -225,7 +226,26 @@ Finding follow_as_others_do(const char* method, Follow follow, FrameSource& sour
   return finding;
 }
 
+/// The errors are those about their mean, per coordinate; 0 from fewer than four positions.
 ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise, double bound) {
+  std::vector<std::pair<std::size_t, Eigen::Vector2d>> errors;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double lost = 0;
+  for (std::size_t k = 1; k < finding.positions.size(); ++k) {  // the first is the template's own frame
+    const Point truth = scene.pose(static_cast<int>(k)).disc;
+    lost += !finding.positions[k];
+    if (!finding.positions[k]) continue;
+    errors.emplace_back(
+        k, Eigen::Vector2d(finding.positions[k]->x - truth.x, finding.positions[k]->y - truth.y));
+    mean += errors.back().second;
+  }
+  const auto count = static_cast<double>(errors.size());
+  double square = 0, standardised = 0;
+  for (auto& [frame, error] : errors) {
+    error -= mean / count;
+    square += error.squaredNorm();
+    if (finding.ours) standardised += error.dot(finding.covariances[frame].inverse() * error);
+  }
   ComparedRow row;
   row.group = scene.textured() ? "brushed platform" : "plain platform";
   row.scene = fmt::format("R = {:g} px, texture {:g}, noise {:g}", scene.part(0).radius,
@@ -233,20 +253,13 @@ ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise,
   row.method = finding.method;
   row.ours = finding.ours;
   row.time = finding.time;
-  PositionErrors errors(scene);
-  for (std::size_t k = 1; k < finding.positions.size(); ++k)  // the first is the template's own frame
-    errors.see(static_cast<int>(k), finding.positions[k]);
-  row.error = errors.rms() / bound;
-  row.arrived = errors.count() > 3;
-  if (!finding.ours) {
-    row.details = details_of(errors, bound);
-    return row;
-  }
-  double square = 0;
-  for (const auto& [frame, error] : errors.centred())
-    square += error.dot(finding.covariances[static_cast<std::size_t>(frame)].inverse() * error);
-  row.details = details_of(errors, bound, std::sqrt(square / (2 * static_cast<double>(errors.count()) - 2)),
-                           finding.layered);
+  row.arrived = errors.size() > 3;
+  const double rms = row.arrived ? std::sqrt(square / (2 * (count - 1))) : 0;
+  row.error = rms / bound;
+  row.details = {{"rms_px", rms}, {"bound_px", bound}, {"lost", lost}, {"components", 2 * count}};
+  // What only our tracker tells.
+  row.details.push_back({"standardised", finding.ours ? std::sqrt(standardised / (2 * count - 2)) : NAN});
+  row.details.push_back({"layered", finding.ours ? finding.layered : NAN});
   return row;
 }
 
@@ -404,8 +417,8 @@ std::vector<ComparedRow> bench_whole_commands(const WholeCommandOptions& options
         times[1].push_back(peer.time);
         if (turn == 0) ours = track_as_users_do(*source, scene);
       }
-      ours.time = median(times[0]);
-      peer.time = median(times[1]);
+      ours.time = upper_median(times[0]);
+      peer.time = upper_median(times[1]);
       for (const Finding* finding : {&ours, &peer}) {
         rows.push_back(judge(*finding, scene, kCommandNoise, bound));
         rows.back().group = "whole commands";

@@ -2,17 +2,12 @@
 // a textured one that moves.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
-#include <optional>
-#include <utility>
 #include <vector>
 
-#include "apps/bench/comparison.h"
 #include "vision/cramer_rao_bound.h"
 #include "vision/scene.h"
 
@@ -82,50 +77,5 @@ class BenchScene {
   vision::Scene scene_;
   int poses_;
 };
-
-/// How far positions lie from where the part is, px; their mean error is left out.
-class PositionErrors {
- public:
-  explicit PositionErrors(const BenchScene& scene) : scene_(scene) {}
-  void see(int frame, const std::optional<vision::Point>& position) {
-    lost_ += !position;
-    if (!position) return;
-    const vision::Point truth = scene_.pose(frame).disc;
-    errors_.emplace_back(frame, Eigen::Vector2d(position->x - truth.x, position->y - truth.y));
-  }
-  std::size_t count() const { return errors_.size(); }
-  int lost() const { return lost_; }
-  std::vector<std::pair<int, Eigen::Vector2d>> centred() const {
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    for (const auto& [frame, error] : errors_) mean += error / static_cast<double>(errors_.size());
-    auto list = errors_;
-    for (auto& [frame, error] : list) error -= mean;
-    return list;
-  }
-  /// Per coordinate; 0 from fewer than four positions.
-  double rms() const {
-    if (count() < 4) return 0;
-    double square = 0;
-    for (const auto& [frame, error] : centred()) square += error.squaredNorm();
-    return std::sqrt(square / (2 * static_cast<double>(count() - 1)));
-  }
-
- private:
-  const BenchScene& scene_;
-  std::vector<std::pair<int, Eigen::Vector2d>> errors_;
-  int lost_ = 0;
-};
-
-/// Of a row of `bench vision`; what only our tracker tells is NaN for others.
-inline std::vector<Detail> details_of(const PositionErrors& errors, double bound,
-                                      double standardised = std::numeric_limits<double>::quiet_NaN(),
-                                      double layered = std::numeric_limits<double>::quiet_NaN()) {
-  return {{"rms_px", errors.rms()},
-          {"bound_px", bound},
-          {"lost", static_cast<double>(errors.lost())},
-          {"components", 2 * static_cast<double>(errors.count())},
-          {"standardised", standardised},
-          {"layered", layered}};
-}
 
 }  // namespace tribotrack::bench
