@@ -14,12 +14,6 @@ Eigen::MatrixXd normalised(const Eigen::MatrixXd& columns) {
   return columns * columns.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
 }
 
-/// By the roots of the diagonal of the normal matrix with nothing eliminated: a column that others imitate is
-/// then as small as rounding makes it.
-Eigen::VectorXd scale_of(const Linearised& at) {
-  return at.normal().diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-}
-
 }  // namespace
 
 double Linearised::chi2() const {
@@ -120,6 +114,8 @@ Eigen::MatrixXd Linearised::jacobian(Eigen::Index unknowns) const {
   return all;
 }
 
+// Scaled by the normal matrix with nothing eliminated: a column that others imitate is then as small as
+// rounding makes it.
 double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held) {
   const Linearised left = at.eliminated();
   double by_own = 0;  // what the own unknowns take
@@ -128,24 +124,15 @@ double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held) 
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < at.groups.front().shared.cols(); ++i)
     if (i != held) free.push_back(i);
-  const Eigen::VectorXd scale = scale_of(at)(free);
-  const EigenSystem eigen =
-      eigen_symmetric(scale.asDiagonal() * left.normal()(free, free) * scale.asDiagonal());
-  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * left.gradient()(free));
-  double sum = by_own;
-  for (Eigen::Index i = 0; i < along.size(); ++i)
-    if (eigen.values(i) > 1e-13) sum += along(i) * along(i) / eigen.values(i);
-  return sum;
+  const Eigen::VectorXd gradient = left.gradient()(free);
+  return by_own +
+         gradient.dot(
+             pseudo_inverse(left.normal()(free, free), unit_diagonal(at.normal())(free), 1e-13).inverse *
+             gradient);
 }
 
 Eigen::MatrixXd shared_covariance(const Linearised& at, double flat) {
-  const Eigen::VectorXd scale = scale_of(at);
-  const EigenSystem eigen =
-      eigen_symmetric(scale.asDiagonal() * at.eliminated().normal() * scale.asDiagonal());
-  Eigen::VectorXd inverse = eigen.values;
-  for (double& value : inverse) value = value > flat ? 1 / value : 0;
-  return scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
-         scale.asDiagonal();
+  return pseudo_inverse(at.eliminated().normal(), unit_diagonal(at.normal()), flat).inverse;
 }
 
 Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns) {

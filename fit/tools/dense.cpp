@@ -55,6 +55,24 @@ EigenSystem eigen_symmetric(const Eigen::MatrixXd& matrix) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale, double flat) {
+  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * matrix * scale.asDiagonal());
+  Eigen::VectorXd inverse = Eigen::VectorXd::Zero(scale.size());
+  double log_determinant = -2 * scale.array().log().sum();
+  for (Eigen::Index i = 0; i < inverse.size(); ++i) {
+    if (!(eigen.values(i) > flat)) continue;
+    inverse(i) = 1 / eigen.values(i);
+    log_determinant += std::log(eigen.values(i));
+  }
+  return {scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
+              scale.asDiagonal(),
+          log_determinant};
+}
+
+Eigen::VectorXd unit_diagonal(const Eigen::MatrixXd& matrix) {
+  return matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+}
+
 Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }

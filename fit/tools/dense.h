@@ -74,6 +74,16 @@ EigenSystem eigen_symmetric(const Eigen::MatrixXd& matrix);
 Eigen::Vector2d eigenvalues(const Eigen::Matrix2d& symmetric);  ///< the least first
 Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& symmetric);
 
+/// The inverse of a symmetric matrix that is not negative, and ln of its determinant, but for directions
+/// weaker than `flat` where rows and columns are multiplied by `scale`.
+struct PseudoInverse {
+  Eigen::MatrixXd inverse;
+  double log_determinant = 0;
+};
+PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale, double flat);
+/// By which the diagonal becomes 1.
+Eigen::VectorXd unit_diagonal(const Eigen::MatrixXd& matrix);
+
 /// Singular values, the greatest first, and directions: A = U diag(values) directions'.
 struct SingularValues {
   Eigen::VectorXd values;

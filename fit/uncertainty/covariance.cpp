@@ -111,8 +111,8 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
                                        ? RowLayout::Place{0, 2 * run, 2, 2}
                                        : residuals.layout().tracks[static_cast<std::size_t>(run - summary)];
     const RowGroup& group = left.groups[place.group];
-    influence.row(run) = change(all, group.shared.middleRows(place.row, place.points),
-                                group.residuals.segment(place.row, place.points))
+    influence.row(run) = change(all, group.shared.middleRows(place.row, place.rows),
+                                group.residuals.segment(place.row, place.rows))
                              .head(reported)
                              .cwiseQuotient(sd)
                              .transpose();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -11,22 +10,6 @@
 
 namespace tribotrack::fit::internal {
 namespace {
-
-/// The inverse, directions that the data do not see left out, and ln of the determinant of the rest.
-std::pair<Eigen::MatrixXd, double> inverse_of(const Eigen::MatrixXd& information) {
-  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * information * scale.asDiagonal());
-  Eigen::VectorXd inverse = Eigen::VectorXd::Zero(information.rows());
-  double log_determinant = -2 * scale.array().log().sum();
-  for (Eigen::Index i = 0; i < inverse.size(); ++i) {
-    if (!(eigen.values(i) > 1e-13)) continue;
-    inverse(i) = 1 / eigen.values(i);
-    log_determinant += std::log(eigen.values(i));
-  }
-  return {scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
-              scale.asDiagonal(),
-          log_determinant};
-}
 
 /// What is common to the runs is a vector of unknowns more, known beforehand to be 0 +- the root of its
 /// variance: with X = [C G_c^(1/2), J] and S = (X' V_0^-1 X + diag(1, 0))^-1, V_0 the runs' own covariance,
@@ -104,11 +87,11 @@ class LikelihoodAt {
     scale_.head(shared()) = common_root_;
     Eigen::MatrixXd normal = scale_.asDiagonal() * data_.topLeftCorner(p, p) * scale_.asDiagonal();
     normal.diagonal().head(shared()).array() += 1;
-    double log_determinant = 0;
-    std::tie(s_, log_determinant) = inverse_of(normal);
+    const PseudoInverse inverse = pseudo_inverse(normal, unit_diagonal(normal), 1e-13);
+    s_ = inverse.inverse;
     const Eigen::VectorXd by_r = scale_.cwiseProduct(data_.topRightCorner(p, 1).col(0));
     shift_ = s_ * by_r;
-    result.log -= 0.5 * (log_determinant + data_(p, p) - by_r.dot(shift_));
+    result.log -= 0.5 * (inverse.log_determinant + data_(p, p) - by_r.dot(shift_));
     squares_.fill(Eigen::MatrixXd::Zero(p, p));
     common_squares_.fill(Eigen::MatrixXd::Zero(p, p));
     by_common_ = data_.topLeftCorner(shared(), p) * scale_.asDiagonal();
