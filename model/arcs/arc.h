@@ -59,7 +59,6 @@ struct ArcOutput {
   Pair<double> displacement;  ///< from start to end
   double error = 0;           ///< truncation error of the velocity over `slowest`
   double slowest = 0;         ///< least |U| at the nodes and both ends
-  int sweeps = 0;
   bool converged = false;
   bool accepted = false;  ///< converged, resolved and not too slow: derivatives are those of such arcs only
   double direction_x[GaussTable::kMaxNodes],

@@ -137,7 +137,6 @@ struct ArcKernel {
           !(Math::all_below(moved * square_f, 0.01) && Math::all_below(moved * square_m, 0.01)))
         break;
     }
-    out.sweeps = sweep;
     out.velocity = {wx_f[kPairs] + pull * ix_f[kPairs], wy_f[kPairs] + pull * iy_f[kPairs]};
     const V moment_f = Math::load(g.moment_front), moment_m = Math::load(g.moment_mirror);
     const double mx = Math::sum(moment_f * nx_f + moment_m * nx_m),

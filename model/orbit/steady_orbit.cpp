@@ -52,6 +52,58 @@ Eigen::Vector2d first_guess(const ScaledProblem<Jet<2>>& problem, bool with_puls
   return {-d.q.x, -d.q.y};
 }
 
+/// Where friction is weak the velocity keeps close to m + c(s), the motion without friction about its centre
+/// m, and a cycle's friction has to make up for the mean drive alone: int kappa n ds = 2 pi d_mean. That is
+/// the m at which int kappa |m + c| ds - 2 pi d_mean.m is least, a geometric median; found by Weiszfeld's
+/// iteration.
+Eigen::Vector2d weak_friction_guess(const SolverInput<Jet<2>>& in) {
+  constexpr int kSamples = 12;
+  const auto d = values(in.problem.drive);
+  const auto& e = in.edges.edge;
+  const bool pulses = in.edges.count == 2;
+  double x[2 * kSamples], y[2 * kSamples], weight[2 * kSamples], blur[2 * kSamples];
+  int count = 0;
+  for (int i = 0; i < (pulses ? 2 : 1); ++i) {
+    const double from = pulses ? e[i].s : 0;
+    const double width = !pulses ? kTwoPi : i == 0 ? e[1].s - e[0].s : kTwoPi - (e[1].s - e[0].s);
+    const double kappa = (pulses && e[i].opens ? in.problem.kappa_reduced : in.problem.kappa_nominal).v;
+    for (int k = 0; k < kSamples; ++k, ++count) {
+      const double s = from + width * (k + 0.5) / kSamples, c = std::cos(s), sine = std::sin(s);
+      x[count] = d.p.x * sine - d.q.x * c;
+      y[count] = d.p.y * sine - d.q.y * c;
+      weight[count] = kappa * width / kSamples;
+      blur[count] = 0.3 * width / kSamples;
+    }
+  }
+  Eigen::Vector2d m = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 60; ++i) {
+    Eigen::Vector2d sum(kTwoPi * d.constant.x, kTwoPi * d.constant.y);
+    double total = 0, nearest = HUGE_VAL;
+    for (int k = 0; k < count; ++k) {
+      const double ux = m.x() + x[k], uy = m.y() + y[k];
+      const double distance = std::sqrt(ux * ux + uy * uy + blur[k] * blur[k]);
+      const double w = weight[k] / distance;
+      sum -= w * Eigen::Vector2d(x[k], y[k]);
+      total += w;
+      if (weight[k] > 0) nearest = std::fmin(nearest, distance);
+    }
+    const Eigen::Vector2d next = sum / total;
+    const double moved = (next - m).norm();
+    m = next;
+    if (!(moved > 0.01 * nearest)) break;
+  }
+  return m - Eigen::Vector2d(d.q.x, d.q.y);
+}
+
+/// Whether a cycle's friction changes the velocity by little.
+bool friction_is_weak(const SolverInput<Jet<2>>& in) {
+  const auto& e = in.edges.edge;
+  const double first = in.edges.count == 2 ? e[1].s - e[0].s : 0;
+  const double open = e[0].opens ? first : in.edges.count == 2 ? kTwoPi - first : 0;
+  const double impulse = in.problem.kappa_nominal.v * (kTwoPi - open) + in.problem.kappa_reduced.v * open;
+  return impulse < 0.5 * std::fmax(length(in.problem.drive.p), length(in.problem.drive.q));
+}
+
 /// Friction must be able to hold the mean of the drive, else the part runs away; and there must be some.
 bool attracts(const Scenario& s, bool with_pulses) {
   const double open = with_pulses ? s.friction.pulse_width / kTwoPi : 0;
@@ -153,7 +205,7 @@ std::optional<Orbit> search(const Scenario& scenario, bool with_pulses, double t
     u = shot->velocity / velocity_unit(free);
     iterations = shot->newton_iterations;
   } else {
-    u = first_guess(in.problem, with_pulses);
+    u = with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
     if (auto orbit = from_stop_to_stop(free, with_pulses, in, u)) return orbit;
     if (kLoose > tolerance) {
       in.tolerance = kLoose;

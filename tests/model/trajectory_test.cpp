@@ -194,7 +194,7 @@ TEST(Trajectory, RepeatingCyclesEndWhereEveryCycleDoes) {
   std::cout << "seed " << seed << '\n';
   SCOPED_TRACE("seed " + std::to_string(seed));
   RandomScenario random(seed);
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 60; ++i) {
     Scenario s = reference_run();
     const double mu = random.uniform(0.05, 0.35);
     s.friction = {mu, mu * random.uniform(0, 1), random.uniform(0, 2 * kPi), random.uniform(0, 2 * kPi), 0};
@@ -207,7 +207,7 @@ TEST(Trajectory, RepeatingCyclesEndWhereEveryCycleDoes) {
     if (!orbit || orbit->contraction > 0.9) continue;
     // What a cycle adds to the velocity's error stays for 1/(1 - contraction) cycles.
     const double path = 2 * kPi * s.cycles * s.drive.amplitude / (1 - orbit->contraction);
-    for (const double tolerance : {1e-16, 1e-10, 1e-5})
+    for (const double tolerance : {1e-16, 1e-7})
       for (const bool dense : {false, true}) {
         IntegrationOptions options;
         options.tolerance = tolerance;
