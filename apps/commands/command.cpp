@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/program/streams.h"
 #include "apps/files/campaign/keys.h"
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/version.h"
@@ -123,6 +123,36 @@ int print_help(const CLI::App& app, const CLI::ParseError& error) {
   return kDone;
 }
 
+template <class... Kinds>
+bool is_one_of(const std::exception& error) {
+  return (... || (dynamic_cast<const Kinds*>(&error) != nullptr));
+}
+
+/// Says what ended the command; its exit code.
+ExitCode complain_of(const std::exception& error) {
+  if (is_one_of<UsageError>(error)) {
+    complain(error.what());
+    return kUsage;
+  }
+  if (is_one_of<model::StepLimitExceeded>(error)) {
+    complain(fmt::format("{}; give it fewer cycles or more friction", error.what()));
+    return kInvalidInput;
+  }
+  if (is_one_of<InvalidInput, vision::InputError, fit::DataError, std::invalid_argument>(error)) {
+    complain(error.what());
+    return kInvalidInput;
+  }
+  if (is_one_of<WriteError>(error))
+    complain(error.what());
+  else if (is_one_of<std::bad_alloc>(error))
+    complain(
+        "out of memory: give the process more, or less to do at once (--threads 1, fewer frames or samples)");
+  else
+    complain(
+        fmt::format("unexpected error: {}; please report it with the input that shows it", error.what()));
+  return kUnexpected;
+}
+
 }  // namespace
 
 int run_program(int argc, const char* const* argv) {
@@ -157,38 +187,8 @@ int run_program(int argc, const char* const* argv) {
     }
     flush_output();
     return context.exit_code;
-  } catch (const WriteError& error) {
-    complain(error.what());
-    return kUnexpected;
-  } catch (const UsageError& error) {
-    complain(error.what());
-    return kUsage;
-  } catch (const InvalidInput& error) {
-    complain(error.what());
-    return kInvalidInput;
-  } catch (const vision::InputError& error) {
-    complain(error.what());
-    return kInvalidInput;
-  } catch (const fit::DataError& error) {
-    complain(error.what());
-    return kInvalidInput;
-  } catch (const model::InvalidParameter& error) {
-    complain(error.what());
-    return kInvalidInput;
-  } catch (const model::StepLimitExceeded& error) {
-    complain(fmt::format("{}; give it fewer cycles or more friction", error.what()));
-    return kInvalidInput;
-  } catch (const std::invalid_argument& error) {
-    complain(error.what());
-    return kInvalidInput;
-  } catch (const std::bad_alloc&) {
-    complain(
-        "out of memory: give the process more, or less to do at once (--threads 1, fewer frames or samples)");
-    return kUnexpected;
   } catch (const std::exception& error) {
-    complain(
-        fmt::format("unexpected error: {}; please report it with the input that shows it", error.what()));
-    return kUnexpected;
+    return complain_of(error);
   }
 }
 

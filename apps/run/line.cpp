@@ -41,7 +41,6 @@ std::vector<std::size_t> order_of_work(const std::vector<std::uintmax_t>& bytes)
 /// Written again where the runs' common scale has changed it.
 void write_measurement(const std::filesystem::path& folder, const Run& run) {
   if (folder.empty() || !run.measurement || !run.track) return;
-  create_folder(folder);
   write_file(folder / (run.given.name + ".json"), text_of(measurement_json(*run.measurement, *run.track)));
 }
 
@@ -96,6 +95,7 @@ std::vector<Run> tracked_and_measured(const Campaign& campaign, const LineOfWork
 }  // namespace
 
 FittedCampaign measured(const Campaign& campaign, const LineOfWork& line, const Context& context) {
+  if (!line.measurements.empty()) create_folder(line.measurements);
   FittedCampaign fitted;
   fitted.runs = tracked_and_measured(campaign, line, context);
   fitted.shared.scale = share_scale(campaign, fitted.runs);

@@ -176,17 +176,16 @@ struct Noise {
 
 Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::vector<std::int64_t>& frames) {
   Noise noise;
-  if (!samples.x_sd.empty()) {
-    for (std::size_t k = 0; k < samples.x.size(); ++k)
-      noise.sd.emplace_back(samples.x_sd[k], samples.y_sd[k]);
+  if (samples.has_sd) {
+    for (const PointSample& at : samples.at) noise.sd.emplace_back(at.x_sd, at.y_sd);
     return noise;
   }
   std::vector<std::int64_t> seen;
   std::vector<Eigen::Vector2d> positions;
-  for (std::size_t k = 0; k < samples.x.size(); ++k)
-    if (!std::isnan(samples.x[k])) {
+  for (std::size_t k = 0; k < samples.at.size(); ++k)
+    if (samples.at[k].seen()) {
       seen.push_back(frames[k]);
-      positions.emplace_back(samples.x[k], samples.y[k]);
+      positions.push_back(samples.at[k].place());
     }
   const auto estimate = fit::point_noise(seen, positions);
   if (!estimate)
@@ -198,7 +197,7 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
   noise.estimated = true;
   // Rounding is the least error there is.
   noise.estimate = estimate->cwiseMax(kUniform * samples.step);
-  noise.sd.assign(samples.x.size(), noise.estimate);
+  noise.sd.assign(samples.at.size(), noise.estimate);
   return noise;
 }
 
@@ -228,27 +227,23 @@ class Rows {
   }
 
  private:
-  static bool seen(const PointSamples& samples, std::size_t k) { return !std::isnan(samples.x[k]); }
-  static Eigen::Vector2d at(const PointSamples& samples, std::size_t k) {
-    return {samples.x[k], samples.y[k]};
-  }
-
   void put(std::size_t k, TrackRow& row) {
-    const bool marked = points_.mark && seen(*points_.mark, k);
+    const bool marked = points_.mark && points_.mark->at[k].seen();
     if (marked) put_mark(k, row);
-    if (!seen(points_.part, k)) return;
+    const PointSample& part = points_.part.at[k];
+    if (!part.seen()) return;
     row.status = vision::TrackStatus::ok;
     const Eigen::Vector2d sd = part_.sd[k];
     if (scale_.pixels) {
-      row.x_px = as_written(points_.part.x[k]);
-      row.y_px = as_written(up_ ? -points_.part.y[k] : points_.part.y[k]);
+      row.x_px = as_written(part.x);
+      row.y_px = as_written(up_ ? -part.y : part.y);
       row.sigma_x_px = as_written(sd.x());
       row.sigma_y_px = as_written(sd.y());
       row.rho_xy = 0;
     }
     if (points_.mark && !marked) return;
-    Eigen::Vector2d place = at(points_.part, k);
-    if (marked) place -= at(*points_.mark, k);
+    Eigen::Vector2d place = part.place();
+    if (marked) place -= points_.mark->at[k].place();
     if (!origin_) origin_ = place;
     const Eigen::Vector2d mm = to_mm_ * (place - *origin_);
     Eigen::Matrix2d covariance = to_mm_ * sd.cwiseAbs2().asDiagonal() * to_mm_.transpose();
@@ -264,14 +259,14 @@ class Rows {
   double mark_sd(std::size_t k) const { return mark_->sd[k].norm() / std::sqrt(2.0); }
 
   void put_mark(std::size_t k, TrackRow& row) const {
-    const PointSamples& mark = *points_.mark;
+    const PointSample& mark = points_.mark->at[k];
     if (scale_.pixels) {
-      row.marker_x_px = as_written(mark.x[k]);
-      row.marker_y_px = as_written(up_ ? -mark.y[k] : mark.y[k]);
+      row.marker_x_px = as_written(mark.x);
+      row.marker_y_px = as_written(up_ ? -mark.y : mark.y);
       row.marker_sigma_px = as_written(mark_sd(k));
       return;
     }
-    const Eigen::Vector2d mm = to_mm_ * at(mark, k);
+    const Eigen::Vector2d mm = to_mm_ * mark.place();
     row.marker_x_mm = as_written(mm.x());
     row.marker_y_mm = as_written(mm.y());
     row.marker_sigma_mm = as_written(scale_.mm * mark_sd(k));

@@ -82,20 +82,19 @@ class Line {
     return value * columns_.second;
   }
 
-  void append(const PointColumns& point, PointSamples& samples) const {
-    double x = number(point.x), y = number(point.y);
+  PointSample sample(const PointColumns& point) const {
+    PointSample sample{number(point.x), number(point.y)};
     const bool failed = columns_.no_sd_is_lost && !(number(*point.x_sd) > 0);
-    if (std::isnan(x) || std::isnan(y) || failed) x = y = kNone;
-    samples.x.push_back(x);
-    samples.y.push_back(y);
-    if (!std::isnan(x))
-      samples.step = std::min(samples.step, std::max(last_digit(cell(point.x)), last_digit(cell(point.y))));
-    if (!point.x_sd) return;
-    for (const auto& [column, sds] : {std::pair(*point.x_sd, &samples.x_sd), {*point.y_sd, &samples.y_sd}}) {
-      const double sd = number(column);
-      if (!std::isnan(x) && !(sd > 0)) table_.fail(cell(column), "an sd must be greater than 0");
-      sds->push_back(sd);
+    if (std::isnan(sample.x) || std::isnan(sample.y) || failed) sample.x = sample.y = kNone;
+    if (!point.x_sd) return sample;
+    for (const auto& [column, sd] : {std::pair(*point.x_sd, &sample.x_sd), {*point.y_sd, &sample.y_sd}}) {
+      *sd = number(column);
+      if (sample.seen() && !(*sd > 0)) table_.fail(cell(column), "an sd must be greater than 0");
     }
+    return sample;
+  }
+  double step(const PointColumns& point) const {
+    return std::max(last_digit(cell(point.x)), last_digit(cell(point.y)));
   }
 
  private:
@@ -103,12 +102,41 @@ class Line {
   const TrackColumns& columns_;
 };
 
-PointSamples samples_of(const PointColumns& point) {
+PointSamples samples_of(const PointColumns& point, std::string name) {
   PointSamples samples;
-  samples.name = point.name;
+  samples.name = std::move(name);
   samples.unit = point.unit;
-  samples.step = samples.time_step = std::numeric_limits<double>::infinity();
+  samples.has_sd = point.x_sd.has_value();
   return samples;
+}
+
+/// A point in one line of the file.
+struct Row {
+  std::int64_t frame = 0;
+  std::optional<double> time = {};
+  double time_step = 0, step = 0;
+  PointSample at = {};
+};
+
+Row read_row(const Line& line, const TrackColumns& columns, const PointColumns& point, std::int64_t row) {
+  Row read{columns.frame ? line.frame() : row};
+  if (columns.time) {
+    read.time = line.time();
+    read.time_step = last_digit(line.cell(*columns.time)) * columns.second;
+  }
+  read.at = line.sample(point);
+  read.step = line.step(point);
+  return read;
+}
+
+void add(const Row& row, PointSamples& samples) {
+  samples.frame.push_back(row.frame);
+  if (row.time) {
+    samples.time.push_back(*row.time);
+    samples.time_step = std::min(samples.time_step, row.time_step);
+  }
+  samples.at.push_back(row.at);
+  if (row.at.seen()) samples.step = std::min(samples.step, row.step);
 }
 
 /// Frames and times must increase.
@@ -119,16 +147,6 @@ void require_order(const CsvTable& table, const PointSamples& samples) {
     table.fail("its frame does not come after the one above; put the rows in the order of time");
   if (!samples.time.empty() && !(samples.time[n - 1] > samples.time[n - 2]))
     table.fail("its time does not come after the one above; put the rows in the order of time");
-}
-
-void append_clock(const CsvTable& table, const Line& line, const TrackColumns& columns, std::int64_t row,
-                  PointSamples& samples) {
-  samples.frame.push_back(columns.frame ? line.frame() : row);
-  if (columns.time) {
-    samples.time.push_back(line.time());
-    samples.time_step = std::min(samples.time_step, last_digit(line.cell(*columns.time)) * columns.second);
-  }
-  require_order(table, samples);
 }
 
 [[noreturn]] void ask_which(const CsvTable& table, const std::vector<std::string>& names) {
@@ -181,15 +199,13 @@ PartAndMark read_wide(CsvTable& table, const TrackColumns& columns, const TrackR
   for (const PointColumns& point : columns.points)
     names.push_back(point.name.empty() ? "the part" : point.name);
   const auto [part, mark] = choose(table, names, reading);
-  const PointColumns& part_columns = columns.points[part];
-  PartAndMark result{samples_of(part_columns), std::nullopt};
-  if (mark) result.mark = samples_of(columns.points[*mark]);
-  std::int64_t row = 0;
-  while (table.next()) {
+  PartAndMark result{samples_of(columns.points[part], columns.points[part].name), std::nullopt};
+  if (mark) result.mark = samples_of(columns.points[*mark], columns.points[*mark].name);
+  for (std::int64_t row = 0; table.next(); ++row) {
     const Line line(table, columns);
-    append_clock(table, line, columns, row++, result.part);
-    line.append(part_columns, result.part);
-    if (mark) line.append(columns.points[*mark], *result.mark);
+    add(read_row(line, columns, columns.points[part], row), result.part);
+    require_order(table, result.part);
+    if (mark) add(read_row(line, columns, columns.points[*mark], row), *result.mark);
   }
   return result;
 }
@@ -197,7 +213,7 @@ PartAndMark read_wide(CsvTable& table, const TrackColumns& columns, const TrackR
 /// One row for each particle and frame.
 PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
   std::vector<std::string> names;
-  std::vector<std::map<std::int64_t, PointSamples>> rows;  // of each particle, one sample by frame
+  std::vector<std::map<std::int64_t, Row>> rows;  // of each particle, by frame
   const PointColumns& point = columns.points.front();
   while (table.next()) {
     const Line line(table, columns);
@@ -209,13 +225,11 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
       names.push_back(name);
       rows.emplace_back();
     }
-    PointSamples sample = samples_of(point);
-    append_clock(table, line, columns, 0, sample);
-    line.append(point, sample);
-    if (!rows[k].emplace(sample.frame.front(), sample).second)
-      table.fail(fmt::format("particle {} is in frame {} twice", name, sample.frame.front()));
+    const Row row = read_row(line, columns, point, 0);
+    if (!rows[k].emplace(row.frame, row).second)
+      table.fail(fmt::format("particle {} is in frame {} twice", name, row.frame));
   }
-  if (names.empty()) return {samples_of(point), std::nullopt};
+  if (names.empty()) return {samples_of(point, point.name), std::nullopt};
   std::vector<std::string> listed = names;
   constexpr std::size_t kMostListed = 12;
   if (listed.size() > kMostListed) {
@@ -227,38 +241,13 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
   }
   if (reading.point.empty() && names.size() > 1) ask_which(table, listed);
   const auto [part, mark] = choose(table, names, reading);
-  PartAndMark result{samples_of(point), std::nullopt};
-  result.part.name = names[part];
-  if (mark) {
-    result.mark = samples_of(point);
-    result.mark->name = names[*mark];
-  }
-  const auto take = [](const PointSamples& from, PointSamples& to) {
-    to.x.push_back(from.x.front());
-    to.y.push_back(from.y.front());
-    if (!from.x_sd.empty()) {
-      to.x_sd.push_back(from.x_sd.front());
-      to.y_sd.push_back(from.y_sd.front());
-    }
-    to.step = std::min(to.step, from.step);
-  };
-  for (const auto& [frame, sample] : rows[part]) {
-    result.part.frame.push_back(frame);
-    if (!sample.time.empty()) result.part.time.push_back(sample.time.front());
-    result.part.time_step = std::min(result.part.time_step, sample.time_step);
-    take(sample, result.part);
+  PartAndMark result{samples_of(point, names[part]), std::nullopt};
+  if (mark) result.mark = samples_of(point, names[*mark]);
+  for (const auto& [frame, row] : rows[part]) {
+    add(row, result.part);
     if (!mark) continue;
     const auto other = rows[*mark].find(frame);
-    if (other != rows[*mark].end()) {
-      take(other->second, *result.mark);
-    } else {
-      result.mark->x.push_back(kNone);
-      result.mark->y.push_back(kNone);
-      if (point.x_sd) {
-        result.mark->x_sd.push_back(kNone);
-        result.mark->y_sd.push_back(kNone);
-      }
-    }
+    add(other == rows[*mark].end() ? Row{frame} : other->second, *result.mark);
   }
   return result;
 }

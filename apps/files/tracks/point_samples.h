@@ -1,7 +1,10 @@
 // One tracked point of another program's file, frame by frame, in the file's own unit.
 #pragma once
 
+#include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,14 +12,21 @@
 
 namespace tribotrack::apps {
 
+/// One row's; NaN where the point was not seen, and of the sds where the file has none.
+struct PointSample {
+  double x = std::numeric_limits<double>::quiet_NaN(), y = x, x_sd = x, y_sd = x;
+  bool seen() const { return !std::isnan(x); }
+  Eigen::Vector2d place() const { return {x, y}; }
+};
+
 struct PointSamples {
   std::string name, unit;
   std::vector<std::int64_t> frame;  ///< the file's, else its rows counted from 0
   std::vector<double> time;         ///< s; empty where the file has no times
-  double time_step = 0;             ///< s, the last digit printed
-  double step = 0;                  ///< of x and y, the last digit printed
-  std::vector<double> x, y;         ///< NaN where the point was not seen
-  std::vector<double> x_sd, y_sd;   ///< empty where the file has none
+  /// The last digits printed: of times, s, and of x and y.
+  double time_step = std::numeric_limits<double>::infinity(), step = time_step;
+  bool has_sd = false;
+  std::vector<PointSample> at;
 };
 
 /// The points asked for: the part, and the mark where one is named. A file with several points must be told
