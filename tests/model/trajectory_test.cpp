@@ -87,57 +87,6 @@ TEST(Trajectory, StartsOnOrbitsAgreeWithQuadruplePrecision) {
   std::cout << "worst relative error " << worst << '\n';
 }
 
-TEST(Trajectory, MotionAlongALineRunsThroughZero) {
-  for (const double epsilon : {0.0, kPi, 1e-8}) {
-    for (const double mu : {0.02, 0.1, 0.2}) {
-      Scenario s = reference_run();
-      s.drive.phase_shift = epsilon;
-      s.friction.nominal = mu;
-      s.start_phase = 0.3;
-      s.cycles = 2;
-      EXPECT_LT(error_against_reference(s), 1e-11) << "epsilon " << epsilon << " mu " << mu;
-    }
-  }
-}
-
-TEST(Trajectory, NearMissesOfZero) {
-  for (const double miss : {1e-3, 1e-8, 1e-14, 0.0, -1e-14, -1e-8}) {
-    Scenario s = reference_run();
-    s.friction.nominal = 0.05;
-    s.friction.pulse_width = 0;
-    s.drive.amplitude_y = 0;
-    s.initial_velocity = Eigen::Vector2d(-0.01, 0.01 * miss);
-    s.cycles = 1.2;
-    EXPECT_LT(error_against_reference(s), 1e-11) << "miss " << miss;
-  }
-}
-
-/// The marginal case a = mu g: results change by about as much as the parameter does.
-TEST(Trajectory, ContinuousAcrossTheStickThreshold) {
-  Scenario s = reference_run();
-  const double threshold = laws::drive_amplitude(s) / s.drive.gravity;
-  const auto end = [&](double factor) {
-    s.friction.nominal = threshold * factor;
-    return integrate(s).end().position;
-  };
-  const Eigen::Vector2d middle = end(1);
-  for (const double change : {1e-3, 1e-6, 1e-9, 1e-12}) {
-    for (const double sign : {-1.0, 1.0}) {
-      EXPECT_LT((end(1 + sign * change) - middle).norm(), 0.1 * change + 1e-16) << sign * change;
-    }
-  }
-}
-
-TEST(Trajectory, SumsOfHugePhasesLoseNothing) {
-  Scenario s = reference_run();
-  const Eigen::Vector2d plain = integrate(s).end().position;
-  s.friction.phase = 0.5 - 2 * kPi;
-  EXPECT_LT((integrate(s).end().position - plain).norm(), 1e-17);
-  s.friction.phase = 1e6;
-  s.friction.lag = -999999.5;
-  EXPECT_LT((integrate(s).end().position - plain).norm(), 1e-15);
-}
-
 TEST(Trajectory, StartsOnTheCircleUntilTheFirstPulseOpens) {
   Scenario s = reference_run();
   s.start = Start::circling;
@@ -229,15 +178,6 @@ TEST(Trajectory, MaxStepsIsAnError) {
   IntegrationOptions options;
   options.max_steps = 10;
   EXPECT_THROW(integrate(reference_run(), options), StepLimitExceeded);
-}
-
-TEST(Trajectory, SmoothTakeOffAgreesWithQuadruplePrecision) {
-  Scenario s = reference_run();
-  s.friction = {0.12, 0.12, 0, 0, 0};
-  s.drive.tilt_x = 0.03;
-  s.cycles = 1.5;
-  EXPECT_GT(integrate(s).summary().stops, 0);
-  EXPECT_LT(error_against_reference(s), 1e-11);
 }
 
 }  // namespace

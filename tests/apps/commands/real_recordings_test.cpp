@@ -20,39 +20,8 @@ class RealRecordings : public ProgramTest {
     real_ = std::filesystem::absolute(folder);
     ProgramTest::SetUp();
   }
-  std::string real(const std::string& name) const { return "'" + (real_ / name).string() + "'"; }
   std::filesystem::path real_;
 };
-
-// A carrom man at rest until frame 188, struck, sliding to the right until it leaves the picture near frame
-// 276. A hand and the striker cross the view, other men look like it.
-TEST_F(RealRecordings, TheStruckManIsFollowedUntilItLeaves) {
-  const Outcome outcome =
-      run("track " + real("carrom/HeadOn.MP4") +
-          " --fps 240 --disc 151,87,9 --disc-diameter-mm 31 --frames 188: -o head.csv --overlay head.png");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  std::istringstream table(content_of(in_folder("head.csv")));
-  std::string line;
-  std::getline(table, line);
-  int ok = 0, last_ok = 0;
-  double last_x = 0;
-  while (std::getline(table, line)) {
-    int frame = 0;
-    double x = 0;
-    if (std::sscanf(line.c_str(), "%d,%*[^,],%lf", &frame, &x) == 2) {
-      ++ok;
-      EXPECT_GE(x, last_x - 0.2) << "it never turns back: frame " << frame;
-      EXPECT_LT(x - last_x, frame == 188 ? 200 : 6) << "nor jumps: frame " << frame;
-      last_x = x;
-      last_ok = frame;
-    } else {
-      EXPECT_THAT(line, ::testing::ContainsRegex("^[0-9]+,[0-9.]+,,,,,,,(lost|edge),,,,"));
-    }
-  }
-  EXPECT_GE(ok, 84);
-  EXPECT_NEAR(last_ok, 276, 4) << "seen again after it had left: a point was invented";
-  EXPECT_GT(last_x, 290);
-}
 
 TEST_F(RealRecordings, ItsFrictionComesWithAnIntervalAndAReport) {
   put(in_folder("campaign.toml"),
@@ -70,28 +39,6 @@ TEST_F(RealRecordings, ItsFrictionComesWithAnIntervalAndAReport) {
   EXPECT_GT(mu1["ci95"][1], 0.1655);
   EXPECT_LT(mu1["sd"], 0.01);
   EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("Free slides"));
-}
-
-TEST_F(RealRecordings, CineFilesTellSizeDepthRateAndStamps) {
-  struct Expected {
-    const char* file;
-    int width, height, bits, frames, first;
-    double rate;
-  };
-  for (const Expected& e : {Expected{"phantom_v1610.cine", 256, 128, 8, 6, -85, 100},
-                            {"phantom_v611_raw_16bpp.cine", 256, 128, 12, 6, 151325, 2000},
-                            {"packed_12bpp.cine", 256, 128, 12, 6, 60, 100},
-                            {"twente_p10_235frames.cine", 256, 32, 12, 235, 0, 100}}) {
-    const Json info = Json::parse(run("probe " + real(std::string("cine/") + e.file) + " --json").out);
-    EXPECT_EQ(info["width_px"], e.width) << e.file;
-    EXPECT_EQ(info["height_px"], e.height) << e.file;
-    EXPECT_EQ(info["bits"], e.bits) << e.file;
-    EXPECT_EQ(info["frames"], e.frames) << e.file;
-    EXPECT_EQ(info["first_image"], e.first) << e.file;
-    EXPECT_EQ(info["time_base"]["rate_hz"], e.rate) << e.file;
-    EXPECT_EQ(info["time_base"]["stamps"], true) << e.file;
-  }
-  expect_refused(run("probe " + real("cine/invalid_color.cine")), 3, {"colour", "mosaic", "export"});
 }
 
 }  // namespace
