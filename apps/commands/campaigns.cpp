@@ -10,7 +10,7 @@
 #include "apps/commands/command.h"
 #include "apps/figures/printed.h"
 #include "apps/files/run_folder.h"
-#include "apps/fitting/fit_campaign.h"
+#include "apps/pipeline/fit_campaign.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/pipeline/campaign_runner.h"
 #include "apps/program/progress.h"

@@ -17,7 +17,7 @@
 #include "apps/recording/check.h"
 #include "apps/recording/record.h"
 #include "apps/recording/track.h"
-#include "apps/run/job.h"
+#include "apps/pipeline/job.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
 #include "vision/overlay.h"

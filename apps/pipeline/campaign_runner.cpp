@@ -11,13 +11,13 @@
 
 #include "apps/campaign/fit_json.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/pipeline/job.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/check.h"
 #include "apps/recording/record.h"
 #include "apps/recording/track.h"
 #include "apps/report/report.h"
-#include "apps/run/job.h"
 #include "apps/text/output_file.h"
 
 namespace tribotrack::apps {

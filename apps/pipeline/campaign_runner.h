@@ -12,9 +12,9 @@
 #include "apps/campaign/fit_stage.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/run_folder.h"
+#include "apps/pipeline/line.h"
 #include "apps/program/context.h"
 #include "apps/recording/recording.h"
-#include "apps/run/line.h"
 
 namespace tribotrack::apps {
 

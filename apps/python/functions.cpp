@@ -14,7 +14,7 @@
 #include "apps/files/scenario_file.h"
 #include "apps/files/track_file.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/fitting/fit_campaign.h"
+#include "apps/pipeline/fit_campaign.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"

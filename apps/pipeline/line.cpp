@@ -1,4 +1,4 @@
-#include "apps/run/line.h"
+#include "apps/pipeline/line.h"
 
 #include <algorithm>
 #include <chrono>

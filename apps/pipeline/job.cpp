@@ -1,4 +1,4 @@
-#include "apps/run/job.h"
+#include "apps/pipeline/job.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

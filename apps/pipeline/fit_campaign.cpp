@@ -1,4 +1,4 @@
-#include "apps/fitting/fit_campaign.h"
+#include "apps/pipeline/fit_campaign.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/pipeline/job.h"
+#include "apps/pipeline/line.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/recording/check.h"
 #include "apps/recording/record.h"
 #include "apps/recording/track.h"
-#include "apps/run/job.h"
-#include "apps/run/line.h"
 
 namespace tribotrack::apps {
 
