@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/equation/matrix2.h"
 #include "model/scenario.h"
 
 namespace tribotrack::model::internal {
@@ -14,6 +15,10 @@ struct Orbit {
   Eigen::Vector2d velocity, drift;
   Eigen::Matrix2d jacobian;  ///< of the one-cycle map
   int iterations = 0;
+
+  double contraction() const {
+    return spectral_radius({jacobian(0, 0), jacobian(0, 1), jacobian(1, 0), jacobian(1, 1)});
+  }
 };
 
 /// nullopt where there is none that attracts. The Jacobian is good to `jacobian_error` at least. Throws

@@ -1,6 +1,5 @@
 #include "model/steady_orbit.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <string>
@@ -244,7 +243,7 @@ std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_puls
   orbit.velocity = unit * found->velocity;
   orbit.phase = scenario.start_phase;
   orbit.drift = unit / scenario.drive.angular_frequency * found->drift;
-  orbit.contraction = found->jacobian.eigenvalues().cwiseAbs().maxCoeff();
+  orbit.contraction = found->contraction();
   orbit.newton_iterations = found->iterations;
   return orbit;
 }

@@ -1,7 +1,6 @@
 // A solved run behind Trajectory, for any number of derivatives.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <memory>
 #include <stdexcept>
@@ -101,7 +100,7 @@ void Run<T>::start_on_orbit(SolverInput<T>& in, bool with_pulses) const {
         "tilt beyond the friction angle); use start = rest");
   in.velocity = {T(orbit->velocity.x()), T(orbit->velocity.y())};
   in.on_orbit = true;
-  in.contraction = orbit->jacobian.eigenvalues().cwiseAbs().maxCoeff();
+  in.contraction = orbit->contraction();
   if constexpr (derivative_count < T >> 0) {
     Scenario free = scenario;
     free.start = Start::rest;
