@@ -115,30 +115,28 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
     progress.update(stage_name, done, total);
     context.tell(stage_name, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
-  const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.shared.conditions);
+  const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
   fitted.result = fit::estimate(problem, options);
   std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
   fitted.result.warnings.insert(fitted.result.warnings.begin(), suspects.begin(), suspects.end());
   fitted.json = fit_json(campaign, fitted.runs, fitted.result);
-  add_to(fitted.json, fitted.shared.scale);
-  add_to(fitted.json, fitted.shared.conditions);
+  add_to(fitted.json, fitted.scale);
+  add_to(fitted.json, fitted.conditions);
   for (const std::string& note : campaign.notes) say(context.quiet, "note: " + note);
   note_fewer_cycles(fitted.runs, context);
 }
 
-MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs) {
+MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign,
+                   const FittedCampaign& fitted) {
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {campaign.input};
   meta.inputs.insert(meta.inputs.end(), campaign.table_inputs.begin(), campaign.table_inputs.end());
-  for (const Run& run : runs)
+  for (const Run& run : fitted.runs)
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
   meta.configuration = campaign.effective_configuration();
-  return meta;
-}
-
-void write_fit(const std::filesystem::path& path, const FittedCampaign& fitted, const MetaFile& meta) {
   write_result(path, text_of(fitted.json), meta);
+  return meta;
 }
 
 std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
@@ -165,7 +163,7 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FittedCamp
 void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
                 const std::string& look_at, Context& context) {
   say(context.quiet, explain ? fitted.result.full_report() : fitted.result.brief_report());
-  if (explain) say(context.quiet, conditions_text(fitted.shared.conditions.pooled));
+  if (explain) say(context.quiet, conditions_text(fitted.conditions.pooled));
   for (const Json& warning : fitted.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
   for (const Reservation& reservation : reservations(campaign, fitted, look_at)) {

@@ -26,16 +26,11 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
 /// none.
 double reference_mm_per_px(const std::vector<Run>& runs);
 
-/// What the runs share, as found before the fit.
-struct SharedFindings {
-  std::optional<SharedScale> scale;
-  SharedConditions conditions;
-};
-
-/// A campaign as far as it got.
+/// A campaign as far as it got: its runs, what they share as found before the fit, and the fit.
 struct FittedCampaign {
   std::vector<Run> runs;
-  SharedFindings shared;
+  std::optional<SharedScale> scale;
+  SharedConditions conditions;
   fit::FitResult result;
   Json json;  ///< the object of fit.json
 };
@@ -44,11 +39,8 @@ struct FittedCampaign {
 void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& context,
               fit::FitOptions options = {});
 
-/// What stands beside fit.json: the campaign and what its runs were read from.
-MetaFile meta_of_fit(const Campaign& campaign, const std::vector<Run>& runs);
-
-/// Writes fit.json and its meta file.
-void write_fit(const std::filesystem::path& path, const FittedCampaign& fitted, const MetaFile& meta);
+/// Writes fit.json and its meta file, which names the campaign and what its runs were read from.
+MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted);
 
 /// What stands against using the fit as it is, with the exit code that says so.
 struct Reservation {

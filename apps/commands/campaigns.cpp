@@ -127,7 +127,7 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   choices.measurements = options.measurements;
   choices.result = options.output;
   const FittedCampaign fitted = fit_campaign(campaign, choices, context);
-  write_fit(options.output, fitted, meta_of_fit(campaign, fitted.runs));
+  write_fit(options.output, campaign, fitted);
   if (!is_standard_output(options.output))
     print_text(options.json ? text_of(fitted.json) : parameter_table(fitted.json) + slide_table(fitted.json));
   report_fit(campaign, fitted, options.explain, "identifiability and next_experiment in " + options.output,

@@ -224,7 +224,7 @@ void CampaignRunner::name_failed(const std::vector<Run>& runs) const {
 }
 
 fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
-  const fit::Problem problem = problem_of(campaign_, fitted_.runs, fitted_.shared.conditions);
+  const fit::Problem problem = problem_of(campaign_, fitted_.runs, fitted_.conditions);
   fit::FitOptions options;
   options.profiles = false;
   options.threads = threads_to_use(context_);
@@ -236,8 +236,7 @@ void CampaignRunner::fit_all() {
 }
 
 void CampaignRunner::report() const {
-  const MetaFile meta = meta_of_fit(campaign_, fitted_.runs);
-  write_fit(folder_.fit(), fitted_, meta);
+  const MetaFile meta = write_fit(folder_.fit(), campaign_, fitted_);
   const Report report = report_of({fitted_.json, meta.json(), fitted_.runs, folder_});
   write_file(folder_.runs_table(), report.runs_csv);
   write_file(folder_.parameter_table(), report.parameters_csv);

@@ -98,12 +98,12 @@ FittedCampaign measured(const Campaign& campaign, const LineOfWork& line, const 
   if (!line.measurements.empty()) create_folder(line.measurements);
   FittedCampaign fitted;
   fitted.runs = tracked_and_measured(campaign, line, context);
-  fitted.shared.scale = share_scale(campaign, fitted.runs);
-  if (fitted.shared.scale && fitted.shared.scale->used)
+  fitted.scale = share_scale(campaign, fitted.runs);
+  if (fitted.scale && fitted.scale->used)
     for (const Run& run : fitted.runs)
       if (run.failure.empty()) write_measurement(line.measurements, run);
   line.name_failed(fitted.runs);
-  fitted.shared.conditions = share_conditions(campaign, fitted.runs);
+  fitted.conditions = share_conditions(campaign, fitted.runs);
   return fitted;
 }
 
