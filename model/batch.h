@@ -89,8 +89,9 @@ struct BatchOutcome {
 /// Solves equation (5) of the paper for many scenarios: eight side by side in the processor's vectors, each
 /// with its own step lengths and friction switches (a lane whose run has ended is given another), on several
 /// threads that take scenarios from a common counter. Runs the lanes cannot carry (see ScalarReason) are
-/// solved by integrate() and steady_orbit(). Results agree with those to 1e-11 of the path, and are the same to the last bit whatever the number of threads and whichever scenarios
-/// share a vector. Nothing is thrown for a bad scenario: its status is `invalid`, with the reason.
+/// solved by integrate() and steady_orbit(). Results agree with those to 1e-11 of the path, and are the same
+/// to the last bit whatever the number of threads and whichever scenarios share a vector. Nothing is thrown
+/// for a bad scenario: its status is `invalid`, with the reason.
 ///   BatchOptions options;
 ///   options.threads = 4;
 ///   const auto outcome = solve_batch(scenarios, options);
