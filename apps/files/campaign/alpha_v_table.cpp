@@ -4,10 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
@@ -28,122 +26,114 @@ constexpr const char* kWanted =
     "a table of alpha and v has the columns phi_deg, dtau_deg, alpha_deg and v_mm_s (angles also as _rad), "
     "with alpha_sd_deg and v_sd_mm_s where they are known";
 
-/// A quantity that a column may hold: the dimensions its unit may have, how that may be written, and where a
-/// run keeps it.
+/// What a column may hold: the dimensions its unit may have (none: a text), how that may be written, and
+/// where a run keeps it.
 struct Quantity {
-  std::string_view name;
-  std::vector<Dimension> dimensions;
-  const char* write;
+  std::vector<std::string_view> names;
+  std::vector<Dimension> dimensions = {};
+  const char* write = "";
   Value (*value)(CampaignRun&) = nullptr;
   Value (*sd)(CampaignRun&) = nullptr;
   bool measured = false;  ///< not a condition, of which an sd of 0 says that it is exact
+
+  std::string_view name() const { return names.front(); }
+  bool is_angle() const { return !dimensions.empty() && dimensions.front() == Dimension::angle; }
+  /// Factor to SI of a unit; 0 for one of another dimension.
+  double si(const std::string& unit) const {
+    for (const Dimension dimension : dimensions)
+      if (const auto found = si_per(unit, dimension))
+        return dimension == Dimension::frequency ? kTurn * *found : *found;
+    return 0;
+  }
 };
 
 const std::vector<Quantity>& quantities() {
   using R = CampaignRun;
+  using enum Dimension;
   static const std::vector<Quantity> all = {
-      {"phi", {Dimension::angle}, "phi_rad or phi_deg", at<&R::phi>, at<&R::phi_sd>},
-      {"dtau", {Dimension::angle}, "dtau_rad or dtau_deg", at<&R::dtau>, at<&R::dtau_sd>},
-      {"alpha", {Dimension::angle}, "alpha_rad or alpha_deg", at<&R::alpha>, at<&R::alpha_sd>, true},
-      {"v", {Dimension::velocity}, "v_mm_s or v_m_s", at<&R::v>, at<&R::v_sd>, true},
-      {"amplitude", {Dimension::length}, "amplitude_mm", at<&R::amplitude>, at<&R::amplitude_sd>},
-      {"angular_frequency",
-       {Dimension::angular_frequency, Dimension::frequency},
+      {{"phi"}, {angle}, "phi_rad or phi_deg", at<&R::phi>, at<&R::phi_sd>},
+      {{"dtau", "d_tau", "delta_tau"}, {angle}, "dtau_rad or dtau_deg", at<&R::dtau>, at<&R::dtau_sd>},
+      {{"alpha"}, {angle}, "alpha_rad or alpha_deg", at<&R::alpha>, at<&R::alpha_sd>, true},
+      {{"v", "velocity", "speed"}, {velocity}, "v_mm_s or v_m_s", at<&R::v>, at<&R::v_sd>, true},
+      {{"amplitude"}, {length}, "amplitude_mm", at<&R::amplitude>, at<&R::amplitude_sd>},
+      {{"angular_frequency", "w", "omega", "frequency", "f"},
+       {angular_frequency, frequency},
        "angular_frequency_rad_s or frequency_hz",
        at<&R::angular_frequency>,
        at<&R::angular_frequency_sd>},
-      {"start_phase",
-       {Dimension::angle},
+      {{"start_phase"},
+       {angle},
        "start_phase_rad or start_phase_deg",
        at<&R::start_phase>,
        at<&R::start_phase_sd>},
-      {"dx", {Dimension::length}, "dx_mm"},
-      {"dy", {Dimension::length}, "dy_mm"}};
+      {{"dx"}, {length}, "dx_mm"},
+      {{"dy"}, {length}, "dy_mm"},
+      {{"name", "run"}},
+      {{"cycles"}},
+      {{"kind"}},
+      {{"failure"}}};
   return all;
 }
 
-/// Other names of the same.
-std::string known_name(const std::string& name) {
-  static const std::vector<std::pair<std::string, std::string>> aliases = {{"w", "angular_frequency"},
-                                                                           {"omega", "angular_frequency"},
-                                                                           {"frequency", "angular_frequency"},
-                                                                           {"f", "angular_frequency"},
-                                                                           {"d_tau", "dtau"},
-                                                                           {"delta_tau", "dtau"},
-                                                                           {"velocity", "v"},
-                                                                           {"speed", "v"}};
-  for (const auto& [alias, meant] : aliases)
-    if (name == alias) return meant;
-  return name;
+/// Nothing for a heading that is none of these.
+const Quantity* quantity_of(const Heading& heading) {
+  const bool text = heading.unit.empty() && !heading.sd;
+  for (const Quantity& quantity : quantities())
+    if (std::ranges::count(quantity.names, heading.quantity) > 0 && (text || !quantity.dimensions.empty()))
+      return &quantity;
+  return nullptr;
 }
-
-/// Where a quantity stands, and what its numbers are multiplied by.
-struct Place {
-  std::size_t column = 0;
-  double si = 1;
-  bool angle = false;
-};
 
 /// The header line.
 class Columns {
  public:
-  explicit Columns(const CsvTable& table) : count_(table.filled()) {
-    for (std::size_t k = 0; k < count_; ++k) {
+  explicit Columns(const CsvTable& table) : columns_(table.filled()) {
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
       const std::string_view cell = table.cells()[k];
-      Heading heading = heading_of(cell);
-      heading.quantity = known_name(heading.quantity);
-      if (take_text(table, k, heading)) continue;
-      const auto quantity = std::ranges::find(quantities(), heading.quantity, &Quantity::name);
-      if (quantity == quantities().end()) {
-        if (!cell.empty()) unused_.emplace_back(cell);
-        continue;
-      }
-      take(table, cell, k, heading, *quantity);
+      const Heading heading = heading_of(cell);
+      if (const Quantity* quantity = quantity_of(heading))
+        columns_[k] = column_of(table, cell, heading, *quantity);
+      else if (!cell.empty())
+        unused_.emplace_back(cell);
     }
     for (const char* needed : {"phi", "dtau", "alpha", "v"})
       if (!find(needed)) refuse_without(table, needed);
   }
 
-  const Place* find(std::string_view quantity, bool sd = false) const {
-    for (const auto& [key, place] : places_)
-      if (key.first == quantity && key.second == sd) return &place;
-    return nullptr;
+  /// Its index.
+  std::optional<std::size_t> find(std::string_view name, bool sd = false) const {
+    const auto found = std::ranges::find_if(columns_, [&](const Column& column) {
+      return column.quantity != nullptr && column.quantity->name() == name && column.sd == sd;
+    });
+    if (found == columns_.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - columns_.begin());
   }
-  std::optional<std::size_t> name, cycles, kind, failure;
-  std::size_t count() const { return count_; }
+  double si(std::size_t column) const { return columns_[column].si; }
+  bool is_angle(std::size_t column) const { return columns_[column].quantity->is_angle(); }
+  std::size_t count() const { return columns_.size(); }
   const std::vector<std::string>& unused() const { return unused_; }
 
  private:
-  bool take_text(const CsvTable& table, std::size_t k, const Heading& heading) {
-    for (const auto& [word, column] : {std::pair<const char*, std::optional<std::size_t>*>{"name", &name},
-                                       {"run", &name},
-                                       {"cycles", &cycles},
-                                       {"kind", &kind},
-                                       {"failure", &failure}}) {
-      if (heading.quantity != word || heading.sd || !heading.unit.empty()) continue;
-      if (*column) table.fail(table.cells()[k], fmt::format("the column `{}` is there twice", word));
-      *column = k;
-      return true;
-    }
-    return false;
-  }
+  struct Column {
+    const Quantity* quantity = nullptr;  ///< null: not used
+    bool sd = false;
+    double si = 1;
+  };
 
-  void take(const CsvTable& table, std::string_view cell, std::size_t k, const Heading& heading,
-            const Quantity& quantity) {
-    if (heading.unit.empty())
+  Column column_of(const CsvTable& table, std::string_view cell, const Heading& heading,
+                   const Quantity& quantity) const {
+    const bool text = quantity.dimensions.empty();
+    if (!text && heading.unit.empty())
       table.fail(cell, fmt::format("the column `{}` has no unit that is known in its name; write {}{}", cell,
                                    quantity.write, heading.sd ? ", with sd in it" : ""));
-    Place place{k, 0, quantity.dimensions.front() == Dimension::angle};
-    for (const Dimension dimension : quantity.dimensions)
-      if (const auto si = si_per(heading.unit, dimension))
-        place.si = dimension == Dimension::frequency ? kTurn * *si : *si;
-    if (place.si == 0)
+    const double si = text ? 1 : quantity.si(heading.unit);
+    if (si == 0)
       table.fail(cell, fmt::format("the column `{}` is in `{}`, which is no unit of {}; write {}", cell,
-                                   heading.unit, quantity.name, quantity.write));
-    if (find(quantity.name, heading.sd))
+                                   heading.unit, quantity.name(), quantity.write));
+    if (find(quantity.name(), heading.sd))
       table.fail(cell, fmt::format("the column `{}` is there twice: one of {}{} is enough", cell,
-                                   heading.sd ? "the sd of " : "", quantity.name));
-    places_.emplace_back(std::pair(std::string(quantity.name), heading.sd), place);
+                                   heading.sd ? "the sd of " : "", quantity.name()));
+    return {&quantity, heading.sd, si};
   }
 
   [[noreturn]] void refuse_without(const CsvTable& table, const std::string& needed) const {
@@ -159,8 +149,7 @@ class Columns {
         kWanted));
   }
 
-  std::size_t count_ = 0;
-  std::vector<std::pair<std::pair<std::string, bool>, Place>> places_;
+  std::vector<Column> columns_;
   std::vector<std::string> unused_;
 };
 
@@ -176,16 +165,18 @@ class Cells {
                       table.filled(), columns.count()));
   }
 
-  std::string_view text(const std::optional<std::size_t>& column) const {
+  std::string_view text(std::string_view name, bool sd = false) const {
+    const auto column = columns_.find(name, sd);
     return column && *column < table_.cells().size() ? table_.cells()[*column] : std::string_view();
   }
 
   /// SI; nothing for an empty cell.
   std::optional<double> value(std::string_view name, bool sd = false) const {
-    const Place* place = columns_.find(name, sd);
-    const std::string_view cell = place == nullptr ? std::string_view() : text(place->column);
+    const std::string_view cell = text(name, sd);
     if (cell.empty()) return std::nullopt;
-    const double value = place->angle ? angle(cell, place->si) : place->si * table_.number(cell);
+    const std::size_t column = *columns_.find(name, sd);
+    const double si = columns_.si(column);
+    const double value = columns_.is_angle(column) ? angle(cell, si) : si * table_.number(cell);
     if (std::abs(value) > kBeyondAll)
       table_.fail(cell, fmt::format("`{}` is out of range for {}", cell, name));
     return value;
@@ -194,17 +185,17 @@ class Cells {
     if (!value(name)) table_.fail(fmt::format("has no {}; fill in the cell, or take the line out", name));
   }
   std::optional<double> sd(const Quantity& quantity) const {
-    const auto found = value(quantity.name, true);
+    const auto found = value(quantity.name(), true);
     if (!found || (*found == 0 && !quantity.measured)) return std::nullopt;
     if (!(*found > kLeastSd))
-      fail(quantity.name,
+      fail(quantity.name(),
            fmt::format("the sd of {} must be greater than 0; leave the cell empty where it is not known",
-                       quantity.name),
+                       quantity.name()),
            true);
     return found;
   }
   [[noreturn]] void fail(std::string_view name, const std::string& what, bool sd = false) const {
-    table_.fail(text(columns_.find(name, sd)->column), what);
+    table_.fail(text(name, sd), what);
   }
 
  private:
@@ -237,12 +228,12 @@ CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSe
   const Cells cells(table, columns);
   CampaignRun run;
   run.place = table.place();
-  run.name = cells.text(columns.name);
+  run.name = cells.text("name");
   run.start = otherwise.start;
   run.cycles = otherwise.cycles;
   for (const Quantity& quantity : quantities()) {
     if (quantity.value == nullptr) continue;
-    if (const auto value = cells.value(quantity.name)) set_value(quantity.value(run), *value);
+    if (const auto value = cells.value(quantity.name())) set_value(quantity.value(run), *value);
     if (const auto sd = cells.sd(quantity)) set_value(quantity.sd(run), *sd);
   }
   for (const char* name : {"phi", "dtau", "v"}) cells.require(name);
@@ -255,7 +246,7 @@ CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSe
   if (run.amplitude && *run.amplitude < 0) cells.fail("amplitude", "amplitude must be 0 or more");
   if (run.angular_frequency && !(*run.angular_frequency > 0))
     cells.fail("angular_frequency", "the frequency must be greater than 0");
-  if (const std::string_view cell = cells.text(columns.cycles); !cell.empty()) {
+  if (const std::string_view cell = cells.text("cycles"); !cell.empty()) {
     constexpr double kMostCycles = 1e6;
     const double count = table.number(cell);
     if (!(count >= 1 && count <= kMostCycles) || count != std::floor(count))
@@ -268,7 +259,7 @@ CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSe
 /// Failed runs and free slides of a runs.csv.
 bool is_left_out(const CsvTable& table, const Columns& columns, std::vector<std::string>& notes) {
   const Cells cells(table, columns);
-  const bool failed = !cells.text(columns.failure).empty(), slide = cells.text(columns.kind) == "free_slide";
+  const bool failed = !cells.text("failure").empty(), slide = cells.text("kind") == "free_slide";
   if (failed || slide)
     notes.push_back(
         fmt::format("{}: left out: {}", table.place(),
