@@ -124,6 +124,7 @@ double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held) 
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < at.groups.front().shared.cols(); ++i)
     if (i != held) free.push_back(i);
+  if (free.empty()) return by_own;
   const Eigen::VectorXd gradient = left.gradient()(free);
   return by_own +
          gradient.dot(

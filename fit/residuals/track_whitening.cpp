@@ -36,13 +36,20 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
   const ErrorShapes found = shapes(separate);
   const Eigen::Index told = shaped_.cols(), columns = 2 * static_cast<Eigen::Index>(found.count());
   if (told + columns == 0) return;
-  Eigen::VectorXd sizes = Eigen::VectorXd::Ones(told + columns);
+  sizes_ = Eigen::VectorXd::Ones(told + columns);
   if (columns > 0) {
     shaped_.conservativeResize(Eigen::NoChange, told + columns);
     shaped_.rightCols(columns) = error_columns(found);
-    sizes.tail(columns) = column_variances(found, variances);
+    sizes_.tail(columns) = column_variances(found, variances).cwiseSqrt();
   }
-  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), sizes);
+  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), sizes_.cwiseAbs2());
+}
+
+Eigen::VectorXd TrackWhitening::drawn(const Eigen::VectorXd& numbers) const {
+  Eigen::VectorXd errors = numbers.head(noise_.rows());
+  noise_.colour(errors);
+  if (shaped_.cols() > 0) errors += shaped_ * sizes_.cwiseProduct(numbers.tail(shaped_.cols()));
+  return errors;
 }
 
 ErrorShapes TrackWhitening::shapes(const ErrorParts& wanted) const {

@@ -8,7 +8,6 @@
 
 #include "fit/tools/dense.h"
 #include "fit/tools/stage_progress.h"
-#include "fit/tools/track_errors.h"
 #include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
 #include "model/parallel.h"
@@ -156,7 +155,11 @@ class Draw {
   }
 
  private:
-  Eigen::Vector2d pair() { return {normal_(random_), normal_(random_)}; }
+  Eigen::VectorXd independent(Eigen::Index count) {
+    Eigen::VectorXd numbers(count);
+    for (double& number : numbers) number = normal_(random_);
+    return numbers;
+  }
 
   /// Slides of their own mu1 each, within what leaves friction.
   void draw_deviations(Eigen::VectorXd& values) {
@@ -170,76 +173,40 @@ class Draw {
   void summary(std::size_t i) {
     auto& measured = problem_.summary_runs[i].measured;
     measured.vector -= residuals_.difference(best_.at, i);
-    measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * pair());
-  }
-
-  /// What the tracker tells of errors that points share.
-  std::vector<Eigen::Vector2d> draw_told(const TrackTable& track, const std::vector<std::size_t>& rows) {
-    std::vector<Eigen::Vector2d> told(rows.size(), Eigen::Vector2d::Zero());
-    for (const SlowError& slow : track.slow) {
-      Eigen::Vector2d state = pair();
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        if (k > 0) {
-          const double rho = std::exp(-(track.time[rows[k]] - track.time[rows[k - 1]]) / slow.time);
-          state = rho * state + std::sqrt(1 - rho * rho) * pair();
-        }
-        told[k] += point_errors(track, rows[k]).slow * slow.sd * state;
-      }
-    }
-    if (track.shared.empty()) return told;
-    Eigen::VectorXd size(track.shared.front().cols());
-    for (double& value : size) value = normal_(random_);
-    for (std::size_t k = 0; k < rows.size(); ++k) told[k] += track.shared[rows[k]] * size;
-    return told;
+    measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * independent(2));
   }
 
   void trajectory(std::size_t i, const Eigen::VectorXd& values) {
     TrajectoryRun& run = problem_.trajectory_runs[i];
-    auto& track = run.track;
     const Unknowns& unknowns = residuals_.unknowns();
     if (const NuisanceBlock* phase = unknowns.find(Nuisance::phase, i))
       run.scenario.start_phase += values(phase->first) + run.start_phase_sd * normal_(random_);
     if (const NuisanceBlock* own = unknowns.find(Nuisance::own, i)) {
-      Eigen::VectorXd drawn(own->size());
-      for (double& value : drawn) value = normal_(random_);
-      drawn = values.segment(own->first, own->size()) + Factor(run.own.covariance).lower() * drawn;
+      const Eigen::VectorXd drawn = values.segment(own->first, own->size()) +
+                                    Factor(run.own.covariance).lower() * independent(own->size());
       for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
         run.scenario.set(run.own.parameters[k],
                          run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
     }
     if (const NuisanceBlock* spin = unknowns.find(Nuisance::spin, i)) {
       const Eigen::Vector2d drawn =
-          values.segment<2>(spin->first) + Factor2(run.spin->covariance).lower() * pair();
+          values.segment<2>(spin->first) + Factor2(run.spin->covariance).lower() * independent(2);
       run.spin->rate = drawn.x();
       run.spin->bearing = drawn.y();
     }
     const PointResiduals points = residuals_.points(values, i);
-    const auto& scatter = residuals_.excess_variance().trajectories[i];
-    // A first-order process with the residuals' correlation time.
-    const double time = scatter.correlation_time, rho = (time - 1) / (time + 1);
-    Eigen::Vector2d wander = pair();
-    const std::vector<Eigen::Vector2d> told = draw_told(track, points.row);
-    for (std::size_t k = 0; k < points.row.size(); ++k) {
-      const Eigen::Matrix2d covariance =
-          point_errors(track, points.row[k]).own +
-          scatter.between_points * scatter.between_points * Eigen::Matrix2d::Identity();
-      if (k > 0) wander = rho * wander + std::sqrt(1 - rho * rho) * pair();
-      track.position[points.row[k]] +=
-          noise_ * (Factor2(covariance).lower() * wander) + told[k] - points.residual[k];
+    const TrackWhitening& whitening = residuals_.track(i);
+    Eigen::VectorXd errors = whitening.drawn(independent(whitening.independent()));
+    if (const ErrorShapes& shared = whitening.common(); shared.count() > 0) {
+      if (common_.size() == 0)
+        common_ = column_variances(shared, residuals_.excess_variance().correlated)
+                      .cwiseSqrt()
+                      .cwiseProduct(independent(2 * static_cast<Eigen::Index>(shared.count())));
+      errors += error_columns(shared) * common_;
     }
-    const ErrorShapes correlated = residuals_.track(i).shapes(kAllParts);
-    std::size_t shared = 0;
-    for (std::size_t j = 0; j < correlated.count(); ++j) {
-      Eigen::Vector2d size = std::sqrt(residuals_.excess_variance().correlated[correlated.part[j]]) * pair();
-      if (is_common(correlated.part[j])) {  // as the first run drew it
-        if (shared == common_.size()) common_.push_back(size);
-        size = common_[shared++];
-      }
-      for (std::size_t k = 0; k < points.row.size(); ++k)
-        track.position[points.row[k]] +=
-            correlated.axes(j) * size *
-            correlated.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
-    }
+    for (std::size_t k = 0; k < points.row.size(); ++k)
+      run.track.position[points.row[k]] +=
+          noise_ * errors.segment<2>(2 * static_cast<Eigen::Index>(k)) - points.residual[k];
   }
 
   const Residuals& residuals_;
@@ -247,7 +214,7 @@ class Draw {
   double noise_;
   Random& random_;
   Problem problem_;
-  std::vector<Eigen::Vector2d> common_;  ///< sizes of the correlated errors that all runs share
+  Eigen::VectorXd common_;  ///< coefficients of the correlated errors that all runs share
   std::normal_distribution<double> normal_;
 };
 
