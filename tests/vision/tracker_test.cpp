@@ -147,7 +147,7 @@ TEST(Tracker, CoveredDiscIsLostThenFoundAgainNeverGuessed) {
 
 TEST(Tracker, MarkerIsFollowedAndSubtracted) {
   std::mt19937 random(31);
-  const test::Waves ground = test::random_waves(random, 15, 8, 3);
+  const test::Waves ground = test::random_waves(random, 8, 8, 3);
   const auto platform = [](std::int64_t k) {
     const double t = 0.1 * static_cast<double>(k);
     return Point{6 * std::cos(t), 6 * std::sin(t)};
@@ -155,7 +155,7 @@ TEST(Tracker, MarkerIsFollowedAndSubtracted) {
   const auto truth = [&](std::int64_t k) {
     return Point{110.3 + platform(k).x + 0.1 * static_cast<double>(k), 80 + platform(k).y};
   };
-  auto source = recording(200, 160, 150, [&](std::int64_t k, TestScene& scene) {
+  auto source = recording(200, 160, 70, [&](std::int64_t k, TestScene& scene) {
     const Point p = platform(k);
     for (test::Wave w : ground.waves) {
       w.phase -= w.kx * p.x + w.ky * p.y;
@@ -170,7 +170,7 @@ TEST(Tracker, MarkerIsFollowedAndSubtracted) {
     options.marker.kind = kind;
     options.marker.circle = {45, 41, 8};
     const TrackResult result = track(source, options);
-    ASSERT_EQ(result.summary.ok, 150);
+    ASSERT_EQ(result.summary.ok, 70);
     ASSERT_TRUE(result.track.has_marker);
     const auto mm =
         place_track(result.track, PlaneGeometry({1, 0, "given"}, ScalePlane::part_top, std::nullopt), 0);

@@ -25,7 +25,7 @@ std::vector<Picture> frames_with(double sigma, unsigned seed, double ground_text
 }
 
 TEST(NoiseVariance, IsThatOfNoiseAndRoundingWhateverMoves) {
-  for (const double sigma : {0.5, 1.0, 3.0, 8.0}) {
+  for (const double sigma : {0.5, 8.0}) {
     SCOPED_TRACE(testing::Message() << "sigma " << sigma);
     EXPECT_NEAR(noise_variance(frames_with(sigma, 11, 0)) / (sigma * sigma + 1.0 / 12), 1, 0.04);
     // Standing texture cancels in the differences.

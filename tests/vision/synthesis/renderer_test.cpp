@@ -149,9 +149,9 @@ TEST(SceneRenderer, MotionBlurAgreesWithBruteForce) {
                        0.3 + 0.05 * path * u,
                        {-0.6 * path * u, 0.3 * path * u}};
     };
-    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 10, 17, 25), 0.005) << path;
-    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 0, 9, 25), 0.005) << path;
-    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 20, 30, 8), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 10, 17, 10), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 0, 9, 10), 0.005) << path;
+    EXPECT_LT(worst_difference(scene, 0.5, 1, pose, {29.2, 20.6}, 20, 30, 4), 0.005) << path;
   }
 }
 
@@ -161,8 +161,8 @@ TEST(SceneRenderer, MarkerAgreesWithBruteForce) {
   scene.disc.visible = false;
   scene.marker = MarkerAppearance{{20.4, 21.3}, 11, 20, 220};
   const Pose pose = [](double t) { return ScenePose{{0, 0}, 0, {1.3 + 1.0 * t, -0.8 * t}}; };
-  EXPECT_LT(worst_difference(scene, 0, 1, pose, {21.7, 21.3}, 0, 16, 25), 0.006);
-  EXPECT_LT(worst_difference(scene, 0, 0, pose, {21.7, 21.3}, 0, 16, 100), 0.006);
+  EXPECT_LT(worst_difference(scene, 0, 1, pose, {21.7, 21.3}, 0, 16, 12), 0.006);
+  EXPECT_LT(worst_difference(scene, 0, 0, pose, {21.7, 21.3}, 0, 16, 50), 0.006);
 }
 
 TEST(SceneRenderer, DiscHidesMarkerAndLampLiesOnTop) {
