@@ -75,7 +75,7 @@ const Keys<PartSection>& part_keys() {
        "sets the scale, unless mm_per_px or a calibration does"},
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
       {"diameter_sd_mm", Kind::not_negative, at<&P::diameter_sd_mm>, "0.005",
-       "earlier name of diameter_mm_sd", "diameter_mm"},
+       "earlier name of diameter_mm_sd"},
       {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
        "with working_distance_mm: the part's top is nearer to the camera than the mark"},
       {"height_mm_sd", Kind::sd_of_fit, at<&P::height_sd_mm>, "0.01"},
