@@ -314,11 +314,11 @@ FitResult Estimation::report() {
 }
 
 /// A slide by itself, without the checks and profiles of a whole campaign.
-FitResult fit_alone(const Problem& problem, const FitOptions& options) {
+FitResult fit_alone(const Problem& problem, const FitOptions& options, bool scatter) {
   FitOptions quick;
   quick.multi_starts = 1;
   quick.profiles = quick.next_experiment = false;
-  quick.estimate_scatter = options.estimate_scatter;
+  quick.estimate_scatter = options.estimate_scatter && scatter;
   quick.loss = options.loss;
   Estimation fit(problem, quick);
   fit.find_minimum();
@@ -347,7 +347,8 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   Problem problem = given;
   std::vector<SlideResult> slides = prepare_slides(problem);
   fit_one_by_one(
-      problem, [&](const Problem& alone) { return fit_alone(alone, options); }, options.threads, slides);
+      problem, [&](const Problem& alone, bool scatter) { return fit_alone(alone, options, scatter); },
+      options.threads, slides);
   const std::optional<BetweenSlides> between = compare_slides(problem, slides);
   if (between && problem.between_slides == 0) problem.between_slides = between->sd;
 

@@ -39,7 +39,7 @@ std::map<FitParameter, double> fitted_together(const Problem& problem, const Fit
     return p == FitParameter::tilt_x || p == FitParameter::tilt_y || p == FitParameter::scale;
   };
   if (std::none_of(problem.free.begin(), problem.free.end(), of_slides)) return values;
-  for (const ParameterEstimate& p : fit_alone(problem).parameters)
+  for (const ParameterEstimate& p : fit_alone(problem, true).parameters)
     if (of_slides(p.parameter)) values[p.parameter] = p.estimate;
   return values;
 }
@@ -48,7 +48,7 @@ std::map<FitParameter, double> fitted_together(const Problem& problem, const Fit
 FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
   constexpr int kRounds = 12;
   constexpr double kSettled = 0.05;  // of the spin's sd
-  FitResult fit = fit_alone(alone);
+  FitResult fit = fit_alone(alone, true);
   TrajectoryRun& run = alone.trajectory_runs.front();
   for (int round = 0; run.spin && !run.track.angle.empty() && round < kRounds; ++round) {
     const auto& found = fit.runs.front().nuisance;
@@ -57,7 +57,7 @@ FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
     if (!spin) break;
     const double moved = std::abs(spin->rate - run.spin->rate);
     run.spin = spin;
-    fit = fit_alone(alone);
+    fit = fit_alone(alone, true);
     if (moved < kSettled * spin->rate_sd()) break;
   }
   return fit;
@@ -70,7 +70,8 @@ double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlo
   const double rate = 0.5 * slide.speed / run.track.radius, sure = 1e-4;
   run.spin = DiscSpin{rate, 0, Eigen::Vector2d(std::pow(sure * rate, 2), sure * sure).asDiagonal()};
   alone.start[FitParameter::mu1] = slide.mu1.value;
-  return fit_alone(alone).parameters.front().estimate / slide.mu1.value - 1;
+  // Scatter weighs all points alike: it hardly moves the estimate.
+  return fit_alone(alone, false).parameters.front().estimate / slide.mu1.value - 1;
 }
 
 void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {

@@ -13,8 +13,8 @@
 
 namespace tribotrack::fit::internal {
 
-/// The fit of a problem with one slide in it.
-using FitAlone = std::function<FitResult(const Problem&)>;
+/// The fit of a problem with one slide in it; with `scatter` of its points beyond their own sigma estimated.
+using FitAlone = std::function<FitResult(const Problem&, bool scatter)>;
 
 /// Fits mu1 to every free slide by itself and fills in what prepare_slides() left open. Where the angle is
 /// seen, spin and friction are found in turn until the spin settles; the problem's slides keep it. A
