@@ -76,10 +76,14 @@ std::string times_text(double ratio) {
   return fmt::format("x{:.2f}", ratio < 1 ? 1 / ratio : ratio);
 }
 
-std::string who_wins(const InGroup* own, const InGroup* peer, bool by_time) {
-  if (!own && !peer) return "nobody arrives";
-  if (!peer) return "tribotrack alone arrives";
-  if (!own) return "PEER WINS: it alone arrives";
+std::string who_wins(const InGroup* own, const InGroup* peer, const Comparison& comparison) {
+  const bool by_time = comparison.target > 0;
+  const std::string arrives = by_time && std::isfinite(comparison.target)
+                                  ? fmt::format("reaches {:g} {}", comparison.target, comparison.unit)
+                                  : "arrives";
+  if (!own && !peer) return "nobody " + arrives;
+  if (!peer) return "tribotrack alone " + arrives;
+  if (!own) return "PEER WINS: it alone " + arrives;
   const double time = peer->time() / own->time(), error = peer->error() / own->error();
   const std::string faster = (time < 1 ? "PEER WINS on time " : "tribotrack faster ") + times_text(time);
   if (by_time) return faster;
@@ -137,8 +141,8 @@ std::vector<SummaryLine> summary_of(const Comparison& comparison) {
         comparison.rows, [&](const ComparedRow& row) { return of_group(row) && peer_wins(row); });
     lines.push_back({fmt::format("{}, {}: {}, {}", comparison.name, group, comparison.time, comparison.error),
                      told(own), told(peer),
-                     fmt::format("{}; rows of others that win: {} of {}", who_wins(own, peer, by_time), wins,
-                                 std::ranges::count_if(comparison.rows, of_group))});
+                     fmt::format("{}; rows of others that win: {} of {}", who_wins(own, peer, comparison),
+                                 wins, std::ranges::count_if(comparison.rows, of_group))});
   }
   return lines;
 }
@@ -345,7 +349,7 @@ Comparison bench_fit(const FitBenchOptions& options) {
                         "relative",
                         "CPU time of a campaign",
                         "truth of simulated campaigns; 1 degree on alpha and 2 % on v of a run",
-                        1e9};
+                        HUGE_VAL};
   const bool quick = options.quick;
   const int campaigns = quick ? 1 : 4;
   const std::vector<FitTruth> truths = draw_truths(campaigns);

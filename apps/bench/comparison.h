@@ -45,7 +45,7 @@ struct Comparison {
   std::string error, unit;  ///< what the error is of, and its unit
   std::string time;         ///< what is timed
   std::string reference;    ///< where the truth comes from
-  /// The summary names the fastest with no larger error; 0: the most accurate.
+  /// The summary names the fastest with no larger error (infinite: of all that arrive); 0: the most accurate.
   double target = 0;
   std::vector<ComparedRow> rows = {};
 };

@@ -71,7 +71,7 @@ const TribotrackFigures = (function () {
   // How many characters the numbers along an axis take.
   function label_length(axis) {
     if (axis.ticktext) return axis.ticktext.reduce(function (n, label) { return Math.max(n, label.length); }, 1);
-    if (axis.type === "log") return 4;
+    if (axis.type === "log") return 7;  // large digits and a raised exponent
     const [low, high] = axis.range, step = (high - low) / 8, most = Math.max(Math.abs(low), Math.abs(high));
     const whole = Math.max(1, Math.ceil(Math.log10(most + 1e-300))), behind = Math.max(0, Math.ceil(-Math.log10(step)));
     return most >= 1e5 || behind > 9 ? 7 : whole + (behind ? behind + 1 : 0) + (low < 0 ? 1 : 0);
