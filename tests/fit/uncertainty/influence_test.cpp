@@ -8,6 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "fit/free_slides.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -53,6 +54,29 @@ TEST(Influence, IsTheChangeOfTheFitWithoutTheRun) {
     }
   }
   EXPECT_GT(largest, 0.3) << "no run matters here: this test shows nothing";
+}
+
+// Without a slide the prior of its own deviation says nothing either.
+TEST(Influence, OfASlideIsThatOfAllItsRows) {
+  std::mt19937 random(3);
+  const test::UnitSlide straight(0);
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.between_slides = 0.01;
+  for (const double mu : {0.16, 0.17, 0.19, 0.172}) {
+    test::SlideLook look;
+    look.mu = mu;
+    problem.trajectory_runs.push_back(test::slide_track(straight, 0, look, random, false));
+    problem.trajectory_runs.back().name += std::to_string(problem.trajectory_runs.size());
+  }
+  const FitResult all = estimate(problem, plain());
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    Problem without = problem;
+    without.trajectory_runs.erase(without.trajectory_runs.begin() + static_cast<std::ptrdiff_t>(i));
+    const double change = (estimate(without, plain()).parameters[0].estimate - all.parameters[0].estimate) /
+                          all.parameters[0].sd;
+    EXPECT_NEAR(all.runs[i].influence[0], change, 0.05 + 0.05 * std::abs(change)) << "slide " << i;
+  }
 }
 
 TEST(Influence, ARunWithoutWhichNothingIsDeterminedHasNone) {
