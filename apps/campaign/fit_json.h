@@ -14,10 +14,6 @@ namespace tribotrack::apps {
 /// The object of fit.json. Parameters stand in campaign units, as their names say.
 Json fit_json(const Campaign& campaign, const std::vector<Run>& runs, const fit::FitResult& result);
 
-inline bool coder_exceeds_interval(const fit::FitResult& result) {
-  return result.coder_exceeds_interval();
-}
-
 /// One line per parameter on stdout: name, estimate, sd, low and high end of the 95 % interval,
 /// blank-separated.
 std::string parameter_table(const Json& fit);
