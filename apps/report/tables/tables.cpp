@@ -339,8 +339,9 @@ std::string bar_cell(double contribution, double sd) {
 }
 
 std::string row(const fit::FitResult& fit, const fit::BudgetEntry& entry) {
-  std::string html = fmt::format("<tr{}><th>{}</th>{}{}", entry.counted ? "" : " class=\"exact\"",
-                                 escape_html(entry.source), number_cell(source_sd(entry)), cell(entry.from));
+  std::string html =
+      fmt::format("<tr{}><th>{}</th>{}{}", entry.counted ? "" : " class=\"exact\"", escape_html(entry.source),
+                  number_cell(source_sd(entry)), cell(escape_html(entry.from)));
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
     html +=
         bar_cell(entry.contribution(static_cast<Eigen::Index>(i)), entry.counted ? fit.parameters[i].sd : 0);
