@@ -168,7 +168,7 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
   const std::string csv = kHeader + "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
   for (const char* meta :
        {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
-        "{\"plan\": 3}", "{\"summary\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
+        "{\"plan\": 3}", "{\"audit\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
         "{\"slow_errors\": [1]}", "{\"audit\": {\"lag1\": \"x\"}}", "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
