@@ -34,6 +34,7 @@ struct StrictTable::Node {
   std::string file;
   std::string name;  // "platform", "" for the top
   bool parsed = true;
+  std::shared_ptr<const std::string> content;  // what was parsed
   std::set<std::string, std::less<>> looked_up;
   std::shared_ptr<SectionsWith> sections_with = std::make_shared<SectionsWith>();  // of the document
 
@@ -176,6 +177,7 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
     node->document = std::make_shared<const toml::table>(toml::parse(text, name));
     node->table = node->document.get();
     node->file = name;
+    node->content = std::make_shared<const std::string>(text);
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
@@ -308,6 +310,34 @@ std::optional<std::size_t> StrictTable::choice(std::string_view key, const std::
 
 bool StrictTable::has(std::string_view key) const {
   return node_->table->contains(key);
+}
+
+namespace {
+
+/// The byte at a place, which counts lines and characters from 1.
+std::size_t offset_of(std::string_view text, const toml::source_position& at) {
+  std::size_t offset = 0;
+  for (toml::source_index line = 1; line < at.line; ++line) offset = text.find('\n', offset) + 1;
+  const auto continues = [&] {  // a character of UTF-8
+    return offset < text.size() && (static_cast<unsigned char>(text[offset]) & 0xC0) == 0x80;
+  };
+  for (toml::source_index column = 1; column < at.column; ++column)
+    for (++offset; continues();) ++offset;
+  return offset;
+}
+
+}  // namespace
+
+std::string StrictTable::written(std::string_view key) const {
+  const toml::node* node = node_->table->get(key);
+  if (node == nullptr) return {};
+  if (node->is_string()) return node->ref<std::string>();
+  if (node->is_integer()) return fmt::format("{}", node->ref<std::int64_t>());
+  if (!node->is_floating_point()) return {};
+  if (!node_->parsed) return fmt::format("{}", node->ref<double>());
+  const toml::source_region& where = node->source();
+  const std::size_t first = offset_of(*node_->content, where.begin);
+  return node_->content->substr(first, offset_of(*node_->content, where.end) - first);
 }
 
 bool StrictTable::is_table(std::string_view key) const {

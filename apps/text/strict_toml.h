@@ -47,6 +47,9 @@ class StrictTable {
   std::optional<std::size_t> choice(std::string_view key, const std::vector<std::string>& words);
 
   bool has(std::string_view key) const;
+  /// A number or a text as the file has it: "0.280", "45deg"; of a JSON object a number's shortest form.
+  /// Empty where the key holds neither.
+  std::string written(std::string_view key) const;
   bool is_table(std::string_view key) const;
   bool is_list(std::string_view key) const;
   std::size_t count(std::string_view key) const;  ///< of a list's entries; 0 where it is none

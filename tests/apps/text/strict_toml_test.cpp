@@ -30,6 +30,21 @@ TEST(StrictToml, HandsOutWhatIsThere) {
   t.finish();
 }
 
+TEST(StrictToml, NumbersAreThereAsTheyWereWritten) {
+  StrictTable table = StrictTable::parse(
+      "# \u00e9\r\na = 0.280 # 0.28\nb = { \"\u00e9\" = 2.50e-3, c = -1_0.5 }\nd = \"45.0deg\"\ne = 7\nf = "
+      "[1.0]\n",
+      "c.toml");
+  EXPECT_EQ(table.written("a"), "0.280");
+  EXPECT_EQ(table.table("b")->written("c"), "-1_0.5");
+  EXPECT_EQ(table.table("b")->written("\u00e9"), "2.50e-3");
+  EXPECT_EQ(table.written("d"), "45.0deg");
+  EXPECT_EQ(table.written("e"), "7");
+  EXPECT_EQ(table.written("f"), "");
+  EXPECT_EQ(table.written("g"), "");
+  EXPECT_EQ(StrictTable::of({{"a", 0.280}}, "object").written("a"), "0.28");
+}
+
 TEST(StrictToml, AnObjectStandsInPlaceOfAFile) {
   StrictTable t = StrictTable::of(Json::parse(R"({"phi_rad": "pi/2", "cycles": 20, "fit": {"mu1": 0.5},
       "on": true, "disc": [1, 2.5, 3], "run": [{"a": 1}, {"a": "b"}]})"),
