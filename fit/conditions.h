@@ -47,13 +47,20 @@
 //            phi counts from the sensor in all runs (in some: an own error of phi of these).
 // An error known before the experiment is the prior of what is fitted; one measured by the same tracks is
 // not: the fit finds it again. What has no sd is in no interval and is listed as taken as exact.
+//
+// Nothing typed is exact. What is given without an sd comes here with that of its last digit or of the trade
+// (SharedEvidence::assumed): it is pooled and counted as any other, its errors name it (is_assumed), and it
+// is no prior of what is fitted, since nobody said that it is known. So are A_y/A = 1, epsilon and the start
+// where nothing tells them; the phase of a start that nobody saw is not known at all.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fit/gate_timing.h"
@@ -81,7 +88,8 @@ enum class Source {
   scale,
   calibration,  ///< of the camera: a scale with its sd
   diameter,     ///< of the part; scales in the picture go by it
-  tag           ///< side of a tag, likewise
+  tag,          ///< side of a tag, likewise
+  start_phase   ///< of runs that start at rest
 };
 
 const char* to_string(Source source);  ///< "amplitude_mm", "xi_axis_rad", ... as in campaigns
@@ -109,7 +117,8 @@ struct RunEvidence {
   std::optional<PlatformMotion> seen;             ///< the platform's motion
   double start_time = 0;                          ///< s, of the first frame
   double start = 0;                               ///< wt there, by what is seen or given
-  bool start_assumed = true;                      ///< nothing tells it
+  bool start_assumed = true;                      ///< the recording does not tell it
+  bool from_rest = true;                          ///< its motion depends on wt there
   double coder_attenuation = 0, coder_delay = 0;  ///< at most, of what is seen: relative, rad
   std::optional<GateTiming> gate;
   bool gate_by_camera = false;     ///< phi counts from what is seen, else from the sensor as a commanded one
@@ -127,8 +136,17 @@ struct SharedEvidence {
   std::optional<double> clock_sd;    ///< of the frame rate given, relative; empty: the recordings' own
   double gravity_sd = 0;             ///< relative
   double tilt_x_sd = 0, tilt_y_sd = 0, sensor_axis_sd = 0;  ///< rad
-  std::vector<FitParameter> fitted;                         ///< not taken as exact
+  /// Where none is given or seen: of A_y/A, relative; of epsilon and the start, rad.
+  double amplitude_ratio_sd = 0, phase_shift_sd = 0, start_phase_sd = 0;
+  std::vector<Source> assumed;       ///< whose sds nobody gave
+  std::vector<FitParameter> fitted;  ///< not taken as exact
 };
+
+/// sd of an angle of which nothing is known.
+inline const double kUnknownAngle = std::numbers::pi / std::sqrt(3.0);
+
+/// Does an error whose `from` this is come from not knowing, with an sd that nobody gave?
+bool is_assumed(std::string_view from);
 
 /// Phi, dtau, phase at the start, rad.
 struct Timing {
@@ -175,6 +193,7 @@ struct PooledQuantity {
   bool exact = false;             ///< some run takes a given value as exact
   bool by_measurement = false;    ///< the marks decide it, with the errors that all that is measured shares
   bool known_beforehand = false;  ///< given with an sd, for all runs
+  bool assumed = false;           ///< which is a default
 };
 
 /// An error that all runs share. Relative for A, w, g and scale, else SI.

@@ -163,7 +163,7 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FittedCamp
 void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
                 const std::string& look_at, Context& context) {
   say(context.quiet, explain ? fitted.result.full_report() : fitted.result.brief_report());
-  if (explain) say(context.quiet, conditions_text(fitted.conditions.pooled));
+  if (explain) say(context.quiet, conditions_text(fitted.conditions.pooled) + costs_text(fitted.json));
   for (const Json& warning : fitted.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
   for (const Reservation& reservation : reservations(campaign, fitted, look_at)) {

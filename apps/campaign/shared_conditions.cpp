@@ -20,9 +20,26 @@ using fit::Source;
 
 namespace {
 
-std::optional<Estimate> estimate(const std::optional<double>& value, const std::optional<double>& sd) {
-  return value ? std::optional(Estimate{*value, sd.value_or(0)}) : std::nullopt;
-}
+/// Given values with the sds that are given, else with those by default. SI but for mm/px.
+class Given {
+ public:
+  Given(const Campaign& campaign, const Digits& digits) : exact_(campaign.fit.exact), digits_(digits) {}
+  double default_sd(const char* key, double value) const {
+    const double unit = std::string_view(key).ends_with("_mm") ? 1e-3 : 1;
+    return unit * apps::default_sd(exact_, key, value / unit, digits_);
+  }
+  Estimate known(const char* key, double value, const std::optional<double>& sd) const {
+    return {value, sd ? *sd : default_sd(key, value)};
+  }
+  std::optional<Estimate> estimate(const char* key, const std::optional<double>& value,
+                                   const std::optional<double>& sd) const {
+    return value ? std::optional(known(key, *value, sd)) : std::nullopt;
+  }
+
+ private:
+  const Exact& exact_;
+  const Digits& digits_;
+};
 
 /// What a run says beats what the platform's table says.
 std::optional<fit::GivenValue> given_value(const std::optional<Estimate>& of_run,
@@ -44,6 +61,37 @@ double parallax_error(const Campaign& campaign) {
          (1 - height / distance);
 }
 
+/// The length that scales in the pictures go by; nothing where none does.
+struct Length {
+  Source source = Source::diameter;
+  Estimate value;  ///< mm
+  bool assumed = false;
+};
+std::optional<Length> length_of(const Campaign& campaign) {
+  const PartSection& part = campaign.part;
+  const CameraSection& camera = campaign.camera;
+  const auto length = [&](Source source, double mm, double sd, const Digits& digits) {
+    const double otherwise = default_sd(campaign.fit.exact, fit::to_string(source), mm, digits);
+    return Length{source, {mm, sd > 0 ? sd : otherwise}, !(sd > 0) && otherwise > 0};
+  };
+  if (camera.tag_mm) return length(Source::tag, *camera.tag_mm, camera.tag_mm_sd, camera.digits);
+  if (part.diameter_mm) return length(Source::diameter, *part.diameter_mm, part.diameter_sd_mm, part.digits);
+  return std::nullopt;
+}
+
+/// What a scale without an sd is known to by the length it goes by, or as it is written; relative.
+double scale_by_default(const Campaign& campaign, const Run& run) {
+  const Track& track = *run.track;
+  if (track.scale_source == kScaledByDiameter || track.scale_source == kScaledByTag) {
+    const auto length = length_of(campaign);
+    return length && length->assumed ? length->value.sd / length->value.value : 0;
+  }
+  const std::optional<double>& given = run.given.mm_per_px ? run.given.mm_per_px : campaign.camera.mm_per_px;
+  if (!given || track.mm_per_px_sd.value_or(0) > 0) return 0;
+  const Digits& digits = run.given.mm_per_px ? run.given.digits : campaign.camera.digits;
+  return default_sd(campaign.fit.exact, "mm_per_px", *given, digits) / *given;
+}
+
 fit::SharedEvidence shared_evidence(const Campaign& campaign, const std::vector<Run>& runs) {
   const PlatformSection& platform = campaign.platform;
   const CameraSection& camera = campaign.camera;
@@ -54,13 +102,36 @@ fit::SharedEvidence shared_evidence(const Campaign& campaign, const std::vector<
   shared.seen_by = seen == runs.end() ? "" : seen->measurement->phase_source;
   if (campaign.part.diameter_mm)
     shared.diameter = Estimate{1e-3 * *campaign.part.diameter_mm, 1e-3 * campaign.part.diameter_sd_mm};
+  const auto assume = [&](Source source, bool assumed) {
+    if (assumed) shared.assumed.push_back(source);
+  };
   shared.scale = camera.calibration ? Source::calibration : camera.tag_mm ? Source::tag : Source::scale;
-  shared.length_sd = length_error(campaign);
+  if (const auto length = length_of(campaign)) {
+    shared.length_sd = length->value.sd / length->value.value;
+    assume(length->source, length->assumed);
+  }
   shared.parallax_sd = parallax_error(campaign);
   if (camera.frame_rate_hz) shared.clock_sd = camera.frame_rate_sd_hz.value_or(0) / *camera.frame_rate_hz;
   shared.gravity_sd = platform.gravity_sd.value_or(0) / platform.gravity;
-  shared.tilt_x_sd = platform.tilt_x_sd.value_or(0);
-  shared.tilt_y_sd = platform.tilt_y_sd.value_or(0);
+  const Given given(campaign, platform.digits);
+  shared.tilt_x_sd = given.known("tilt_x_rad", platform.tilt_x, platform.tilt_x_sd).sd;
+  shared.tilt_y_sd = given.known("tilt_y_rad", platform.tilt_y, platform.tilt_y_sd).sd;
+  const bool one_amplitude = !platform.amplitude_y && !campaign.fit.exact.holds("amplitude_y_mm");
+  if (one_amplitude) shared.amplitude_ratio_sd = given.default_sd("amplitude_ratio", 1);
+  if (!platform.phase_shift) shared.phase_shift_sd = given.default_sd("phase_shift_rad", 0);
+  if (!campaign.fit.exact.holds("start_phase_rad")) shared.start_phase_sd = fit::kUnknownAngle;
+  const auto no_run_gives = [&](std::optional<double> CampaignRun::*sd) {
+    return std::ranges::none_of(campaign.runs, [&](const CampaignRun& run) { return (run.*sd).has_value(); });
+  };
+  assume(Source::amplitude, !platform.amplitude_sd && no_run_gives(&CampaignRun::amplitude_sd));
+  assume(Source::amplitude_y, !platform.amplitude_y_sd);
+  assume(Source::angular_frequency,
+         !platform.angular_frequency_sd && no_run_gives(&CampaignRun::angular_frequency_sd));
+  assume(Source::phase_shift, !platform.phase_shift_sd);
+  assume(Source::tilt_x, !platform.tilt_x_sd);
+  assume(Source::tilt_y, !platform.tilt_y_sd);
+  assume(Source::slope, no_run_gives(&CampaignRun::slope_sd));
+  assume(Source::scale, !(camera.mm_per_px_sd > 0) && no_run_gives(&CampaignRun::mm_per_px_sd));
   shared.sensor_axis_sd = camera.xi_axis_sd_rad.value_or(0);
   shared.fitted = campaign.fit.parameters;
   return shared;
@@ -141,12 +212,14 @@ constexpr const char* kImplied = " (amplitude_mm, as it is not given)";
 
 std::string contradiction(const PooledQuantity& q, const std::string& seen_by) {
   const Estimate given = in_unit(q.quantity, *q.given), measured = in_unit(q.quantity, *q.measured);
-  const bool exact = !(given.sd > 0);
-  return fmt::format("{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}",
-                     fit::to_string(q.quantity), text_of(given), q.implied ? kImplied : "", seen_by,
-                     text_of(measured), q.runs, q.runs == 1 ? "" : "s", std::abs(*q.difference_in_sd),
-                     exact ? "the given value is used; leave it out to use the measured one, or give its sd"
-                           : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
+  return fmt::format(
+      "{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}",
+      fit::to_string(q.quantity), text_of(given), q.implied ? kImplied : "", seen_by, text_of(measured),
+      q.runs, q.runs == 1 ? "" : "s", std::abs(*q.difference_in_sd),
+      q.exact     ? "the given value is used; leave it out to use the measured one, or give its sd"
+      : q.assumed ? "the mean of both is used, weighted by 1/sd^2, the given one's by its last digit or "
+                    "the trade; mend it, give its sd, or leave it out"
+                  : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
 }
 
 std::string scattered(const PooledQuantity& q, const std::string& seen_by) {
@@ -203,19 +276,25 @@ fit::RunEvidence evidence_of(const Campaign& campaign, const Run& run) {
   const CampaignRun& given = run.given;
   fit::RunEvidence evidence;
   evidence.driven = !given.free_slide;
-  evidence.amplitude = given_value(estimate(given.amplitude, given.amplitude_sd),
-                                   estimate(platform.amplitude, platform.amplitude_sd));
-  evidence.amplitude_y = given_value({}, estimate(platform.amplitude_y, platform.amplitude_y_sd));
+  const Given of_run(campaign, given.digits), of_all(campaign, platform.digits);
+  const char *amplitude = "amplitude_mm", *w = "angular_frequency_rad_s";
+  evidence.amplitude = given_value(of_run.estimate(amplitude, given.amplitude, given.amplitude_sd),
+                                   of_all.estimate(amplitude, platform.amplitude, platform.amplitude_sd));
+  evidence.amplitude_y =
+      given_value({}, of_all.estimate("amplitude_y_mm", platform.amplitude_y, platform.amplitude_y_sd));
   evidence.angular_frequency =
-      given_value(estimate(given.angular_frequency, given.angular_frequency_sd),
-                  estimate(platform.angular_frequency, platform.angular_frequency_sd));
-  evidence.phase_shift = given_value({}, estimate(platform.phase_shift, platform.phase_shift_sd));
+      given_value(of_run.estimate(w, given.angular_frequency, given.angular_frequency_sd),
+                  of_all.estimate(w, platform.angular_frequency, platform.angular_frequency_sd));
+  evidence.phase_shift =
+      given_value({}, of_all.estimate("phase_shift_rad", platform.phase_shift, platform.phase_shift_sd));
   evidence.phi = {given.phi, given.phi_sd.value_or(0)};
   evidence.dtau = {given.dtau, given.dtau_sd.value_or(0)};
-  evidence.start_phase = estimate(given.start_phase, given.start_phase_sd);
-  evidence.slope = estimate(given.slope, given.slope_sd);
+  evidence.start_phase = of_run.estimate("start_phase_rad", given.start_phase, given.start_phase_sd);
+  evidence.slope = of_run.estimate("slope_rad", given.slope, given.slope_sd);
+  evidence.from_rest = given.start == model::Start::rest;
   if (const auto& measured = run.measurement) {
-    evidence.phase_at_zero = estimate(given.phase_at_zero, given.phase_at_zero_sd);
+    evidence.phase_at_zero =
+        of_run.estimate("phase_at_zero_rad", given.phase_at_zero, given.phase_at_zero_sd);
     evidence.seen = measured->platform;
     evidence.start_time = measured->start_time;
     evidence.start = measured->phase_at_start;
@@ -227,6 +306,10 @@ fit::RunEvidence evidence_of(const Campaign& campaign, const Run& run) {
       evidence.coder_delay = measured->coded->delay;
     }
   }
+  if (!evidence.gate) {  // what is seen of it is not to be corrected by the digits of a command
+    evidence.phi = of_run.known("phi_rad", given.phi, given.phi_sd);
+    evidence.dtau = of_run.known("dtau_rad", given.dtau, given.dtau_sd);
+  }
   if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
     const Track& track = *run.track;
     const double mm_per_px = *track.mm_per_px;
@@ -234,6 +317,7 @@ fit::RunEvidence evidence_of(const Campaign& campaign, const Run& run) {
                       track.scale_source == kScaledByDiameter ? Source::diameter
                       : track.scale_source == kScaledByTag    ? Source::tag
                                                               : Source::scale};
+    evidence.scale->relative_sd = std::hypot(evidence.scale->relative_sd, scale_by_default(campaign, run));
     if (track.disc_radius_px > 0)
       evidence.diameter = Estimate{2e-3 * track.disc_radius_px * mm_per_px,
                                    2e-3 * track.disc_radius_common_sd_px * mm_per_px};
@@ -293,7 +377,32 @@ void add_to(Json& fit, const SharedConditions& shared) {
   fit["taken_as_exact"] = Json::array();
   for (const Source source : shared.pooled.taken_as_exact)
     fit["taken_as_exact"].push_back(fit::to_string(source));
+  fit["what_not_knowing_costs"] = Json::array();
+  for (const Json& entry : fit.value("budget", Json::array()))
+    if (entry["counted"] && fit::is_assumed(entry["from"].get<std::string>()))
+      fit["what_not_knowing_costs"].push_back({{"quantity", entry["quantity"]},
+                                               {"sd_of_source", entry["sd_of_source"]},
+                                               {"from", entry["from"]},
+                                               {"contribution", entry["contribution"]}});
   for (const std::string& warning : shared.warnings) fit["warnings"].push_back(warning);
+}
+
+std::string costs_text(const Json& fit) {
+  std::string text;
+  for (const Json& cost : fit["what_not_knowing_costs"]) {
+    std::string shares;
+    for (const auto& [name, contribution] : cost["contribution"].items()) {
+      const Json& sd = fit["parameters"][name]["sd"];
+      if (!sd.is_number() || !contribution.is_number()) continue;
+      const double share = 100 * std::pow(contribution.get<double>() / sd.get<double>(), 2);
+      if (share >= 0.5) shares += fmt::format("{} {} {:.0f} %", shares.empty() ? "" : ",", name, share);
+    }
+    if (!shares.empty())
+      text += fmt::format("  {}, sd {:.2g} ({}):{}\n", cost["quantity"].get<std::string>(),
+                          cost["sd_of_source"].get<double>(), cost["from"].get<std::string>(), shares);
+  }
+  return text.empty() ? ""
+                      : "what not knowing costs, of the variance (give a better value with its _sd)\n" + text;
 }
 
 std::string conditions_text(const fit::Conditions& conditions) {

@@ -27,8 +27,13 @@ SharedConditions share_conditions(const Campaign& campaign, std::vector<Run>& ru
 /// The same refusal, of what all of these runs show: for the first of many, before the others are tracked.
 void require_no_slips(const Campaign& campaign, const std::vector<Run>& runs);
 
-/// Into fit.json: `conditions`, `taken_as_exact` and the warnings.
+/// Into fit.json: `conditions`, `taken_as_exact`, `what_not_knowing_costs` and the warnings. The costs are
+/// those entries of the budget whose sd nobody gave.
 void add_to(Json& fit, const SharedConditions& shared);
+
+/// What they make of the variance of each parameter, a line each: "tilt_x_rad, sd 0.002 (not given): mu1 12
+/// %". Empty without any.
+std::string costs_text(const Json& fit);
 
 /// For people, a line each. Empty without conditions.
 std::string conditions_text(const fit::Conditions& conditions);

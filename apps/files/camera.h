@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/files/keys.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
 #include "vision/calibration.h"
@@ -31,10 +32,11 @@ std::string tag_word(const vision::MarkerChoice& marker);
 struct PartSection {
   std::string name;  ///< empty: the campaign's only one, without a name
   std::optional<double> diameter_mm, height_mm;
-  double diameter_sd_mm = 0;  ///< 0: exact
+  double diameter_sd_mm = 0;  ///< 0: not given
   std::optional<double> height_sd_mm;
   std::optional<vision::Circle> disc_px;    ///< where it lies at first, in every run that does not say
   std::optional<vision::Rect> template_px;  ///< instead of a disc
+  Digits digits = {};                       ///< of what is given
 };
 
 struct CameraSection {
@@ -53,6 +55,7 @@ struct CameraSection {
   std::optional<vision::Rect> template_px;  ///< instead of a disc
   /// Without marker_px: how the platform's motion is seen.
   vision::MarkerChoice marker = {};
+  Digits digits = {};  ///< of what is given
 };
 
 /// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <numbers>
 
 #include "apps/files/camera.h"
 #include "apps/files/run_folder.h"
+#include "apps/text/angle.h"
 
 namespace tribotrack::apps {
 
@@ -49,6 +53,7 @@ constexpr FormFacts kForms[] = {
     {"text", R"({"type": "string"})"},
     {"list of texts", R"({"type": "array", "items": {"type": "string"}})"},
     {"text", R"({"type": ["string", "array"], "items": {"type": "string"}})"},
+    {"true, or list of texts", R"({"type": ["boolean", "array"], "items": {"type": "string"}})"},
     {"list of 3 numbers", R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})"},
     {"list of 4 whole numbers",
      R"({"type": "array", "items": {"type": "integer"}, "minItems": 4, "maxItems": 4})"},
@@ -87,6 +92,37 @@ std::vector<OtherName> other_names(std::string_view name) {
   if (name == "epsilon_rad") return {{"phase_shift_rad"}};
   if (name == "lag_rad") return {{"phase_lag_rad"}};
   return {};
+}
+
+double last_digit_sd(std::string_view written) {
+  const bool degrees = written.ends_with("deg");
+  const std::string_view mantissa = written.substr(0, written.find_first_of("eEd"));
+  const bool exponent = !degrees && mantissa.size() < written.size();
+  const auto point = mantissa.find('.');
+  if (written.find("pi") != std::string_view::npos || (point == std::string_view::npos && !exponent))
+    return 0;
+  int decimals = 0, digits = 0;
+  for (std::size_t i = 0; i < mantissa.size(); ++i) {
+    if (std::isdigit(static_cast<unsigned char>(mantissa[i])) == 0) continue;
+    decimals += i > point ? 1 : 0;
+    digits += digits > 0 || mantissa[i] != '0' ? 1 : 0;
+  }
+  if (digits == 0) return 0;
+  const double unit =
+      std::pow(10, (digits == 1 ? -1 : 0) - decimals) *
+      (exponent ? parse_number("1" + std::string(written.substr(mantissa.size()))).value_or(0) : 1);
+  return unit / std::sqrt(12) * (degrees ? std::numbers::pi / 180 : 1);
+}
+
+void note_digits(const StrictTable& table, const KeyFacts& key, Digits& digits) {
+  const Kind::Form form = key.kind.form;
+  if (form != Kind::number && form != Kind::above_zero && form != Kind::not_negative && form != Kind::angle)
+    return;
+  std::vector<OtherName> names = other_names(key.name);
+  names.push_back({key.name});
+  for (const OtherName& name : names)
+    if (const double sd = name.factor * last_digit_sd(table.written(name.name)); sd > 0)
+      digits[key.name] = sd;
 }
 
 std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name) {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,6 +39,7 @@ struct Kind {
     file,  ///< relative to the folder of the file that names it
     texts,
     text_or_texts,
+    true_or_texts,
     circle,     ///< [x, y, radius]
     rectangle,  ///< [x, y, width, height]; the key is `template_px`
     two_wholes,
@@ -79,6 +81,13 @@ struct OtherName {
 };
 std::vector<OtherName> other_names(std::string_view name);
 
+/// What a reading is known to by its last digit, half a unit evenly distributed. Of one digit the next one
+/// counts, since zeros at the end are left out ("0.3" for 0.30). 0 of whole numbers and parts of pi, which
+/// are set and not read. "45.5deg": in rad.
+double last_digit_sd(std::string_view written);
+/// Of a section's values by their keys, in the keys' units; none where it is 0.
+using Digits = std::map<std::string, double, std::less<>>;
+
 /// Where a value is kept.
 template <class T>
 struct Milli {
@@ -95,6 +104,7 @@ void require_company(const StrictTable& table, const KeyFacts& key);
 /// Leaves the value alone where the table has no such key. Throws InvalidInput.
 void read_value(StrictTable& table, const KeyFacts& key, const std::filesystem::path& folder,
                 const Value& value);
+void note_digits(const StrictTable& table, const KeyFacts& key, Digits& digits);
 Json json_of(const Value& value, const Kind& kind);
 /// A number for the key, in its unit.
 void set_value(const Value& value, double number);
@@ -137,14 +147,15 @@ struct Key : KeyFacts {
 template <class Section>
 using Keys = std::vector<Key<Section>>;
 
-/// Every key of the list that the table has. Keys of the table that are not in the list are left to
-/// StrictTable::finish().
+/// Every key of the list that the table has, with the digits of a section that keeps them. Keys of the table
+/// that are not in the list are left to StrictTable::finish().
 template <class Section>
 void read_keys(StrictTable& table, const Keys<Section>& keys, Section& section,
                const std::filesystem::path& folder = {}, WithSd with_sd = WithSd::yes) {
   for (const Key<Section>& key : keys) {
     if (key.kind.form == Kind::sd_of_fit && with_sd == WithSd::no) continue;
     require_company(table, key);
+    if constexpr (requires { section.digits; }) note_digits(table, key, section.digits);
     if (const auto value = key.value(section))
       read_value(table, key, folder, *value);
     else

@@ -23,7 +23,7 @@ void require_kind(const StrictTable& top, TomlKind wanted, const std::string& fi
 // SCENARIO.toml: one run of the friction model, and what to sweep it over.
 
 /// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured. The
-/// standard deviations are a campaign's; a value without one is exact.
+/// standard deviations are a campaign's; a value without one has its default_sd().
 struct PlatformSection {
   std::optional<double> amplitude, amplitude_y;  ///< m
   std::optional<double> angular_frequency;       ///< rad/s
@@ -32,6 +32,7 @@ struct PlatformSection {
   double tilt_x = 0, tilt_y = 0;
   std::optional<double> amplitude_sd, amplitude_y_sd, angular_frequency_sd, phase_shift_sd, gravity_sd,
       tilt_x_sd, tilt_y_sd;
+  Digits digits = {};  ///< of what is given
 };
 PlatformSection read_platform(StrictTable& table, WithSd with_sd);
 

@@ -14,10 +14,7 @@ namespace {
 
 using internal::is_driven, internal::is_scaled, internal::mean_over;
 
-/// "gravity_m_s2_sd, campaign"
-std::string given_as(Source source) {
-  return std::string(to_string(source)) + "_sd, campaign";
-}
+constexpr std::string_view kAssumed = ", default sd";
 
 /// What all runs share, listed in `errors` and `taken_as_exact`.
 class SharedErrors {
@@ -30,6 +27,7 @@ class SharedErrors {
     const PooledQuantity x = of(Source::amplitude), y = of(Source::amplitude_y);
     if (one) {
       add(FitParameter::amplitude, x.shared_sd, conditions_.from(x), x.known_beforehand);
+      add(FitParameter::amplitude_ratio, shared_.amplitude_ratio_sd, not_given(Source::amplitude_y));
     } else {  // independent errors of both: of their mean and of their ratio, which do not go together
       const double both = std::hypot(x.shared_sd, y.shared_sd);
       const std::string from = conditions_.from(x.shared_sd > 0 ? x : y);
@@ -50,7 +48,7 @@ class SharedErrors {
       add(FitParameter::amplitude, exposure / driven, "exposure, not known");
     }
     exact_if(x.exact, Source::amplitude);
-    exact_if(y.exact || (one && x.shared_sd > 0), Source::amplitude_y);
+    exact_if(y.exact || (one && x.shared_sd > 0 && shared_.amplitude_ratio_sd == 0), Source::amplitude_y);
   }
 
   void frequency_and_phase_shift() {
@@ -58,8 +56,9 @@ class SharedErrors {
     add(FitParameter::angular_frequency, w.shared_sd, conditions_.from(w), w.known_beforehand);
     add(FitParameter::phase_shift, epsilon.shared_sd, conditions_.from(epsilon));
     exact_if(w.exact, Source::angular_frequency);
-    const bool by_default = conditions_.find(Source::phase_shift) == nullptr;
-    exact_if(any_driven() && (epsilon.exact || by_default), Source::phase_shift);
+    const bool by_default = any_driven() && conditions_.find(Source::phase_shift) == nullptr;
+    if (by_default) add(FitParameter::phase_shift, shared_.phase_shift_sd, not_given(Source::phase_shift));
+    exact_if(epsilon.exact || (by_default && shared_.phase_shift_sd == 0), Source::phase_shift);
   }
 
   /// All that is measured, w included, in seconds that are too long by a share: then g, the one quantity that
@@ -75,9 +74,9 @@ class SharedErrors {
   }
 
   void gravity_and_tilt() {
-    add(FitParameter::gravity, shared_.gravity_sd, given_as(Source::gravity), true);
-    add(FitParameter::tilt_x, shared_.tilt_x_sd, given_as(Source::tilt_x), true);
-    add(FitParameter::tilt_y, shared_.tilt_y_sd, given_as(Source::tilt_y), true);
+    add_given(FitParameter::gravity, shared_.gravity_sd, Source::gravity);
+    add_given(FitParameter::tilt_x, shared_.tilt_x_sd, Source::tilt_x);
+    add_given(FitParameter::tilt_y, shared_.tilt_y_sd, Source::tilt_y);
     exact_if(shared_.gravity_sd == 0, Source::gravity);
     exact_if(shared_.tilt_x_sd == 0 && !fitted(FitParameter::tilt_x), Source::tilt_x);
     exact_if(shared_.tilt_y_sd == 0 && !fitted(FitParameter::tilt_y), Source::tilt_y);
@@ -87,7 +86,7 @@ class SharedErrors {
   void slope() {
     const auto inclined = [](const RunEvidence& run) { return run.slope.has_value(); };
     const double sd = mean_over(runs_, inclined, [](const RunEvidence& r) { return r.slope->sd; });
-    add(FitParameter::slope, sd, given_as(Source::slope), true);
+    add_given(FitParameter::slope, sd, Source::slope);
     exact_if(sd == 0 && std::ranges::any_of(runs_, inclined), Source::slope);
   }
 
@@ -97,7 +96,7 @@ class SharedErrors {
         runs_, [](const RunEvidence& r) { return r.scale && r.scale->by == Source::diameter; });
     if (by_diameter) {
       const double diameter = std::min(shared_.length_sd, all);
-      add(FitParameter::scale, diameter, given_as(Source::diameter), true);
+      add_given(FitParameter::scale, diameter, Source::diameter);
       add(FitParameter::scale, std::sqrt(all * all - diameter * diameter), "part's radius in the pictures",
           true);
       exact_if(diameter == 0, Source::diameter);
@@ -107,7 +106,7 @@ class SharedErrors {
           by == Source::calibration ? "calibration"
           : by == Source::tag       ? "the tag's size, and its sides in the pictures"
                                     : given_as(by),
-          true);
+          !assumed(by));
       exact_if(by == Source::tag && shared_.length_sd == 0, Source::tag);
       exact_if(all == 0 && std::ranges::any_of(runs_, is_scaled), Source::scale);
     }
@@ -143,6 +142,17 @@ class SharedErrors {
   }
 
  private:
+  bool assumed(Source source) const { return std::ranges::count(shared_.assumed, source) > 0; }
+  /// "gravity_m_s2_sd, campaign"
+  std::string given_as(Source source) const {
+    return to_string(source) + (assumed(source) ? std::string(kAssumed) : "_sd, campaign");
+  }
+  static std::string not_given(Source source) {
+    return std::string(to_string(source)) + " not given" + std::string(kAssumed);
+  }
+  void add_given(FitParameter quantity, double sd, Source source) {
+    add(quantity, sd, given_as(source), !assumed(source));
+  }
   PooledQuantity of(Source source) const {
     const PooledQuantity* found = conditions_.find(source);
     return found != nullptr ? *found : PooledQuantity{};
@@ -180,8 +190,12 @@ const char* to_string(Source source) {
                                     "tilt_y_rad",      "slope_rad",      "phi_rad",
                                     "dtau_rad",        "xi_axis_rad",    "frame_rate_hz",
                                     "mm_per_px",       "calibration",    "diameter_mm",
-                                    "tag_mm"};
+                                    "tag_mm",          "start_phase_rad"};
   return kNames[static_cast<std::size_t>(source)];
+}
+
+bool is_assumed(std::string_view from) {
+  return from.ends_with(kAssumed);
 }
 
 const PooledQuantity* Conditions::find(Source quantity) const {
@@ -198,7 +212,7 @@ std::string Conditions::from(const PooledQuantity& quantity) const {
     case From::given_exactly:
       return "campaign, taken as exact";
     case From::given:
-      return "campaign";
+      return quantity.assumed ? "campaign" + std::string(kAssumed) : "campaign";
     case From::given_and_measured:
       return "campaign and " + seen;
     case From::measured:

@@ -92,10 +92,13 @@ class Quantity {
     const bool own_scales = !one_scale(runs);
     if (place.kind == Kind::length) common_ = common_of_lengths(runs, shared);
     if (place.kind == Kind::frequency) common_ = shared.clock_sd.value_or(0);
+    const auto assumed = [&](Source source) { return std::ranges::count(shared.assumed, source) > 0; };
     result_.quantity = place.source;
     result_.implied =
         place.source == Source::amplitude_y &&
         std::ranges::none_of(runs, [](const RunEvidence& r) { return r.amplitude_y.has_value(); });
+    if (result_.implied) implied_sd_ = shared.amplitude_ratio_sd;
+    result_.assumed = assumed(result_.implied ? Source::amplitude : place.source);
     for (std::size_t k = 0; k < runs.size(); ++k) {
       if (!runs[k].driven) continue;
       Entry entry{k, result_.implied ? runs[k].amplitude : runs[k].*place.given, std::nullopt};
@@ -146,7 +149,8 @@ class Quantity {
 
   const Place& place_;
   std::span<const RunEvidence> runs_;
-  double common_ = 0;  ///< u_c
+  double common_ = 0;      ///< u_c
+  double implied_sd_ = 0;  ///< relative, of A_y taken to be A
   std::vector<Entry> entries_;
   const Entry* first_ = nullptr;               ///< that is given, else that shows it
   bool all_given_ = true, none_given_ = true;  ///< for all runs; for no run
@@ -213,14 +217,15 @@ void Quantity::compare() {
   if (!to_given_) return;
   const double of_given =  // counted already, where it is each run's own
       first_->given->of_run ? 0 : relative(result_.given->sd, result_.given->value);
-  result_.difference_in_sd = (x.value - neutral()) / std::hypot(x.sd, of_given);
+  result_.difference_in_sd = (x.value - neutral()) / std::hypot(x.sd, of_given, implied_sd_);
 }
 
 /// What is given, its mean with what is measured, or that; what was given none and differs by more than
 /// chance keeps its own.
 void Quantity::use(const Entry& e, RunConditions& run) {
   const std::optional<Pooled>& seen = e.given ? to_given_ : alone_;
-  const Estimate given{neutral(), e.given ? relative(e.given->value.sd, e.reference) : 0};
+  Estimate given{neutral(), e.given ? relative(e.given->value.sd, e.reference) : 0};
+  if (seen) given.sd = std::hypot(given.sd, implied_sd_);
   Estimate used = given;
   double weight = 0;  // of the measured value
   if (seen && (!e.given || given.sd > 0)) {
@@ -239,7 +244,7 @@ void Quantity::use(const Entry& e, RunConditions& run) {
                                       : used.sd;
   if ((all_given_ || none_given_) && !keeps_own) {
     result_.shared_sd = sd;
-    result_.known_beforehand = given.sd > 0;
+    result_.known_beforehand = given.sd > 0 && !result_.assumed;
   } else {
     run.own.add(place_.parameter, square(absolute(sd, value)));
     if (keeps_own && place_.kind == Kind::frequency)  // the phase at the start went with it
@@ -247,7 +252,7 @@ void Quantity::use(const Entry& e, RunConditions& run) {
                   (runs_[e.run].start_time - runs_[e.run].seen->middle_time) * square(e.seen->sd));
   }
   result_.by_measurement = result_.by_measurement || mostly_measured;
-  result_.exact = result_.exact || (e.given && !(given.sd > 0));
+  result_.exact = result_.exact || (e.given && !(given.sd > 0) && !(implied_sd_ > 0));
   if (&e != first_) return;
   const double all = applied(e, used.value);
   result_.used = {all, absolute(used.sd, all)};

@@ -37,6 +37,10 @@ struct Quantity {
   bool measured = false;  ///< not a condition, of which an sd of 0 says that it is exact
 
   std::string_view name() const { return names.front(); }
+  /// Of a run.
+  std::string key() const {
+    return std::string(std::string_view(write).substr(0, std::string_view(write).find(' ')));
+  }
   bool is_angle() const { return !dimensions.empty() && dimensions.front() == Dimension::angle; }
   /// Factor to SI of a unit; 0 for one of another dimension.
   double si(const std::string& unit) const {
@@ -194,6 +198,13 @@ class Cells {
            true);
     return found;
   }
+  /// last_digit_sd() in the unit of the run's key; 0 for an empty cell.
+  double last_digit(const Quantity& quantity) const {
+    const std::string written = table_.with_point(text(quantity.name()));
+    if (!parse_number(written)) return last_digit_sd(written);
+    const double si = columns_.si(*columns_.find(quantity.name()));
+    return last_digit_sd(written) * si / (quantity.key().ends_with("_mm") ? 1e-3 : 1);
+  }
   [[noreturn]] void fail(std::string_view name, const std::string& what, bool sd = false) const {
     table_.fail(text(name, sd), what);
   }
@@ -234,6 +245,7 @@ CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSe
   for (const Quantity& quantity : quantities()) {
     if (quantity.value == nullptr) continue;
     if (const auto value = cells.value(quantity.name())) set_value(quantity.value(run), *value);
+    if (const double sd = cells.last_digit(quantity); sd > 0) run.digits[quantity.key()] = sd;
     if (const auto sd = cells.sd(quantity)) set_value(quantity.sd(run), *sd);
   }
   for (const char* name : {"phi", "dtau", "v"}) cells.require(name);

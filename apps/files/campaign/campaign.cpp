@@ -59,6 +59,16 @@ void check_sds(const Campaign& campaign, StrictTable& top) {
           fmt::format("and {}_sd are the same knowledge; give one of them", fit::to_string(parameter)));
 }
 
+/// A quantity that is exact has no sd.
+void check_exact(const Campaign& campaign, StrictTable& top) {
+  for (const char* section : {"platform", "part", "camera"}) {
+    if (!top.is_table(section)) continue;
+    for (const std::string& key : campaign.fit.exact.keys)
+      if (auto table = top.table(section); table->has(key + "_sd"))
+        table->fail(key + "_sd", fmt::format("and exact = [\"{}\"] in [fit] contradict each other", key));
+  }
+}
+
 /// What the runs' motion depends on and is neither fitted nor given. A lag that is left out would count as 0.
 void require_all_parameters(const Campaign& campaign, StrictTable& top) {
   const auto known = [&](FitParameter parameter) {
@@ -116,6 +126,7 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
       std::ranges::all_of(campaign.runs, &CampaignRun::free_slide))
     campaign.fit.parameters = {FitParameter::mu1};
   check_sds(campaign, top);
+  check_exact(campaign, top);
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)
     throw InvalidInput(fmt::format(

@@ -30,6 +30,13 @@ struct ScopeSection {
   double tie_sd_s = 0;
 };
 
+/// What a campaign takes as exact: the keys of quantities whose values have no error.
+struct Exact {
+  bool all = false;  ///< everything without an sd, given or by default
+  std::vector<std::string> keys;
+  bool holds(std::string_view key) const;
+};
+
 struct FitSection {
   bool parameters_given = false;  ///< else: mu1 alone where all runs are free slides
   std::vector<fit::FitParameter> parameters = {fit::FitParameter::mu1, fit::FitParameter::mu2,
@@ -40,6 +47,7 @@ struct FitSection {
   // In campaign units: mm, rad, s, mm/px.
   std::map<fit::FitParameter, double> fixed, guess;
   std::map<fit::FitParameter, fit::Prior> prior;
+  Exact exact;
 };
 
 /// One [[run]], or a point of a table, defaults of the campaign filled in.
@@ -59,8 +67,9 @@ struct CampaignRun {
   double phi = 0, dtau = 0;                            ///< rad
   std::optional<double> amplitude, angular_frequency;  ///< SI, of this run
   std::optional<double> phase_at_zero, start_phase;    ///< rad
-  // Of the above, in the same units; empty: exact.
+  // Of the above, in the same units; empty: default_sd().
   std::optional<double> phi_sd, dtau_sd, amplitude_sd, angular_frequency_sd, phase_at_zero_sd, start_phase_sd;
+  Digits digits = {};  ///< of what is given
   model::Start start = model::Start::rest;
   int cycles = 20;
   std::optional<std::int64_t> first_frame, last_frame;
@@ -118,6 +127,10 @@ Campaign campaign_of(const Json& object, const std::string& name);
 /// The parameters that can be fitted, and the one of a name.
 const std::vector<fit::FitParameter>& fit_parameters();
 std::optional<fit::FitParameter> fit_parameter_named(const std::string& name);
+
+/// The sd of a value that is given without one, in the unit of its key: of its last digit or of the trade,
+/// the larger; 0 where it is exact. For want of a key "amplitude_ratio", A_y/A where no A_y is given.
+double default_sd(const Exact& exact, std::string_view key, double value, const Digits& digits);
 
 /// Factor from campaign units (mm) to SI (m).
 double si_per_campaign_unit(fit::FitParameter parameter);

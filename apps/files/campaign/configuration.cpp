@@ -2,6 +2,7 @@
 
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/keys.h"
+#include "apps/files/campaign/sections.h"
 
 namespace tribotrack::apps {
 
@@ -59,6 +60,7 @@ Json fit_configuration(const FitSection& fit) {
     json[name] = Json::object();
     for (const auto& [parameter, value] : *values) json[name][fit::to_string(parameter)] = value;
   }
+  if (fit.exact.all || !fit.exact.keys.empty()) json["exact"] = written_exact(fit);
   json["prior"] = Json::object();
   for (const auto& [parameter, prior] : fit.prior)
     json["prior"][fit::to_string(parameter)] = {{"mean", prior.mean}, {"sd", prior.sd}};

@@ -41,7 +41,7 @@ const Keys<PlatformSection>& platform_keys() {
       {"amplitude_mm", Kind::not_negative, milli<&P::amplitude>, "0.28",
        "A; leave out to measure it from mark or texture. 0: platform at rest"},
       {"amplitude_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_sd>, "0.001",
-       "its standard deviation; without one it is taken as exact"},
+       "its standard deviation; without one that of the last digit, 0.5 % at least"},
       {"amplitude_y_mm", Kind::not_negative, milli<&P::amplitude_y>, "0.28",
        "A_y, where the platform moves on an ellipse"},
       {"amplitude_y_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_y_sd>, "0.001"},
@@ -171,6 +171,10 @@ const Keys<FitSection>& fit_keys() {
        "tilt_x_rad, tilt_y_rad"},
       {"data", Kind::one_of({"summary", "trajectory"}), at<&F::trajectory>, "\"summary\"",
        "each run's displacement (alpha, v); \"trajectory\": every tracked point"},
+      {"exact", Kind::true_or_texts, Own<F>{read_exact, written_exact}, "[\"amplitude_mm\"]",
+       "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
+       "...); "
+       "true: everything, also what is not given"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
        "how runs start at their first analysed frame: rest, circling or steady"},
       {"cycles", Kind::wholes(1, 1'000'000), at<&F::cycles>, "20",

@@ -10,9 +10,12 @@ std::string campaign_reference() {
   std::string text =
       "A campaign is a TOML file: a lab's recordings and what is to be learnt from them. Units stand in the "
       "names of keys.\nAngles are radians, or texts such as \"11pi/9\", \"-pi/2\", \"90deg\". KEY_sd is a "
-      "standard deviation; a quantity\nwithout one is taken as exact. `tribotrack init DIR` writes a "
-      "campaign "
-      "to start from, `tribotrack help campaign\n--json` prints these keys as a JSON Schema.\n";
+      "standard deviation. Nothing typed is exact:\na quantity without one has that of its last digit or of "
+      "the trade, the larger (A 0.5 %, A_y/A 1 %, w 1e-4, epsilon\n1 deg, level 2 mrad, inclines 0.1 deg, "
+      "caliper 0.02 mm; whole numbers and parts of pi have no last digit), also where\nit is not given. The "
+      "phase at the start that nothing shows is unknown. What the recordings show of it as well is\npooled "
+      "with it. [fit] exact says what is exact; g, frame rate and axis are. `tribotrack init DIR` writes a "
+      "campaign\nto start from, `tribotrack help campaign --json` prints these keys as a JSON Schema.\n";
   for (const CampaignSection& section : campaign_sections()) {
     text += section.name.empty() ? fmt::format("\nFirst: {}\n", section.remark)
             : section.repeated   ? fmt::format("\n[[{}]]  {}\n", section.name, section.remark)

@@ -281,6 +281,67 @@ Json written_parameters(const FitSection& fit) {
   return names;
 }
 
+bool Exact::holds(std::string_view key) const {
+  return all || std::ranges::count(keys, key) > 0;
+}
+
+void read_exact(StrictTable& table, FitSection& fit, const fs::path&) {
+  if (!table.is_list("exact")) {
+    fit.exact.all = table.boolean("exact").value_or(false);
+    return;
+  }
+  std::map<std::string, std::string> known;  // by every name of it the key of what may have an sd
+  for (const CampaignSection& section : campaign_sections())
+    for (const KeyFacts& key : section.keys) {
+      if (std::ranges::count(section.keys, key.name + "_sd", &KeyFacts::name) == 0) continue;
+      known[key.name] = key.name;
+      for (const OtherName& other : other_names(key.name)) known[other.name] = key.name;
+    }
+  std::vector<std::string> names;
+  for (const auto& [name, key] : known) names.push_back(name);
+  for (const std::string& name : *table.texts("exact")) {
+    const std::string near = nearest_word(name, names);
+    if (!known.contains(name))
+      table.fail("exact", fmt::format("names \"{}\", which is no quantity with an sd; {}", name,
+                                      near.empty() ? fmt::format("these are: {}", fmt::join(names, ", "))
+                                                   : fmt::format("did you mean \"{}\"?", near)));
+    fit.exact.keys.push_back(known.at(name));
+  }
+}
+
+Json written_exact(const FitSection& fit) {
+  return fit.exact.all ? Json(true) : Json(fit.exact.keys);
+}
+
+double default_sd(const Exact& exact, std::string_view key, double value, const Digits& digits) {
+  struct Trade {
+    std::string_view key;
+    double absolute, relative;
+  };
+  constexpr double degree = std::numbers::pi / 180;
+  constexpr double kCaliper = 0.02, kLevel = 2e-3;
+  constexpr Trade kTrade[] = {{"amplitude_mm", 0, 0.005},
+                              {"amplitude_y_mm", 0, 0.005},
+                              {"amplitude_ratio", 0, 0.01},
+                              {"angular_frequency_rad_s", 0, 1e-4},
+                              {"phase_shift_rad", degree, 0},
+                              {"tilt_x_rad", kLevel, 0},
+                              {"tilt_y_rad", kLevel, 0},
+                              {"slope_rad", 0.1 * degree, 0},
+                              {"diameter_mm", kCaliper, 0},
+                              {"tag_mm", kCaliper, 0},
+                              {"mm_per_px", 0, 0},
+                              {"phi_rad", 0, 0},
+                              {"dtau_rad", 0, 0},
+                              {"start_phase_rad", 0, 0},
+                              {"phase_at_zero_rad", 0, 0}};
+  const auto* trade = std::ranges::find(kTrade, key, &Trade::key);
+  if (trade == std::end(kTrade) || exact.holds(key)) return 0;
+  const auto digit = digits.find(key);
+  return std::max(
+      {digit == digits.end() ? 0 : digit->second, trade->absolute, trade->relative * std::abs(value)});
+}
+
 FitSection read_fit(StrictTable& table) {
   if (table.is_table("start")) table.fail("start", kGuessHint);
   FitSection fit;

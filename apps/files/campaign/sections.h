@@ -23,6 +23,8 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign);
 // Keys of [fit] and [[run]] with values of their own kind.
 void read_parameters(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
 Json written_parameters(const FitSection& fit);
+void read_exact(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
+Json written_exact(const FitSection& fit);
 void read_frames(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
 Json written_frames(const CampaignRun& run);
 /// A trace, or two of an oscilloscope that writes a file for each channel.
