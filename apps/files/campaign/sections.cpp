@@ -299,7 +299,8 @@ void read_exact(StrictTable& table, FitSection& fit, const fs::path&) {
     }
   std::vector<std::string> names;
   for (const auto& [name, key] : known) names.push_back(name);
-  for (const std::string& name : *table.texts("exact")) {
+  const std::vector<std::string> given = table.texts("exact").value();
+  for (const std::string& name : given) {
     const std::string near = nearest_word(name, names);
     if (!known.contains(name))
       table.fail("exact", fmt::format("names \"{}\", which is no quantity with an sd; {}", name,
