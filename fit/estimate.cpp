@@ -7,8 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fit/checks/model_check.h"
+#include "fit/checks/explanations.h"
 #include "fit/checks/outliers.h"
+#include "fit/checks/runs_test.h"
+#include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/report/fill_result.h"
@@ -79,12 +81,20 @@ class Estimation {
   void find_minimum();
   /// p of chi^2 with the data's own sigma and the scatter of repeated runs; outlying runs.
   void test_residuals();
-  void check_model() { internal::check_model(residuals_, minimum_, options_, result_); }
+  /// Best first; those near the best refitted where chi^2 rejects the fit, or where asked for.
+  std::vector<ExplainedProblem> explanations() const {
+    return internal::explanations(residuals_, minimum_, rejected() || options_.rivals, options_.threads);
+  }
+  /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
+  bool rejected() const { return p_value_ < kSurprise; }
+  const std::vector<Outlier>& outliers() const { return result_.outliers; }
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
   void quantify_uncertainty();
   /// Estimates and runs alone.
   FitResult estimates();
+  /// What the fit says before anything is explained, with intervals from the covariance.
+  FitResult assumed();
   /// With what determines them, what checks them, and what to film next.
   FitResult report();
 
@@ -105,7 +115,8 @@ class Estimation {
   FitResult result_;
   Search search_;
   Minimum minimum_;
-  double excess_ = 1;  ///< chi^2/dof before any scatter was estimated
+  double p_value_ = 1;  ///< with the scatter of repeated runs
+  double excess_ = 1;   ///< chi^2/dof before any scatter was estimated
   CorrelatedEstimate correlated_;
   // At the final minimum:
   Minimum best_;
@@ -128,14 +139,16 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
-  minimum_ = minimise(residuals_, search_.minima.front().z);
+  minimum_ = minimise_under_laws(residuals_, search_.minima.front().z);
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     // Own errors move the displacement by as much as these friction parameters make of them.
     residuals_.set_own_errors(unknowns_.values(minimum_.z));
     minimum_ = minimise(residuals_, minimum_.z);
   }
-  result_.chi2_before_scatter = minimum_.chi2;
+  result_.chi2 = minimum_.chi2;
+  result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
+  result_.p_value = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
 }
 
 void Estimation::add_scatter_of_replicates() {
@@ -151,17 +164,18 @@ void Estimation::add_scatter_of_replicates() {
 
 void Estimation::test_residuals() {
   add_scatter_of_replicates();
-  result_.p_value = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
+  p_value_ = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
   excess_ = residuals_.excess(minimum_.chi2);
   result_.outliers = find_outliers(residuals_, minimum_);
+  result_.runs_test_p_value = runs_test(residuals_, linearised(residuals_, minimum_));
 }
 
 void Estimation::explain_excess_variance() {
   const bool driven = std::any_of(problem_.trajectory_runs.begin(), problem_.trajectory_runs.end(),
                                   [](const auto& run) { return !run.free_slide; });
   const bool known = problem_.summary_runs.empty() || result_.scatter_from_replicates;
-  const bool rejected = result_.p_value < (known ? kSurprise : kDoubt);
-  const Reweighting reweighting{options_.estimate_scatter && driven, options_.estimate_scatter && rejected,
+  const bool scattered = p_value_ < (known ? kSurprise : kDoubt);
+  const Reweighting reweighting{options_.estimate_scatter && driven, options_.estimate_scatter && scattered,
                                 options_.loss};
   if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
     correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
@@ -240,7 +254,7 @@ void Estimation::take(std::size_t index) {
 
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
-  if (result_.p_value < kSurprise) result_.scatter_from_replicates = false;
+  if (rejected()) result_.scatter_from_replicates = false;
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
   find_other_minima();
@@ -256,13 +270,26 @@ void Estimation::quantify_uncertainty() {
 
 void Estimation::describe() {
   result_.converged = best_.converged;
-  result_.chi2 = best_.chi2;
-  result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
   fill_parameters(unknowns_, values_, uncertainty_, t_, result_);
   for (std::size_t i = 0; i < profiles_.size(); ++i)
     fill_profile(profiles_[i], t_[i] * t_[i], result_.parameters[i]);
   fill_excess_variance(residuals_, options_.estimate_scatter, result_);
   fill_correlated_errors(residuals_, result_);
+}
+
+FitResult Estimation::assumed() {
+  FitResult result = result_;
+  const Minimum here = linearised(residuals_, minimum_);
+  const Eigen::VectorXd values = unknowns_.values(fold_lag(unknowns_, minimum_.z));
+  const Eigen::MatrixXd covariance = uncertainty(unknowns_, values, here.at).covariance;
+  for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
+    const double sd = std::sqrt(std::max(0.0, covariance(i, i)));
+    const FitParameter parameter = unknowns_.parameter(i);
+    result.as_assumed[parameter] = {
+        values(i), sd,
+        interval95(unknowns_.transform(i), parameter, values(i), sd, two_sided_quantile(kConfidence, 1e9))};
+  }
+  return result;
 }
 
 FitResult Estimation::estimates() {
@@ -291,13 +318,11 @@ FitResult Estimation::report() {
     result.warnings.push_back(
         "phase_lag_rad is not fitted and taken as 0: add it to [fit] parameters, or give it in [fit.fixed].");
   result.agreement = agreement(result);
-  result.neighbours_err_alike = result.runs_test_p_value < kAlike;
   fill_runs(residuals_, best, result);
   fill_influence(residuals_, best, uncertainty_, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);
-  add_models(result.models, result.parameters, result.budget);
   result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
   fill_failures(residuals_, best, result);
@@ -341,10 +366,87 @@ void FitOptions::validate() const {
   at_least("bootstrap", bootstrap, 0);
 }
 
+namespace {
+
+/// The problem that is quoted, and what it assumes that the one given does not.
+struct Quoted {
+  Problem problem;
+  std::vector<std::string> under;
+  std::vector<Explanation> as_good;  ///< others that explain the residuals as well
+};
+
+Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
+  Quoted quoted;
+  for (SummaryRun& run : problem.summary_runs)
+    run.held_out |= std::ranges::any_of(outliers, [&](const Outlier& o) { return o.run == run.name; });
+  for (const Outlier& outlier : outliers)
+    quoted.under.push_back("run '" + outlier.run + "' left out: it contradicts the others");
+  quoted.problem = std::move(problem);
+  return quoted;
+}
+
+/// What explains the residuals: one thing, or a second and a third beside it where each gains. nullopt:
+/// nothing does.
+std::optional<Quoted> explained(const Problem& problem, std::vector<ExplainedProblem> list,
+                                const std::vector<Outlier>& outliers, const FitOptions& options) {
+  constexpr int kMostTogether = 3;
+  Quoted quoted;
+  for (int k = 0; k < kMostTogether; ++k) {
+    const auto best = std::ranges::find_if(list, [](const auto& e) { return e.found.explains; });
+    if (best != list.end()) {
+      quoted.under.push_back(sentence_of(best->found));
+      quoted.problem = best->problem;
+      for (auto other = best + 1; other != list.end(); ++other)
+        if (other->found.explains && gain_of(best->found) - gain_of(other->found) < kPreferred)
+          quoted.as_good.push_back(other->found);
+      return quoted;
+    }
+    if (k == 0 && !outliers.empty()) return without_bad_runs(problem, outliers);
+    if (list.empty() || !list.front().found.refitted) return std::nullopt;
+    quoted.under.push_back(sentence_of(list.front().found));
+    const Problem next = list.front().problem;
+    FitOptions single = options;
+    single.multi_starts = 1;
+    Estimation fit(next, single);
+    fit.find_minimum();
+    list = fit.explanations();
+  }
+  return std::nullopt;
+}
+
+/// Every stage of a fit, the explanations apart.
+FitResult quantified(Estimation& fit) {
+  fit.explain_excess_variance();
+  fit.quantify_uncertainty();
+  return fit.report();
+}
+
+/// The interval covers what the explanations say that are as good.
+void widen(const std::vector<Explanation>& as_good, FitResult& result) {
+  for (ParameterEstimate& p : result.parameters)
+    for (const Explanation& other : as_good)
+      if (const auto under = other.parameters.find(p.parameter); under != other.parameters.end()) {
+        p.ci95.low = std::min(p.ci95.low, under->second.ci95.low);
+        p.ci95.high = std::max(p.ci95.high, under->second.ci95.high);
+        p.ci95_pieces = {p.ci95};
+      }
+}
+
+void set_course(Problem& problem) {
+  const auto runs = static_cast<double>(problem.summary_runs.size() + problem.trajectory_runs.size());
+  double place = 0;
+  const auto next = [&] { return runs > 1 ? place++ / (runs - 1) - 0.5 : 0; };
+  for (SummaryRun& run : problem.summary_runs) run.course = next();
+  for (TrajectoryRun& run : problem.trajectory_runs) run.course = next();
+}
+
+}  // namespace
+
 FitResult estimate(const Problem& given, const FitOptions& options) {
   options.validate();
   given.validate();
   Problem problem = given;
+  set_course(problem);
   std::vector<SlideResult> slides = prepare_slides(problem);
   fit_one_by_one(
       problem, [&](const Problem& alone, bool scatter) { return fit_alone(alone, options, scatter); },
@@ -355,15 +457,34 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   Estimation fit(problem, options, between ? &*between : nullptr);
   fit.find_minimum();
   fit.test_residuals();
-  // Tracks are compared with other models once their correlated errors are known.
+  // Tracks are explained once their correlated errors are known.
   const bool tracks = !problem.trajectory_runs.empty();
-  if (!tracks) fit.check_model();
-  fit.explain_excess_variance();
-  if (tracks) fit.check_model();
-  fit.quantify_uncertainty();
-  FitResult result = fit.report();
+  if (tracks) fit.explain_excess_variance();
+  const std::vector<ExplainedProblem> list = fit.explanations();
+  std::optional<Quoted> quoted;
+  if (fit.rejected()) quoted = explained(problem, list, fit.outliers(), options);
+  FitResult result;
+  if (quoted) {
+    const FitResult assumed = fit.assumed();
+    Estimation under(quoted->problem, options, between ? &*between : nullptr);
+    under.find_minimum();
+    under.test_residuals();
+    result = quantified(under);
+    result.chi2 = assumed.chi2;
+    result.dof = assumed.dof;
+    result.p_value = assumed.p_value;
+    result.outliers = assumed.outliers;
+    result.as_assumed = assumed.as_assumed;
+    result.quoted_under = quoted->under;
+    result.agreement = agreement(result);
+    widen(quoted->as_good, result);
+  } else {
+    result = quantified(fit);
+  }
+  for (const ExplainedProblem& explanation : list) result.explanations.push_back(explanation.found);
   result.slides = std::move(slides);
   describe_slides(between ? &*between : nullptr, result);
+  judge(result);
   return result;
 }
 

@@ -130,16 +130,33 @@ struct Outlier {
   std::string sentence;
 };
 
-/// One model among those compared.
-struct ModelComparison {
-  std::string name;
-  int parameters = 0;  ///< unknowns
-  double chi2 = 0;     ///< with the data's own sigma
-  /// chi^2 + 2 k and chi^2 + k ln n; with n ln(chi^2/n) for chi^2 where no model agrees with the sigmas.
-  double aic = 0, bic = 0;
-  std::map<FitParameter, double> values;  ///< of the fitted parameters under it; empty for the paper's
-  std::string sentence;                   ///< its additional parameters
+/// A parameter under an explanation.
+struct EstimateUnder {
+  double estimate = 0;
+  double sd = 0;
+  Interval ci95;
 };
+
+/// Something that the fit takes as exact and that may explain its residuals (fit/checks/explanations.h).
+struct Explanation {
+  /// tilt, amplitude, amplitude_ratio, phase_shift, clock, scale, start_phase: conditions; stribeck, viscous,
+  /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; bad_run, run_scatter.
+  std::string name;
+  std::string run;       ///< of bad_run
+  double chi2_fall = 0;  ///< with it free; 0 where it would have to be negative
+  int dof = 1;           ///< of it
+  double p_after = 0;    ///< of the chi^2 that is left
+  double size = 0, size_sd = 0;
+  std::string unit;                                  ///< of both
+  bool refitted = false;                             ///< else all is to first order
+  bool explains = false;                             ///< it leaves nothing to explain where something was
+  std::map<FitParameter, EstimateUnder> parameters;  ///< under it
+};
+
+/// What may be done with the estimates.
+enum class Use { use, care, do_not_use };
+
+const char* to_string(Use use);  ///< "use", "care", "do_not_use"
 
 /// A source of uncertainty and what it does to the parameters (JCGM 100:2008, sections 5 and 8). The squares
 /// of all counted contributions to a parameter add up to the square of its sd.
@@ -227,28 +244,31 @@ struct FitResult {
   bool converged = false;
   Identifiability identifiability;
   Agreement agreement = Agreement::unknown;
+  Use verdict = Use::do_not_use;  ///< of all that follows (fit/checks/verdict.h)
+  std::vector<std::string> verdict_reasons;
   std::vector<std::string> warnings;
   /// The scatter beyond the data's own sigma exceeds a tenth of the median displacement: the runs do not
   /// follow the model.
   bool scatter_dominates = false;
-  bool usable() const {
-    return converged && identifiability.verdict != Verdict::not_identifiable && !scatter_dominates;
-  }
+  bool usable() const { return verdict != Use::do_not_use; }
 
   // Goodness of fit.
-  double chi2 = 0;  ///< at the minimum, with the scatter below counted in the sigmas
+  double chi2 = 0;  ///< at the minimum with everything as the problem says, by the data's own sigma
   int dof = 0;
-  double p_value = 1;                 ///< of chi^2 with the data's own sigma and the replicates' scatter
-  double chi2_before_scatter = 0;     ///< with the data's own sigma alone
-  double runs_test_p_value = 1;       ///< small: neighbouring runs err alike
-  bool neighbours_err_alike = false;  ///< runs_test_p_value < 0.01, as under a wrong model
+  double p_value = 1;            ///< of chi2
+  double runs_test_p_value = 1;  ///< small: neighbouring runs err alike, as under a wrong model
   std::vector<RunResult> runs;
-  std::vector<SlideResult> slides;      ///< free slides one by one
-  double between_slides = 0;            ///< sd of mu1 between slides, counted in the covariance
-  double between_slides_p_value = 1;    ///< that the slides' mu1 differ so much by chance
-  std::vector<Outlier> outliers;        ///< farthest first
-  std::vector<ModelComparison> models;  ///< the one fitted first; empty where none was compared
-  std::vector<std::string> left_out;    ///< checks that the data did not require, with the reason
+  std::vector<SlideResult> slides;    ///< free slides one by one
+  double between_slides = 0;          ///< sd of mu1 between slides, counted in the covariance
+  double between_slides_p_value = 1;  ///< that the slides' mu1 differ so much by chance
+  std::vector<Outlier> outliers;      ///< farthest first
+  /// What would explain the residuals, best first.
+  std::vector<Explanation> explanations;
+  /// Names of the explanations under which `parameters` are estimated; empty: everything is as the problem
+  /// says.
+  std::vector<std::string> quoted_under;
+  std::map<FitParameter, EstimateUnder> as_assumed;  ///< where they are: without them
+  std::vector<std::string> left_out;  ///< checks that the data did not require, with the reason
 
   // Errors beyond the data's own sigma, counted in the covariance.
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
@@ -285,6 +305,7 @@ struct FitResult {
   /// The best run for each parameter alone, and, where it helps much more, the best with another A or w.
   std::vector<NextExperiment> other_next_experiments;
 
+  std::string verdict_text() const;  ///< verdict and reasons, a sentence
   std::string brief_report() const;  ///< one line
   std::string full_report() const;   ///< as `tribotrack fit` prints it
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/checks/verdict.h"
 #include "fit/report/json_fields.h"
 #include "fit/tools/parameter_text.h"
 
@@ -212,13 +213,46 @@ void fields(Io& io, Outlier& o) {
 }
 
 template <class Io>
-void fields(Io& io, ModelComparison& model) {
-  io("name", model.name);
-  io("unknowns", model.parameters);
-  io("chi2", model.chi2);
-  io("aic", model.aic);
-  io("bic", model.bic);
-  io("sentence", model.sentence);
+void fields(Io& io, EstimateUnder& p) {
+  io.need("estimate", p.estimate);
+  io.sd("sd", p.sd);
+  io.need("ci95", p.ci95);
+}
+
+template <class Io>
+void fields(Io& io, Explanation& e) {
+  io.need("name", e.name);
+  io("run", e.run, !e.run.empty());
+  io("chi2_fall", e.chi2_fall);
+  io("dof", e.dof);
+  io("p_after", e.p_after);
+  io("size", e.size);
+  io("size_sd", e.size_sd);
+  io("unit", e.unit);
+  io("refitted", e.refitted);
+  io("explains", e.explains);
+  io("parameters", e.parameters);
+}
+
+/// The paper's law, and the explanations that were fitted, by Akaike's and Schwarz's criteria.
+inline Json models_json(const FitResult& fit) {
+  Json models = Json::array();
+  const auto n = static_cast<int>(fit.dof + static_cast<int>(fit.parameters.size()));
+  const auto add = [&](const std::string& name, double chi2, int more) {
+    const int unknowns = static_cast<int>(fit.parameters.size()) + more;
+    models.push_back({{"name", name},
+                      {"unknowns", unknowns},
+                      {"chi2", finite_json(chi2)},
+                      {"aic", finite_json(chi2 + 2 * unknowns)},
+                      {"bic", finite_json(chi2 + unknowns * std::log(std::max(n, 1)))},
+                      {"sentence", ""}});
+  };
+  for (const Explanation& e : fit.explanations) {
+    if (!e.refitted) continue;
+    if (models.empty()) add("Coulomb friction", fit.chi2, 0);
+    add(e.name, fit.chi2 - e.chi2_fall, e.dof);
+  }
+  return models;
 }
 
 template <class Io>
@@ -280,6 +314,11 @@ void fields(Io& io, FitResult& fit) {
   io.need("dof", fit.dof);
   io.need("agreement", fit.agreement);
   io.need("converged", fit.converged);
+  io("verdict", fit.verdict);
+  io("verdict_reasons", fit.verdict_reasons);
+  io("explanations", fit.explanations);
+  io("quoted_under", fit.quoted_under);
+  io("as_assumed", fit.as_assumed);
   io.derived("usable", fit.usable());
   io("scatter_dominates", fit.scatter_dominates);
   io.scaled("scatter_mm", fit.scatter, 1e3);
@@ -303,7 +342,7 @@ void fields(Io& io, FitResult& fit) {
   io("p_value", fit.p_value);
   io("runs_test_p_value", fit.runs_test_p_value);
   io("outliers", fit.outliers);
-  io("models", fit.models);
+  io.derived("models", models_json(fit));
   io("left_out", fit.left_out);
   io("systematics", fit.systematics);
   io("budget", fit.budget);
@@ -373,6 +412,14 @@ FitResult in_key_units(FitResult fit, double mm_per_px) {
     for (Interval& piece : p.ci95_pieces) piece = times(piece, unit);
     for (ProfilePoint& point : p.profile) point.value *= unit;
   }
+  const auto convert = [&](std::map<FitParameter, EstimateUnder>& parameters) {
+    for (auto& [parameter, p] : parameters) {
+      const double unit = key_unit_per_si(parameter, mm_per_px);
+      p = {p.estimate * unit, p.sd * unit, times(p.ci95, unit)};
+    }
+  };
+  convert(fit.as_assumed);
+  for (Explanation& explanation : fit.explanations) convert(explanation.parameters);
   if (fit.covariance.rows() == units.size())
     fit.covariance = units.asDiagonal() * fit.covariance * units.asDiagonal();
   for (OneMinimum& minimum : fit.minima)
@@ -397,6 +444,7 @@ void from_json(const Json& json, FitResult& shown) {
   Order order;
   internal::Reader io({json, ""}, order);
   fields(io, shown);
+  if (!json.contains("verdict")) internal::judge(shown);
 }
 
 void to_json(Json& json, const SlideResult& slide) {

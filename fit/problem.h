@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -43,8 +44,23 @@ enum class FitParameter {
   phase_shift,      ///< rad, added to the epsilon of every run
   phase_reference,  ///< rad, added to the phase of every pulse: where the platform's phase is counted from
   gravity,
-  slope  ///< rad, added to the slope of every incline; 0 = as given
+  slope,        ///< rad, added to the slope of every incline; 0 = as given
+  start_phase,  ///< rad, added to the phase at which runs start that start at rest
+  // What friction may do beside the paper's law, 0 (its speed: 1) for the law itself (model/rival_laws.h):
+  mu2_width,       ///< 1/rad, relative rise of mu2 with the width of the gate, about the mean of all runs
+  wear,            ///< relative rise of mu1 and mu2 from the first run of the campaign to the last
+  stribeck,        ///< relative
+  stribeck_speed,  ///< ln of its speed over A w/4
+  viscous,         ///< 1/s
+  gate_edges,      ///< rad^2, square of what each change of mu takes: displacements are linear in it
+  mu2_speed,       ///< relative rise of mu2 at the platform's speed
+  static_friction  ///< relative
 };
+
+/// Those that only an integration under another law of friction knows.
+inline constexpr std::array kLaws = {FitParameter::stribeck,  FitParameter::stribeck_speed,
+                                     FitParameter::viscous,   FitParameter::gate_edges,
+                                     FitParameter::mu2_speed, FitParameter::static_friction};
 
 const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",
                                                 ///< ... as in campaigns
@@ -84,6 +100,8 @@ struct SummaryRun {
   Displacement measured;
   bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
   OwnErrors own = {};                 ///< counted beside the covariance of `measured`
+  double course = 0;                  ///< place in the campaign, -1/2 for its first run to 1/2 for its last
+  bool held_out = false;              ///< not fitted, but predicted by the fit
 };
 
 /// How fast the part of a free slide turns at its first point, and on how much of its face it bears:
@@ -118,6 +136,7 @@ struct TrajectoryRun {
   Eigen::Vector2d downhill = Eigen::Vector2d::Zero();
   /// Of its gate, and of what else this run alone is known by; the phase at the start has start_phase_sd.
   OwnErrors own = {};
+  double course = 0;  ///< as SummaryRun::course
 };
 
 struct Problem {

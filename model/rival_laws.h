@@ -1,5 +1,5 @@
-// Alternative friction laws, to test whether data reject the paper's.
-//   const RivalLaw law{RivalLaw::Kind::viscous, 0.5};                     // mu g + 0.5 1/s |u|
+// Laws of friction beside the paper's, to tell whether data ask for them.
+//   const RivalLaw law{.viscous = 0.5};                                   // mu g + 0.5 1/s |u|
 //   const Eigen::Vector2d moved = rival_displacement(scenario, law);      // m
 #pragma once
 
@@ -10,21 +10,18 @@
 
 namespace tribotrack::model {
 
-/// The paper's law with one more number, `strength`, that is 0 for the paper's law itself.
+/// What friction takes from the relative speed |u|,
+///   m(t, |u|) = mu(t, |u|) g (1 + stribeck exp(-(|u|/v_s)^2)) + viscous |u|,
+/// where mu2 is mu2 (1 + mu2_speed |u|/(A w)) and each change of mu between mu1 and mu2 is a ramp. A part at
+/// rest is held up to (1 + static_friction) m(t, 0). All 0: the paper's law.
 struct RivalLaw {
-  enum class Kind {
-    coulomb,   ///< mu g, whatever the speed (the paper); strength unused
-    stribeck,  ///< mu g (1 + strength exp(-(|u|/v_s)^2)), v_s = A w/4 (a quarter of the initial speed where
-               ///< the platform rests): friction falls (strength > 0) with speed
-    viscous,   ///< mu g + strength |u|; strength in 1/s
-    rise_time  ///< the actuator takes `strength` seconds for each change of mu: a trapezoid that begins at
-               ///< the edges
-  };
-  Kind kind = Kind::coulomb;
-  double strength = 0;
+  double stribeck = 0;         ///< friction at rest is higher by this share; above -1
+  double fading_speed = 1;     ///< v_s over A w/4 (a quarter of the initial speed where the platform rests)
+  double viscous = 0;          ///< 1/s
+  double rise = 0;             ///< s, of each change of mu; its middle lies at the edge; >= 0
+  double mu2_speed = 0;        ///< share by which mu2 is higher at the platform's speed
+  double static_friction = 0;  ///< share by which friction at rest holds more than it takes from motion
 };
-
-const char* to_string(RivalLaw::Kind kind);
 
 /// Displacement at the end of the run, m: Dormand-Prince 5(4) that stops and starts anew wherever mu has a
 /// kink, with sticking decided by the friction at rest. `tolerance` is relative to A and A w (the initial

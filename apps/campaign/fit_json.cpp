@@ -114,7 +114,8 @@ std::string estimate_and_sd(double estimate, double sd) {
 std::string parameter_table(const Json& fit) {
   std::string table =
       fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", "parameter", "estimate", "sd", "ci95_low", "ci95_high");
-  for (const fit::ParameterEstimate& p : fit.get<fit::FitResult>().parameters) {
+  const auto result = fit.get<fit::FitResult>();
+  for (const fit::ParameterEstimate& p : result.parameters) {
     const auto end = [&](double value) { return rounded_end(value, p.ci95.low, p.ci95.high, p.sd); };
     table += fmt::format("{:<26}{}{:>14}{:>14}", fit::to_string(p.parameter),
                          estimate_and_sd(p.estimate, p.sd), end(p.ci95.low), end(p.ci95.high));
@@ -123,7 +124,8 @@ std::string parameter_table(const Json& fit) {
                            end(p.ci95_pieces[i].high));
     table += "\n";
   }
-  return table;
+  if (!result.as_assumed.empty()) table += "as described: " + as_described(result) + "\n";
+  return table + result.verdict_text() + "\n";
 }
 
 std::string slide_table(const Json& fit) {

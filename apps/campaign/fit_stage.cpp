@@ -13,6 +13,7 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
+#include "fit/rounding.h"
 
 namespace tribotrack::apps {
 
@@ -139,6 +140,23 @@ MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign,
   return meta;
 }
 
+namespace {
+
+std::string chi2_text(const fit::FitResult& result) {
+  return fmt::format("chi2 {:.4g} at {} degrees of freedom", result.chi2, result.dof);
+}
+
+}  // namespace
+
+std::string as_described(const fit::FitResult& result) {
+  std::string text;
+  for (const fit::ParameterEstimate& p : result.parameters)
+    if (const auto as = result.as_assumed.find(p.parameter); as != result.as_assumed.end())
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", fit::to_string(p.parameter),
+                          fit::quoted(as->second.estimate, as->second.sd));
+  return text;
+}
+
 std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
                                       const std::string& look_at) {
   const fit::FitResult& result = fitted.result;
@@ -146,17 +164,19 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FittedCamp
   if (result.coder_exceeds_interval())
     found.push_back(
         {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
-  if (!result.usable())
+  if (!result.quoted_under.empty())
     found.push_back(
-        {kFitUnusable,
-         fmt::format(
-             "{}: the fit is not usable: {}", campaign.file.string(),
-             !result.converged ? "it did not converge; give first guesses in [fit.guess]"
-             : result.identifiability.verdict == fit::Verdict::not_identifiable
-                 ? "the data do not determine these parameters separately; see " + look_at
-                 : "the runs scatter about the model by more than a tenth of what they measure; see " +
-                       look_at),
-         remedies(result)});
+        {kQualityGate,
+         fmt::format("{}: the data reject the campaign as it is described ({}); these values hold "
+                     "under {}; as described: {}",
+                     campaign.file.string(), chi2_text(result),
+                     fmt::format("{}", fmt::join(result.quoted_under, ", and ")), as_described(result)),
+         {}});
+  if (!result.usable())
+    found.push_back({kFitUnusable,
+                     fmt::format("{}: do not use these values: {}; see {}", campaign.file.string(),
+                                 fmt::format("{}", fmt::join(result.verdict_reasons, "; ")), look_at),
+                     remedies(result)});
   return found;
 }
 

@@ -49,6 +49,10 @@ struct Reservation {
   std::vector<std::string> remedies;
 };
 
+/// "mu1 = 0.0995(10), ...": what the fit says of a campaign taken at its word, where the values quoted are
+/// not.
+std::string as_described(const fit::FitResult& result);
+
 /// The weightiest last; empty for a sound fit. `look_at` names where the user finds more.
 std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
                                       const std::string& look_at);

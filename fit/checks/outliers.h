@@ -1,4 +1,4 @@
-// Which run does not belong to the others, and whether observables agree with the model.
+// Which run does not belong to the others.
 #pragma once
 
 #include "fit/estimate.h"
@@ -16,8 +16,5 @@ namespace tribotrack::fit::internal {
 /// bring it back (rotation law), the phi it looks like is reported, too. `residuals` without scatter and
 /// weights, `best` their minimum.
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
-
-/// From chi2, dof, p_value and scatter of a result.
-Agreement agreement(const FitResult& result);
 
 }  // namespace tribotrack::fit::internal

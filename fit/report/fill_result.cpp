@@ -354,7 +354,7 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
     result.warnings.push_back(fmt::format(
         "The runs scatter by {} more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
         "or the model is wrong.",
-        scatter_text(excess), number(result.chi2_before_scatter, 4), chance_text(result.p_value),
+        scatter_text(excess), number(result.chi2, 4), chance_text(result.p_value),
         result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or "));
   for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
     if (const auto& run = excess.trajectories[i]; run.between_points > 0)

@@ -49,9 +49,13 @@ inline std::vector<std::string> words_of<Agreement>() {
   return words;
 }
 template <>
+inline std::vector<std::string> words_of<Use>() {
+  return {"use", "care", "do_not_use"};
+}
+template <>
 inline std::vector<std::string> words_of<FitParameter>() {
   std::vector<std::string> words;
-  for (int k = 0; k <= static_cast<int>(FitParameter::slope); ++k)
+  for (int k = 0; k <= static_cast<int>(FitParameter::static_friction); ++k)
     words.emplace_back(to_string(static_cast<FitParameter>(k)));
   return words;
 }

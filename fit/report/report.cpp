@@ -27,7 +27,7 @@ std::string pieces(const std::vector<Interval>& pieces, double factor, double sd
   return text;
 }
 
-const char* verdict_text(Verdict verdict) {
+const char* identifiability_text(Verdict verdict) {
   switch (verdict) {
     case Verdict::identifiable:
       return "identifiable: the data determine every parameter";
@@ -45,14 +45,32 @@ std::string goodness(const FitResult& fit) {
                   fit.converged ? "converged" : "NOT CONVERGED", fit.starts_at_best, fit.starts);
   text += fit.starts_screened > 0 ? fmt::format(" ({} starts screened)\n", fit.starts_screened) : "\n";
   text += fmt::format("    chi2 {:.5g} at {} degrees of freedom", fit.chi2, fit.dof);
-  if (fit.scatter_from_replicates)
-    text += fmt::format(", {} (with the sigmas alone: {:.5g})", chance_text(fit.p_value),
-                        fit.chi2_before_scatter);
-  else if (fit.scatter > 0)
-    text += fmt::format(" (before the scatter was estimated: {:.5g}, {})", fit.chi2_before_scatter,
-                        chance_text(fit.p_value));
-  if (!(fit.scatter > 0)) text += ", " + chance_text(fit.p_value);
+  text += ", " + chance_text(fit.p_value);
   return text + "\n    " + fit.covariance_meaning + "\n";
+}
+
+/// The list of explanations, each with the parameters under it.
+std::string explanation_table(const FitResult& fit) {
+  constexpr std::size_t kMostShown = 6;
+  std::string text = fmt::format("    {:<18} {:>10} {:>4} {:>9}  {:<22}", "with ... free", "chi2 falls",
+                                 "dof", "p left", "size");
+  for (const auto& p : fit.parameters) text += fmt::format(" {:>16}", to_string(p.parameter));
+  text += "\n";
+  for (std::size_t i = 0; i < std::min(fit.explanations.size(), kMostShown); ++i) {
+    const Explanation& e = fit.explanations[i];
+    text += fmt::format("    {:<18} {:>10.4g} {:>4} {:>9.2g}  {:<22}",
+                        e.run.empty() ? e.name : e.name + " " + e.run, e.chi2_fall, e.dof, e.p_after,
+                        quoted(e.size, e.size_sd) + " " + e.unit);
+    for (const auto& p : fit.parameters) {
+      const auto under = e.parameters.find(p.parameter);
+      const double factor = display_factor(p.parameter);
+      text += fmt::format(" {:>16}", under == e.parameters.end() ? "-"
+                                                                 : quoted(under->second.estimate * factor,
+                                                                          under->second.sd * factor));
+    }
+    text += e.refitted ? (e.explains ? "  explains\n" : "\n") : "  first order\n";
+  }
+  return text;
 }
 
 std::string parameter_table(const FitResult& fit) {
@@ -150,6 +168,15 @@ std::string slide_sentence(const RunResult& run) {
                      run.points, run.rms_m * 1e3);
 }
 
+std::string FitResult::verdict_text() const {
+  std::string text = verdict == Use::use    ? "These values can be used"
+                     : verdict == Use::care ? "Use with care"
+                                            : "Do not use these values";
+  for (std::size_t i = 0; i < verdict_reasons.size(); ++i)
+    text += (i == 0 ? ": " : "; ") + verdict_reasons[i];
+  return text + ".";
+}
+
 std::string FitResult::brief_report() const {
   std::string text;
   for (const auto& p : parameters) {
@@ -170,22 +197,19 @@ std::string FitResult::full_report() const {
     for (const auto& sentence : sentences) text += "    " + sentence + "\n";
     return text;
   };
-  std::string text = "[[Fit]]\n" + goodness(*this);
+  std::string text = "[[Verdict]]\n    " + verdict_text() + "\n[[Fit]]\n" + goodness(*this);
   text += "[[Parameters]]\n" + parameter_table(*this);
   if (const std::string correlations = correlations_above(*this, 0.1); !correlations.empty())
     text += "[[Correlations above 0.1]]\n" + correlations;
 
-  text += fmt::format("[[Identifiability]]\n    {}\n", verdict_text(identifiability.verdict));
+  text += fmt::format("[[Identifiability]]\n    {}\n", identifiability_text(identifiability.verdict));
   text += lines(identifiability.weak_directions);
   if (next_experiment) text += "    " + next_experiment->sentence + "\n";
   for (const auto& other : other_next_experiments) text += "    " + other.sentence + "\n";
 
   if (!budget.empty()) text += "[[Uncertainty budget]]\n" + budget_table(*this) + lines(systematics);
   if (!improve_first.empty()) text += "    " + improve_first + "\n";
-  if (!models.empty()) text += "[[Models compared]]\n";
-  for (const auto& model : models)
-    text += fmt::format("    {:<20} {:2} unknowns, chi2 {:<8.5g} AIC {:<8.5g} BIC {:<8.5g} {}\n", model.name,
-                        model.parameters, model.chi2, model.aic, model.bic, model.sentence);
+  if (!explanations.empty()) text += "[[What would explain the residuals]]\n" + explanation_table(*this);
   text += lines(left_out);
 
   if (!slides.empty()) text += "[[Slides]]\n";
@@ -234,8 +258,9 @@ std::vector<Link> links(const model::Scenario& s, FitParameter parameter, double
       return {{model::Parameter::tilt_x, 1}};
     case FitParameter::tilt_y:
       return {{model::Parameter::tilt_y, 1}};
-    case FitParameter::scale:
-    case FitParameter::slope:
+    case FitParameter::start_phase:
+      return {{model::Parameter::start_phase, 1}};
+    default:
       return {};
   }
   return {};

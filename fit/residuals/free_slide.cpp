@@ -152,7 +152,7 @@ void add_platform(const model::Scenario& scenario, double time, double seen,
 
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,
-                        bool derivatives, const model::RivalLaw* law) {
+                        bool derivatives) {
   model::Scenario scenario = applied.scenario;
   scenario.duration = times.back();
   model::IntegrationOptions options;
@@ -161,11 +161,8 @@ PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied
   const bool sensitive = !options.derivatives.empty();
   PointModel points;
   Eigen::MatrixXd by_wanted;
-  if (law)
-    points.positions = model::rival_positions(scenario, *law, times);
-  else
-    model::integrate(scenario, options)
-        .positions_at(times, seen.exposure, points.positions, sensitive ? &by_wanted : nullptr);
+  model::integrate(scenario, options)
+      .positions_at(times, seen.exposure, points.positions, sensitive ? &by_wanted : nullptr);
   if (seen.camera_frame) {
     const double half = 0.5 * scenario.drive.angular_frequency * seen.exposure;
     const double share = half > 0 ? std::sin(half) / half : 1;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fit/residuals/unknowns.h"
-#include "model/rival_laws.h"
 
 namespace tribotrack::fit::internal {
 
@@ -20,10 +19,9 @@ struct Seen {
   double exposure = 0;        ///< s: a point is the mean over it
 };
 
-/// At `times` (s from the start); under another law of friction without derivatives, exposures as of no
-/// length.
+/// At `times` (s from the start).
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,
-                        bool derivatives, const model::RivalLaw* law = nullptr);
+                        bool derivatives);
 
 }  // namespace tribotrack::fit::internal

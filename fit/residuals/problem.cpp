@@ -117,6 +117,24 @@ const char* to_string(FitParameter parameter) {
       return "gravity_m_s2";
     case FitParameter::slope:
       return "slope_rad";
+    case FitParameter::start_phase:
+      return "start_phase_rad";
+    case FitParameter::mu2_width:
+      return "mu2_width_1_rad";
+    case FitParameter::wear:
+      return "wear";
+    case FitParameter::stribeck:
+      return "stribeck";
+    case FitParameter::stribeck_speed:
+      return "stribeck_speed";
+    case FitParameter::viscous:
+      return "viscous_1_s";
+    case FitParameter::gate_edges:
+      return "gate_edges_rad2";
+    case FitParameter::mu2_speed:
+      return "mu2_speed";
+    case FitParameter::static_friction:
+      return "static_friction";
   }
   return "?";
 }

@@ -37,9 +37,13 @@ void Residuals::set_weights(const Weights& weights) {
   prepare();
 }
 
-void Residuals::set_law(const model::RivalLaw& law) {
-  law_ = law;
-  failures_ = std::make_shared<FailedEvaluations>();
+bool Residuals::set_laws(const Eigen::VectorXd& values) {
+  if (unknown_laws(*unknowns_).empty()) return true;
+  std::vector<const std::vector<double>*> times;
+  for (const auto& track : tracks_) times.push_back(&track->times());
+  auto terms = LawTerms::at(*unknowns_, values, times, threads_);
+  if (terms) laws_ = std::make_shared<const LawTerms>(std::move(*terms));
+  return terms.has_value();
 }
 
 void Residuals::prepare() {
@@ -89,6 +93,7 @@ Eigen::Index RowLayout::rows() const {
 
 double Residuals::degrees_of_freedom() const {
   double dof = static_cast<double>(layout_.rows() - unknowns_->size());
+  for (const SummaryRun& run : problem_->summary_runs) dof -= run.held_out ? 2 : 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     dof +=
         2.0 * static_cast<double>(tracks_[i]->points()) * (1 / excess_.trajectories[i].correlation_time - 1) -
@@ -199,8 +204,12 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
 
 Eigen::Vector2d Residuals::difference(const Linearised& at, std::size_t index) const {
   return Factor2(covariance(index)).lower() *
-         at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(index)) /
-         std::sqrt(weights_.of(index));
+         at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(index)) / root_of_weight(index);
+}
+
+double Residuals::root_of_weight(std::size_t index) const {
+  constexpr double kHeldOut = 1e-6;
+  return problem_->summary_runs[index].held_out ? kHeldOut : std::sqrt(weights_.of(index));
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool derivatives,
@@ -209,13 +218,14 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
   const auto row = 2 * static_cast<Eigen::Index>(index);
   const auto applied = unknowns_->apply_summary(values, run, derivatives);
   const Factor2 factor(covariance(index));
-  const EndPoint end = law_ ? EndPoint{model::rival_displacement(applied.scenario, *law_), {}}
-                            : end_point(applied.scenario, applied.wanted, tolerance_);
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
   // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
   // the scale.
   const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
-  const double root = std::sqrt(weights_.of(index));
-  group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - position);
+  const double root = root_of_weight(index);
+  const Eigen::Matrix2Xd added = laws_ ? laws_->added(index, values) : Eigen::Matrix2Xd();
+  const Eigen::Vector2d modelled = added.cols() > 0 ? Eigen::Vector2d(position + added) : position;
+  group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - modelled);
   if (!derivatives) return;
   Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->common());
   if (!applied.wanted.empty())
@@ -224,6 +234,11 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
     by_unknowns.col(*scale) += position / applied.scale;
   if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.given_as_velocity)
     by_unknowns.col(*w) -= position / values(*w);
+  if (laws_) {
+    Eigen::MatrixXd by_laws = Eigen::MatrixXd::Zero(2, unknowns_->common());
+    laws_->add_derivatives(index, by_laws);
+    by_unknowns -= by_laws;
+  }
   group.shared.middleRows(row, 2) = root * factor.whiten_columns(by_unknowns);
 }
 
@@ -232,8 +247,15 @@ PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const AppliedScenario applied = unknowns_->apply_trajectory(values, index, derivatives);
   const Seen seen{!run.free_slide && !run.track.platform_frame, run.track.exposure};
-  return model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives,
-                      law_ ? &*law_ : nullptr);
+  PointModel modelled =
+      model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives);
+  if (!laws_) return modelled;
+  const std::size_t place = problem_->summary_runs.size() + index;
+  const Eigen::Matrix2Xd added = laws_->added(place, values);
+  if (added.cols() == 0) return modelled;
+  modelled.positions += added;
+  if (derivatives) laws_->add_derivatives(place, modelled.jacobian);
+  return modelled;
 }
 
 RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index, bool derivatives) const {

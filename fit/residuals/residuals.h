@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "fit/residuals/failed_evaluations.h"
+#include "fit/residuals/law_terms.h"
 #include "fit/residuals/linearised.h"
 #include "fit/residuals/point_model.h"
 #include "fit/residuals/track_whitening.h"
 #include "fit/residuals/unknowns.h"
-#include "model/rival_laws.h"
 
 namespace tribotrack::fit::internal {
 
@@ -79,8 +79,9 @@ class Residuals {
   /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: the error
   /// of the integrator that chi^2 tolerates where it is needed to that accuracy only.
   double tolerance_for(double share, double coarsest) const;
-  /// Another law of friction, without derivatives. Failures are counted anew.
-  void set_law(const model::RivalLaw& law);
+  /// What the unknown laws of friction (kLaws) add to the motion, linearised at these values; until then
+  /// nothing. False, and as before: they have no motion there.
+  bool set_laws(const Eigen::VectorXd& values);
 
   /// nullopt, and recorded in failures(), where the model has no motion at these values (InvalidParameter,
   /// StepLimitExceeded) or the residuals are not finite; any other exception passes. Derivatives are by
@@ -108,6 +109,7 @@ class Residuals {
   void take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> column) const;
 
  private:
+  double root_of_weight(std::size_t summary_run) const;
   void summary(const Eigen::VectorXd& values, std::size_t run, bool derivatives, RowGroup& group) const;
   RowGroup trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   PointModel modelled_points(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
@@ -117,7 +119,7 @@ class Residuals {
   const Unknowns* unknowns_;
   int threads_;
   double tolerance_ = 1e-10;
-  std::optional<model::RivalLaw> law_;
+  std::shared_ptr<const LawTerms> laws_;                ///< null: none
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
   Weights weights_;

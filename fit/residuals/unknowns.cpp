@@ -33,6 +33,16 @@ Transform transform_of(FitParameter parameter, double w, double threshold) {
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
       return {Kind::linear, 0.01};
+    case FitParameter::start_phase:
+    case FitParameter::mu2_width:
+    case FitParameter::wear:
+    case FitParameter::stribeck:
+    case FitParameter::stribeck_speed:
+    case FitParameter::viscous:
+    case FitParameter::gate_edges:
+    case FitParameter::mu2_speed:
+    case FitParameter::static_friction:
+      return {Kind::linear, 1};
   }
   return {Kind::linear, 1};
 }
@@ -80,8 +90,13 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     amplitude_ = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
     frequency_ = scenario.drive.angular_frequency;
   };
-  for (const auto& run : problem.summary_runs) consider(run.scenario);
-  for (const auto& run : problem.trajectory_runs) consider(run.scenario);
+  std::size_t pulsed = 0;
+  const auto count_width = [&](const model::Scenario& scenario) {
+    if (!(scenario.friction.pulse_width > 0)) return;
+    mean_width_ += (scenario.friction.pulse_width - mean_width_) / static_cast<double>(++pulsed);
+  };
+  for (const auto& run : problem.summary_runs) consider(run.scenario), count_width(run.scenario);
+  for (const auto& run : problem.trajectory_runs) consider(run.scenario), count_width(run.scenario);
   if (!(frequency_ > 0)) frequency_ = 1;
 
   for (const Condition& condition : problem.conditions)
@@ -175,6 +190,15 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
       case FitParameter::phase_shift:
       case FitParameter::phase_reference:
       case FitParameter::slope:
+      case FitParameter::start_phase:
+      case FitParameter::mu2_width:
+      case FitParameter::wear:
+      case FitParameter::stribeck:
+      case FitParameter::stribeck_speed:
+      case FitParameter::viscous:
+      case FitParameter::gate_edges:
+      case FitParameter::mu2_speed:
+      case FitParameter::static_friction:
         units(i) = 1;
         break;
       case FitParameter::mu2:
@@ -306,6 +330,8 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay +
                  value_of(FitParameter::phase_reference, values);
   drive.phase_shift += value_of(FitParameter::phase_shift, values);
+  const bool from_rest = base.start == model::Start::rest && amplitude_ > 0;
+  if (from_rest) result.scenario.start_phase += value_of(FitParameter::start_phase, values);
   const auto replace = [&](FitParameter parameter, double& given) {
     if (find(parameter) || problem_->fixed.count(parameter)) given = value_of(parameter, values);
   };
@@ -334,6 +360,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   chain.add(model::Parameter::amplitude_y, amplitudes, 0.5 * drive.amplitude_y / ratio);
   if (base.drive.amplitude_y > 0)
     chain.add(model::Parameter::phase_shift, find(FitParameter::phase_shift), 1);
+  if (from_rest) chain.add(model::Parameter::start_phase, find(FitParameter::start_phase), 1);
   chain.add(model::Parameter::gravity, find(FitParameter::gravity), 1);
   chain.add(model::Parameter::angular_frequency, find(FitParameter::angular_frequency), frequency_ratio);
   chain.add(model::Parameter::tilt_x, find(FitParameter::tilt_x), 1);
@@ -349,9 +376,37 @@ AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const Sum
   model::Scenario base = run.scenario;
   if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;
   AppliedScenario result = apply(values, base, run.amplitude_from_track, derivatives);
+  change_friction(values, run.course, derivatives, result);
   if (follows)
     result.stretch = result.scenario.drive.angular_frequency / run.scenario.drive.angular_frequency;
   return result;
+}
+
+void Unknowns::change_friction(const Eigen::VectorXd& values, double course, bool derivatives,
+                               AppliedScenario& applied) const {
+  const auto by_width = find(FitParameter::mu2_width), by_course = find(FitParameter::wear);
+  if (!by_width && !by_course) return;
+  model::Friction& friction = applied.scenario.friction;
+  const double wider = friction.pulse_width - mean_width_;
+  const double heated = 1 + (by_width ? wider * values(*by_width) : 0);
+  const double worn = 1 + (by_course ? course * values(*by_course) : 0);
+  const double mu1 = friction.nominal, mu2 = friction.reduced;
+  friction.nominal = mu1 * worn;
+  friction.reduced = mu2 * worn * heated;
+  if (!(friction.nominal >= 0) || !(friction.reduced >= 0))
+    throw model::InvalidParameter("friction would be negative");
+  if (!derivatives) return;
+  const auto rows_of = [&](model::Parameter parameter, double factor) {
+    const auto place = std::find(applied.wanted.begin(), applied.wanted.end(), parameter);
+    if (place != applied.wanted.end()) applied.chain.row(place - applied.wanted.begin()) *= factor;
+  };
+  rows_of(model::Parameter::mu1, worn);
+  rows_of(model::Parameter::mu2, worn * heated);
+  Chain chain(applied);
+  chain.add(model::Parameter::mu1, by_course, mu1 * course);
+  if (!(friction.pulse_width > 0)) return;
+  chain.add(model::Parameter::mu2, by_course, mu2 * heated * course);
+  chain.add(model::Parameter::mu2, by_width, mu2 * worn * wider);
 }
 
 void Unknowns::widen(std::size_t run, AppliedScenario& applied) const {
@@ -365,6 +420,7 @@ AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::s
   const TrajectoryRun& data = problem_->trajectory_runs[run];
   if (data.free_slide) return apply_free_slide(values, run, derivatives);
   AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
+  change_friction(values, data.course, derivatives, result);
   widen(run, result);
   Chain chain(result);
   const auto move = [&](model::Parameter parameter, Eigen::Index by) {

@@ -106,6 +106,9 @@ class Unknowns {
   AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   void apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
                    AppliedScenario& applied) const;
+  /// mu1 and mu2 as the width of the gate and the course of the campaign change them.
+  void change_friction(const Eigen::VectorXd& values, double course, bool derivatives,
+                       AppliedScenario& applied) const;
   /// With columns for the run's own unknowns behind those that all share.
   void widen(std::size_t run, AppliedScenario& applied) const;
 
@@ -119,6 +122,7 @@ class Unknowns {
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run
   double frequency_ = 0;
   double gravity_ = 9.81, tilt_x_ = 0, tilt_y_ = 0;
+  double mean_width_ = 0;  ///< rad, of the gates of all pulsed runs
 };
 
 }  // namespace tribotrack::fit::internal

@@ -79,7 +79,7 @@ void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
   const RunResult& run = fit.runs.front();
   slide.mu1 = {mu1.estimate, mu1.sd};
   slide.ci95 = mu1.ci95;
-  slide.chi2 = fit.chi2_before_scatter;
+  slide.chi2 = fit.chi2;
   slide.p_value = fit.p_value;
   slide.dof = 2 * static_cast<int>(run.points) - 5;
   slide.scatter = fit.scatter;

@@ -5,11 +5,11 @@ namespace tribotrack::fit::internal {
 
 /// p of chi^2 below which chance does not explain the residuals: the model or the sigmas are wrong.
 inline constexpr double kSurprise = 1e-3;
+/// p of chi^2 above which an explanation leaves nothing to explain.
+inline constexpr double kExplained = 0.01;
 /// p of chi^2 below which excess variance between runs is added to the covariance. Milder than kSurprise: a
 /// few runs cannot show at that level errors as large as their own sigma.
 inline constexpr double kDoubt = 0.05;
-/// p of the runs test below which neighbouring runs err alike, as they do under a wrong model.
-inline constexpr double kAlike = 0.01;
 /// Probability below which a run contradicts the others.
 inline constexpr double kOutlier = 0.01;
 /// Rise of chi^2 (three standard deviations) up to which another minimum is reported.

@@ -44,6 +44,24 @@ std::string source_name(FitParameter quantity) {
       return "tilt along y";
     case FitParameter::slope:
       return "incline's slope";
+    case FitParameter::start_phase:
+      return "phase at the start";
+    case FitParameter::mu2_width:
+      return "rise of mu2 with the gate's width";
+    case FitParameter::wear:
+      return "wear in the course of the campaign";
+    case FitParameter::stribeck:
+      return "friction that falls with speed (Stribeck)";
+    case FitParameter::stribeck_speed:
+      return "speed of the Stribeck effect";
+    case FitParameter::viscous:
+      return "friction that rises with speed";
+    case FitParameter::gate_edges:
+      return "width of the gate's edges";
+    case FitParameter::mu2_speed:
+      return "rise of mu2 with speed";
+    case FitParameter::static_friction:
+      return "friction at rest";
     default:
       return std::string("prior of ") + to_string(quantity);
   }
@@ -54,6 +72,7 @@ double assumed_error(FitParameter quantity, double value) {
   switch (quantity) {
     case FitParameter::phase_shift:
     case FitParameter::phase_reference:
+    case FitParameter::start_phase:
       return 0.01;
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
@@ -95,7 +114,8 @@ class Sources {
     for (const FitParameter quantity :
          {FitParameter::amplitude, FitParameter::amplitude_ratio, FitParameter::angular_frequency,
           FitParameter::phase_shift, FitParameter::phase_reference, FitParameter::scale,
-          FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y, FitParameter::slope}) {
+          FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y, FitParameter::slope,
+          FitParameter::start_phase}) {
       if (unknowns_.find(quantity) || problem_.fixed.count(quantity)) continue;
       exact.push_back(quantity);
       all.conditions.push_back({quantity, 1, ""});
@@ -313,22 +333,6 @@ std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
   std::vector<BudgetEntry> entries = sources.counted();
   for (BudgetEntry& entry : sources.taken_as_exact()) entries.push_back(std::move(entry));
   return entries;
-}
-
-void add_models(const std::vector<ModelComparison>& models, const std::vector<ParameterEstimate>& parameters,
-                std::vector<BudgetEntry>& budget) {
-  for (const ModelComparison& model : models) {
-    if (model.values.empty()) continue;
-    BudgetEntry entry;
-    entry.source = "model choice: " + model.name;
-    entry.from = "compared, not counted";
-    entry.counted = false;
-    entry.contribution.resize(static_cast<Eigen::Index>(parameters.size()));
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      entry.contribution(static_cast<Eigen::Index>(i)) =
-          std::abs(model.values.at(parameters[i].parameter) - parameters[i].estimate);
-    budget.push_back(entry);
-  }
 }
 
 std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,

@@ -19,10 +19,6 @@ namespace tribotrack::fit::internal {
 std::vector<BudgetEntry> budget(const Residuals& residuals, const Minimum& best,
                                 const Uncertainty& uncertainty);
 
-/// Appends by how much each other model that was compared changes the parameters: not counted.
-void add_models(const std::vector<ModelComparison>& models, const std::vector<ParameterEstimate>& parameters,
-                std::vector<BudgetEntry>& budget);
-
 /// "gravity is taken as exact; with 1 % more of it: mu1 down 1 %, ...": a sentence for each such entry.
 std::vector<std::string> taken_as_exact(const std::vector<BudgetEntry>& budget,
                                         const std::vector<ParameterEstimate>& parameters);

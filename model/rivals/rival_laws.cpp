@@ -1,7 +1,6 @@
 #include "model/rival_laws.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -20,13 +19,13 @@ class Equation {
   Equation(const Scenario& scenario, const RivalLaw& law) : s_(scenario), law_(law) {
     const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
     const double platform = std::max(s_.drive.amplitude, s_.drive.amplitude_y) * w;
-    fading_speed_ = 0.25 * (platform > 0 ? platform : s_.initial_velocity.norm());
-    const bool too_long = law.kind == RivalLaw::Kind::rise_time &&
-                          (law.strength < 0 || law.strength * w > std::min(width, kTurn - width));
-    const bool negative = law.kind == RivalLaw::Kind::stribeck && law.strength <= -1;
-    if (!std::isfinite(law.strength) || (too_long && width > 0) || negative)
-      throw InvalidParameter(std::string("strength = ") + std::to_string(law.strength) + " of the law '" +
-                             to_string(law.kind) + "' is out of range");
+    speed_ = platform > 0 ? platform : s_.initial_velocity.norm();
+    const bool too_long = law.rise < 0 || law.rise * w > std::min(width, kTurn - width);
+    const double all =
+        law.stribeck + law.fading_speed + law.viscous + law.rise + law.mu2_speed + law.static_friction;
+    if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
+      throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
+                             std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
   }
 
   Eigen::Vector2d drive(double t) const {
@@ -34,15 +33,9 @@ class Equation {
   }
   /// What friction takes from the speed |u| at t, m/s^2; `middle` lies in the same segment.
   double deceleration(double t, double speed, double middle) const {
-    const double m = mu(t, middle) * s_.drive.gravity;
-    switch (law_.kind) {
-      case RivalLaw::Kind::stribeck:
-        return m * (1 + law_.strength * std::exp(-speed * speed / (fading_speed_ * fading_speed_)));
-      case RivalLaw::Kind::viscous:
-        return m + law_.strength * speed;
-      default:
-        return m;
-    }
+    const double fading = speed / (0.25 * law_.fading_speed * speed_);
+    const double more = law_.stribeck != 0 ? law_.stribeck * std::exp(-fading * fading) : 0;
+    return mu(t, speed, middle) * s_.drive.gravity * (1 + more) + law_.viscous * speed;
   }
   State slope(double t, const State& q, double middle) const {
     const Eigen::Vector2d u = q.tail<2>(), d = drive(t);
@@ -52,13 +45,15 @@ class Equation {
     k << u, d - deceleration(t, speed, middle) * along;
     return k;
   }
-  bool holds(double t, double middle) const { return drive(t).norm() <= deceleration(t, 0, middle); }
+  bool holds(double t, double middle) const {
+    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0, middle);
+  }
   /// Where mu jumps or bends, then the end.
   std::vector<double> stations() const {
     std::vector<double> times;
     const double w = s_.drive.angular_frequency, end = s_.end_time();
-    const double opens = s_.friction.phase + s_.friction.lag, closes = opens + s_.friction.pulse_width;
-    for (const double edge : {opens, opens + rise() * w, closes, closes + rise() * w})
+    const double opens = first_edge(), closes = opens + s_.friction.pulse_width;
+    for (const double edge : {opens, opens + law_.rise * w, closes, closes + law_.rise * w})
       for (double n = std::floor((s_.start_phase - edge) / kTurn);; ++n) {
         const double t = (edge + n * kTurn - s_.start_phase) / w;
         if (t >= end) break;
@@ -70,24 +65,28 @@ class Equation {
   }
 
  private:
-  double rise() const { return law_.kind == RivalLaw::Kind::rise_time ? law_.strength : 0; }
-  double mu(double t, double middle) const {
+  /// wt at which the first ramp begins.
+  double first_edge() const {
+    return s_.friction.phase + s_.friction.lag - 0.5 * s_.drive.angular_frequency * law_.rise;
+  }
+  double mu(double t, double speed, double middle) const {
     const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
-    const double at_middle = s_.start_phase + w * middle - s_.friction.phase - s_.friction.lag;
-    double into = at_middle - kTurn * std::floor(at_middle / kTurn);
-    const bool reduced = into < width;
-    const double now = reduced ? s_.friction.reduced : s_.friction.nominal;
-    if (!(rise() > 0) || !(width > 0)) return now;
-    const double since = (into - (reduced ? 0 : width)) / w;  // of the segment's middle after its edge
-    if (since >= rise()) return now;
-    const double share = std::clamp((since + t - middle) / rise(), 0.0, 1.0);
-    const double before = reduced ? s_.friction.nominal : s_.friction.reduced;
+    const double at_middle = s_.start_phase + w * middle - first_edge();
+    const double into = at_middle - kTurn * std::floor(at_middle / kTurn);
+    const bool opened = into < width;
+    const double reduced = s_.friction.reduced * (1 + law_.mu2_speed * speed / speed_);
+    const double now = opened ? reduced : s_.friction.nominal;
+    if (!(law_.rise > 0) || !(width > 0)) return now;
+    const double since = (into - (opened ? 0 : width)) / w;  // of the segment's middle after its edge
+    if (since >= law_.rise) return now;
+    const double share = std::clamp((since + t - middle) / law_.rise, 0.0, 1.0);
+    const double before = opened ? s_.friction.nominal : reduced;
     return before + share * (now - before);
   }
 
   const Scenario& s_;
   RivalLaw law_;
-  double fading_speed_ = 0;
+  double speed_ = 0;  ///< m/s, of the platform
 };
 
 class Integration {
@@ -193,11 +192,6 @@ class Integration {
 };
 
 }  // namespace
-
-const char* to_string(RivalLaw::Kind kind) {
-  return std::array{"Coulomb", "Stribeck", "viscous part", "finite rise time"}.at(
-      static_cast<std::size_t>(kind));
-}
 
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
   return rival_positions(scenario, law, {scenario.end_time()}, tolerance).col(0);

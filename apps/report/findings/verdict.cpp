@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <vector>
 
@@ -37,8 +38,6 @@ std::string subtitle_of(const ReportData& data) {
 
 namespace {
 
-using fit::Agreement;
-
 std::size_t failed_runs(const ReportData& data) {
   return static_cast<std::size_t>(std::count_if(data.runs.begin(), data.runs.end(),
                                                 [](const ReportRun& run) { return !run.failure.empty(); }));
@@ -53,63 +52,17 @@ std::string runs_used(const ReportData& data) {
   return text;
 }
 
+/// What chi^2 says, whatever was added later.
 std::string agreement_text(const fit::FitResult& fit) {
-  switch (fit.agreement) {
-    case Agreement::only_with_scatter:
-      return fmt::format(
-          "The measurements deviate from the model by more than their own errors. Scatter of up to {} mm per "
-          "axis was added so that χ² agrees: the intervals include it, but χ² no longer tests the model.",
-          number(1e3 * fit.scatter, 2));
-    case Agreement::unknown:
-      return "There are no more data than parameters, so the model could not be checked against them.";
-    case Agreement::good:
-      return fmt::format(
-          "The model describes the measurements within their errors: χ² per degree of freedom is {}; "
-          "{} is expected.",
-          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
-    case Agreement::poor:
-      return fmt::format(
-          "The measurements deviate from the model by more than their errors: χ² per degree of freedom is "
-          "{}, "
-          "{} is expected. The residuals show which run or trend does not fit.",
-          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
-    case Agreement::too_good:
-      return fmt::format(
-          "The measurements scatter less about the model than their stated errors (χ² per degree of freedom "
-          "{}, {} is expected): the stated errors, and with them the intervals, are probably too wide.",
-          number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
-  }
-  return "";
+  if (fit.dof < 1) return "";
+  return fmt::format(
+      "χ² per degree of freedom is {}; {} is expected if the model and the stated errors are right.",
+      number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
 }
 
-/// "the data contradict the model, 2 runs failed"; empty where there are none.
-std::string reasons_for_care(const ReportData& data) {
-  const fit::FitResult& fit = data.fit;
-  std::vector<std::string> reasons;
-  if (fit.identifiability.verdict == fit::Verdict::weak)
-    reasons.push_back("some parameters are determined only weakly");
-  if (fit.agreement == Agreement::poor) reasons.push_back("the data contradict the model");
-  if (fit.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
-  if (fit.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
-  // The scatter that was added makes chi^2 agree: it must not pass for a test.
-  if (fit.agreement == Agreement::only_with_scatter && !fit.slides.empty())
-    reasons.push_back(
-        fmt::format("free slides deviate from the law of friction by more than their errors (p {})",
-                    fit.p_value > 1e-300 ? "= " + number(fit.p_value, 2) : "below 1e-300"));
-  if (fit.slides.size() > 1 && fit.between_slides_p_value < 0.05)
-    reasons.push_back("μ<sub>1</sub> differs from slide to slide by more than chance");
-  if (std::any_of(fit.slides.begin(), fit.slides.end(),
-                  [](const fit::SlideResult& slide) { return !slide.blows.empty(); }))
-    reasons.push_back("a slide was struck on its way");
-  if (!fit.outliers.empty())
-    reasons.push_back(fit.outliers.size() == 1
-                          ? "one run contradicts the others"
-                          : fmt::format("{} runs contradict the others", fit.outliers.size()));
-  if (fit.minima.size() > 1) reasons.push_back("other values fit nearly as well");
-  const std::size_t failed = failed_runs(data);
-  if (failed > 0) reasons.push_back(failed == 1 ? "one run failed" : fmt::format("{} runs failed", failed));
+std::string with_symbols(const std::vector<std::string>& reasons) {
   std::string text;
-  for (const std::string& reason : reasons) text += fmt::format("{}{}", text.empty() ? "" : ", ", reason);
+  for (const std::string& reason : reasons) text += (text.empty() ? "" : "; ") + sentence_html(reason);
   return text;
 }
 
@@ -122,46 +75,34 @@ std::string expected_chi2_text(int dof) {
 
 Verdict verdict_of(const ReportData& data) {
   const fit::FitResult& fit = data.fit;
+  if (!data.fitted())
+    return {.trust = Trust::no_fit,
+            .heading = "Measurements only",
+            .paragraph = fmt::format("No parameters were fitted; the page shows what was measured in {}.",
+                                     runs_used(data))};
+  const std::string reasons = with_symbols(fit.verdict_reasons);
+  const std::size_t failed = failed_runs(data);
   Verdict verdict;
-  if (!data.fitted()) {
-    verdict = {.trust = Trust::no_fit,
-               .heading = "Measurements only",
-               .paragraph = fmt::format("No parameters were fitted; the page shows what was measured in {}.",
-                                        runs_used(data))};
-  } else if (!fit.converged) {
-    verdict = {.trust = Trust::do_not_use,
-               .heading = "Do not use these values",
-               .paragraph =
-                   "The fit did not converge: the numbers are where it stopped, not a result. "
-                   "Check the first guesses and the runs marked below."};
-  } else if (fit.identifiability.verdict == fit::Verdict::not_identifiable) {
-    verdict = {.trust = Trust::do_not_use,
-               .heading = "Do not use these values",
-               .paragraph =
-                   "These runs do not determine all the parameters: quite different values describe the data "
-                   "equally well."};
-  } else if (fit.scatter_dominates) {
-    verdict = {
-        .trust = Trust::do_not_use,
-        .heading = "Do not use these values",
-        .paragraph = fmt::format("The runs scatter about the model by {} mm per axis, more than a tenth of "
-                                 "what they measure: they do not follow it.",
-                                 number(1e3 * fit.scatter, 2))};
-  } else {
-    const bool weak = fit.identifiability.verdict == fit::Verdict::weak;
-    const std::string doubts = reasons_for_care(data);
-    verdict.trust = doubts.empty() ? Trust::usable : Trust::with_care;
-    verdict.heading = doubts.empty() ? "Can be used" : "Use with care: " + doubts;
-    verdict.paragraph =
-        fmt::format("The fit to {} converged{} {}", runs_used(data),
-                    weak ? ", but the data determine some combination of the parameters only weakly."
-                         : ", and the data determine every parameter.",
-                    agreement_text(fit));
-    if (fit.scatter > 0 && fit.agreement != Agreement::only_with_scatter)
-      verdict.paragraph += fmt::format(
-          " Scatter of {} mm per axis beyond the measurement errors was added; the intervals include it.",
-          number(1e3 * fit.scatter, 2));
-  }
+  if (fit.verdict == fit::Use::do_not_use)
+    verdict = {Trust::do_not_use, "Do not use these values", reasons + "."};
+  else if (fit.verdict == fit::Use::care || failed > 0)
+    verdict = {Trust::with_care,
+               "Use with care: " + reasons + (reasons.empty() || failed == 0 ? "" : "; ") +
+                   (failed == 0   ? ""
+                    : failed == 1 ? "one run failed"
+                                  : fmt::format("{} runs failed", failed)),
+               ""};
+  else
+    verdict = {Trust::usable, "Can be used", ""};
+  if (!verdict.paragraph.empty())
+    verdict.paragraph[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict.paragraph[0])));
+  if (fit.converged)
+    verdict.paragraph += fmt::format("{}The fit to {} converged. {}", verdict.paragraph.empty() ? "" : " ",
+                                     runs_used(data), agreement_text(fit));
+  if (fit.scatter > 0)
+    verdict.paragraph += fmt::format(
+        " Scatter of up to {} mm per axis beyond the measurement errors was added; the intervals include it.",
+        number(1e3 * fit.scatter, 2));
   if (!data.warnings.empty())
     verdict.paragraph +=
         fmt::format(" Read the {} below first.",

@@ -24,7 +24,7 @@ struct Verdict {
   std::string paragraph;  ///< HTML
 };
 
-/// From convergence, identifiability, agreement, failed runs and warnings.
+/// The fit's own verdict and reasons, and failed runs.
 Verdict verdict_of(const ReportData& data);
 
 /// Where chi-squared per degree of freedom lies with probability 0.99 under the model

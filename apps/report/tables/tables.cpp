@@ -281,29 +281,45 @@ std::string outlying_points(const ReportData& data) {
          items + "</ul>\n";
 }
 
-std::string model_table(const std::vector<fit::ModelComparison>& models) {
-  if (models.empty()) return "";
-  const fit::ModelComparison& fitted = models.front();
+/// "0.0995(10)" of a parameter under an explanation.
+std::string cell_of(const std::map<fit::FitParameter, fit::EstimateUnder>& under,
+                    fit::FitParameter parameter) {
+  const auto found = under.find(parameter);
+  return number_cell(found == under.end() ? "–" : quoted(found->second.estimate, found->second.sd));
+}
+
+/// What would explain the residuals, best first, with the values under it.
+std::string explanation_table(const fit::FitResult& fit) {
+  constexpr std::size_t kMostShown = 8;
+  if (fit.explanations.empty()) return "";
   std::string html =
-      "<h3>Other models, fitted to the same runs</h3>\n<p>AIC and BIC weigh the misfit against the number of "
-      "unknowns: lower is better; Δ is the difference from the first model, and less than 6 in AIC is not "
-      "taken as evidence.</p>\n<div "
-      "class=\"wide\"><table id=\"models\" class=\"compact models\"><thead><tr><th>Model</th><th "
-      "class=\"n\">unknowns</th><th class=\"n\">χ²</th><th class=\"n\">AIC</th><th class=\"n\">ΔAIC</th><th "
-      "class=\"n\">BIC</th><th class=\"n\">ΔBIC</th><th>Result</th></tr></thead><tbody>\n";
-  const auto signed_difference = [](double value, double first) {
-    const double difference = value - first;
-    return std::isfinite(difference) ? (difference > 0 ? "+" : "") + rounded(difference, 1) : "–";
+      "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
+      "knows "
+      "to an uncertainty only: by how much χ² falls, the probability that is left, how large it would have "
+      "to "
+      "be, and the parameters under it. Rows that were not fitted again are to first order.</p>\n<div "
+      "class=\"wide\"><table id=\"explanations\" class=\"compact models\"><thead><tr><th>Set free</th><th "
+      "class=\"n\">χ² falls by</th><th class=\"n\">p left</th><th class=\"n\">size</th>";
+  for (const fit::ParameterEstimate& p : fit.parameters)
+    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
+  html += "<th></th></tr></thead><tbody>\n";
+  const auto parameters = [&](const std::map<fit::FitParameter, fit::EstimateUnder>& under) {
+    std::string cells;
+    for (const fit::ParameterEstimate& p : fit.parameters) cells += cell_of(under, p.parameter);
+    return cells;
   };
-  for (const fit::ModelComparison& model : models) {
-    const bool first = &model == &fitted;
-    const std::string name = escape_html(model.name);
-    html +=
-        "<tr>" + cell(first ? "<b>" + name + "</b> (fitted)" : name) +
-        number_cell(std::to_string(model.parameters)) + number_cell(number(model.chi2)) +
-        number_cell(number(model.aic)) + number_cell(first ? "" : signed_difference(model.aic, fitted.aic)) +
-        number_cell(number(model.bic)) + number_cell(first ? "" : signed_difference(model.bic, fitted.bic)) +
-        cell(sentence_html(model.sentence)) + "</tr>\n";
+  if (!fit.as_assumed.empty())
+    html += "<tr>" + cell("<b>nothing</b>") + number_cell("") + number_cell(chance(fit.p_value)) +
+            number_cell("") + parameters(fit.as_assumed) + cell("as described") + "</tr>\n";
+  for (std::size_t i = 0; i < std::min(fit.explanations.size(), kMostShown); ++i) {
+    const fit::Explanation& e = fit.explanations[i];
+    html += "<tr>" + cell(escape_html(e.run.empty() ? e.name : e.name + " " + e.run)) +
+            number_cell(number(e.chi2_fall)) + number_cell(chance(e.p_after)) +
+            number_cell(quoted(e.size, e.size_sd) + " " + escape_html(e.unit)) + parameters(e.parameters) +
+            cell(e.explains   ? "<b>explains them</b>"
+                 : e.refitted ? "fitted"
+                              : "") +
+            "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
 }
@@ -319,7 +335,7 @@ PageSection check_section(const ReportData& data, const std::vector<Figure>& fig
   PageSection section{"check", "Does the model describe the data?", ""};
   if (!data.fitted()) return section;
   section.html = goodness(data.fit) + runs_test(data) + figure_box(figures, "residuals") +
-                 outlier_table(data) + outlying_points(data) + model_table(data.fit.models) +
+                 outlier_table(data) + outlying_points(data) + explanation_table(data.fit) +
                  not_needed(data.fit);
   return section;
 }

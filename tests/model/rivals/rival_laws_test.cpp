@@ -10,35 +10,26 @@
 namespace tribotrack::model {
 namespace {
 
-using Kind = RivalLaw::Kind;
-
 TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
   for (const double mu1 : {0.06, 0.1, 0.122, 0.15}) {
     Scenario scenario;
     scenario.friction = {mu1, mu1 / 6, 0.4, 1.3, 0.2};
     scenario.cycles = 6;
     const Eigen::Vector2d exact = integrate(scenario).end().position;
-    for (const Kind kind : {Kind::coulomb, Kind::stribeck, Kind::viscous, Kind::rise_time})
-      EXPECT_LT((rival_displacement(scenario, {kind, 0}, 1e-10) - exact).norm(), 1e-9 * exact.norm() + 1e-12)
-          << mu1 << " " << to_string(kind);
+    EXPECT_LT((rival_displacement(scenario, {}, 1e-10) - exact).norm(), 1e-9 * exact.norm() + 1e-12) << mu1;
   }
 }
 
-// A short rise acts, to first order, like switching its half later.
-TEST(RivalLaws, AShortRiseIsADelayOfItsHalf) {
+// A short rise about the edge changes nothing to first order.
+TEST(RivalLaws, AShortRiseIsOfSecondOrder) {
   Scenario scenario;
   scenario.friction = {0.1, 0.0125, 0.4, 1.3, 0.2};
   scenario.cycles = 5;
+  const Eigen::Vector2d sharp = rival_displacement(scenario, {}, 1e-11);
   double error[2];
-  for (int k = 0; k < 2; ++k) {
-    const double rise = 4e-4 / (1 + k);
-    Scenario delayed = scenario;
-    delayed.friction.lag += 0.5 * rise * scenario.drive.angular_frequency;
-    error[k] = (rival_displacement(scenario, {Kind::rise_time, rise}, 1e-11) -
-                rival_displacement(delayed, {Kind::coulomb, 0}, 1e-11))
-                   .norm();
-  }
-  EXPECT_NEAR(error[0] / error[1], 4, 0.2);  // second order
+  for (int k = 0; k < 2; ++k)
+    error[k] = (rival_displacement(scenario, {.rise = 4e-4 / (1 + k)}, 1e-11) - sharp).norm();
+  EXPECT_NEAR(error[0] / error[1], 4, 0.2);
 }
 
 // mu as a trapezoid, by steps of the midpoint rule so small that no care is needed; the part never sticks
@@ -46,7 +37,7 @@ TEST(RivalLaws, AShortRiseIsADelayOfItsHalf) {
 Eigen::Vector2d with_trapezoid(const Scenario& s, double rise) {
   const double w = s.drive.angular_frequency, amplitude = s.drive.amplitude, turn = 2 * M_PI;
   const auto mu = [&](double t) {
-    double into = w * t - s.friction.phase - s.friction.lag;
+    double into = w * (t + 0.5 * rise) - s.friction.phase - s.friction.lag;
     into -= turn * std::floor(into / turn);
     const bool reduced = into < s.friction.pulse_width;
     const double since = (into - (reduced ? 0 : s.friction.pulse_width)) / w;
@@ -78,12 +69,9 @@ TEST(RivalLaws, ALongRiseIsATrapezoid) {
   scenario.cycles = 2;
   constexpr double kRise = 0.02;
   const Eigen::Vector2d trapezoid = with_trapezoid(scenario, kRise);
-  EXPECT_LT((rival_displacement(scenario, {Kind::rise_time, kRise}) - trapezoid).norm(),
-            1e-5 * trapezoid.norm());
-  Scenario delayed = scenario;
-  delayed.friction.lag += 0.5 * kRise * scenario.drive.angular_frequency;
-  EXPECT_GT((rival_displacement(delayed, {Kind::coulomb, 0}) - trapezoid).norm(), 1e-3 * trapezoid.norm())
-      << "a delay does as well: this test shows nothing of the rise";
+  EXPECT_LT((rival_displacement(scenario, {.rise = kRise}) - trapezoid).norm(), 1e-5 * trapezoid.norm());
+  EXPECT_GT((rival_displacement(scenario, {}) - trapezoid).norm(), 1e-3 * trapezoid.norm())
+      << "sharp edges do as well: this test shows nothing of the rise";
 }
 
 // Where speeds lie far above A w/4 nothing of the Stribeck term is left; far below it is a higher mu.
@@ -93,13 +81,35 @@ TEST(RivalLaws, StribeckFadesWithSpeed) {
   slow.drive.amplitude = slow.drive.amplitude_y = 0.28e-3;
   slow.initial_velocity = {20, 0};
   slow.duration = 0.05;
-  const Eigen::Vector2d plain = rival_displacement(slow, {Kind::coulomb, 0});
-  EXPECT_LT((rival_displacement(slow, {Kind::stribeck, 0.5}) - plain).norm(), 1e-9);
-  EXPECT_THROW(rival_displacement(slow, {Kind::stribeck, -1}), InvalidParameter);
+  const Eigen::Vector2d plain = rival_displacement(slow, {});
+  EXPECT_LT((rival_displacement(slow, {.stribeck = 0.5}) - plain).norm(), 1e-9);
+  EXPECT_THROW(rival_displacement(slow, {.stribeck = -1}), InvalidParameter);
   slow.friction.pulse_width = 1;
-  EXPECT_THROW(rival_displacement(slow, {Kind::rise_time, 1}), InvalidParameter);
+  EXPECT_THROW(rival_displacement(slow, {.rise = 1}), InvalidParameter);
   slow.start = Start::steady;
-  EXPECT_THROW(rival_displacement(slow, {Kind::coulomb, 0}), InvalidParameter);
+  EXPECT_THROW(rival_displacement(slow, {}), InvalidParameter);
+}
+
+// A part that is held at rest by more than mu1 starts later, and only there; mu2 matters in the gate alone.
+TEST(RivalLaws, StaticFrictionHoldsAndMu2RisesInItsGate) {
+  Scenario sliding;  // never at rest but at the start, where the drive exceeds 1.1 mu1 g
+  sliding.friction = {0.06, 0.0125, 0.4, 1.3, 0.2};
+  sliding.cycles = 3;
+  const Eigen::Vector2d moved = rival_displacement(sliding, {});
+  EXPECT_LT((rival_displacement(sliding, {.static_friction = 0.1}) - moved).norm(), 1e-9 * moved.norm());
+  Scenario held = sliding;
+  held.friction.nominal = 0.109;  // A w^2 / g = 0.1126
+  held.friction.pulse_width = 0;
+  EXPECT_GT(rival_displacement(held, {}).norm(), 0);
+  EXPECT_EQ(rival_displacement(held, {.static_friction = 0.1}).norm(), 0);
+  Scenario wide = sliding;
+  wide.friction.reduced = 0.0125 * 1.1;
+  // Between mu2 and what it is at twice the platform's speed, which no part exceeds here.
+  const double change = (rival_displacement(sliding, {.mu2_speed = 0.1}) - moved).norm();
+  EXPECT_GT(change, 0.05 * (rival_displacement(wide, {}) - moved).norm());
+  EXPECT_LT(change, 2 * (rival_displacement(wide, {}) - moved).norm());
+  sliding.friction.pulse_width = 0;
+  EXPECT_EQ(rival_displacement(sliding, {.mu2_speed = 0.1}), rival_displacement(sliding, {}));
 }
 
 // The path is that of the paper's law, wherever it is asked for.
@@ -111,7 +121,7 @@ TEST(RivalLaws, PositionsOnTheWayAreThoseOfTheTrajectory) {
     const Trajectory motion = integrate(scenario);
     std::vector<double> times;
     for (int k = 0; k <= 97; ++k) times.push_back(motion.end_time() * k / 97);
-    const Eigen::Matrix2Xd positions = rival_positions(scenario, {Kind::viscous, 0}, times, 1e-10);
+    const Eigen::Matrix2Xd positions = rival_positions(scenario, {}, times, 1e-10);
     for (std::size_t k = 0; k < times.size(); ++k)
       EXPECT_LT((positions.col(static_cast<Eigen::Index>(k)) - motion.at(times[k]).position).norm(), 1e-11)
           << mu1 << " " << times[k];
@@ -127,7 +137,7 @@ TEST(RivalLaws, SlidesOnAPlatformAtRest) {
   scenario.duration = 0.6;
   const double m = 0.1 * 9.81, c = 2, u0 = 0.5, stop = std::log(1 + c * u0 / m) / c;
   const std::vector<double> times{0, 0.1, 0.25, 0.6};
-  const Eigen::Matrix2Xd positions = rival_positions(scenario, {Kind::viscous, c}, times, 1e-10);
+  const Eigen::Matrix2Xd positions = rival_positions(scenario, {.viscous = c}, times, 1e-10);
   for (std::size_t k = 0; k < times.size(); ++k) {
     const double t = std::min(times[k], stop);
     const double way = (u0 + m / c) / c * (1 - std::exp(-c * t)) - m / c * t;

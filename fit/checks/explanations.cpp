@@ -1,0 +1,354 @@
+#include "fit/checks/explanations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "fit/checks/run_scatter.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/tools/dense.h"
+#include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
+#include "fit/uncertainty/covariance.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+/// What the fit takes as exact, or as known to an sd.
+struct Candidate {
+  const char* name;
+  const char* unit;
+  double per_unit;  ///< of the unit, in one of the quantity's; 0: per cent of its own value
+  std::vector<FitParameter> quantities;
+  bool never_negative = false;
+};
+
+const std::vector<Candidate>& candidates() {
+  using enum FitParameter;
+  static const std::vector<Candidate> all = {{"tilt", "rad", 1, {tilt_x, tilt_y}},
+                                             {"amplitude", "%", 0, {amplitude}},
+                                             {"amplitude_ratio", "%", 100, {amplitude_ratio}},
+                                             {"phase_shift", "rad", 1, {phase_shift}},
+                                             {"clock", "%", 0, {angular_frequency}},
+                                             {"scale", "%", 100, {scale}},
+                                             {"start_phase", "rad", 1, {start_phase}},
+                                             {"stribeck", "%", 100, {stribeck}, true},
+                                             {"viscous", "1/s", 1, {viscous}, true},
+                                             {"mu2_speed", "%", 100, {mu2_speed}, true},
+                                             {"mu2_width", "%/rad", 100, {mu2_width}},
+                                             {"gate_edges", "rad", 1, {gate_edges}, true},
+                                             {"static_friction", "%", 100, {static_friction}, true},
+                                             {"wear", "%", 100, {wear}}};
+  return all;
+}
+
+/// The same problem with quantities free that are conditions at the most.
+Problem with_free(Problem problem, const std::vector<FitParameter>& quantities) {
+  constexpr double kUnknown = 1e3;  ///< an sd that says nothing: of a relative value, or rad
+  for (const FitParameter quantity : quantities) {
+    std::erase_if(problem.conditions, [&](const Condition& c) { return c.quantity == quantity; });
+    problem.prior.erase(quantity);
+    const double size = std::abs(Unknowns(problem).as_given(quantity));
+    const bool sized = quantity == FitParameter::amplitude || quantity == FitParameter::angular_frequency;
+    problem.conditions.push_back({quantity, kUnknown * (sized ? size : 1), "free"});
+  }
+  return problem;
+}
+
+/// Products of columns G with themselves, with J and with r.
+struct Products {
+  Eigen::MatrixXd own, with_unknowns;  ///< G'G, G'J
+  Eigen::VectorXd with_residuals;      ///< G'r
+};
+
+class ScoreTests {
+ public:
+  ScoreTests(const Residuals& residuals, const Minimum& best, int threads)
+      : residuals_(residuals),
+        unknowns_(residuals.unknowns()),
+        problem_(unknowns_.problem()),
+        best_(best),
+        threads_(threads),
+        values_(unknowns_.values(best.z)),
+        wide_problem_(with_free(problem_, not_yet_unknown())),
+        wide_(wide_problem_) {
+    Residuals rows = of(wide_, values_);
+    rows.set_laws(wide_.values_of(unknowns_, values_));
+    if (const auto at = rows.at(wide_.values_of(unknowns_, values_))) at_ = at->eliminated();
+    if (at_.empty()) return;
+    normal_ = at_.normal();
+    gradient_ = at_.gradient();
+    for (Eigen::Index i = 0; i < unknowns_.common(); ++i)
+      columns_.push_back(*wide_.find(unknowns_.parameter(i)));
+    information_ = inverse_symmetric(normal_(columns_, columns_));
+    step_ = information_ * gradient_(columns_);
+  }
+  bool empty() const { return at_.empty(); }
+
+  /// To first order; nullopt where it is fitted anyway, or the data do not see it beside the unknowns.
+  std::optional<Explanation> test(const Candidate& candidate) const {
+    Products g = products(static_cast<Eigen::Index>(candidate.quantities.size()));
+    for (std::size_t i = 0; i < candidate.quantities.size(); ++i) {
+      const FitParameter quantity = candidate.quantities[i];
+      const auto k = static_cast<Eigen::Index>(i);
+      if (const auto known = unknowns_.find(quantity)) {
+        if (*known < unknowns_.reported()) return std::nullopt;
+        const Prior prior = *unknowns_.prior(*known);
+        g.own(k, k) = 1;
+        g.with_unknowns.row(k).setZero();
+        g.with_unknowns(k, *known) = 1 / prior.sd;
+        g.with_residuals(k) = (values_(*known) - prior.mean) / prior.sd;
+        continue;
+      }
+      const Eigen::Index column = *wide_.find(quantity);
+      for (std::size_t j = 0; j < candidate.quantities.size(); ++j)
+        if (const auto other = wide_.find(candidate.quantities[j]))
+          g.own(k, static_cast<Eigen::Index>(j)) = normal_(column, *other);
+      g.with_unknowns.row(k) = normal_(column, columns_);
+      g.with_residuals(k) = gradient_(column);
+    }
+    auto found = test(g);
+    if (!found) return std::nullopt;
+    found->name = candidate.name;
+    found->unit = candidate.unit;
+    if (candidate.never_negative && found->size < 0) found->chi2_fall = 0;
+    tell_size(candidate, found->size, found->size_sd, *found);
+    return found;
+  }
+
+  /// A run's two numbers, as if it had not been measured.
+  std::optional<Explanation> test_run(std::size_t run) const {
+    const RowGroup& rows = at_.groups.front();
+    Products g = products(2);
+    const auto row = 2 * static_cast<Eigen::Index>(run);
+    g.own.setIdentity();
+    g.with_unknowns = rows.shared.middleRows(row, 2)(Eigen::all, columns_);
+    g.with_residuals = rows.residuals.segment(row, 2);
+    auto found = test(g);
+    if (!found) return std::nullopt;
+    found->name = "bad_run";
+    found->unit = "sd";
+    found->run = problem_.summary_runs[run].name;
+    found->size = std::sqrt(found->chi2_fall);
+    found->size_sd = 1;
+    return found;
+  }
+
+  double value_of(FitParameter parameter) const { return unknowns_.value_of(parameter, values_); }
+  /// Friction that differs from run to run.
+  std::optional<std::pair<Explanation, RunScatter>> test_scatter() const {
+    const RowGroup& rows = at_.groups.front();
+    const auto data = static_cast<Eigen::Index>(2 * problem_.summary_runs.size());
+    Eigen::VectorXd by_mu = Eigen::VectorXd::Zero(data);
+    for (const FitParameter mu : {FitParameter::mu1, FitParameter::mu2})
+      if (const auto i = wide_.find(mu)) by_mu += value_of(mu) * rows.shared.col(*i).head(data);
+    const auto scatter = run_scatter(rows.residuals.head(data), by_mu);
+    if (!scatter) return std::nullopt;
+    Explanation found;
+    found.name = "run_scatter";
+    found.unit = "%";
+    found.dof = 1;
+    found.chi2_fall = scatter->fall;
+    found.size = 100 * scatter->relative;
+    found.size_sd = found.size / std::sqrt(static_cast<double>(data));
+    found.p_after = chi2_survival(scatter->chi2, residuals_.degrees_of_freedom() - 1);
+    put(values_, information_, unknowns_, found);
+    return std::pair(found, *scatter);
+  }
+
+  /// The fit in another problem of the same runs, from here.
+  void refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
+    const Unknowns unknowns(problem);
+    const Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
+    Residuals residuals = of(unknowns, start);
+    residuals.set_own_errors(start);
+    residuals.set_laws(start);
+    const Minimum minimum = linearised(
+        residuals, minimise_under_laws(residuals, unknowns.z(start), {.held = {}, .decrement = 1e-4}));
+    if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
+        !admissible(unknowns, minimum.z))
+      return;
+    const Eigen::VectorXd values = unknowns.values(minimum.z);
+    const Eigen::MatrixXd covariance = uncertainty(unknowns, values, minimum.at).shared;
+    found.refitted = true;
+    if (found.name != "run_scatter") found.chi2_fall = best_.chi2 - minimum.chi2;
+    found.p_after = chi2_survival(minimum.chi2, residuals_.degrees_of_freedom() - found.dof);
+    put(values, covariance, unknowns, found);
+    if (candidate == nullptr) return;
+    double square = 0, variance = 0, sum = 0;
+    for (const FitParameter quantity : candidate->quantities) {
+      const Eigen::Index i = *unknowns.find(quantity);
+      const double change = values(i) - unknowns.as_given(quantity);
+      sum += change;
+      square += change * change;
+      variance += change * change * covariance(i, i);
+    }
+    if (candidate->never_negative && sum < 0) found.chi2_fall = 0;
+    tell_size(*candidate, candidate->quantities.size() == 1 ? sum : std::sqrt(square),
+              std::sqrt(variance / std::max(square, 1e-300)), found);
+  }
+
+ private:
+  std::vector<FitParameter> not_yet_unknown() const {
+    std::vector<FitParameter> free;
+    for (const Candidate& candidate : candidates())
+      for (const FitParameter quantity : candidate.quantities)
+        if (!unknowns_.find(quantity)) free.push_back(quantity);
+    return free;
+  }
+  Products products(Eigen::Index size) const {
+    return {Eigen::MatrixXd::Zero(size, size), Eigen::MatrixXd::Zero(size, unknowns_.common()),
+            Eigen::VectorXd::Zero(size)};
+  }
+  Residuals of(const Unknowns& unknowns, const Eigen::VectorXd& values) const {
+    Residuals rows(unknowns, threads_);
+    rows.set_tolerance(1e-8);
+    rows.set_excess_variance(residuals_.excess_variance());
+    rows.set_own_errors(unknowns.values_of(unknowns_, values));
+    return rows;
+  }
+
+  std::optional<Explanation> test(const Products& g) const {
+    const Eigen::MatrixXd& with = g.with_unknowns;
+    const Eigen::MatrixXd s = g.own - with * information_ * with.transpose();
+    for (Eigen::Index i = 0; i < s.rows(); ++i)
+      if (!(s(i, i) > 1e-6 * g.own(i, i))) return std::nullopt;
+    const Eigen::VectorXd b = g.with_residuals - with * step_;
+    const Eigen::MatrixXd covariance = inverse_symmetric(s);
+    const Eigen::VectorXd size = -(covariance * b);
+    Explanation found;
+    found.dof = static_cast<int>(s.rows());
+    found.chi2_fall = b.dot(covariance * b);
+    found.size = size.size() == 1 ? size(0) : size.norm();
+    found.size_sd = std::sqrt(size.dot(covariance * size)) / std::max(size.norm(), 1e-300);
+    found.p_after = chi2_survival(std::max(0.0, best_.chi2 - found.chi2_fall),
+                                  residuals_.degrees_of_freedom() - found.dof);
+    const Eigen::MatrixXd back = information_ * with.transpose();
+    put(values_.head(unknowns_.common()) - step_ - back * size,
+        information_ + back * covariance * back.transpose(), unknowns_, found);
+    return found;
+  }
+
+  static void put(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance, const Unknowns& unknowns,
+                  Explanation& found) {
+    const double t = two_sided_quantile(kConfidence, 1e9);
+    for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+      const double sd = std::sqrt(std::max(0.0, covariance(i, i)));
+      found.parameters[unknowns.parameter(i)] = {
+          values(i), sd, interval95(unknowns.transform(i), unknowns.parameter(i), values(i), sd, t)};
+    }
+  }
+
+  /// In the candidate's unit. The prior's row is in its sd.
+  void tell_size(const Candidate& candidate, double size, double sd, Explanation& found) const {
+    const FitParameter first = candidate.quantities.front();
+    double unit = candidate.per_unit > 0 ? candidate.per_unit : 100 / std::abs(unknowns_.as_given(first));
+    const auto known = unknowns_.find(first);
+    if (known && !found.refitted) unit *= unknowns_.prior(*known)->sd;
+    found.size = unit * size;
+    found.size_sd = unit * sd;
+    if (first == FitParameter::gate_edges) {  // its square was the unknown
+      found.size = std::sqrt(std::max(0.0, size));
+      found.size_sd = found.size > 0 ? 0.5 * sd / found.size : std::sqrt(sd);
+    }
+  }
+
+  const Residuals& residuals_;
+  const Unknowns& unknowns_;
+  const Problem& problem_;
+  const Minimum& best_;
+  int threads_;
+  Eigen::VectorXd values_;
+  Problem wide_problem_;  ///< everything free
+  Unknowns wide_;
+  Linearised at_;
+  Eigen::MatrixXd normal_, information_;
+  Eigen::VectorXd gradient_, step_;
+  std::vector<Eigen::Index> columns_;  ///< of the fit's own unknowns
+};
+
+/// The worst of many runs is found by chance more easily.
+double gain(const Explanation& found, std::size_t runs) {
+  const double chosen = found.name == "bad_run" ? 2 * std::log(static_cast<double>(runs)) : 0;
+  return gain_of(found) - chosen;
+}
+
+}  // namespace
+
+Minimum minimise_under_laws(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
+  constexpr int kMostTimes = 5;
+  Minimum minimum = minimise(residuals, z, options);
+  if (unknown_laws(residuals.unknowns()).empty()) return minimum;
+  for (int k = 0; k < kMostTimes && minimum.converged; ++k) {
+    const double before = minimum.chi2;
+    if (!residuals.set_laws(residuals.unknowns().values(minimum.z))) break;
+    minimum = minimise(residuals, minimum.z, options);
+    if (std::abs(minimum.chi2 - before) < 0.01 * std::max(1.0, 0.01 * before)) break;
+  }
+  return minimum;
+}
+
+std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
+                                           int threads) {
+  const Problem& problem = residuals.unknowns().problem();
+  const std::size_t runs = problem.summary_runs.size();
+  const ScoreTests tests(residuals, best, threads);
+  if (tests.empty()) return {};
+  struct Tested {
+    Explanation found;
+    std::function<Problem()> problem;
+    const Candidate* candidate;
+  };
+  std::vector<Tested> list;
+  for (const Candidate& candidate : candidates())
+    if (auto found = tests.test(candidate))
+      list.push_back(
+          {std::move(*found), [&] { return with_free(problem, candidate.quantities); }, &candidate});
+  std::optional<Tested> worst;
+  for (std::size_t i = 0; i < runs; ++i) {
+    if (problem.summary_runs[i].held_out || runs < 4) continue;
+    auto found = tests.test_run(i);
+    if (!found || (worst && worst->found.chi2_fall >= found->chi2_fall)) continue;
+    worst = {std::move(*found),
+             [&, i] {
+               Problem without = problem;
+               without.summary_runs[i].held_out = true;
+               return without;
+             },
+             nullptr};
+  }
+  if (worst) list.push_back(std::move(*worst));
+  if (const auto scatter = tests.test_scatter())
+    list.push_back({scatter->first,
+                    [&, relative = scatter->second.relative] {
+                      return with_run_scatter(problem, relative, tests.value_of(FitParameter::mu1),
+                                              tests.value_of(FitParameter::mu2));
+                    },
+                    nullptr});
+
+  const auto better = [&](const Tested& a, const Tested& b) {
+    return gain(a.found, runs) > gain(b.found, runs);
+  };
+  std::stable_sort(list.begin(), list.end(), better);
+  if (rejected) {
+    constexpr double kWorthAFit = 0.2;  ///< of the best's gain
+    constexpr std::size_t kMostFits = 6;
+    const double most = list.empty() ? 0 : gain(list.front().found, runs);
+    for (std::size_t i = 0; i < std::min(list.size(), kMostFits); ++i)
+      if (gain(list[i].found, runs) > std::max(9.0, kWorthAFit * most))
+        tests.refit(list[i].problem(), list[i].candidate, list[i].found);
+    std::stable_sort(list.begin(), list.end(), better);
+  }
+  std::vector<ExplainedProblem> result;
+  for (Tested& tested : list) {
+    Explanation& found = tested.found;
+    found.explains =
+        rejected && found.refitted && found.p_after > kExplained && gain(found, runs) > kPreferred;
+    result.push_back({found, found.refitted ? tested.problem() : Problem{}});
+  }
+  return result;
+}
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,43 @@
+// What would explain the residuals: score tests over everything that the fit takes as exact.
+//
+// With r the whitened residuals at the minimum, J their derivatives by the unknowns and G those by something
+// that the fit holds at a value (a tilt, a law's strength, one run's two numbers), chi^2 with it free is
+// lower by
+//   b' S^-1 b,  b = G_' r,  S = G_' G_,  G_ = (1 - J (J'J)^-1 J') G,
+// to first order, at s = -S^-1 b: Rao's score test (C. R. Rao, Math. Proc. Cambridge Phil. Soc. 44, 1948,
+// 50-57). It takes no refit. What is known to an sd is an unknown of the fit already: there G is the row of
+// its prior, and the test asks what chi^2 would be without it. Those that the fall of chi^2 speaks for are
+// refitted, since a large effect is not linear.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fit/fit_result.h"
+#include "fit/minimum/minimise.h"
+#include "fit/residuals/residuals.h"
+
+namespace tribotrack::fit::internal {
+
+/// An explanation and the problem in which it holds.
+struct ExplainedProblem {
+  Explanation found;
+  Problem problem;
+};
+
+/// Best first. `rejected`: those that are near the best are refitted. `best` is the minimum of residuals
+/// without excess variance.
+std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
+                                           int threads);
+
+/// By how much Akaike's criterion falls.
+inline double gain_of(const Explanation& found) {
+  return found.chi2_fall - 2 * found.dof;
+}
+
+/// A descent in which the unknown laws of friction, which are linear in it, are linearised again where it
+/// ends.
+Minimum minimise_under_laws(Residuals& residuals, const Eigen::VectorXd& z,
+                            const MinimiseOptions& options = {});
+
+}  // namespace tribotrack::fit::internal

@@ -1,0 +1,146 @@
+#include "fit/checks/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/rounding.h"
+#include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
+
+namespace tribotrack::fit {
+
+const char* to_string(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::good:
+      return "good";
+    case Agreement::only_with_scatter:
+      return "only with scatter";
+    case Agreement::poor:
+      return "poor";
+    case Agreement::too_good:
+      return "too good";
+    case Agreement::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+const char* to_string(Use use) {
+  switch (use) {
+    case Use::use:
+      return "use";
+    case Use::care:
+      return "care";
+    case Use::do_not_use:
+      break;
+  }
+  return "do_not_use";
+}
+
+Interval expected_reduced_chi2(int dof) {
+  if (dof < 1) return {};
+  return {internal::chi2_quantile(0.005, dof) / dof, internal::chi2_quantile(0.995, dof) / dof};
+}
+
+namespace internal {
+namespace {
+
+struct Words {
+  const char* name;
+  const char* what;  ///< before its size
+};
+
+constexpr Words kWords[] = {{"tilt", "a tilt of the platform"},
+                            {"amplitude", "another amplitude"},
+                            {"amplitude_ratio", "unequal amplitudes along x and y"},
+                            {"phase_shift", "another phase shift between x and y"},
+                            {"clock", "another frequency of the platform"},
+                            {"scale", "another scale"},
+                            {"start_phase", "another phase of the platform at the start"},
+                            {"stribeck", "friction that falls with speed (Stribeck)"},
+                            {"viscous", "friction that rises with speed (viscous)"},
+                            {"mu2_speed", "a reduced friction that rises with speed"},
+                            {"mu2_width", "a reduced friction that changes with the width of the gate"},
+                            {"gate_edges", "gate edges that take their time"},
+                            {"static_friction", "a higher friction at rest"},
+                            {"wear", "friction that changes in the course of the campaign"},
+                            {"run_scatter", "friction that differs from run to run"}};
+
+std::string rejection(const FitResult& result) {
+  return fmt::format("the data reject the model as described: chi2 {} at {} degrees of freedom, {}",
+                     number(result.chi2, 4), result.dof, chance_text(result.p_value));
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
+  return text;
+}
+
+void add_doubts(const FitResult& result, std::vector<std::string>& reasons) {
+  if (result.identifiability.verdict == Verdict::weak)
+    reasons.push_back("some parameters are determined only weakly");
+  if (result.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
+  if (result.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
+  if (result.slides.size() > 1 && result.between_slides_p_value < kDoubt)
+    reasons.push_back("mu1 differs from slide to slide by more than chance");
+  if (std::ranges::any_of(result.slides, [](const SlideResult& slide) { return !slide.blows.empty(); }))
+    reasons.push_back("a slide was struck on its way");
+  if (!result.outliers.empty())
+    reasons.push_back(result.outliers.size() == 1
+                          ? "one run contradicts the others"
+                          : fmt::format("{} runs contradict the others", result.outliers.size()));
+  if (result.minima.size() > 1) reasons.push_back("other values fit nearly as well");
+}
+
+}  // namespace
+
+std::string sentence_of(const Explanation& e) {
+  if (e.name == "bad_run") return "run '" + e.run + "', which contradicts the others";
+  const auto words = std::ranges::find_if(kWords, [&](const Words& w) { return e.name == w.name; });
+  const std::string what = words == std::end(kWords) ? e.name : words->what;
+  return fmt::format("{} ({} {})", what, quoted(e.size, e.size_sd), e.unit);
+}
+
+void judge(FitResult& result) {
+  auto& reasons = result.verdict_reasons;
+  reasons.clear();
+  result.verdict = Use::do_not_use;
+  if (!result.converged) reasons.push_back("the fit did not converge: the numbers are where it stopped");
+  if (result.identifiability.verdict == Verdict::not_identifiable)
+    reasons.push_back(
+        "these runs do not determine all the parameters: quite different values describe them as well");
+  if (result.scatter_dominates)
+    reasons.push_back(fmt::format(
+        "the runs scatter about the model by {} mm per axis, more than a tenth of what they measure",
+        number(1e3 * result.scatter, 2)));
+  const bool rejected = result.p_value < kSurprise;
+  const bool repeated = result.scatter_from_replicates;
+  if (rejected && result.quoted_under.empty() && !repeated)
+    reasons.push_back(rejection(result) + ", and nothing looked at explains it");
+  if (!reasons.empty()) return;
+  if (rejected && repeated)
+    reasons.push_back(
+        fmt::format("repeated runs differ by more than their own errors ({}): their scatter is counted",
+                    chance_text(result.p_value)));
+  else if (rejected)
+    reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));
+  add_doubts(result, reasons);
+  result.verdict = reasons.empty() ? Use::use : Use::care;
+}
+
+Agreement agreement(const FitResult& result) {
+  const bool surprised = result.p_value < kSurprise;
+  if (surprised && result.scatter > 0) return Agreement::only_with_scatter;
+  if (!std::isfinite(result.chi2) || result.dof < 1) return Agreement::unknown;
+  if (surprised) return Agreement::poor;
+  if (result.chi2 / result.dof < expected_reduced_chi2(result.dof).low) return Agreement::too_good;
+  return Agreement::good;
+}
+
+}  // namespace internal
+}  // namespace tribotrack::fit
