@@ -132,6 +132,24 @@ class SharedErrors {
     }
   }
 
+  /// Of runs from rest the phase there: one of all, as one hand starts them, or each its own beside runs that
+  /// tell it.
+  void start() {
+    const auto from_rest = [](const RunEvidence& r) { return r.driven && r.from_rest; };
+    const auto unknown = [&](const RunEvidence& r) {
+      return from_rest(r) && r.start_assumed && !r.start_phase && !r.phase_at_zero;
+    };
+    const auto count = std::ranges::count_if(runs_, unknown);
+    const double sd = shared_.start_phase_sd;
+    exact_if(count > 0 && sd == 0, Source::start_phase);
+    if (count == std::ranges::count_if(runs_, from_rest)) {
+      if (count > 0) add(FitParameter::start_phase, sd, not_given(Source::start_phase));
+      return;
+    }
+    for (std::size_t k = 0; k < runs_.size(); ++k)
+      if (unknown(runs_[k])) conditions_.runs[k].own.add(Parameter::start_phase, sd * sd);
+  }
+
   void gates() {
     const auto taken_as_exact = [&](Estimate RunEvidence::*commanded) {
       return std::ranges::any_of(
@@ -237,6 +255,7 @@ Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared,
   errors.slope();
   errors.scale();
   errors.phase_reference();
+  errors.start();
   errors.gates();
   return conditions;
 }
