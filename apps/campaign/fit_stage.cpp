@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/campaign/fit_json.h"
+#include "apps/campaign/slips.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -119,6 +121,11 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
   fitted.result = fit::estimate(problem, options);
   std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
+  Campaign as_displacements = campaign;
+  as_displacements.fit.trajectory = false;
+  std::ranges::move(likely_slips(campaign, fitted.runs, fitted.conditions,
+                                 problem_of(as_displacements, fitted.runs, fitted.conditions), fitted.result),
+                    std::back_inserter(suspects));
   fitted.result.warnings.insert(fitted.result.warnings.begin(), suspects.begin(), suspects.end());
   fitted.json = fit_json(campaign, fitted.runs, fitted.result);
   add_to(fitted.json, fitted.scale);

@@ -1,0 +1,292 @@
+#include "fit/slips.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <numbers>
+#include <optional>
+
+#include "fit/minimum/minimise.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/residuals/residuals.h"
+#include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
+
+namespace tribotrack::fit {
+
+using namespace internal;
+
+namespace {
+
+constexpr double kLeastMu1 = 0.005, kLargestMu1 = 0.6;
+/// mu of dry pairs, from which slips are judged that describe the data alike.
+constexpr double kUsualMu1 = 0.2;
+constexpr double kPi = std::numbers::pi;
+
+double known(const Problem& problem, const std::map<FitParameter, double>& values, FitParameter parameter) {
+  if (const auto found = values.find(parameter); found != values.end()) return found->second;
+  const auto fixed = problem.fixed.find(parameter);
+  return fixed == problem.fixed.end() ? 0 : fixed->second;
+}
+
+/// Conditions and prior in proportion to a quantity.
+void rescale(Problem& problem, FitParameter quantity, double factor) {
+  for (Condition& condition : problem.conditions)
+    if (condition.quantity == quantity) condition.sd *= factor;
+  if (const auto prior = problem.prior.find(quantity); prior != problem.prior.end())
+    prior->second = {prior->second.mean * factor, prior->second.sd * factor};
+}
+
+void scale_amplitude(Problem& problem, double factor) {
+  for (SummaryRun& run : problem.summary_runs) {
+    run.scenario.drive.amplitude *= factor;
+    run.scenario.drive.amplitude_y *= factor;
+  }
+  rescale(problem, FitParameter::amplitude, factor);
+}
+
+void scale_displacement(SummaryRun& run, double factor) {
+  run.measured.vector *= factor;
+  run.measured.covariance *= factor * factor;
+}
+
+/// A velocity was measured over cycles that are shorter by the factor.
+void scale_frequency(Problem& problem, double factor) {
+  for (SummaryRun& run : problem.summary_runs) {
+    run.scenario.drive.angular_frequency *= factor;
+    if (!run.measured.given_as_velocity) continue;
+    scale_displacement(run, 1 / factor);
+    run.measured.duration /= factor;
+  }
+  rescale(problem, FitParameter::angular_frequency, factor);
+}
+
+void scale_lengths(Problem& problem, double factor) {
+  bool amplitude = false;
+  for (SummaryRun& run : problem.summary_runs) {
+    if (run.measured.given_as_velocity) continue;
+    scale_displacement(run, factor);
+    if (!run.amplitude_from_track) continue;
+    amplitude = true;
+    run.scenario.drive.amplitude *= factor;
+    run.scenario.drive.amplitude_y *= factor;
+  }
+  if (amplitude) rescale(problem, FitParameter::amplitude, factor);
+}
+
+/// Turns a displacement, as `map` does the plane.
+void map_displacement(SummaryRun& run, const Eigen::Matrix2d& map) {
+  run.measured.vector = map * run.measured.vector;
+  run.measured.covariance = map * run.measured.covariance * map.transpose();
+}
+
+void turn_alpha(SummaryRun& run, double angle) {
+  map_displacement(run, Eigen::Rotation2Dd(angle).toRotationMatrix());
+}
+
+void scale_alpha(SummaryRun& run, double factor) {
+  const double alpha = std::atan2(run.measured.vector.y(), run.measured.vector.x());
+  turn_alpha(run, (factor - 1) * alpha);
+}
+
+struct Candidate {
+  SlipFound::What what;
+  double factor;
+  std::function<void(Problem&)> undo;
+};
+
+/// Factors of what was typed.
+std::vector<Candidate> magnitudes(const Typed& typed) {
+  using enum SlipFound::What;
+  std::vector<Candidate> list;
+  const auto add = [&](SlipFound::What what, double factor, auto undo) {
+    list.push_back({what, factor, std::move(undo)});
+  };
+  if (typed.amplitude)
+    for (const double f : {0.5, 2.0, 1e3, 1e-3})
+      add(amplitude, f, [f](Problem& problem) { scale_amplitude(problem, f); });
+  if (typed.frequency)
+    for (const double f : {2 * kPi, 1 / (2 * kPi)})
+      add(frequency, f, [f](Problem& problem) { scale_frequency(problem, f); });
+  if (typed.lengths)
+    for (const double f : {0.1, 10.0, 0.5, 2.0})
+      add(lengths, f, [f](Problem& problem) { scale_lengths(problem, f); });
+  return list;
+}
+
+/// Units and turns of angles.
+std::vector<Candidate> turns(const Typed& typed, bool lag_is_fitted) {
+  using enum SlipFound::What;
+  std::vector<Candidate> list;
+  const auto add = [&](SlipFound::What what, double factor, auto change) {
+    list.push_back({what, factor, [change](Problem& problem) {
+                      for (SummaryRun& run : problem.summary_runs) change(run);
+                    }});
+  };
+  const auto scale_angles = [](SummaryRun& run, double of_phi, double of_dtau, double of_alpha) {
+    run.scenario.friction.phase *= of_phi;
+    run.scenario.friction.pulse_width *= of_dtau;
+    scale_alpha(run, of_alpha);
+  };
+  const auto add_angles = [&](SlipFound::What what, double f, bool phi_too, bool dtau_too, bool alpha_too) {
+    add(what, f,
+        [=](SummaryRun& run) { scale_angles(run, phi_too ? f : 1, dtau_too ? f : 1, alpha_too ? f : 1); });
+  };
+  for (const double f : {180 / kPi, kPi / 180}) {
+    if (typed.timing) {
+      add_angles(phi, f, true, false, false);
+      add_angles(dtau, f, false, true, false);
+      add_angles(timing, f, true, true, false);
+    }
+    if (typed.directions) add_angles(alpha, f, false, false, true);
+    if (typed.timing && typed.directions) add_angles(angles, f, true, true, true);
+  }
+  add(alpha_mirrored, -1,
+      [](SummaryRun& run) { map_displacement(run, Eigen::Vector2d(1, -1).asDiagonal().toDenseMatrix()); });
+  for (const double f : {kPi / 2, kPi, -kPi / 2}) {
+    add(alpha_turned, f, [f](SummaryRun& run) { turn_alpha(run, f); });
+    if (typed.timing && !lag_is_fitted)
+      add(phi_turned, f, [f](SummaryRun& run) { run.scenario.friction.phase += f; });
+  }
+  if (typed.timing)
+    add(phi_reversed, -1, [](SummaryRun& run) {
+      run.scenario.friction.phase = -run.scenario.friction.phase - run.scenario.friction.pulse_width;
+    });
+  return list;
+}
+
+bool within_bounds(const Problem& problem) {
+  return std::ranges::all_of(problem.summary_runs, [](const SummaryRun& run) {
+    return run.scenario.friction.pulse_width <= 2 * kPi * (1 + 1e-6);
+  });
+}
+
+/// The best of a few places: friction in proportion to what the drive slides, the lag all around.
+std::vector<Eigen::VectorXd> places(const Residuals& residuals) {
+  constexpr std::size_t kDescents = 2;
+  const Unknowns& unknowns = residuals.unknowns();
+  const double threshold = unknowns.sliding_threshold().value_or(kUsualMu1);
+  const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2),
+             lag = unknowns.find(FitParameter::lag);
+  std::vector<std::pair<double, Eigen::VectorXd>> found;
+  for (const double share : {0.25, 0.5, 0.9})
+    for (const double turn : {0.0, 0.25, 0.5, 0.75}) {
+      Eigen::VectorXd values = unknowns.first_guess();
+      if (mu1) values(*mu1) = share * threshold;
+      if (mu2) values(*mu2) = 0.15 * unknowns.value_of(FitParameter::mu1, values);
+      if (lag) values(*lag) = 2 * kPi * turn;
+      found.emplace_back(residuals.chi2(values), values);
+      if (!lag) break;
+    }
+  std::ranges::sort(found, {}, [](const auto& place) { return place.first; });
+  std::vector<Eigen::VectorXd> best;
+  for (std::size_t i = 0; i < std::min(kDescents, found.size()); ++i)
+    best.push_back(unknowns.z(found[i].second));
+  return best;
+}
+
+/// The fit with a slip undone; nothing where it has no motion.
+std::optional<SlipFound> refit(const Problem& problem, const Candidate& candidate) {
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  residuals.set_tolerance(1e-5);
+  residuals.set_own_errors(unknowns.first_guess());
+  const std::vector<Eigen::VectorXd> starts = places(residuals);
+  MinimiseOptions descent;
+  descent.decrement = 0.01;
+  descent.max_iterations = 30;
+  std::optional<Minimum> best;
+  for (const Eigen::VectorXd& start : starts) {
+    Minimum minimum = minimise(residuals, start, descent);
+    if (std::isfinite(minimum.chi2) && (!best || minimum.chi2 < best->chi2)) best = std::move(minimum);
+  }
+  if (!best) return std::nullopt;
+  SlipFound slip{candidate.what, candidate.factor, {}, best->chi2, 0, 0};
+  slip.dof = std::max(0, static_cast<int>(std::lround(residuals.degrees_of_freedom())));
+  slip.p_value = chi2_survival(best->chi2, residuals.degrees_of_freedom());
+  const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, best->z));
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    slip.values[problem.free[i]] = values(static_cast<Eigen::Index>(i));
+  return slip;
+}
+
+bool plausible(const Problem& problem, const std::map<FitParameter, double>& values) {
+  const double mu1 = known(problem, values, FitParameter::mu1),
+               mu2 = known(problem, values, FitParameter::mu2);
+  return mu1 >= kLeastMu1 && mu1 <= kLargestMu1 && mu2 <= mu1;
+}
+
+/// Does everything measured scale with the length? Then friction does, and nothing else changes.
+bool all_scale(const Problem& problem) {
+  const auto scales = [](const SummaryRun& run) {
+    return run.amplitude_from_track && !run.measured.given_as_velocity;
+  };
+  return std::ranges::all_of(problem.summary_runs, scales) &&
+         std::ranges::all_of(problem.trajectory_runs,
+                             [](const TrajectoryRun& r) { return r.free_slide || r.amplitude_from_track; });
+}
+
+SlipFound scaled(const FitResult& result, double factor) {
+  SlipFound slip{SlipFound::What::lengths, factor, {}, result.chi2, result.dof, result.p_value};
+  for (const ParameterEstimate& p : result.parameters)
+    slip.values[p.parameter] =
+        p.estimate * (p.parameter == FitParameter::mu1 || p.parameter == FitParameter::mu2 ? factor : 1);
+  return slip;
+}
+
+}  // namespace
+
+bool is_failing(const FitResult& result) {
+  return !result.usable() || result.p_value < kSurprise;
+}
+
+bool is_absurd(const FitResult& result) {
+  double mu1 = kUsualMu1, mu2 = 0;
+  for (const ParameterEstimate& p : result.parameters) {
+    if (p.parameter == FitParameter::mu1) mu1 = p.estimate;
+    if (p.parameter == FitParameter::mu2) mu2 = p.estimate;
+  }
+  return !(mu1 >= kLeastMu1 && mu1 <= kLargestMu1) || mu2 > mu1;
+}
+
+std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& result, const Typed& typed) {
+  std::vector<SlipFound> found;
+  const bool failing = is_failing(result);
+  if (!failing && !is_absurd(result)) return found;
+  const auto take = [&](SlipFound slip) {
+    if (plausible(problem, slip.values)) found.push_back(std::move(slip));
+  };
+  Typed looked_at = typed;
+  if (typed.lengths && all_scale(problem)) {
+    looked_at.lengths = false;
+    if (!failing)
+      for (const double factor : {0.1, 10.0}) take(scaled(result, factor));
+  }
+  Problem driven = problem;
+  driven.trajectory_runs.clear();
+  driven.start.clear();
+  std::vector<Candidate> candidates;
+  if (!driven.summary_runs.empty()) {
+    candidates = magnitudes(looked_at);
+    if (failing)
+      std::ranges::move(turns(typed, std::ranges::count(problem.free, FitParameter::lag) > 0),
+                        std::back_inserter(candidates));
+  }
+  for (const Candidate& candidate : candidates) {
+    Problem undone = driven;
+    candidate.undo(undone);
+    if (!within_bounds(undone)) continue;
+    if (const auto slip = refit(undone, candidate); slip && slip->p_value > kExplained) take(*slip);
+  }
+  // Those as good as the best; of them the likeliest friction first.
+  double best = HUGE_VAL;
+  for (const SlipFound& slip : found) best = std::min(best, slip.chi2);
+  std::erase_if(found, [&](const SlipFound& slip) { return slip.chi2 > best + kNearMinimum; });
+  std::ranges::stable_sort(found, {}, [&](const SlipFound& slip) {
+    return std::abs(std::log(known(problem, slip.values, FitParameter::mu1) / kUsualMu1));
+  });
+  return found;
+}
+
+}  // namespace tribotrack::fit
