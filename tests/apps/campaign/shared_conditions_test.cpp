@@ -116,8 +116,46 @@ TEST_F(SharedConditionsTest, RunsThatDifferKeepTheirOwn) {
   EXPECT_THAT(shared_.warnings[0], HasSubstr("at 2 degrees of freedom"));
 }
 
-TEST_F(SharedConditionsTest, AGivenValueWithoutSdIsExactAndSaidSo) {
-  campaign("amplitude_mm = 0.2802\nangular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"", {{}, {}});
+TEST_F(SharedConditionsTest, WhatIsTypedIsPooledWithWhatIsSeen) {
+  campaign("amplitude_mm = 0.28", {{.amplitude = 0.2802e-3}, {.amplitude = 0.2802e-3}});
+  const fit::PooledQuantity& a = *shared_.pooled.find(fit::Source::amplitude);
+  EXPECT_NEAR(a.given->sd, 0.01e-3 / std::sqrt(12), 1e-18);  // two decimals are typed
+  EXPECT_NEAR(a.used.value, a.measured->value, 0.02 * a.measured->sd);
+  EXPECT_TRUE(runs_[1].amplitude_from_track);
+  EXPECT_TRUE(shared_.warnings.empty());
+  Json json = {{"budget", Json::array({{{"counted", true}, {"from", "campaign"}}})}};
+  add_to(json, shared_);
+  EXPECT_EQ(json["taken_as_exact"].dump(), "[\"gravity_m_s2\",\"xi_axis_rad\",\"phi_rad\",\"dtau_rad\"]");
+  EXPECT_TRUE(json["what_not_knowing_costs"].empty());
+  EXPECT_NEAR(error_of(FitParameter::tilt_x), 2e-3, 1e-15);
+  EXPECT_NEAR(error_of(FitParameter::scale), 0.01 / std::sqrt(12) / 0.1, 1e-12);
+  // What is fitted has no prior that nobody gave.
+  campaign_.fit.parameters.push_back(FitParameter::tilt_x);
+  const SharedConditions fitted = share_conditions(campaign_, runs_);
+  EXPECT_FALSE(problem_of(campaign_, runs_, fitted).prior.contains(FitParameter::tilt_x));
+}
+
+TEST_F(SharedConditionsTest, WhatNobodyGaveIsWhatNotKnowingCosts) {
+  campaign("amplitude_mm = 0.28\namplitude_mm_sd = 0.001", {{}, {}});
+  Json json = {{"parameters", {{"mu1", {{"sd", 0.002}}}}}};
+  for (const fit::Condition& c : problem_of(campaign_, runs_, shared_).conditions)
+    json["budget"].push_back({{"quantity", fit::to_string(c.quantity)},
+                              {"sd_of_source", c.sd},
+                              {"from", c.from},
+                              {"counted", true},
+                              {"contribution", {{"mu1", 0.001}}}});
+  add_to(json, shared_);
+  std::set<std::string> quantities;
+  for (const Json& cost : json["what_not_knowing_costs"]) quantities.insert(cost["quantity"]);
+  EXPECT_EQ(quantities, (std::set<std::string>{"mm_per_px", "tilt_x_rad", "tilt_y_rad"}));
+  EXPECT_THAT(costs_text(json), HasSubstr("tilt_x_rad, sd 0.002 (tilt_x_rad, default sd): mu1 25 %\n"));
+}
+
+TEST_F(SharedConditionsTest, AValueSaidToBeExactIsAndIsListed) {
+  campaign(
+      "amplitude_mm = 0.2802\nangular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"\n[fit]\nexact = "
+      "true",
+      {{}, {}});
   EXPECT_DOUBLE_EQ(runs_[1].scenario.drive.amplitude, 0.2802e-3);
   EXPECT_FALSE(runs_[1].amplitude_from_track);
   Json json;

@@ -176,6 +176,51 @@ TEST(Conditions, AGivenValueWithoutAnSdIsExactAndSaidSo) {
   EXPECT_FALSE(c.find(Source::phase_shift)->contradicted());
 }
 
+TEST(Conditions, WhatNobodyKnowsHasAnErrorThatIsNoPrior) {
+  RunEvidence run;  // measured elsewhere
+  run.amplitude = all(0.28e-3, 2.8e-6);
+  SharedEvidence shared;
+  shared.assumed = {Source::amplitude, Source::tilt_x};
+  shared.tilt_x_sd = shared.tilt_y_sd = 2e-3;
+  shared.amplitude_ratio_sd = 0.01;
+  shared.phase_shift_sd = 0.02;
+  shared.start_phase_sd = kUnknownAngle;
+  const Conditions c = pooled({run, run}, shared);
+  EXPECT_NEAR(error_of(c, FitParameter::amplitude, "campaign, default sd"), 0.01, 1e-12);
+  EXPECT_NEAR(error_of(c, FitParameter::amplitude_ratio), 0.01, 1e-15);
+  EXPECT_NEAR(error_of(c, FitParameter::phase_shift), 0.02, 1e-15);
+  EXPECT_NEAR(error_of(c, FitParameter::start_phase), pi / std::sqrt(3.0), 1e-12);
+  for (const SharedError& e : c.errors) {
+    EXPECT_EQ(is_assumed(e.from), e.quantity != FitParameter::tilt_y) << e.from;
+    EXPECT_EQ(e.known_beforehand, e.quantity == FitParameter::tilt_y) << e.from;
+  }
+  EXPECT_THAT(c.taken_as_exact,
+              testing::ElementsAre(Source::gravity, Source::sensor_axis, Source::phi, Source::dtau));
+  // Of one amplitude that is seen the ratio is, too.
+  std::vector<RunEvidence> runs(2, shown());
+  for (RunEvidence& seen : runs) seen.amplitude = all(0.28e-3);
+  const Conditions exact_x = pooled(runs, shared);
+  EXPECT_EQ(exact_x.find(Source::amplitude)->from, From::given_exactly);
+  EXPECT_EQ(exact_x.find(Source::amplitude_y)->from, From::given_and_measured);
+  EXPECT_NEAR(exact_x.find(Source::amplitude_y)->used.sd, 2e-4 / std::sqrt(2.0) * 0.28e-3, 1e-11);
+}
+
+TEST(Conditions, AStartThatOthersTellIsItsOwnUnknown) {
+  RunEvidence told, untold, circling;
+  told.start_phase = Estimate{1, 0};
+  circling.from_rest = false;
+  SharedEvidence shared;
+  shared.start_phase_sd = kUnknownAngle;
+  const Conditions mixed = pooled({told, untold, circling}, shared);
+  EXPECT_EQ(error_of(mixed, FitParameter::start_phase), 0);
+  EXPECT_EQ(mixed.runs[0].own.sd(Parameter::start_phase), 0);
+  EXPECT_NEAR(mixed.runs[1].own.sd(Parameter::start_phase), kUnknownAngle, 1e-12);
+  EXPECT_EQ(mixed.runs[2].own.sd(Parameter::start_phase), 0);
+  EXPECT_EQ(error_of(pooled({told, circling}, shared), FitParameter::start_phase), 0);
+  shared.start_phase_sd = 0;
+  EXPECT_THAT(pooled({untold}, shared).taken_as_exact, Contains(Source::start_phase));
+}
+
 TEST(Conditions, GivenAndMeasuredMeetByTheirWeights) {
   std::vector<RunEvidence> runs(2, shown());
   for (const double given_sd : {1e-4, 3e-5}) {  // the marks tell 7.1e-5

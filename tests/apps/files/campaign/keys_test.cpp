@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
@@ -102,6 +103,64 @@ TEST_F(CampaignKeys, AQuantityHasOneOfItsNames) {
   EXPECT_EQ(campaign.platform.phase_shift, 1);
   EXPECT_THAT(complaint("[platform]\nomega_rad_s = 60\nfrequency_hz = 10\n" + kRun),
               HasSubstr("c.toml:3:1: `frequency_hz` in [platform] and `omega_rad_s` mean the same"));
+}
+
+TEST(LastDigit, IsHalfAUnitEvenlyDistributed) {
+  const double root = std::sqrt(12), degree = std::numbers::pi / 180;
+  for (const auto& [written, unit] : {std::pair{"0.28", 0.01},
+                                      {"0.280", 0.001},
+                                      {"-0.05", 0.001},
+                                      {"0.3", 0.01},
+                                      {"1.0", 0.1},
+                                      {"62.8", 0.1},
+                                      {"0.005", 0.0001},
+                                      {"2.50e-3", 1e-5},
+                                      {"1e-4", 1e-5},
+                                      {"1_000.5", 0.1},
+                                      {"45.5deg", 0.1 * degree},
+                                      {"-0.10 deg", 0.01 * degree}})
+    EXPECT_NEAR(last_digit_sd(written) * root, unit, 1e-12 * unit) << written;
+  for (const char* set : {"0", "280", "0.0", "pi/2", "11pi/9", "0.5pi", "45deg", "rest", ""})
+    EXPECT_EQ(last_digit_sd(set), 0) << set;
+}
+
+TEST_F(CampaignKeys, ExactIsEverythingOrAListOfNames) {
+  const auto exact = [&](const std::string& value) {
+    put(in_folder("c.toml"), "[fit]\nexact = " + value + "\n[platform]\namplitude_mm = 0.280\n" + kRun);
+    return read_campaign(in_folder("c.toml"));
+  };
+  EXPECT_TRUE(exact("true").fit.exact.holds("tilt_x_rad"));
+  EXPECT_FALSE(exact("false").fit.exact.holds("tilt_x_rad"));
+  const Campaign some = exact("[\"frequency_hz\", \"diameter_mm\", \"start_phase_rad\"]");
+  EXPECT_TRUE(some.fit.exact.holds("angular_frequency_rad_s"));
+  EXPECT_TRUE(some.fit.exact.holds("start_phase_rad"));
+  EXPECT_FALSE(some.fit.exact.holds("amplitude_mm"));
+  EXPECT_THAT(complaint("[fit]\nexact = [\"tilt_x\"]\n" + kRun),
+              HasSubstr("c.toml:2:1: `exact` in [fit] names \"tilt_x\", which is no quantity with an sd; did "
+                        "you mean \"tilt_x_rad\"?"));
+  EXPECT_THAT(
+      complaint("[fit]\nexact = [\"amplitude_mm\"]\n[platform]\namplitude_mm = 1\namplitude_mm_sd "
+                "= 0.1\n" +
+                kRun),
+      HasSubstr("c.toml:5:1: `amplitude_mm_sd` in [platform] and exact = [\"amplitude_mm\"] in [fit]"));
+}
+
+TEST_F(CampaignKeys, WithoutAnSdTheLastDigitOrTheTradeTells) {
+  put(in_folder("c.toml"), "[platform]\namplitude_mm = 0.28\nfrequency_hz = 10.00\n" + kRun);
+  const Campaign campaign = read_campaign(in_folder("c.toml"));
+  const auto sd = [&](const char* key, double value, const Digits& digits) {
+    return default_sd(campaign.fit.exact, key, value, digits);
+  };
+  const Digits& digits = campaign.platform.digits;
+  EXPECT_NEAR(sd("amplitude_mm", 0.28, digits), 0.01 / std::sqrt(12), 1e-15);
+  EXPECT_NEAR(sd("amplitude_mm", 0.28, {}), 0.0014, 1e-15);
+  EXPECT_NEAR(sd("angular_frequency_rad_s", 62.83, digits), 0.01 / std::sqrt(12) * 2 * std::numbers::pi,
+              1e-12);
+  EXPECT_NEAR(sd("diameter_mm", 6, {}), 0.02, 1e-15);
+  EXPECT_NEAR(sd("phase_shift_rad", 1, {}), std::numbers::pi / 180, 1e-15);
+  EXPECT_EQ(sd("phi_rad", 1, {}), 0);
+  EXPECT_EQ(sd("gravity_m_s2", 9.81, {{"gravity_m_s2", 0.003}}), 0);
+  EXPECT_EQ(default_sd({true, {}}, "amplitude_mm", 0.28, digits), 0);
 }
 
 /// A key with its example, after those that it needs.

@@ -1,0 +1,108 @@
+// What was typed wrongly is found, and nothing else is accused.
+#include "fit/slips.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using What = SlipFound::What;
+constexpr double pi = std::numbers::pi;
+
+const FitOptions kQuick{.multi_starts = 4, .profiles = false, .next_experiment = false};
+
+/// Fourteen runs at 1 deg and 2 %, as a table holds them.
+const Problem& table() {
+  static const Problem problem = [] {
+    Problem made;
+    made.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+    std::mt19937 random(3);
+    for (const model::Scenario& scenario : test::fourteen({}))
+      made.summary_runs.push_back(test::summary_run(scenario, 0.0175, 4e-5, &random, 1000));
+    return made;
+  }();
+  return problem;
+}
+
+const Typed kTable{.amplitude = true, .frequency = true, .timing = true, .directions = true};
+
+std::vector<SlipFound> found_in(const Problem& problem, const Typed& typed = kTable) {
+  return find_slips(problem, estimate(problem, kQuick), typed);
+}
+
+bool names(const std::vector<SlipFound>& found, What what, double factor) {
+  return std::ranges::any_of(found, [&](const SlipFound& slip) {
+    return slip.what == what && std::abs(slip.factor - factor) < 1e-9 * std::abs(factor);
+  });
+}
+
+TEST(Slips, ASoundFitHasNone) {
+  EXPECT_TRUE(found_in(table()).empty());
+}
+
+TEST(Slips, PeakToPeakIsHalfOfIt) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs)
+    run.scenario.drive.amplitude *= 2, run.scenario.drive.amplitude_y *= 2;
+  const auto found = found_in(problem);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, What::amplitude);
+  EXPECT_EQ(found[0].factor, 0.5);
+  EXPECT_GT(found[0].p_value, 0.01);
+  EXPECT_NEAR(found[0].values.at(FitParameter::mu1), 0.1, 0.004);
+}
+
+TEST(Slips, RevolutionsGivenAsRadians) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs) {
+    run.scenario.drive.angular_frequency /= 2 * pi;
+    run.measured.vector *= 2 * pi;
+    run.measured.covariance *= 4 * pi * pi;
+    run.measured.duration *= 2 * pi;
+  }
+  EXPECT_TRUE(names(found_in(problem), What::frequency, 2 * pi));
+}
+
+TEST(Slips, YDownwardsAndTurnsOfTheOtherSense) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs) run.scenario.drive.phase_shift = -pi / 2;
+  EXPECT_TRUE(names(found_in(problem), What::alpha_mirrored, -1));
+  problem = table();
+  for (SummaryRun& run : problem.summary_runs)
+    run.scenario.friction.phase = -run.scenario.friction.phase - run.scenario.friction.pulse_width;
+  EXPECT_TRUE(names(found_in(problem), What::phi_reversed, -1));
+}
+
+TEST(Slips, RadiansInAColumnOfDegrees) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs) run.scenario.friction.phase *= pi / 180;
+  EXPECT_TRUE(names(found_in(problem), What::phi, 180 / pi));
+}
+
+// Where A was seen at the same scale friction scales with it, and chi^2 tells nothing.
+TEST(Slips, AScaleTenTimesTooLargeIsAbsurd) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs) {
+    run.measured.given_as_velocity = false;
+    run.amplitude_from_track = true;
+    run.measured.vector *= 10;
+    run.measured.covariance *= 100;
+    run.scenario.drive.amplitude *= 10;
+    run.scenario.drive.amplitude_y *= 10;
+  }
+  const auto found = found_in(problem, {.timing = true, .lengths = true});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, What::lengths);
+  EXPECT_EQ(found[0].factor, 0.1);
+  EXPECT_NEAR(found[0].values.at(FitParameter::mu1), 0.1, 0.004);
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
