@@ -54,8 +54,10 @@ struct SlipFound {
 bool is_failing(const FitResult& result);
 bool is_absurd(const FitResult& result);
 
-/// Those that explain a failing or absurd fit, alike in chi^2, the likeliest first; empty for a sound one,
-/// and where none does. Free slides are looked at for their scale only. Some 20 ms each for 14 runs.
+/// Those that explain a failing or absurd fit, alike in chi^2, the likeliest first; empty where none does. Of
+/// a sound one it is half the amplitude alone, where that describes the data better: twice the amplitude
+/// leaves room for a friction under which they are nearly the same. Free slides are looked at for their scale
+/// only. Some 20 ms each for 14 runs.
 std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& result, const Typed& typed);
 
 }  // namespace tribotrack::fit

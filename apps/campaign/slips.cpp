@@ -118,27 +118,26 @@ std::vector<std::string> likely_slips(const Campaign& campaign, const std::vecto
                                       const fit::FitResult& result) {
   std::vector<std::string> sentences;
   const bool absurd = fit::is_absurd(result), failing = fit::is_failing(result);
-  if (!absurd && !failing) return sentences;
   const fit::Typed given = typed(runs, shared.pooled);
   const auto first = std::ranges::find_if(
       runs, [&](const Run& run) { return run.takes_part() && (run.track || !given.lengths); });
   if (first == runs.end()) return sentences;
   const std::vector<SlipFound> found = fit::find_slips(problem, result, given);
+  const char* verb = !absurd && !failing ? "the data fit better to"
+                     : found.size() == 1 ? "a slip would explain it:"
+                                         : "one of the slips would explain it:";
   for (const SlipFound& slip : found)
-    sentences.push_back(
-        fmt::format("{} would explain it: {}; then chi2 {:.3g} at {} degrees of freedom (p = {:.2g}){}",
-                    found.size() == 1 ? "a slip" : "one of the slips", what_is_wrong(campaign, *first, slip),
-                    slip.chi2, slip.dof, slip.p_value, values_of(slip)));
+    sentences.push_back(fmt::format("{} {}; then chi2 {:.3g} at {} degrees of freedom (p = {:.2g}){}", verb,
+                                    what_is_wrong(campaign, *first, slip), slip.chi2, slip.dof, slip.p_value,
+                                    values_of(slip)));
   // Where A was seen at the same scale, it scales friction and leaves chi^2 as it is.
-  if (given.lengths && (absurd || given.amplitude) && one_scale(campaign, shared.pooled)) {
-    const std::string key = scale_key(campaign);
+  const std::string key = scale_key(campaign);
+  if (given.lengths && (absurd || (failing && given.amplitude)) && one_scale(campaign, shared.pooled))
     sentences.push_back(
-        fmt::format("{}, and all lengths go by {} alone: give a second scale beside it ({}, or the side of a "
-                    "tag, tag_mm) "
-                    "that checks it",
+        fmt::format("{}, and all lengths go by {} alone: give a second scale that checks it, {}",
                     absurd ? "no dry pair has such friction" : "the fit fails", key,
-                    key == "diameter_mm" ? "mm_per_px or a calibration" : "diameter_mm"));
-  }
+                    key == "diameter_mm" ? "mm_per_px, a calibration or the side of a tag"
+                                         : "diameter_mm or the side of a tag"));
   return sentences;
 }
 

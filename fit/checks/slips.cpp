@@ -103,7 +103,7 @@ std::vector<Candidate> magnitudes(const Typed& typed) {
   const auto add = [&](SlipFound::What what, double factor, auto undo) {
     list.push_back({what, factor, std::move(undo)});
   };
-  if (typed.amplitude)
+  if (typed.amplitude)  // the usual one first
     for (const double f : {0.5, 2.0, 1e3, 1e-3})
       add(amplitude, f, [f](Problem& problem) { scale_amplitude(problem, f); });
   if (typed.frequency)
@@ -252,15 +252,14 @@ bool is_absurd(const FitResult& result) {
 
 std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& result, const Typed& typed) {
   std::vector<SlipFound> found;
-  const bool failing = is_failing(result);
-  if (!failing && !is_absurd(result)) return found;
+  const bool failing = is_failing(result), sound = !failing && !is_absurd(result);
   const auto take = [&](SlipFound slip) {
     if (plausible(problem, slip.values)) found.push_back(std::move(slip));
   };
   Typed looked_at = typed;
   if (typed.lengths && all_scale(problem)) {
     looked_at.lengths = false;
-    if (!failing)
+    if (!failing && !sound)
       for (const double factor : {0.1, 10.0}) take(scaled(result, factor));
   }
   Problem driven = problem;
@@ -269,6 +268,7 @@ std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& resul
   std::vector<Candidate> candidates;
   if (!driven.summary_runs.empty()) {
     candidates = magnitudes(looked_at);
+    if (sound) candidates.erase(candidates.begin() + (typed.amplitude ? 1 : 0), candidates.end());
     if (failing)
       std::ranges::move(turns(typed, std::ranges::count(problem.free, FitParameter::lag) > 0),
                         std::back_inserter(candidates));
@@ -277,7 +277,8 @@ std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& resul
     Problem undone = driven;
     candidate.undo(undone);
     if (!within_bounds(undone)) continue;
-    if (const auto slip = refit(undone, candidate); slip && slip->p_value > kExplained) take(*slip);
+    const auto slip = refit(undone, candidate);
+    if (slip && slip->p_value > kExplained && !(sound && slip->chi2 > result.chi2)) take(*slip);
   }
   // Those as good as the best; of them the likeliest friction first.
   double best = HUGE_VAL;

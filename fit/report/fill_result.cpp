@@ -81,6 +81,22 @@ void fill_profile(const Profile& profile, double level, ParameterEstimate& estim
   estimate.ci95_pieces = pieces;
 }
 
+namespace {
+
+/// In the piece of every interval in which its estimate lies: the intervals say it already.
+bool is_covered(const std::map<FitParameter, double>& values,
+                const std::vector<ParameterEstimate>& parameters) {
+  return std::ranges::all_of(parameters, [&](const ParameterEstimate& p) {
+    const double value = values.at(p.parameter);
+    const auto holds = [](const Interval& piece, double x) { return piece.low <= x && x <= piece.high; };
+    return std::ranges::any_of(p.ci95_pieces, [&](const Interval& piece) {
+      return holds(piece, p.estimate) && holds(piece, value);
+    });
+  });
+}
+
+}  // namespace
+
 void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
   const double excess = residuals.excess(minima.front().chi2);
@@ -100,6 +116,7 @@ void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima,
       list += fmt::format("{}{} = {}", k > 0 ? ", " : "", to_string(parameter),
                           number(values(k) * display_factor(parameter), 4));
     }
+    if (is_covered(minimum.values, result.parameters)) continue;
     minimum.sentence =
         fmt::format("Another minimum fits nearly as well (chi2 higher by {}): {}.", number(above, 2), list);
     result.warnings.push_back(minimum.sentence);

@@ -47,6 +47,7 @@ TEST(Slips, ASoundFitHasNone) {
   EXPECT_TRUE(found_in(table()).empty());
 }
 
+// Another friction fits twice the amplitude nearly as well: chi^2 need not reject it.
 TEST(Slips, PeakToPeakIsHalfOfIt) {
   Problem problem = table();
   for (SummaryRun& run : problem.summary_runs)
