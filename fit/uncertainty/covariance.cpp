@@ -126,7 +126,7 @@ Interval interval95(const Transform& transform, FitParameter parameter, double v
   if (on_logarithm) return {value * std::exp(-t * sd / value), value * std::exp(t * sd / value)};
   const double low = value - t * sd;
   const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
-  return {cut ? std::max(0.0, low) : low, value + t * sd};
+  return {cut ? std::max(0.0, low) : low, cut ? std::max(0.0, value + t * sd) : value + t * sd};
 }
 
 namespace {
