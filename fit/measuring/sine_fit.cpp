@@ -147,12 +147,12 @@ Eigen::Vector2d SineFit::at(double t) const {
   return coefficients.transpose() * basis(t, w);
 }
 
-SineFit fit_sine(const MarkerSeries& marker) {
+SineFit fit_sine(const MarkerSeries& marker, double start) {
   const std::size_t n = marker.size();
   std::size_t block = std::min<std::size_t>(n, 1024);
   const auto window = [&] { return std::pair((n - block) / 2, (n - block) / 2 + block); };
   SineFit fit;
-  fit.w = strongest_frequency(marker, window().first, window().second);
+  fit.w = start > 0 ? start : strongest_frequency(marker, window().first, window().second);
   if (!(fit.w > 0)) return fit;
   for (;; block = std::min(n, 2 * block)) {
     refine(marker, window().first, window().second, fit);
