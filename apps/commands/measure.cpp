@@ -73,7 +73,7 @@ void add_measure(CLI::App& app, Context& context) {
   auto options = std::make_shared<MeasureOptions>();
   CLI::App& command = *app.add_subcommand(
       "measure",
-      "alpha, v and, where visible, the platform's motion, or a free slide's deceleration, from a track");
+      "What motion a track shows; alpha, v and, where visible, the platform's motion, or a free slide's mu1");
   command
       .add_option(
           "TRACK", options->track,
@@ -87,10 +87,10 @@ void add_measure(CLI::App& app, Context& context) {
             "Phase shift the platform should have: its sense is checked");
   add_number(command, "--cycles", options->choices.cycles,
              "Whole cycles to measure over, at most (default 20)");
-  command.add_flag(
-      "--free-slide", options->choices.free_slide,
-      "The platform rests and the part slides: deceleration, stop and spin (also without this flag where "
-      "no drive is given or seen)");
+  command.add_flag("--free-slide", options->choices.free_slide,
+                   "The platform rests and the part slides: mu1, deceleration, stop and spin (also without "
+                   "this flag where "
+                   "no drive is given or seen); exit 4 where the track shows another motion");
   add_number(command, "--gravity-m-s2", options->choices.gravity_m_s2,
              "Of a free slide: mu1 = deceleration / g (default 9.81)");
   add_number(command, "--mm-per-px", options->reading.mm_per_px,
@@ -115,7 +115,13 @@ void add_measure(CLI::App& app, Context& context) {
       command, context,
       "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8\n  "
       "tribotrack "
-      "measure slide.csv --free-slide\n  tribotrack measure tracker.txt --omega-rad-s 62.8 --track-unit mm");
+      "measure slide.csv --free-slide\n  tribotrack measure tracker.txt --omega-rad-s 62.8 --track-unit "
+      "mm\n\n"
+      "motion (first line; --json: motion, motion_sentence): driven, slide to rest, incline, swinging, "
+      "pulled,\n"
+      "at rest, with background, unknown. alpha and v belong to a drive that is given or seen, mu1 to a "
+      "slide to\n"
+      "rest that is braked evenly; where the track shows another motion: exit 4 and what to do instead.");
   command.callback([options, &context] { measure_command(*options, context); });
 }
 

@@ -100,6 +100,10 @@ std::string measurement_text(const RunMeasurement& m, const Track& track) {
   return text;
 }
 
+std::string motion_text(const TrackMotion& motion) {
+  return line("motion", fmt::format("{}: {}", fit::to_string(motion.shown.kind), motion.sentence));
+}
+
 std::string slide_measurement_text(const SlideMeasurement& m, const Track& track) {
   const fit::SlideResult& s = m.slide;
   std::string text =

@@ -6,6 +6,7 @@
 #include "apps/files/traces/scope_file.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_track.h"
+#include "apps/measuring/track_motion.h"
 #include "apps/text/json.h"
 
 namespace tribotrack::apps {
@@ -14,7 +15,10 @@ namespace tribotrack::apps {
 /// measurement_json().
 std::string measurement_text(const RunMeasurement& measurement, const Track& track);
 
-/// What `measure` prints for people.
+/// Its first line: what the track shows.
+std::string motion_text(const TrackMotion& motion);
+
+/// What `measure` prints of a slide.
 std::string slide_measurement_text(const SlideMeasurement& measurement, const Track& track);
 
 // What an oscilloscope's file holds, and what to write into [scope].

@@ -12,6 +12,7 @@
 #include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_text.h"
+#include "apps/measuring/track_motion.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 #include "fit/estimate.h"
@@ -149,27 +150,62 @@ GivenConditions given_by(const MeasureChoices& choices) {
   return given;
 }
 
-/// A part that slides on the resting platform: no drive is given, none is seen.
+void put_motion(const TrackMotion& motion, TrackMeasurement& result) {
+  result.json["motion"] = fit::to_string(motion.shown.kind);
+  result.json["motion_sentence"] = motion.sentence;
+  result.text = motion_text(motion) + result.text;
+}
+
+/// What a track shows that is neither of a drive known nor of a slide: no friction follows from it.
+TrackMeasurement motion_alone(const std::string& name, const Track& track, const TrackMotion& motion) {
+  TrackMeasurement result;
+  result.json = Json::object();
+  if (motion.shown.oscillation) {
+    const fit::Estimate& w = motion.shown.oscillation->angular_frequency;
+    result.json["angular_frequency_rad_s"] = finite_json(w.value);
+    result.json["angular_frequency_rad_s_sd"] = finite_json(w.sd);
+  }
+  put_recording(result.json, track, {});
+  put_motion(motion, result);
+  result.failure = fmt::format("{}: {}; {}", name, motion.sentence, motion.remedy());
+  return result;
+}
+
+/// A part that slides on the resting platform: no drive is given, none is seen. A fit would make a friction
+/// of any other motion as well.
 TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
                                     const MeasureChoices& choices) {
+  constexpr std::size_t kFewest = 8;  // points that tell a motion; what fewer lack the fit says
+  constexpr double kHardly = 0.5;     // sd of mu1 over mu1
   const double gravity = choices.gravity_m_s2.value_or(9.81);
   if (!(gravity > 0)) throw UsageError("--gravity-m-s2 must be greater than 0");
-  std::optional<SlideMeasurement> m;
-  try {
-    m = measure_slide(name, track, gravity);
-  } catch (const fit::DataError& no_slide) {
-    if (choices.free_slide) throw;
-    throw InvalidInput(
-        fmt::format("{}: the platform's frequency is neither given nor seen in the track, and it is no free "
-                    "slide either ({}); "
-                    "give --omega-rad-s, or track with --marker",
-                    name, no_slide.what()));
+  const bool told = track.table.time.size() >= kFewest;
+  TrackMotion motion;
+  if (told) {
+    motion = motion_of(track, fit::measure_platform_motion(track.table));
+    if (motion.shown.kind != fit::MotionKind::slide) {
+      TrackMeasurement result = motion_alone(name, track, motion);
+      result.configuration = {{"free_slide", choices.free_slide}, {"gravity_m_s2", gravity}};
+      return result;
+    }
   }
-  return {slide_measurement_json(*m, track),
-          slide_measurement_text(*m, track),
-          m->warnings,
-          {{"free_slide", true}, {"gravity_m_s2", gravity}},
-          ""};
+  const SlideMeasurement m = measure_slide(name, track, gravity);
+  TrackMeasurement result{slide_measurement_json(m, track),
+                          slide_measurement_text(m, track),
+                          m.warnings,
+                          {{"free_slide", true}, {"gravity_m_s2", gravity}},
+                          ""};
+  if (!(m.slide.mu1.sd < kHardly * m.slide.mu1.value)) {
+    const Json configuration = result.configuration;
+    result = motion_alone(name, track, motion);
+    result.configuration = configuration;
+    result.failure =
+        fmt::format("{}: the part slows down by too little to tell mu1 (sd {:.2g}); film more of the way",
+                    name, m.slide.mu1.sd);
+    return result;
+  }
+  put_motion(motion, result);
+  return result;
 }
 
 }  // namespace
@@ -188,9 +224,14 @@ TrackMeasurement measure_track(const std::string& name, const Track& track, cons
                           measured.warnings,
                           {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}},
                           ""};
+  const TrackMotion motion = motion_of(track, measured.platform);
+  put_motion(motion, result);
   if (measured.coded && measured.coded->exceeds)
     result.failure = fmt::format(
         "{}: the coder's attenuation or delay exceeds the interval of what the track tells", name);
+  else if (!motion.platform_seen && (measured.platform || !track.table.platform_frame))
+    if (const std::string why = against_drive(motion, measured.angular_frequency->value); !why.empty())
+      result.failure = fmt::format("{}: {}; {}", name, why, motion.remedy());
   return result;
 }
 

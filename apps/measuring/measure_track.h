@@ -43,8 +43,11 @@ struct TrackMeasurement {
   std::string failure;  ///< what fails its quality gate; empty: nothing
 };
 
-/// `name` begins messages. Throws UsageError for choices that are out of range or contradict each other,
-/// InvalidInput and fit::DataError where the track does not show what is asked for.
+/// What the track shows is judged first (fit/motion.h): `motion` and `motion_sentence`. Without a drive that
+/// is given or seen mu1 follows where it shows an even slide, else the failure says what it shows and what to
+/// do; with one, alpha and v, and the failure where the part shows another motion. `name` begins messages.
+/// Throws UsageError for choices that are out of range or contradict each other, InvalidInput and
+/// fit::DataError where the track does not show what is asked for.
 TrackMeasurement measure_track(const std::string& name, const Track& track, const MeasureChoices& choices);
 
 }  // namespace tribotrack::apps
