@@ -102,12 +102,13 @@ class ScoreTests {
         g.with_residuals(k) = (values_(*known) - prior.mean) / prior.sd;
         continue;
       }
-      const Eigen::Index column = *wide_.find(quantity);
+      const auto column = wide_.find(quantity);
+      if (!column) return std::nullopt;  // of slides alone: there is no drive
       for (std::size_t j = 0; j < candidate.quantities.size(); ++j)
         if (const auto other = wide_.find(candidate.quantities[j]))
-          g.own(k, static_cast<Eigen::Index>(j)) = normal_(column, *other);
-      g.with_unknowns.row(k) = normal_(column, columns_);
-      g.with_residuals(k) = gradient_(column);
+          g.own(k, static_cast<Eigen::Index>(j)) = normal_(*column, *other);
+      g.with_unknowns.row(k) = normal_(*column, columns_);
+      g.with_residuals(k) = gradient_(*column);
     }
     auto found = test(g);
     if (!found) return std::nullopt;
