@@ -12,8 +12,10 @@
 #include "apps/program/progress.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
+#include "fit/motion.h"
 #include "model/parallel.h"
 #include "vision/survey.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
@@ -23,10 +25,13 @@ namespace {
 
 constexpr double kSamePlace = 1.5;  ///< px: marks that lie so near to each other in all recordings are one
 
+constexpr std::int64_t kMostTracked = 1500;  ///< frames that tell how a part moves
+
 /// What one recording shows.
 struct Look {
   vision::SourceInfo info;
   vision::Survey seen;
+  std::optional<fit::ShownMotion> motion;  ///< of the part, where that decides what is drafted
   std::string failure;
 };
 
@@ -40,6 +45,36 @@ Look look_at(const fs::path& recording, const std::optional<double>& fps) {
     look.failure = error.what();
   }
   return look;
+}
+
+/// How the part moves, from frame to frame: its places in some frames do not tell circles from a slide. Where
+/// the recording does not say how fast it was taken its frames count.
+std::optional<fit::ShownMotion> motion_in(const fs::path& recording, const Look& look,
+                                          const std::optional<double>& fps) {
+  if (look.seen.part() == nullptr) return std::nullopt;
+  try {
+    const auto source = vision::open_source(
+        recording, {look.info.time_base.known() ? fps : std::optional(1.0), "frames count"});
+    vision::TrackOptions options;
+    options.target.kind = vision::Target::Kind::disc;
+    options.target.disc = look.seen.part()->circle;
+    options.marker.kind = vision::MarkerChoice::Kind::none;
+    options.layers = vision::Layers::off;
+    options.first_frame = look.seen.frame;
+    options.last_frame =
+        std::min(look.seen.frame + kMostTracked, look.info.first_number + look.info.frame_count) - 1;
+    fit::TrackTable table;
+    for (const vision::TrackPoint& p : vision::track(*source, options).track.points) {
+      if (p.status != vision::TrackStatus::ok) continue;
+      table.frame.push_back(p.frame);
+      table.time.push_back(p.time_s);
+      table.position.emplace_back(p.x, p.y);
+      table.covariance.push_back(Eigen::Vector2d(p.sigma_x * p.sigma_x, p.sigma_y * p.sigma_y).asDiagonal());
+    }
+    return fit::shown_motion(table);
+  } catch (const std::exception&) {  // what cannot be followed decides nothing
+    return std::nullopt;
+  }
 }
 
 std::string quoted_toml(const std::string& text) {
@@ -101,29 +136,57 @@ void place_part(const vision::Survey& seen, DraftTable& run) {
     run["disc_px"] = {circle, "guess: of several discs, that which moves farthest"};
 }
 
-/// A name that tells no phase, and nothing but the part moves.
-bool looks_like_slide(const vision::Survey& seen, const NameGuess& guess) {
+/// A name that tells no phase, and nothing but the part moves, by more than a platform could move it.
+bool may_slide(const vision::Survey& seen, const NameGuess& guess) {
   return guess.phi_text.empty() && guess.dtau_text.empty() && seen.part() != nullptr &&
          !seen.platform_moves() && seen.lamps.empty() && seen.part()->moved_px > seen.part()->circle.radius;
+}
+
+bool repeats(const Look& look) {
+  return look.motion && look.motion->oscillation;
+}
+
+bool slides(const Look& look, const NameGuess& guess) {
+  return guess.free_slide || (look.motion && look.motion->braking);
 }
 
 DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
                   const DraftOptions& options) {
   DraftTable run;
   run["video"] = {quoted_toml(relative_to(recording, options.folder)), ""};
-  if (guess.free_slide) {
-    run["kind"] = {"\"free_slide\"", "guess: by the name"};
-  } else if (looks_like_slide(look.seen, guess)) {
+  if (slides(look, guess)) {
     run["kind"] = {"\"free_slide\"",
-                   "guess: nothing but the part is seen to move; else give phi_rad and dtau_rad"};
+                   guess.free_slide ? "guess: by the name" : "guess: the part is seen to slide"};
+    if (look.motion && look.motion->kind == fit::MotionKind::incline)
+      run["slope_rad"] = {"\"20deg\"", "it gains speed, as down an incline: fill it in", true};
   } else {
     run["phi_rad"] = angle_guess(guess.phi_text);
     run["dtau_rad"] = angle_guess(guess.dtau_text);
+    if (repeats(look) && guess.phi_text.empty())
+      run["phi_rad"].why = "the part circles or swings, a drive's: fill it in";
   }
   place_part(look.seen, run);
   if (const auto trace = trace_beside(recording))
     run["scope"] = {quoted_toml(relative_to(*trace, options.folder)), "guess: by the name"};
   return run;
+}
+
+/// Where parts circle and no mark shows how the platform moves.
+void place_drive(CampaignDraft& draft, const std::vector<Look>& looks,
+                 const std::vector<std::string>& names) {
+  for (std::size_t k = 0; k < looks.size(); ++k) {
+    if (!repeats(looks[k]) || looks[k].seen.platform_moves()) continue;
+    const double w = looks[k].motion->oscillation->angular_frequency.value;
+    const bool timed = looks[k].info.time_base.known();
+    if (timed)
+      draft.tables["platform"]["angular_frequency_rad_s"] = {
+          fmt::format("{:.4g}", w), "what the part shows: fill in what the drive is set to", true};
+    draft.missing.push_back(fmt::format(
+        "angular_frequency_rad_s and amplitude_mm in [platform]: no mark shows them; the part in {} "
+        "goes round{}",
+        names[k], timed ? fmt::format(" at about {:.4g} rad/s", w) : ""));
+    return;
+  }
 }
 
 /// Marks and lamps: under [camera] where all recordings agree, else with each run.
@@ -286,6 +349,11 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   all_names.insert(all_names.end(), options.other_names.begin(), options.other_names.end());
   std::vector<NameGuess> guesses = guesses_from(all_names);
   guesses.resize(names.size());
+  parallel_for(readable.size(), threads_to_use(context), [&](std::size_t k) {
+    if (guesses[k].free_slide || may_slide(usable[k].seen, guesses[k]))
+      usable[k].motion = motion_in(readable[k], usable[k], options.fps);
+    if (repeats(usable[k])) guesses[k].free_slide = false;  // whatever its name says
+  });
   for (std::size_t k = 0; k < readable.size(); ++k) {
     draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
     if (draft.runs.back().contains("phi_rad") &&
@@ -293,6 +361,7 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
       draft.missing.push_back(
           fmt::format("phi_rad and dtau_rad of {}: its name does not tell them", names[k]));
   }
+  place_drive(draft, usable, names);
   place_marks(draft, usable, guesses, options.marks_with_runs);
   place_frame_rate(draft, usable, guesses, options);
   if (options.diameter_mm)
