@@ -37,9 +37,8 @@ struct SlipFound {
     timing,  ///< phi and dtau
     alpha,
     angles,          ///< all three
-    alpha_turned,    ///< by quarter turns
     alpha_mirrored,  ///< y downwards, or the platform's sense: the same
-    phi_turned,      ///< likewise; where the lag is fitted it is the lag
+    phi_turned,      ///< by quarter turns; where the lag is fitted it is the lag
     phi_reversed     ///< counted against the platform's sense
   };
   What what = What::amplitude;

@@ -91,8 +91,6 @@ std::string what_is_wrong(const Campaign& campaign, const Run& run, const SlipFo
       return scaled("alpha");
     case angles:
       return scaled("phi, dtau and alpha");
-    case alpha_turned:
-      return "alpha counted from an axis that is turned: alpha " + turn;
     case alpha_mirrored:
       return "y counted downwards, or the platform turning the other way (-alpha, or -phase_shift_rad)";
     case phi_turned:

@@ -144,11 +144,9 @@ std::vector<Candidate> turns(const Typed& typed, bool lag_is_fitted) {
   }
   add(alpha_mirrored, -1,
       [](SummaryRun& run) { map_displacement(run, Eigen::Vector2d(1, -1).asDiagonal().toDenseMatrix()); });
-  for (const double f : {kPi / 2, kPi, -kPi / 2}) {
-    add(alpha_turned, f, [f](SummaryRun& run) { turn_alpha(run, f); });
-    if (typed.timing && !lag_is_fitted)
+  if (typed.timing && !lag_is_fitted)  // else it is the lag
+    for (const double f : {kPi / 2, kPi, -kPi / 2})
       add(phi_turned, f, [f](SummaryRun& run) { run.scenario.friction.phase += f; });
-  }
   if (typed.timing)
     add(phi_reversed, -1, [](SummaryRun& run) {
       run.scenario.friction.phase = -run.scenario.friction.phase - run.scenario.friction.pulse_width;
@@ -162,50 +160,66 @@ bool within_bounds(const Problem& problem) {
   });
 }
 
-/// The best of a few places: friction in proportion to what the drive slides, the lag all around.
-std::vector<Eigen::VectorXd> places(const Residuals& residuals) {
-  constexpr std::size_t kDescents = 2;
+/// The best of some places: friction in proportion to what the drive slides, the lag all around.
+Eigen::VectorXd best_place(const Residuals& residuals) {
   const Unknowns& unknowns = residuals.unknowns();
   const double threshold = unknowns.sliding_threshold().value_or(kUsualMu1);
   const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2),
              lag = unknowns.find(FitParameter::lag);
-  std::vector<std::pair<double, Eigen::VectorXd>> found;
+  std::pair<double, Eigen::VectorXd> best{HUGE_VAL, unknowns.first_guess()};
+  constexpr int kLags = 8;
   for (const double share : {0.25, 0.5, 0.9})
-    for (const double turn : {0.0, 0.25, 0.5, 0.75}) {
-      Eigen::VectorXd values = unknowns.first_guess();
-      if (mu1) values(*mu1) = share * threshold;
-      if (mu2) values(*mu2) = 0.15 * unknowns.value_of(FitParameter::mu1, values);
-      if (lag) values(*lag) = 2 * kPi * turn;
-      found.emplace_back(residuals.chi2(values), values);
-      if (!lag) break;
-    }
-  std::ranges::sort(found, {}, [](const auto& place) { return place.first; });
-  std::vector<Eigen::VectorXd> best;
-  for (std::size_t i = 0; i < std::min(kDescents, found.size()); ++i)
-    best.push_back(unknowns.z(found[i].second));
-  return best;
+    for (const double ratio : {0.1, 0.4})
+      for (int k = 0; k < (lag ? kLags : 1); ++k) {
+        Eigen::VectorXd values = unknowns.first_guess();
+        if (mu1) values(*mu1) = share * threshold;
+        if (mu2) values(*mu2) = ratio * unknowns.value_of(FitParameter::mu1, values);
+        if (lag) values(*lag) = 2 * kPi * k / kLags;
+        if (const double chi2 = residuals.chi2(values); chi2 < best.first) best = {chi2, values};
+      }
+  return best.second;
 }
 
-/// The fit with a slip undone; nothing where it has no motion.
+/// Where the data of a problem lie near the model, to some per cent and with its conditions as given; nothing
+/// where they do not.
+std::optional<Eigen::VectorXd> roughly(Problem problem) {
+  constexpr double kNear = 0.05;  // of a typical displacement
+  constexpr double kFar = 1;      // chi^2/dof
+  problem.conditions.clear();
+  std::vector<double> lengths;
+  for (const SummaryRun& run : problem.summary_runs) lengths.push_back(run.measured.vector.norm());
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  residuals.set_tolerance(1e-4);
+  ExcessVariance excess;
+  excess.along = excess.across = kNear * upper_median(lengths);
+  residuals.set_excess_variance(excess);
+  MinimiseOptions descent;
+  descent.decrement = 0.1;
+  descent.max_iterations = 12;
+  const Minimum minimum = minimise(residuals, unknowns.z(best_place(residuals)), descent);
+  if (!(minimum.chi2 < kFar * std::max(1.0, residuals.degrees_of_freedom()))) return std::nullopt;
+  return unknowns.values(minimum.z);
+}
+
+/// The fit with a slip undone; nothing where that is no better.
 std::optional<SlipFound> refit(const Problem& problem, const Candidate& candidate) {
+  const std::optional<Eigen::VectorXd> near = roughly(problem);
+  if (!near) return std::nullopt;
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-5);
-  residuals.set_own_errors(unknowns.first_guess());
-  const std::vector<Eigen::VectorXd> starts = places(residuals);
+  Eigen::VectorXd values = unknowns.first_guess();
+  values.head(near->size()) = *near;
+  residuals.set_own_errors(values);
   MinimiseOptions descent;
   descent.decrement = 0.01;
-  descent.max_iterations = 30;
-  std::optional<Minimum> best;
-  for (const Eigen::VectorXd& start : starts) {
-    Minimum minimum = minimise(residuals, start, descent);
-    if (std::isfinite(minimum.chi2) && (!best || minimum.chi2 < best->chi2)) best = std::move(minimum);
-  }
-  if (!best) return std::nullopt;
-  SlipFound slip{candidate.what, candidate.factor, {}, best->chi2, 0, 0};
+  descent.max_iterations = 25;
+  const Minimum minimum = minimise(residuals, unknowns.z(values), descent);
+  SlipFound slip{candidate.what, candidate.factor, {}, minimum.chi2, 0, 0};
   slip.dof = std::max(0, static_cast<int>(std::lround(residuals.degrees_of_freedom())));
-  slip.p_value = chi2_survival(best->chi2, residuals.degrees_of_freedom());
-  const Eigen::VectorXd values = unknowns.values(fold_lag(unknowns, best->z));
+  slip.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());
+  values = unknowns.values(fold_lag(unknowns, minimum.z));
   for (std::size_t i = 0; i < problem.free.size(); ++i)
     slip.values[problem.free[i]] = values(static_cast<Eigen::Index>(i));
   return slip;
