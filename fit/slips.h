@@ -49,7 +49,7 @@ struct SlipFound {
   double p_value = 0;
 };
 
-/// A fit that is not usable, that chi^2 rejects (p < 0.001), or whose friction no pair of bodies has.
+/// A fit that did not converge or that chi^2 rejects (p < 0.001); one whose friction no pair of bodies has.
 bool is_failing(const FitResult& result);
 bool is_absurd(const FitResult& result);
 

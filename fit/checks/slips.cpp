@@ -252,7 +252,7 @@ SlipFound scaled(const FitResult& result, double factor) {
 }  // namespace
 
 bool is_failing(const FitResult& result) {
-  return !result.usable() || result.p_value < kSurprise;
+  return !result.converged || result.scatter_dominates || result.p_value < kSurprise;
 }
 
 bool is_absurd(const FitResult& result) {
