@@ -81,7 +81,8 @@ void add_run(CLI::App& app, Context& context) {
   add_common(command, context,
              "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
              "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
-             "intervals count it. Values without one are taken as exact and listed in fit.json.");
+             "intervals count it. Without one they have that of the last digit or of the trade, unless [fit] "
+             "exact names them.");
   command.callback([options, &context] { run_command(*options, context); });
 }
 
@@ -182,7 +183,8 @@ void add_fit(CLI::App& app, Context& context) {
              "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
              "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
              "gravity_m_s2_sd, phi_rad_sd, ...): the "
-             "intervals count it. Values without one are taken as exact and listed in fit.json.");
+             "intervals count it. Without one they have that of the last digit or of the trade, unless [fit] "
+             "exact names them.");
   command.callback([options, &context] { fit_command(*options, context); });
 }
 

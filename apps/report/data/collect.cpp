@@ -85,7 +85,7 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
         if (!value.is_number() || fitted(name) || is_sd(name)) continue;
         const double sd = number_at(*found, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
         add(name, value.get<double>(),
-            sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, taken as exact");
+            sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, no sd given");
       }
   const JsonPlace fixed = configuration.at("fit").at("fixed").object();
   for (const auto& item : fixed.value.items())
