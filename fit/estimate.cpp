@@ -129,6 +129,7 @@ class Estimation {
 
 void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
+  residuals_.linearise(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
     const auto failures = residuals_.failures().kept();
@@ -139,12 +140,12 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
-  minimum_ = minimise_under_laws(residuals_, search_.minima.front().z);
+  minimum_ = minimise_linearised(residuals_, search_.minima.front().z);
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     // Own errors move the displacement by as much as these friction parameters make of them.
     residuals_.set_own_errors(unknowns_.values(minimum_.z));
-    minimum_ = minimise(residuals_, minimum_.z);
+    minimum_ = minimise_linearised(residuals_, minimum_.z);
   }
   result_.chi2 = minimum_.chi2;
   result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
@@ -233,12 +234,14 @@ void Estimation::find_other_minima() {
   for (std::size_t i = 1; i < search_.minima.size(); ++i) {
     const Minimum& rough = search_.minima[i];
     if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
-    const Minimum other = minimise(residuals_, fold_lag(unknowns_, rough.z));
+    Residuals there = residuals_;
+    there.linearise(unknowns_.values(rough.z));
+    const Minimum other = minimise_linearised(there, fold_lag(unknowns_, rough.z));
     const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const Minimum& minimum) {
       return same(unknowns_, minimum, other, excess);
     });
     if (known || !std::isfinite(other.chi2) || !admissible(unknowns_, other.z)) continue;
-    minima_.push_back(linearised(residuals_, other));
+    minima_.push_back(linearised(there, other));
     if (other.chi2 < minima_[best].chi2) best = minima_.size() - 1;
   }
   if (best > 0) take(best);
@@ -248,6 +251,7 @@ void Estimation::find_other_minima() {
 void Estimation::take(std::size_t index) {
   std::rotate(minima_.begin(), minima_.begin() + static_cast<std::ptrdiff_t>(index),
               minima_.begin() + static_cast<std::ptrdiff_t>(index) + 1);
+  residuals_.linearise(unknowns_.values(minima_.front().z));
   evaluate_curvature(Minimum(minima_.front()));
   minima_.front() = best_;
 }
@@ -255,6 +259,7 @@ void Estimation::take(std::size_t index) {
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
   if (rejected()) result_.scatter_from_replicates = false;
+  if (residuals_.linear_in_conditions()) minimum_ = minimise_linearised(residuals_, minimum_.z);
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
   find_other_minima();

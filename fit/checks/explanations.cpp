@@ -75,7 +75,7 @@ class ScoreTests {
         wide_problem_(with_free(problem_, not_yet_unknown())),
         wide_(wide_problem_) {
     Residuals rows = of(wide_, values_);
-    rows.set_laws(wide_.values_of(unknowns_, values_));
+    rows.linearise(wide_.values_of(unknowns_, values_));
     if (const auto at = rows.at(wide_.values_of(unknowns_, values_))) at_ = at->eliminated();
     if (at_.empty()) return;
     normal_ = at_.normal();
@@ -165,9 +165,9 @@ class ScoreTests {
     const Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
     Residuals residuals = of(unknowns, start);
     residuals.set_own_errors(start);
-    residuals.set_laws(start);
+    residuals.linearise(start);
     const Minimum minimum = linearised(
-        residuals, minimise_under_laws(residuals, unknowns.z(start), {.held = {}, .decrement = 1e-4}));
+        residuals, minimise_linearised(residuals, unknowns.z(start), {.held = {}, .decrement = 1e-4}));
     if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
         !admissible(unknowns, minimum.z))
       return;
@@ -278,13 +278,13 @@ double gain(const Explanation& found, std::size_t runs) {
 
 }  // namespace
 
-Minimum minimise_under_laws(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
+Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
   constexpr int kMostTimes = 5;
   Minimum minimum = minimise(residuals, z, options);
-  if (unknown_laws(residuals.unknowns()).empty()) return minimum;
+  if (!residuals.linear_in_conditions()) return minimum;
   for (int k = 0; k < kMostTimes && minimum.converged; ++k) {
     const double before = minimum.chi2;
-    if (!residuals.set_laws(residuals.unknowns().values(minimum.z))) break;
+    if (!residuals.linearise(residuals.unknowns().values(minimum.z))) break;
     minimum = minimise(residuals, minimum.z, options);
     if (std::abs(minimum.chi2 - before) < 0.01 * std::max(1.0, 0.01 * before)) break;
   }

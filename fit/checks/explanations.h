@@ -35,9 +35,8 @@ inline double gain_of(const Explanation& found) {
   return found.chi2_fall - 2 * found.dof;
 }
 
-/// A descent in which the unknown laws of friction, which are linear in it, are linearised again where it
-/// ends.
-Minimum minimise_under_laws(Residuals& residuals, const Eigen::VectorXd& z,
+/// A descent of residuals that are linear in the conditions, linearised again where it ends until it stays.
+Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
                             const MinimiseOptions& options = {});
 
 }  // namespace tribotrack::fit::internal

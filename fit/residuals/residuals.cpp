@@ -37,12 +37,10 @@ void Residuals::set_weights(const Weights& weights) {
   prepare();
 }
 
-bool Residuals::set_laws(const Eigen::VectorXd& values) {
-  if (unknown_laws(*unknowns_).empty()) return true;
-  std::vector<const std::vector<double>*> times;
-  for (const auto& track : tracks_) times.push_back(&track->times());
-  auto terms = LawTerms::at(*unknowns_, values, times, threads_);
-  if (terms) laws_ = std::make_shared<const LawTerms>(std::move(*terms));
+bool Residuals::linearise(const Eigen::VectorXd& values) {
+  if (unknowns_->common() == unknowns_->reported() || problem_->summary_runs.empty()) return true;
+  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
+  if (terms) terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
   return terms.has_value();
 }
 
@@ -216,30 +214,16 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
                         RowGroup& group) const {
   const SummaryRun& run = problem_->summary_runs[index];
   const auto row = 2 * static_cast<Eigen::Index>(index);
-  const auto applied = unknowns_->apply_summary(values, run, derivatives);
   const Factor2 factor(covariance(index));
-  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance_);
-  // (measured - modelled / scale): dividing the model keeps the covariance, and with it the minimum, free of
-  // the scale.
-  const Eigen::Vector2d position = end.position * applied.stretch / applied.scale;
+  const Eigen::Index exact = terms_ ? unknowns_->reported() : unknowns_->common();
+  ModelledDisplacement modelled = modelled_displacement(*unknowns_, terms_ ? terms_->held(values) : values,
+                                                        run, derivatives ? exact : 0, tolerance_);
+  if (terms_) modelled.position += terms_->added(index, values);
   const double root = root_of_weight(index);
-  const Eigen::Matrix2Xd added = laws_ ? laws_->added(index, values) : Eigen::Matrix2Xd();
-  const Eigen::Vector2d modelled = added.cols() > 0 ? Eigen::Vector2d(position + added) : position;
-  group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - modelled);
+  group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - modelled.position);
   if (!derivatives) return;
-  Eigen::MatrixXd by_unknowns = Eigen::MatrixXd::Zero(2, unknowns_->common());
-  if (!applied.wanted.empty())
-    by_unknowns = -(end.jacobian * applied.chain) * (applied.stretch / applied.scale);
-  if (const auto scale = unknowns_->find(FitParameter::scale))
-    by_unknowns.col(*scale) += position / applied.scale;
-  if (const auto w = unknowns_->find(FitParameter::angular_frequency); w && run.measured.given_as_velocity)
-    by_unknowns.col(*w) -= position / values(*w);
-  if (laws_) {
-    Eigen::MatrixXd by_laws = Eigen::MatrixXd::Zero(2, unknowns_->common());
-    laws_->add_derivatives(index, by_laws);
-    by_unknowns -= by_laws;
-  }
-  group.shared.middleRows(row, 2) = root * factor.whiten_columns(by_unknowns);
+  if (terms_) terms_->put_derivatives(index, modelled.jacobian);
+  group.shared.middleRows(row, 2) = -root * factor.whiten_columns(modelled.jacobian);
 }
 
 PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t index,
@@ -247,15 +231,7 @@ PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const AppliedScenario applied = unknowns_->apply_trajectory(values, index, derivatives);
   const Seen seen{!run.free_slide && !run.track.platform_frame, run.track.exposure};
-  PointModel modelled =
-      model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives);
-  if (!laws_) return modelled;
-  const std::size_t place = problem_->summary_runs.size() + index;
-  const Eigen::Matrix2Xd added = laws_->added(place, values);
-  if (added.cols() == 0) return modelled;
-  modelled.positions += added;
-  if (derivatives) laws_->add_derivatives(place, modelled.jacobian);
-  return modelled;
+  return model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives);
 }
 
 RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index, bool derivatives) const {

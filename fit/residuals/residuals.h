@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "fit/residuals/failed_evaluations.h"
-#include "fit/residuals/law_terms.h"
+#include "fit/residuals/linear_terms.h"
 #include "fit/residuals/linearised.h"
 #include "fit/residuals/point_model.h"
 #include "fit/residuals/track_whitening.h"
@@ -79,9 +79,10 @@ class Residuals {
   /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: the error
   /// of the integrator that chi^2 tolerates where it is needed to that accuracy only.
   double tolerance_for(double share, double coarsest) const;
-  /// What the unknown laws of friction (kLaws) add to the motion, linearised at these values; until then
-  /// nothing. False, and as before: they have no motion there.
-  bool set_laws(const Eigen::VectorXd& values);
+  /// Summary runs linear in the conditions from here on, about these values (linear_terms.h); until then they
+  /// are not, and laws of friction among them add nothing. False, and as before: there is no motion there.
+  bool linearise(const Eigen::VectorXd& values);
+  bool linear_in_conditions() const { return terms_ != nullptr; }
 
   /// nullopt, and recorded in failures(), where the model has no motion at these values (InvalidParameter,
   /// StepLimitExceeded) or the residuals are not finite; any other exception passes. Derivatives are by
@@ -119,7 +120,7 @@ class Residuals {
   const Unknowns* unknowns_;
   int threads_;
   double tolerance_ = 1e-10;
-  std::shared_ptr<const LawTerms> laws_;                ///< null: none
+  std::shared_ptr<const LinearTerms> terms_;            ///< null: none
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
   Weights weights_;

@@ -166,7 +166,8 @@ class Sources {
     bool at_rest = false;
     for (SummaryRun& run : steady.summary_runs)
       if (run.scenario.start == model::Start::rest) run.scenario.start = model::Start::steady, at_rest = true;
-    if (!at_rest || !problem_.trajectory_runs.empty()) return std::nullopt;
+    const auto law = [&](FitParameter one) { return unknowns_.find(one).has_value(); };
+    if (!at_rest || !problem_.trajectory_runs.empty() || std::ranges::any_of(kLaws, law)) return std::nullopt;
     const Unknowns unknowns(steady);
     const auto at = evaluated(unknowns, unknowns_.values(best_.z), false);
     if (!at) return std::nullopt;
@@ -186,6 +187,7 @@ class Sources {
     rows.set_excess_variance(residuals_.excess_variance());
     rows.set_weights(residuals_.weights());
     rows.set_own_errors(values);
+    rows.linearise(values);
     return rows.at(values, derivatives);
   }
 
