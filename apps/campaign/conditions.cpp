@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -155,8 +156,43 @@ GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
   return given;
 }
 
+/// What of the gate is taken as seen. A lamp beats a command only where it is known better: frames that meet
+/// every cycle at the same phases leave wide open where an edge lies. A command of which nobody says how well
+/// it is known is taken to hold to a degree, as angles are set.
+void take_gate(const Campaign& campaign, Run& run) {
+  constexpr double kCommand = std::numbers::pi / 180;
+  run.gate.reset();
+  run.gate_reference.clear();
+  if (!run.measurement || !run.measurement->gate) return;
+  run.gate = run.measurement->gate;
+  run.gate_reference = run.measurement->gate_reference;
+  if (!lamp_gave_phi(*run.gate)) return;
+  const auto keeps = [&](const char* key, double given, const std::optional<double>& sd,
+                         fit::Estimate& seen) {
+    const double known = sd ? *sd : default_sd(campaign.fit.exact, key, given, run.given.digits);
+    if (seen.sd < (known > 0 ? known : kCommand)) return false;
+    run.measurement->warnings.push_back(fmt::format(
+        "{}: the lamp shows {} to {:.2g} rad only: as commanded{}", run.given.name, key, seen.sd,
+        run.gate->bracket > 0
+            ? fmt::format(" (its frames leave open where in {:.2g} rad an edge lies; a frame rate "
+                          "that is no multiple of the drive's does not)",
+                          run.gate->bracket)
+            : ""));
+    seen = {given, known};
+    run.gate->covariance = 0;
+    return true;
+  };
+  const bool phi = keeps("phi_rad", run.given.phi, run.given.phi_sd, run.gate->phi);
+  // One that is told is taken in by its weight.
+  const bool dtau =
+      (phi || !run.given.dtau_sd) && keeps("dtau_rad", run.given.dtau, run.given.dtau_sd, run.gate->dtau);
+  if (phi) run.gate_reference = "command";
+  if (phi && dtau) run.gate.reset();
+}
+
 /// phi, dtau and the phase at the start, and what this run alone knows of them.
 void settle_timing(const Campaign& campaign, Run& run) {
+  take_gate(campaign, run);
   const fit::Timing timing = fit::settle_timing(evidence_of(campaign, run));
   run.scenario.friction.phase = timing.phi;
   run.scenario.friction.pulse_width = timing.dtau;
@@ -168,7 +204,7 @@ void settle_timing(const Campaign& campaign, Run& run) {
   };
   if (run.measurement->platform && run.given.start_phase_sd)
     note("start_phase_rad_sd", "the phase at the start was measured");
-  if (run.measurement->gate && run.measurement->gate_reference == "camera" && run.given.phi_sd)
+  if (run.gate && run.gate_reference == "camera" && run.given.phi_sd)
     note("phi_rad_sd",
          "phi was measured in the camera's own phase, the commanded one counts from the sensor");
 }

@@ -24,11 +24,10 @@ Json run_json(const Run& analysed) {
     return json;
   }
   if (!run.free_slide) {
-    const auto* gate =
-        analysed.measurement && analysed.measurement->gate ? &*analysed.measurement->gate : nullptr;
+    const auto& gate = analysed.gate;
     json["phi_rad"] = analysed.scenario.friction.phase;
     json["dtau_rad"] = analysed.scenario.friction.pulse_width;
-    json["phi_from"] = gate ? gate->source : "commanded";
+    json["phi_from"] = gate && analysed.gate_reference != "command" ? gate->source : "commanded";
     if (gate) {
       json["phi_rad_sd"] = gate->phi.sd;
       json["dtau_rad_sd"] = gate->dtau.sd;
@@ -50,7 +49,7 @@ std::string phase_reference(const Campaign& campaign, const std::vector<Run>& ru
   for (const Run& run : runs) {
     if (!run.failure.empty() || run.given.free_slide || !run.measurement) continue;
     if (run.measurement->phase_source == "assumed 0") continue;
-    ++(run.measurement->gate_reference == "camera" ? by_camera : by_sensor);
+    ++(run.gate_reference == "camera" ? by_camera : by_sensor);
   }
   if (by_camera + by_sensor == 0) return "";
   if (by_sensor == 0)

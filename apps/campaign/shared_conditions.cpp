@@ -299,8 +299,8 @@ fit::RunEvidence evidence_of(const Campaign& campaign, const Run& run) {
     evidence.start_time = measured->start_time;
     evidence.start = measured->phase_at_start;
     evidence.start_assumed = measured->phase_source == "assumed 0";
-    evidence.gate = measured->gate;
-    evidence.gate_by_camera = measured->gate_reference == "camera";
+    evidence.gate = run.gate;
+    evidence.gate_by_camera = run.gate_reference == "camera";
     if (measured->coded) {
       evidence.coder_attenuation = measured->coded->attenuation;
       evidence.coder_delay = measured->coded->delay;
@@ -309,6 +309,8 @@ fit::RunEvidence evidence_of(const Campaign& campaign, const Run& run) {
   if (!evidence.gate) {  // what is seen of it is not to be corrected by the digits of a command
     evidence.phi = of_run.known("phi_rad", given.phi, given.phi_sd);
     evidence.dtau = of_run.known("dtau_rad", given.dtau, given.dtau_sd);
+  } else if (run.gate_reference == "command") {
+    evidence.phi.sd = 0;  // counted with the gate
   }
   if (run.track && run.track->mm_per_px && *run.track->mm_per_px > 0) {
     const Track& track = *run.track;

@@ -44,7 +44,7 @@ fit::Typed typed(const std::vector<Run>& runs, const fit::Conditions& conditions
   fit::Typed typed;
   typed.amplitude = alone(Source::amplitude);
   typed.frequency = alone(Source::angular_frequency);
-  typed.timing = all_driven([](const Run& run) { return !run.measurement || !run.measurement->gate; });
+  typed.timing = all_driven([](const Run& run) { return !run.gate; });
   typed.directions = all_driven([](const Run& run) { return !run.track; });
   typed.lengths = std::ranges::any_of(runs, [](const Run& run) {
     return run.takes_part() && run.track && run.track->mm_per_px.value_or(0) > 0;

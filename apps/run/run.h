@@ -31,8 +31,11 @@ struct Run {
   fit::Displacement displacement;             ///< runs with pulses
 
   // Conditions: measured where the track shows them, else as given.
-  model::Scenario scenario;           ///< mu1, mu2, lag still to be filled in
-  fit::OwnErrors own;                 ///< of what this run alone is known by
+  model::Scenario scenario;  ///< mu1, mu2, lag still to be filled in
+  fit::OwnErrors own;        ///< of what this run alone is known by
+  /// Of what was seen of the gate that which is known better than the command; empty: as commanded.
+  std::optional<fit::GateTiming> gate;
+  std::string gate_reference;         ///< RunMeasurement's, or "command": phi is the commanded one
   bool amplitude_from_track = false;  ///< A was measured in the same picture
 
   std::string failure;  ///< why it went no further, one sentence; empty when all went well

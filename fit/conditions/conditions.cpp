@@ -5,6 +5,8 @@
 #include <map>
 
 #include "fit/conditions/quantities.h"
+#include "fit/tools/angles.h"
+#include "fit/tools/statistics.h"
 
 namespace tribotrack::fit {
 
@@ -132,6 +134,46 @@ class SharedErrors {
     }
   }
 
+  /// Frames that meet every cycle at the same phases leave open where in a bracket an edge lies, and where
+  /// the camera waits for the drive they do so in all runs alike. Then what lamps show differs from the
+  /// commands by less than each of them knows itself, and what is missing of that variance is one error of
+  /// all runs.
+  void gate_brackets() {
+    constexpr double kByChance = 0.05;
+    std::vector<std::size_t> bracketed;
+    std::vector<double> off;
+    double own = 0;  // variance of the opening edges, which is in phi and, against it, in dtau
+    for (std::size_t k = 0; k < runs_.size(); ++k) {
+      const RunEvidence& run = runs_[k];
+      if (!run.driven || !run.gate || !run.gate_by_camera || !(run.gate->bracket > 0)) continue;
+      bracketed.push_back(k);
+      own -= run.gate->covariance;
+      off.push_back(std::remainder(run.gate->phi.value - run.phi.value, internal::turn));
+      off.back() = off.front() + std::remainder(off.back() - off.front(), internal::turn);
+    }
+    const double n = static_cast<double>(off.size());
+    if (n < 2 || !(own > 0)) return;
+    own /= n;
+    double mean = 0, squares = 0;
+    for (const double each : off) mean += each / n;
+    for (const double each : off) squares += (each - mean) * (each - mean);
+    if (1 - internal::chi2_survival(squares / own, n - 1) > kByChance) return;
+    const double shared = own - squares / (n - 1);
+    for (const std::size_t k : bracketed) {
+      OwnErrors& errors = conditions_.runs[k].own;
+      const double out = std::min(shared, -runs_[k].gate->covariance);
+      const auto place = [&](Parameter p) {
+        return std::ranges::find(errors.parameters, p) - errors.parameters.begin();
+      };
+      const auto phi = place(Parameter::phi), dtau = place(Parameter::dtau), all = errors.covariance.rows();
+      if (phi == all) continue;
+      errors.covariance(phi, phi) -= out;
+      if (dtau < all) errors.add(Parameter::phi, Parameter::dtau, out);
+    }
+    add(FitParameter::phase_reference, std::sqrt(shared),
+        "lamp, frames that meet the edges alike in all runs");
+  }
+
   /// Of runs from rest the phase there: one of all, as one hand starts them, or each its own beside runs that
   /// tell it.
   void start() {
@@ -255,6 +297,7 @@ Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared,
   errors.slope();
   errors.scale();
   errors.phase_reference();
+  errors.gate_brackets();
   errors.start();
   errors.gates();
   return conditions;
