@@ -89,7 +89,8 @@ enum class Source {
   calibration,  ///< of the camera: a scale with its sd
   diameter,     ///< of the part; scales in the picture go by it
   tag,          ///< side of a tag, likewise
-  start_phase   ///< of runs that start at rest
+  start_phase,  ///< of runs that start at rest
+  friction_law  ///< the paper's: mu1 and mu2 are numbers, the gate's edges sharp
 };
 
 const char* to_string(Source source);  ///< "amplitude_mm", "xi_axis_rad", ... as in campaigns
@@ -138,7 +139,8 @@ struct SharedEvidence {
   double tilt_x_sd = 0, tilt_y_sd = 0, sensor_axis_sd = 0;  ///< rad
   /// Where none is given or seen: of A_y/A, relative; of epsilon and the start, rad.
   double amplitude_ratio_sd = 0, phase_shift_sd = 0, start_phase_sd = 0;
-  std::vector<Source> assumed;       ///< whose sds nobody gave
+  bool law_is_exact = true;     ///< else friction may depart from the paper's law as it does in laboratories
+  std::vector<Source> assumed;  ///< whose sds nobody gave
   std::vector<FitParameter> fitted;  ///< not taken as exact
 };
 

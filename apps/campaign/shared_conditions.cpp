@@ -120,6 +120,7 @@ fit::SharedEvidence shared_evidence(const Campaign& campaign, const std::vector<
   if (one_amplitude) shared.amplitude_ratio_sd = given.default_sd("amplitude_ratio", 1);
   if (!platform.phase_shift) shared.phase_shift_sd = given.default_sd("phase_shift_rad", 0);
   if (!campaign.fit.exact.holds("start_phase_rad")) shared.start_phase_sd = fit::kUnknownAngle;
+  shared.law_is_exact = campaign.fit.exact.holds(fit::to_string(Source::friction_law));
   const auto no_run_gives = [&](std::optional<double> CampaignRun::*sd) {
     return std::ranges::none_of(campaign.runs, [&](const CampaignRun& run) { return (run.*sd).has_value(); });
   };

@@ -120,13 +120,21 @@ void judge(FitResult& result) {
         number(1e3 * result.scatter, 2)));
   const bool rejected = result.p_value < kSurprise;
   const bool repeated = result.scatter_from_replicates;
-  if (rejected && result.quoted_under.empty() && !repeated)
+  // Points of a track err alike for longer than chi^2 knows; their errors are estimated from them.
+  const bool tracks = std::ranges::any_of(result.runs, [](const RunResult& run) { return run.points > 0; });
+  if (rejected && result.quoted_under.empty() && !repeated && !tracks)
     reasons.push_back(rejection(result) + ", and nothing looked at explains it");
   if (!reasons.empty()) return;
   if (rejected && repeated)
     reasons.push_back(
         fmt::format("repeated runs differ by more than their own errors ({}): their scatter is counted",
                     chance_text(result.p_value)));
+  else if (rejected && result.quoted_under.empty())
+    reasons.push_back(
+        fmt::format("the points deviate from the model by more than their own errors: chi2 {} at {} degrees "
+                    "of freedom, {}; "
+                    "the intervals count what they share",
+                    number(result.chi2, 4), result.dof, chance_text(result.p_value)));
   else if (rejected)
     reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));
   add_doubts(result, reasons);

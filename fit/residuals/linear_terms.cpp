@@ -41,7 +41,7 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
           .static_friction = of(FitParameter::static_friction)};
 }
 
-/// What the laws at `values` add to a run's displacement, and the columns of those that are unknown.
+/// What the laws at `values` add to a run's displacement, and the derivatives by those that are unknown.
 void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const SummaryRun& run,
               Eigen::Vector2d& by_laws, Eigen::Matrix2Xd& columns) {
   const AppliedScenario applied = unknowns.apply_summary(values, run, false);
@@ -57,7 +57,7 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
     Eigen::VectorXd beside = values;
     if (law == FitParameter::gate_edges) beside(*i) = std::max(0.0, beside(*i));
     beside(*i) += step_of(law);
-    columns.col(*i - unknowns.reported()) = (moved(law_at(unknowns, beside)) - with) / step_of(law);
+    columns.col(*i) = (moved(law_at(unknowns, beside)) - with) / step_of(law);
   }
 }
 
@@ -67,31 +67,39 @@ bool any_law(const Unknowns& unknowns) {
 
 }  // namespace
 
+bool is_linear(const Unknowns& unknowns, Eigen::Index unknown) {
+  return unknown >= unknowns.reported() && unknowns.parameter(unknown) != FitParameter::start_phase;
+}
+
+std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
+  std::vector<Eigen::Index> found;
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
+    if (is_linear(unknowns, i) == linear) found.push_back(i);
+  return found;
+}
+
 ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           const SummaryRun& run, Eigen::Index derivatives,
+                                           const SummaryRun& run, const std::vector<Eigen::Index>& by,
                                            double tolerance) {
-  AppliedScenario applied = unknowns.apply_summary(values, run, derivatives > 0);
-  if (derivatives < applied.chain.cols()) {
-    // Each of the model's parameters costs time: those that only the others need are left out.
-    std::vector<Eigen::Index> rows;
-    std::vector<model::Parameter> wanted;
-    for (Eigen::Index i = 0; i < applied.chain.rows(); ++i)
-      if (!applied.chain.row(i).head(derivatives).isZero(0)) {
-        rows.push_back(i);
-        wanted.push_back(applied.wanted[static_cast<std::size_t>(i)]);
-      }
-    applied.chain = applied.chain(rows, Eigen::all).eval();
-    applied.chain.rightCols(applied.chain.cols() - derivatives).setZero();
-    applied.wanted = std::move(wanted);
+  AppliedScenario applied = unknowns.apply_summary(values, run, !by.empty());
+  // Each of the model's parameters costs time: those that none of these needs are left out.
+  std::vector<model::Parameter> wanted;
+  Eigen::MatrixXd chain(0, static_cast<Eigen::Index>(by.size()));
+  for (Eigen::Index i = 0; i < applied.chain.rows(); ++i) {
+    const Eigen::RowVectorXd row = applied.chain.row(i)(by);
+    if (row.isZero(0)) continue;
+    wanted.push_back(applied.wanted[static_cast<std::size_t>(i)]);
+    chain.conservativeResize(chain.rows() + 1, Eigen::NoChange);
+    chain.bottomRows(1) = row;
   }
-  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance);
+  const EndPoint end = end_point(applied.scenario, wanted, tolerance);
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
-  if (derivatives == 0) return result;
+  if (by.empty()) return result;
   result.jacobian.setZero(2, unknowns.common());
-  if (!applied.wanted.empty())
-    result.jacobian = (end.jacobian * applied.chain) * (applied.stretch / applied.scale);
-  const auto asked = [&](std::optional<Eigen::Index> i) { return i && *i < derivatives; };
+  if (!wanted.empty())
+    result.jacobian(Eigen::all, by) = (end.jacobian * chain) * (applied.stretch / applied.scale);
+  const auto asked = [&](std::optional<Eigen::Index> i) { return i && std::ranges::count(by, *i) > 0; };
   if (const auto scale = unknowns.find(FitParameter::scale); asked(scale))
     result.jacobian.col(*scale) -= result.position / applied.scale;
   if (const auto w = unknowns.find(FitParameter::angular_frequency);
@@ -104,18 +112,17 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
                                            double tolerance, int threads) {
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
-  terms.first_ = unknowns.reported();
-  const Eigen::Index count = unknowns.common() - terms.first_;
-  terms.at_ = values.segment(terms.first_, count);
+  terms.linear_ = linear_unknowns(unknowns, true);
+  terms.at_ = values(terms.linear_);
   terms.runs_.resize(problem.summary_runs.size());
   const bool laws = any_law(unknowns);
   try {
     parallel_for(terms.runs_.size(), threads, [&](std::size_t i) {
       const SummaryRun& data = problem.summary_runs[i];
       Run& run = terms.runs_[i];
-      run.columns = modelled_displacement(unknowns, values, data, unknowns.common(), tolerance)
-                        .jacobian.rightCols(count);
-      if (laws) add_laws(unknowns, values, data, run.by_laws, run.columns);
+      Eigen::Matrix2Xd all = modelled_displacement(unknowns, values, data, terms.linear_, tolerance).jacobian;
+      if (laws) add_laws(unknowns, values, data, run.by_laws, all);
+      run.columns = all(Eigen::all, terms.linear_);
     });
   } catch (const model::InvalidParameter&) {
     return std::nullopt;
@@ -126,17 +133,17 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
 }
 
 Eigen::VectorXd LinearTerms::held(Eigen::VectorXd values) const {
-  values.segment(first_, at_.size()) = at_;
+  values(linear_) = at_;
   return values;
 }
 
 Eigen::Vector2d LinearTerms::added(std::size_t index, const Eigen::VectorXd& values) const {
   const Run& run = runs_[index];
-  return run.by_laws + run.columns * (values.segment(first_, at_.size()) - at_);
+  return run.by_laws + run.columns * (values(linear_) - at_);
 }
 
 void LinearTerms::put_derivatives(std::size_t index, Eigen::Ref<Eigen::Matrix2Xd> by_unknowns) const {
-  by_unknowns.middleCols(first_, at_.size()) = runs_[index].columns;
+  by_unknowns(Eigen::all, linear_) = runs_[index].columns;
 }
 
 }  // namespace tribotrack::fit::internal

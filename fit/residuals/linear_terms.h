@@ -35,8 +35,8 @@ class LinearTerms {
     Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
     Eigen::Matrix2Xd columns;                           ///< C
   };
-  Eigen::Index first_ = 0;  ///< condition among the unknowns that all runs share
-  Eigen::VectorXd at_;      ///< c_0
+  std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
+  Eigen::VectorXd at_;                ///< c_0
   std::vector<Run> runs_;
 };
 
@@ -46,8 +46,14 @@ struct ModelledDisplacement {
   Eigen::Matrix2Xd jacobian;                           ///< of those asked for; the others are 0
 };
 
-/// By the paper's law. Derivatives by the first `derivatives` of the unknowns.
+/// By the paper's law, with derivatives by `by`.
 ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           const SummaryRun& run, Eigen::Index derivatives, double tolerance);
+                                           const SummaryRun& run, const std::vector<Eigen::Index>& by,
+                                           double tolerance);
+
+/// What summary runs are linear in: the conditions, but for the phase at the start, which may be anything.
+bool is_linear(const Unknowns& unknowns, Eigen::Index unknown);
+/// The shared unknowns that are, or are not.
+std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear);
 
 }  // namespace tribotrack::fit::internal

@@ -16,6 +16,7 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
     : problem_(&unknowns.problem()), unknowns_(&unknowns), threads_(threads) {
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
     if (const auto prior = unknowns.prior(i)) priors_.emplace_back(i, *prior);
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) differentiated_.push_back(i);
   own_.assign(problem_->summary_runs.size(), Eigen::Matrix2d::Zero());
   for (const auto& run : problem_->trajectory_runs) {
     first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
@@ -38,10 +39,12 @@ void Residuals::set_weights(const Weights& weights) {
 }
 
 bool Residuals::linearise(const Eigen::VectorXd& values) {
-  if (unknowns_->common() == unknowns_->reported() || problem_->summary_runs.empty()) return true;
+  if (problem_->summary_runs.empty() || linear_unknowns(*unknowns_, true).empty()) return true;
   auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
-  if (terms) terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
-  return terms.has_value();
+  if (!terms) return false;
+  terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
+  differentiated_ = linear_unknowns(*unknowns_, false);
+  return true;
 }
 
 void Residuals::prepare() {
@@ -215,9 +218,9 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
   const SummaryRun& run = problem_->summary_runs[index];
   const auto row = 2 * static_cast<Eigen::Index>(index);
   const Factor2 factor(covariance(index));
-  const Eigen::Index exact = terms_ ? unknowns_->reported() : unknowns_->common();
-  ModelledDisplacement modelled = modelled_displacement(*unknowns_, terms_ ? terms_->held(values) : values,
-                                                        run, derivatives ? exact : 0, tolerance_);
+  ModelledDisplacement modelled =
+      modelled_displacement(*unknowns_, terms_ ? terms_->held(values) : values, run,
+                            derivatives ? differentiated_ : std::vector<Eigen::Index>{}, tolerance_);
   if (terms_) modelled.position += terms_->added(index, values);
   const double root = root_of_weight(index);
   group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - modelled.position);

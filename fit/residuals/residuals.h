@@ -120,7 +120,8 @@ class Residuals {
   const Unknowns* unknowns_;
   int threads_;
   double tolerance_ = 1e-10;
-  std::shared_ptr<const LinearTerms> terms_;            ///< null: none
+  std::vector<Eigen::Index> differentiated_;  ///< shared unknowns by which summary runs are, in each step
+  std::shared_ptr<const LinearTerms> terms_;  ///< null: none
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
   Weights weights_;

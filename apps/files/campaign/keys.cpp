@@ -173,7 +173,7 @@ const Keys<FitSection>& fit_keys() {
        "each run's displacement (alpha, v); \"trajectory\": every tracked point"},
       {"exact", Kind::true_or_texts, Own<F>{read_exact, written_exact}, "[\"amplitude_mm\"]",
        "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
-       "...); "
+       "friction_law, ...); "
        "true: everything, also what is not given"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
        "how runs start at their first analysed frame: rest, circling or steady"},

@@ -11,6 +11,7 @@
 
 #include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
+#include "fit/conditions.h"
 
 namespace tribotrack::apps {
 
@@ -297,6 +298,8 @@ void read_exact(StrictTable& table, FitSection& fit, const fs::path&) {
       known[key.name] = key.name;
       for (const OtherName& other : other_names(key.name)) known[other.name] = key.name;
     }
+  const std::string law = fit::to_string(fit::Source::friction_law);
+  known[law] = law;
   std::vector<std::string> names;
   for (const auto& [name, key] : known) names.push_back(name);
   const std::vector<std::string> given = table.texts("exact").value();
