@@ -123,9 +123,14 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
   Campaign as_displacements = campaign;
   as_displacements.fit.trajectory = false;
-  std::ranges::move(likely_slips(campaign, fitted.runs, fitted.conditions,
-                                 problem_of(as_displacements, fitted.runs, fitted.conditions), fitted.result),
-                    std::back_inserter(suspects));
+  std::vector<std::string> slips =
+      likely_slips(campaign, fitted.runs, fitted.conditions,
+                   problem_of(as_displacements, fitted.runs, fitted.conditions), fitted.result);
+  if (!slips.empty() && fitted.result.verdict == fit::Use::use) {
+    fitted.result.verdict = fit::Use::care;
+    fitted.result.verdict_reasons.push_back(slips.front());
+  }
+  std::ranges::move(slips, std::back_inserter(suspects));
   fitted.result.warnings.insert(fitted.result.warnings.begin(), suspects.begin(), suspects.end());
   fitted.json = fit_json(campaign, fitted.runs, fitted.result);
   add_to(fitted.json, fitted.scale);

@@ -133,7 +133,7 @@ std::vector<std::string> likely_slips(const Campaign& campaign, const std::vecto
   if (given.lengths && (absurd || (failing && given.amplitude)) && one_scale(campaign, shared.pooled))
     sentences.push_back(
         fmt::format("{}, and all lengths go by {} alone: give a second scale that checks it, {}",
-                    absurd ? "no dry pair has such friction" : "the fit fails", key,
+                    absurd ? "such friction is hardly found between dry bodies" : "the fit fails", key,
                     key == "diameter_mm" ? "mm_per_px, a calibration or the side of a tag"
                                          : "diameter_mm or the side of a tag"));
   return sentences;
