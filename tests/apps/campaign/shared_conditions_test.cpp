@@ -56,8 +56,8 @@ class SharedConditionsTest : public ProgramTest {
   /// `platform`, `camera`: further lines of these tables. A track for each of `drives`, a run each.
   void campaign(const std::string& platform, const std::vector<Drive>& drives, const std::string& camera = "",
                 const std::vector<std::string>& of_runs = {}, const std::string& part = "") {
-    std::string text =
-        "[platform]\n" + platform + "\n[part]\n" + part + "\n[camera]\nmm_per_px = 0.1\n" + camera + "\n";
+    std::string text = "[platform]\n" + platform + "\n[part]\n" + part +
+                       "\n[camera]\nmm_per_px = 0.100000\n" + camera + "\n";
     for (std::size_t k = 0; k < drives.size(); ++k)
       text += "[[run]]\nname = \"r" + std::to_string(k) +
               "\"\nvideo = \"v.cine\"\nphi_rad = 1\ndtau_rad = 2\ncycles = 8\n" +
@@ -128,7 +128,7 @@ TEST_F(SharedConditionsTest, WhatIsTypedIsPooledWithWhatIsSeen) {
   EXPECT_EQ(json["taken_as_exact"].dump(), "[\"gravity_m_s2\",\"xi_axis_rad\",\"phi_rad\",\"dtau_rad\"]");
   EXPECT_TRUE(json["what_not_knowing_costs"].empty());
   EXPECT_NEAR(error_of(FitParameter::tilt_x), 2e-3, 1e-15);
-  EXPECT_NEAR(error_of(FitParameter::scale), 0.01 / std::sqrt(12) / 0.1, 1e-12);
+  EXPECT_NEAR(error_of(FitParameter::scale), 1e-6 / std::sqrt(12) / 0.1, 1e-12);
   // What is fitted has no prior that nobody gave.
   campaign_.fit.parameters.push_back(FitParameter::tilt_x);
   const SharedConditions fitted = share_conditions(campaign_, runs_);

@@ -135,9 +135,10 @@ TEST_F(CampaignKeys, ExactIsEverythingOrAListOfNames) {
   EXPECT_TRUE(some.fit.exact.holds("angular_frequency_rad_s"));
   EXPECT_TRUE(some.fit.exact.holds("start_phase_rad"));
   EXPECT_FALSE(some.fit.exact.holds("amplitude_mm"));
-  EXPECT_THAT(complaint("[fit]\nexact = [\"tilt_x\"]\n" + kRun),
-              HasSubstr("c.toml:2:1: `exact` in [fit] names \"tilt_x\", which is no quantity with an sd; did "
-                        "you mean \"tilt_x_rad\"?"));
+  EXPECT_THAT(
+      complaint("[fit]\nexact = [\"tilt_x_deg\"]\n" + kRun),
+      HasSubstr("c.toml:2:1: `exact` in [fit] names \"tilt_x_deg\", which is no quantity with an sd; did "
+                "you mean \"tilt_x_rad\"?"));
   EXPECT_THAT(
       complaint("[fit]\nexact = [\"amplitude_mm\"]\n[platform]\namplitude_mm = 1\namplitude_mm_sd "
                 "= 0.1\n" +
