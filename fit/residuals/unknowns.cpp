@@ -388,13 +388,12 @@ void Unknowns::change_friction(const Eigen::VectorXd& values, double course, boo
   if (!by_width && !by_course) return;
   model::Friction& friction = applied.scenario.friction;
   const double wider = friction.pulse_width - mean_width_;
-  const double heated = 1 + (by_width ? wider * values(*by_width) : 0);
-  const double worn = 1 + (by_course ? course * values(*by_course) : 0);
+  // Exponentials: friction is never negative.
+  const double heated = std::exp(by_width ? wider * values(*by_width) : 0);
+  const double worn = std::exp(by_course ? course * values(*by_course) : 0);
   const double mu1 = friction.nominal, mu2 = friction.reduced;
   friction.nominal = mu1 * worn;
   friction.reduced = mu2 * worn * heated;
-  if (!(friction.nominal >= 0) || !(friction.reduced >= 0))
-    throw model::InvalidParameter("friction would be negative");
   if (!derivatives) return;
   const auto rows_of = [&](model::Parameter parameter, double factor) {
     const auto place = std::find(applied.wanted.begin(), applied.wanted.end(), parameter);
@@ -403,10 +402,10 @@ void Unknowns::change_friction(const Eigen::VectorXd& values, double course, boo
   rows_of(model::Parameter::mu1, worn);
   rows_of(model::Parameter::mu2, worn * heated);
   Chain chain(applied);
-  chain.add(model::Parameter::mu1, by_course, mu1 * course);
+  chain.add(model::Parameter::mu1, by_course, mu1 * worn * course);
   if (!(friction.pulse_width > 0)) return;
-  chain.add(model::Parameter::mu2, by_course, mu2 * heated * course);
-  chain.add(model::Parameter::mu2, by_width, mu2 * worn * wider);
+  chain.add(model::Parameter::mu2, by_course, friction.reduced * course);
+  chain.add(model::Parameter::mu2, by_width, friction.reduced * wider);
 }
 
 void Unknowns::widen(std::size_t run, AppliedScenario& applied) const {
