@@ -209,11 +209,11 @@ class SharedErrors {
       FitParameter law;
       double sd;
     };
-    constexpr Departure kDepartures[] = {
-        {FitParameter::stribeck, 0.1},    {FitParameter::viscous, 1},
-        {FitParameter::mu2_width, 0.1},   {FitParameter::mu2_speed, 0.1},
-        {FitParameter::gate_edges, 0.01}, {FitParameter::static_friction, 0.1},
-        {FitParameter::wear, 0.02}};
+    constexpr Departure kDepartures[] = {{FitParameter::stribeck, 0.1},
+                                         {FitParameter::viscous, 1},
+                                         {FitParameter::gate_edges, 0.01},
+                                         {FitParameter::mu2_width, 0.1},
+                                         {FitParameter::wear, 0.02}};
     exact_if(shared_.law_is_exact && any_driven(), Source::friction_law);
     if (shared_.law_is_exact || !any_driven()) return;
     for (const Departure& departure : kDepartures)

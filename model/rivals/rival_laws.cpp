@@ -26,10 +26,16 @@ class Equation {
     if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
       throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
                              std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
+    const Eigen::Vector2d ahead = s_.drive.acceleration(0), behind = s_.drive.acceleration(std::numbers::pi);
+    pull_ = 0.5 * (ahead + behind);
+    by_cos_ = ahead - pull_;
+    by_sin_ = s_.drive.acceleration(0.5 * std::numbers::pi) - pull_;
   }
 
+  /// Eq. (5)'s acceleration by the platform and its tilt, by one sine and cosine.
   Eigen::Vector2d drive(double t) const {
-    return s_.drive.acceleration(s_.start_phase + s_.drive.angular_frequency * t);
+    const double wt = s_.start_phase + s_.drive.angular_frequency * t, c = std::cos(wt), s = std::sin(wt);
+    return pull_ + c * by_cos_ + s * by_sin_;
   }
   /// What friction takes from the speed |u| at t, m/s^2; `middle` lies in the same segment.
   double deceleration(double t, double speed, double middle) const {
@@ -86,7 +92,8 @@ class Equation {
 
   const Scenario& s_;
   RivalLaw law_;
-  double speed_ = 0;  ///< m/s, of the platform
+  double speed_ = 0;                        ///< m/s, of the platform
+  Eigen::Vector2d pull_, by_cos_, by_sin_;  ///< m/s^2
 };
 
 class Integration {
@@ -123,6 +130,33 @@ class Integration {
     }
     take(HUGE_VAL);
     return positions;
+  }
+
+  /// Where the run ends. Once a turn brings the velocity back to where it was, the turns that are left repeat
+  /// it.
+  Eigen::Vector2d end(double turn) {
+    std::vector<double> stations = f_.stations();
+    const double end = stations.back();
+    for (double t = turn; t < end; t += turn) stations.push_back(t);
+    std::sort(stations.begin(), stations.end());
+    State before = q_;
+    double next_turn = turn;
+    for (const double station : stations) {
+      middle_ = (t_ + station) / 2;
+      while (t_ < station) {
+        if (q_.tail<2>().isZero(0)) rest(station);
+        if (t_ < station) slide(station);
+      }
+      if (t_ < next_turn) continue;
+      const double left = std::floor((end - t_) / turn + 1e-9);
+      if (left > 0 && (q_ - before).tail<2>().cwiseAbs().maxCoeff() < absolute_(2)) {
+        q_.head<2>() += left * (q_ - before).head<2>();
+        t_ += left * turn;
+      }
+      before = q_;
+      next_turn = t_ + turn * (1 - 1e-12);
+    }
+    return q_.head<2>();
   }
 
  private:
@@ -193,17 +227,26 @@ class Integration {
 
 }  // namespace
 
-Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
-  return rival_positions(scenario, law, {scenario.end_time()}, tolerance).col(0);
-}
+namespace {
 
-Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
-                                 const std::vector<double>& times, double tolerance) {
+void require_known(const Scenario& scenario) {
   scenario.validate();
   if (scenario.start != Start::rest)
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
   if (scenario.spin.rate != 0)
     throw InvalidParameter("rival friction laws are integrated for parts that do not spin");
+}
+
+}  // namespace
+
+Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
+  require_known(scenario);
+  return Integration(scenario, law, tolerance).end(kTurn / scenario.drive.angular_frequency);
+}
+
+Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
+                                 const std::vector<double>& times, double tolerance) {
+  require_known(scenario);
   return Integration(scenario, law, tolerance).run(times);
 }
 
