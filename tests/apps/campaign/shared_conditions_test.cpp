@@ -136,7 +136,7 @@ TEST_F(SharedConditionsTest, WhatIsTypedIsPooledWithWhatIsSeen) {
 }
 
 TEST_F(SharedConditionsTest, WhatNobodyGaveIsWhatNotKnowingCosts) {
-  campaign("amplitude_mm = 0.28\namplitude_mm_sd = 0.001", {{}, {}});
+  campaign("amplitude_mm = 0.28\namplitude_mm_sd = 0.001\n[fit]\nexact = [\"friction_law\"]", {{}, {}});
   Json json = {{"parameters", {{"mu1", {{"sd", 0.002}}}}}};
   for (const fit::Condition& c : problem_of(campaign_, runs_, shared_).conditions)
     json["budget"].push_back({{"quantity", fit::to_string(c.quantity)},
@@ -163,7 +163,7 @@ TEST_F(SharedConditionsTest, AValueSaidToBeExactIsAndIsListed) {
   EXPECT_EQ(json["taken_as_exact"].dump(),
             "[\"amplitude_mm\",\"amplitude_y_mm\",\"angular_frequency_rad_s\",\"phase_shift_rad\","
             "\"gravity_m_s2\",\"tilt_x_rad\",\"tilt_y_rad\",\"mm_per_px\",\"xi_axis_rad\",\"phi_rad\","
-            "\"dtau_rad\"]");
+            "\"dtau_rad\",\"friction_law\"]");
   EXPECT_TRUE(json["conditions"][0]["given_sd"].is_null());
   EXPECT_NEAR(json["conditions"][0]["given"].get<double>(), 0.2802, 1e-15);
   EXPECT_THAT(conditions_text(shared_.pooled), HasSubstr("0.2802, campaign, taken as exact"));
