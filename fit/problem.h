@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -112,6 +113,10 @@ struct DiscSpin {
   double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: all of it bears
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, bearing)
   double rate_sd() const;
+  /// Between nearly a point and the corners of a square: beyond them nothing bears, and a part of next to no
+  /// inertia, which angles of no slide lead to, is followed in ever shorter steps.
+  static constexpr double kLeastBearing = -3, kMostBearing = 0.35;
+  static double within(double bearing) { return std::clamp(bearing, kLeastBearing, kMostBearing); }
 };
 
 /// A run fitted point by point: the model's trajectory and nuisance parameters (start point; the platform's

@@ -474,7 +474,7 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   if (spin) {
     // The radius was measured in the same picture. An even disc about its bearing face: k = (R/R_bearing)^2
     // / 2.
-    const double bearing = std::exp(values(spin->first + 1));
+    const double bearing = std::exp(DiscSpin::within(values(spin->first + 1)));
     result.scenario.spin = {values(spin->first), slide.track.radius * result.scale * bearing,
                             0.5 / (bearing * bearing)};
   }
@@ -487,9 +487,10 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
     // The path knows rate and radius by their product alone.
     const Eigen::Index rate = shared + spin->first;
     chain.add(model::Parameter::spin, rate, 1);
-    chain.add(model::Parameter::spin, rate + 1, values(spin->first));
+    const double bearing = values(spin->first + 1), inside = DiscSpin::within(bearing) == bearing ? 1 : 0;
+    chain.add(model::Parameter::spin, rate + 1, inside * values(spin->first));
     chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin->first) / result.scale);
-    chain.add(model::Parameter::inertia, rate + 1, -2 * result.scenario.spin.inertia);
+    chain.add(model::Parameter::inertia, rate + 1, -2 * inside * result.scenario.spin.inertia);
   }
   // The platform rests: its frequency is only the clock of the model.
   if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();

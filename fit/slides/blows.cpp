@@ -320,14 +320,18 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Vector3d step = least_squares(here.jacobian, -here.residuals);
     double share = 1;
-    Linearised there = residuals_at(seen, scenario, at + step);
+    const auto moved = [&] {
+      const Eigen::Vector3d to = at + share * step;
+      return Eigen::Vector3d(to(0), to(1), DiscSpin::within(to(2)));
+    };
+    Linearised there = residuals_at(seen, scenario, moved());
     while (!(there.residuals.squaredNorm() <= here.residuals.squaredNorm()) && share > 1e-4) {
       share /= 2;
-      there = residuals_at(seen, scenario, at + share * step);
+      there = residuals_at(seen, scenario, moved());
     }
     const double gained = here.residuals.squaredNorm() - there.residuals.squaredNorm();
     if (!(gained >= 0)) break;
-    at += share * step;
+    at = moved();
     here = std::move(there);
     if (gained < 1e-6 * (1 + here.residuals.squaredNorm())) break;
   }
