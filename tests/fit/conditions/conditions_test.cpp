@@ -168,7 +168,8 @@ TEST(Conditions, AGivenValueWithoutAnSdIsExactAndSaidSo) {
   EXPECT_THAT(c.taken_as_exact,
               testing::ElementsAre(Source::amplitude, Source::amplitude_y, Source::angular_frequency,
                                    Source::phase_shift, Source::gravity, Source::tilt_x, Source::tilt_y,
-                                   Source::scale, Source::sensor_axis, Source::phi, Source::dtau));
+                                   Source::scale, Source::sensor_axis, Source::phi, Source::dtau,
+                                   Source::friction_law));
   const PooledQuantity& a = *c.find(Source::amplitude);
   EXPECT_NEAR(*a.difference_in_sd, -0.2e-6 / (2.8e-8 / std::sqrt(2.0)), 0.02);
   EXPECT_TRUE(a.contradicted());
@@ -194,8 +195,8 @@ TEST(Conditions, WhatNobodyKnowsHasAnErrorThatIsNoPrior) {
     EXPECT_EQ(is_assumed(e.from), e.quantity != FitParameter::tilt_y) << e.from;
     EXPECT_EQ(e.known_beforehand, e.quantity == FitParameter::tilt_y) << e.from;
   }
-  EXPECT_THAT(c.taken_as_exact,
-              testing::ElementsAre(Source::gravity, Source::sensor_axis, Source::phi, Source::dtau));
+  EXPECT_THAT(c.taken_as_exact, testing::ElementsAre(Source::gravity, Source::sensor_axis, Source::phi,
+                                                     Source::dtau, Source::friction_law));
   // Of one amplitude that is seen the ratio is, too.
   std::vector<RunEvidence> runs(2, shown());
   for (RunEvidence& seen : runs) seen.amplitude = all(0.28e-3);
