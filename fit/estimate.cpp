@@ -37,6 +37,9 @@ using namespace internal;
 constexpr double kFine = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Descents under an explanation.
+constexpr int kStartsNearby = 4;
+
 /// Scatter beyond this share of what was measured leaves no result.
 constexpr double kScatterShare = 0.1;
 
@@ -401,6 +404,8 @@ std::optional<Quoted> explained(const Problem& problem, std::vector<ExplainedPro
     if (best != list.end()) {
       quoted.under.push_back(sentence_of(best->found));
       quoted.problem = best->problem;
+      for (const auto& [parameter, under] : best->found.parameters)
+        quoted.problem.start[parameter] = under.estimate;
       for (auto other = best + 1; other != list.end(); ++other)
         if (other->found.explains && gain_of(best->found) - gain_of(other->found) < kPreferred)
           quoted.as_good.push_back(other->found);
@@ -409,7 +414,9 @@ std::optional<Quoted> explained(const Problem& problem, std::vector<ExplainedPro
     if (k == 0 && !outliers.empty()) return without_bad_runs(problem, outliers);
     if (list.empty() || !list.front().found.refitted) return std::nullopt;
     quoted.under.push_back(sentence_of(list.front().found));
-    const Problem next = list.front().problem;
+    Problem next = list.front().problem;
+    for (const auto& [parameter, under] : list.front().found.parameters)
+      next.start[parameter] = under.estimate;
     FitOptions single = options;
     single.multi_starts = 1;
     Estimation fit(next, single);
@@ -471,7 +478,9 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   FitResult result;
   if (quoted) {
     const FitResult assumed = fit.assumed();
-    Estimation under(quoted->problem, options, between ? &*between : nullptr);
+    FitOptions nearby = options;  // the explanation was found from the best minimum of all
+    nearby.multi_starts = std::min(options.multi_starts, kStartsNearby);
+    Estimation under(quoted->problem, nearby, between ? &*between : nullptr);
     under.find_minimum();
     under.test_residuals();
     result = quantified(under);

@@ -279,16 +279,19 @@ double gain(const Explanation& found, std::size_t runs) {
 }  // namespace
 
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
+  if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
   constexpr int kMostTimes = 5;
-  Minimum minimum = minimise(residuals, z, options);
-  if (!residuals.linear_in_conditions()) return minimum;
+  constexpr double kStays = 0.01;  ///< of chi^2
+  MinimiseOptions rough = options;
+  rough.decrement = std::max(options.decrement, 0.1 * kStays);
+  Minimum minimum = minimise(residuals, z, rough);
   for (int k = 0; k < kMostTimes && minimum.converged; ++k) {
     const double before = minimum.chi2;
     if (!residuals.linearise(residuals.unknowns().values(minimum.z))) break;
-    minimum = minimise(residuals, minimum.z, options);
-    if (std::abs(minimum.chi2 - before) < 0.01 * std::max(1.0, 0.01 * before)) break;
+    minimum = minimise(residuals, minimum.z, rough);
+    if (std::abs(minimum.chi2 - before) < kStays * std::max(1.0, kStays * before)) break;
   }
-  return minimum;
+  return minimise(residuals, minimum.z, options);
 }
 
 std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
