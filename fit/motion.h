@@ -12,8 +12,9 @@
 //               leave less than a twentieth of what a cubic leaves;
 //   braking     p(t) = p0 + v (x - x^2/2 - q (x^2/2 - x^3/3)) ts,  x = min(t/ts, 1), |q| <= 2/3:
 //               the velocity falls to 0 at ts, its fall in the first and in the second half differ by no more
-//               than a factor of two, and of what a straight line leaves it leaves less than a twentieth
-//               beyond noise. Read backwards it is a part let go on an incline;
+//               than a factor of two, and of the squares that a straight line leaves it leaves less than a
+//               hundredth beyond noise (80 real slides: 0.3 hundredths at most). Read backwards it is a part
+//               let go on an incline;
 //   pull        it goes on in one direction, and none of the above.
 #pragma once
 

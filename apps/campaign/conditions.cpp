@@ -167,27 +167,31 @@ void take_gate(const Campaign& campaign, Run& run) {
   run.gate = run.measurement->gate;
   run.gate_reference = run.measurement->gate_reference;
   if (!lamp_gave_phi(*run.gate)) return;
+  std::string kept;
   const auto keeps = [&](const char* key, double given, const std::optional<double>& sd,
                          fit::Estimate& seen) {
     const double known = sd ? *sd : default_sd(campaign.fit.exact, key, given, run.given.digits);
     if (seen.sd < (known > 0 ? known : kCommand)) return false;
-    run.measurement->warnings.push_back(fmt::format(
-        "{}: the lamp shows {} to {:.2g} rad only: as commanded{}", run.given.name, key, seen.sd,
-        run.gate->bracket > 0
-            ? fmt::format(" (its frames leave open where in {:.2g} rad an edge lies; a frame rate "
-                          "that is no multiple of the drive's does not)",
-                          run.gate->bracket)
-            : ""));
+    kept += fmt::format("{}{} to {:.2g} rad", kept.empty() ? "" : " and ", key, seen.sd);
     seen = {given, known};
     run.gate->covariance = 0;
     return true;
   };
+  const double bracket = run.gate->bracket;
   const bool phi = keeps("phi_rad", run.given.phi, run.given.phi_sd, run.gate->phi);
   // One that is told is taken in by its weight.
   const bool dtau =
       (phi || !run.given.dtau_sd) && keeps("dtau_rad", run.given.dtau, run.given.dtau_sd, run.gate->dtau);
   if (phi) run.gate_reference = "command";
   if (phi && dtau) run.gate.reset();
+  if (kept.empty()) return;
+  run.measurement->warnings.push_back(fmt::format(
+      "{}: the lamp shows {} only: taken as commanded{}", run.given.name, kept,
+      bracket > 0
+          ? fmt::format("; its frames leave open where in {:.2g} rad an edge lies, as those of a rate that "
+                        "is no multiple of the drive's do not",
+                        bracket)
+          : ""));
 }
 
 /// phi, dtau and the phase at the start, and what this run alone knows of them.

@@ -46,9 +46,9 @@ void note_against_command(const std::string& name, const fit::GateTiming& gate, 
   const auto differs = [&](const char* what, double seen, double commanded, double sd) {
     const double off = std::remainder(seen - commanded, 2 * std::numbers::pi);
     if (std::abs(off) > std::max(5 * sd, 0.05))
-      warnings.push_back(
-          fmt::format("{}: the {} shows {} = {:.4f} rad, commanded was {:.4f}: the measured value is used",
-                      name, gate.source, what, seen, commanded));
+      warnings.push_back(fmt::format(
+          "{}: the {} shows {} = {:.4f} rad, commanded was {:.4f}: that which is known better is used", name,
+          gate.source, what, seen, commanded));
   };
   if (given.dtau) differs("dtau", gate.dtau.value, *given.dtau, gate.dtau.sd);
 }

@@ -24,7 +24,7 @@ constexpr double kRound = 0.3;
 constexpr double kDecays = 0.7;        ///< of its first amplitude in the last third
 constexpr double kMovesOn = 3;         ///< amplitudes
 constexpr double kSteady = 2.0 / 3;    ///< q: halves of the braking differ by a factor of two
-constexpr double kUnexplained = 0.05;  ///< of the squares that a straight line leaves
+constexpr double kUnexplained = 0.01;  ///< of the squares that a straight line leaves
 constexpr double kBySurprise = 1e-4;   ///< that a straight line would be left so by chance
 constexpr double kOneWay = 0.8;        ///< of its path leads away from where it began
 /// Of the whole path, at the least: of a slide, which a hand may begin and end; of an incline, which none
