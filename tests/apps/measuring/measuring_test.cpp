@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
 #include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_text.h"
+#include "apps/measuring/track_motion.h"
 #include "apps/program.h"
 #include "apps/text/json.h"
 #include "fit/free_slides.h"
@@ -144,6 +146,99 @@ TEST_F(MeasureSlide, SpinNotSeenIsSaid) {
   EXPECT_THAT(outcome.out, HasSubstr("deceleration    166"));
   EXPECT_THAT(outcome.out, HasSubstr("g = 9.8 m/s^2"));
   EXPECT_THAT(outcome.out, HasSubstr("not seen; a rim speed of half the slide's would make mu1"));
+}
+
+// Which motion a track shows decides what `measure` says of it.
+
+class MeasureMotion : public ProgramTest {
+ protected:
+  /// mm at so many seconds, sds of 1 um, no mark.
+  void put_track(const std::function<Eigen::Vector2d(double)>& path) const {
+    std::mt19937 random(5);
+    std::normal_distribution<> noise(0, 1e-3);
+    std::string csv = "t_s,x_mm,y_mm\n";
+    for (int k = 0; k < 600; ++k) {
+      const Eigen::Vector2d p = path(2e-3 * k);
+      csv += fmt::format("{},{},{}\n", 2e-3 * k, p.x() + noise(random), p.y() + noise(random));
+    }
+    put(in_folder("t.csv"), csv);
+  }
+  /// Exit 4, the motion by name and in a sentence, and no friction, whatever was asked.
+  void expect_no_slide(const std::string& motion, const std::string& remedy) const {
+    for (const std::string& asked : {std::string(), std::string(" --free-slide")}) {
+      const Outcome outcome = run("measure t.csv --json" + asked);
+      EXPECT_EQ(outcome.exit_code, 4) << motion << asked << outcome.err;
+      const Json m = Json::parse(outcome.out);
+      EXPECT_EQ(m["motion"], motion);
+      EXPECT_THAT(outcome.err, HasSubstr(m["motion_sentence"].get<std::string>()));
+      EXPECT_THAT(outcome.err, HasSubstr(remedy));
+      EXPECT_FALSE(m.contains("mu1"));
+      EXPECT_THAT(run("measure t.csv" + asked).out, Not(HasSubstr("mu1")));
+    }
+  }
+};
+
+Eigen::Vector2d circle(double t) {
+  return {0.28 * std::cos(62.8 * t) + 4 * t, 0.28 * std::sin(62.8 * t)};
+}
+
+TEST_F(MeasureMotion, ADrivenPartIsNoSlideAndTellsItsFrequency) {
+  put_track(circle);
+  expect_no_slide("driven", "--omega-rad-s 62.8");
+  const Json m = Json::parse(run("measure t.csv --json").out);
+  EXPECT_NEAR(m["angular_frequency_rad_s"], 62.8, 4 * m["angular_frequency_rad_s_sd"].get<double>());
+  const Outcome known = run("measure t.csv --omega-rad-s 62.8 --json");
+  EXPECT_EQ(known.exit_code, 0) << known.err;
+  EXPECT_NEAR(Json::parse(known.out)["v_mm_s"], 4, 0.01);
+  const Outcome in_hz = run("measure t.csv --omega-rad-s 9.995");
+  EXPECT_EQ(in_hz.exit_code, 4);
+  EXPECT_THAT(in_hz.err, HasSubstr("62.8 rad/s in Hz"));
+}
+
+TEST_F(MeasureMotion, WhatSwingsIsPulledRestsOrGainsSpeedIsNoSlide) {
+  put_track([](double t) { return Eigen::Vector2d(20 * std::cos(30 * t) * std::exp(-t), 0); });
+  expect_no_slide("swinging", "no friction follows");
+  put_track([](double t) { return Eigen::Vector2d(100 * t, 20 * t); });
+  expect_no_slide("pulled", "let go");
+  put_track([](double) { return Eigen::Vector2d(3, 4); });
+  expect_no_slide("at rest", "while it moves");
+  put_track([](double t) { return Eigen::Vector2d(500 * t * t, 0); });
+  expect_no_slide("incline", "slope_rad");
+}
+
+TEST_F(MeasureMotion, ASlideIsNamedAndADriveThatIsNoneIsNot) {
+  put_track([](double t) {
+    const double s = std::min(t, 0.4);
+    return Eigen::Vector2d(600 * s - 750 * s * s, 0);
+  });
+  const Outcome slide = run("measure t.csv --json");
+  ASSERT_EQ(slide.exit_code, 0) << slide.err;
+  EXPECT_EQ(Json::parse(slide.out)["motion"], "slide to rest");
+  EXPECT_NEAR(Json::parse(slide.out)["deceleration_mm_s2"], 1500, 1);
+  const Outcome driven = run("measure t.csv --omega-rad-s 62.8");
+  EXPECT_EQ(driven.exit_code, 4);
+  EXPECT_THAT(driven.err, HasSubstr("no drive"));
+}
+
+/// A camera held by hand: its mark circles nowhere.
+TEST(TrackMotion, AMarkThatDoesNotCircleMovedWithTheCamera) {
+  Track track;
+  std::mt19937 random(3);
+  std::normal_distribution<> noise(0, 1e-6), hand(0, 2e-4);
+  Eigen::Vector2d camera(0, 0);
+  for (int k = 0; k < 300; ++k) {
+    camera += Eigen::Vector2d(hand(random), hand(random));
+    track.table.frame.push_back(k);
+    track.table.time.push_back(2e-3 * k);
+    track.table.position.emplace_back(noise(random), noise(random));
+    track.table.covariance.push_back(1e-12 * Eigen::Matrix2d::Identity());
+    track.table.marker.emplace_back(camera);
+    track.table.marker_sigma.push_back(1e-6);
+  }
+  track.table.platform_frame = true;
+  const TrackMotion motion = motion_of(track, fit::measure_platform_motion(track.table));
+  EXPECT_EQ(motion.shown.kind, fit::MotionKind::with_background);
+  EXPECT_THAT(motion.sentence, HasSubstr("the part goes with it"));
 }
 
 // What a coder does to the platform's motion, as measured.

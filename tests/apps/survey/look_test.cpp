@@ -103,5 +103,25 @@ TEST_F(Look, WhereNothingElseMovesThePartIsGuessedToSlideFreely) {
   EXPECT_THAT(made.err, Not(HasSubstr("to fill in")));
 }
 
+/// Whatever its file is called.
+TEST_F(Look, APartThatCirclesIsDrivenThoughNoMarkShowsIt) {
+  std::filesystem::create_directory(in_folder("recordings"));
+  put(in_folder("scene.toml"),
+      "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"\n"
+      "[friction]\nmu1 = 0.1\nmu2 = 0.0125\nlag_rad = 0.2\nphi_rad = 0\ndtau_rad = \"pi/3\"\n"
+      "[video]\nwidth = 130\nheight = 110\nframe_rate_hz = 250\nexposure_s = 0.4e-3\nframes = 200\n"
+      "[camera]\nmm_per_px = 0.1\n[disc]\ndiameter_mm = 4\n");
+  for (const char* name : {"IMG_0012", "slide3"})
+    ASSERT_EQ(run(std::string("synth scene.toml -q -o recordings/") + name + ".cine").exit_code, 0);
+  const Outcome made = run("init lab --from recordings --disc-diameter-mm 4");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::string campaign = content_of(in_folder("lab/campaign.toml"));
+  EXPECT_THAT(campaign, Not(HasSubstr("\nkind = \"free_slide\"")));
+  EXPECT_THAT(campaign, HasSubstr("# angular_frequency_rad_s = 62."));
+  EXPECT_THAT(made.err, AllOf(HasSubstr("phi_rad and dtau_rad of IMG_0012"),
+                              HasSubstr("phi_rad and dtau_rad of slide3"),
+                              HasSubstr("angular_frequency_rad_s and amplitude_mm in [platform]")));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps
