@@ -317,7 +317,7 @@ FitResult Estimation::report() {
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
-  result.scatter_dominates = result.scatter > kScatterShare * typical_displacement(problem_);
+  result.scatter_dominates = rejected() && result.scatter > kScatterShare * typical_displacement(problem_);
   if (result.scatter_dominates)
     result.warnings.push_back(
         "The runs scatter about the model by " + number(1e3 * result.scatter, 2) +

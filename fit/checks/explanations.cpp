@@ -291,7 +291,10 @@ Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, cons
     minimum = minimise(residuals, minimum.z, rough);
     if (std::abs(minimum.chi2 - before) < kStays * std::max(1.0, kStays * before)) break;
   }
-  return minimise(residuals, minimum.z, options);
+  Minimum fine = minimise(residuals, minimum.z, options);
+  // A kink of chi^2 can keep a descent from its last digits.
+  fine.converged |= minimum.converged && std::abs(fine.chi2 - minimum.chi2) < rough.decrement;
+  return fine;
 }
 
 std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,

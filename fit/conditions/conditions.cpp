@@ -216,6 +216,9 @@ class SharedErrors {
                                          {FitParameter::wear, 0.02}};
     exact_if(shared_.law_is_exact && any_driven(), Source::friction_law);
     if (shared_.law_is_exact || !any_driven()) return;
+    // A ramp may begin at the edge that was meant, lie about it, or end there.
+    constexpr double kHalfARamp = 0.05;
+    add(FitParameter::phase_reference, kHalfARamp, to_string(Source::friction_law) + std::string(kAssumed));
     for (const Departure& departure : kDepartures)
       add(departure.law, departure.sd, to_string(Source::friction_law) + std::string(kAssumed));
   }
