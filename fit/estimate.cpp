@@ -262,7 +262,11 @@ void Estimation::take(std::size_t index) {
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
   if (rejected()) result_.scatter_from_replicates = false;
-  if (residuals_.linear_in_conditions()) minimum_ = minimise_linearised(residuals_, minimum_.z);
+  if (residuals_.linear_in_conditions()) {
+    minimum_ = minimise_linearised(residuals_, minimum_.z);
+    // The curvature is that of the full model, also along what the data leave open.
+    if (residuals_.linearise(unknowns_.values(minimum_.z))) minimum_.at = {};
+  }
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
   find_other_minima();

@@ -68,7 +68,9 @@ bool any_law(const Unknowns& unknowns) {
 }  // namespace
 
 bool is_linear(const Unknowns& unknowns, Eigen::Index unknown) {
-  return unknown >= unknowns.reported() && unknowns.parameter(unknown) != FitParameter::start_phase;
+  const FitParameter parameter = unknowns.parameter(unknown);
+  return unknown >= unknowns.reported() && parameter != FitParameter::start_phase &&
+         parameter != FitParameter::scale;
 }
 
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
