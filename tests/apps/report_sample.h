@@ -168,6 +168,7 @@ inline ReportData campaign(unsigned seed = 1) {
   fit.dof = 27;
   fit.p_value = fit.runs_test_p_value = no_value;
   fit.agreement = fit::Agreement::good;
+  fit.verdict = fit::Use::use;
   fit.covariance_meaning = "The covariance is that of the measurement errors, not enlarged by the residuals.";
   fit.next_experiment = fit::NextExperiment{
       .phi = 0.75 * pi,

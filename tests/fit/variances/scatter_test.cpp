@@ -52,8 +52,10 @@ TEST(ExcessVariance, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
   EXPECT_TRUE(result.scatter_from_replicates);
   EXPECT_EQ(result.replicate_dof, 56);
   EXPECT_NEAR(result.scatter, 6e-5, 4 * 6e-5 / std::sqrt(2 * 56.0));
-  EXPECT_GT(result.p_value, 1e-3);
-  EXPECT_TRUE(result.models.empty());  // no other model needed
+  EXPECT_LT(result.p_value, 1e-3) << "before any scatter";
+  EXPECT_EQ(result.verdict, Use::care);
+  EXPECT_THAT(result.verdict_reasons, Contains(HasSubstr("repeated runs differ by more")));
+  EXPECT_TRUE(result.quoted_under.empty());
   EXPECT_THAT(result.covariance_meaning, HasSubstr("a scatter estimated from repeated runs"));
   EXPECT_THAT(result.warnings, Contains(HasSubstr("with that the fit agrees with all runs")));
 }

@@ -10,6 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 ReportData all_well() {
   ReportData data = sample::campaign();
@@ -28,83 +29,30 @@ TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysWhy) {
   EXPECT_EQ(verdict.trust, Trust::usable);
   EXPECT_EQ(verdict.heading, "Can be used");
   EXPECT_THAT(verdict.paragraph,
-              HasSubstr("The fit to 15 runs converged, and the data determine every parameter."));
-  EXPECT_THAT(verdict.paragraph, HasSubstr("within their errors"));
+              HasSubstr("The fit to 15 runs converged. χ² per degree of freedom is 0.978"));
   EXPECT_THAT(verdict.paragraph, Not(HasSubstr("warning")));
 }
 
-TEST(ReportVerdict, TheFitDecidesWhetherTheModelAgrees) {
+// The fit decides and gives the reasons; the page adds runs that failed.
+TEST(ReportVerdict, IsThatOfTheFit) {
   ReportData data = all_well();
-  data.fit.chi2 = 48.7;
-  data.fit.dof = 25;
-  data.fit.agreement = fit::Agreement::good;
-  EXPECT_EQ(verdict_of(data).heading, "Can be used");
-  data.fit.agreement = fit::Agreement::poor;
-  EXPECT_THAT(verdict_of(data).heading, HasSubstr("data contradict the model"));
-  data.fit.agreement = fit::Agreement::only_with_scatter;
-  data.fit.scatter = 1e-5;
-  EXPECT_THAT(verdict_of(data).paragraph, HasSubstr("no longer tests the model"));
-}
-
-TEST(ReportVerdict, AFitThatDidNotConvergeMustNotBeUsed) {
-  ReportData data = all_well();
-  data.fit.converged = false;
-  EXPECT_EQ(verdict_of(data).trust, Trust::do_not_use);
-}
-
-TEST(ReportVerdict, AFitThatIsNotIdentifiableMustNotBeUsed) {
-  ReportData data = all_well();
-  data.fit.identifiability.verdict = fit::Verdict::not_identifiable;
-  EXPECT_EQ(verdict_of(data).trust, Trust::do_not_use);
-}
-
-TEST(ReportVerdict, EachDoubtIsNamedInTheHeading) {
-  const auto heading = [](auto change) {
-    ReportData data = all_well();
-    change(data);
-    EXPECT_EQ(verdict_of(data).trust, Trust::with_care);
-    return verdict_of(data).heading;
-  };
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::poor; }),
-              HasSubstr("data contradict the model"));
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::too_good; }),
-              HasSubstr("errors look too large"));
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.agreement = fit::Agreement::unknown; }),
-              HasSubstr("no data left to check"));
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.identifiability.verdict = fit::Verdict::weak; }),
-              HasSubstr("weakly"));
-  EXPECT_THAT(heading([](ReportData& d) { d.runs[0].failure = "gone"; }), HasSubstr("one run failed"));
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.outliers.resize(1); }),
-              HasSubstr("one run contradicts the others"));
-  EXPECT_THAT(heading([](ReportData& d) { d.fit.minima.resize(2); }),
-              HasSubstr("other values fit nearly as well"));
+  data.fit.verdict = fit::Use::care;
+  data.fit.verdict_reasons = {"the values hold under a tilt", "one run <a> contradicts the others"};
+  EXPECT_EQ(verdict_of(data).trust, Trust::with_care);
+  EXPECT_EQ(verdict_of(data).heading,
+            "Use with care: the values hold under a tilt; one run &lt;a&gt; contradicts the others");
+  data.runs[0].failure = "gone";
+  EXPECT_THAT(verdict_of(data).heading, HasSubstr("others; one run failed"));
+  data.fit.verdict = fit::Use::do_not_use;
+  EXPECT_EQ(verdict_of(data).heading, "Do not use these values");
+  EXPECT_THAT(verdict_of(data).paragraph, StartsWith("The values hold under a tilt; one run"));
+  data = all_well();
+  data.runs[0].failure = "gone";
+  EXPECT_EQ(verdict_of(data).heading, "Use with care: one run failed");
 }
 
 TEST(ReportVerdict, WithoutAFitItSpeaksOfMeasurementsOnly) {
   EXPECT_EQ(verdict_of(ReportData{}).trust, Trust::no_fit);
-}
-
-TEST(ReportVerdict, SlidesThatNeededScatterAreNotPassedOver) {
-  ReportData data = all_well();
-  data.fit.agreement = fit::Agreement::only_with_scatter;
-  data.fit.scatter = 1e-5;
-  data.fit.p_value = 0;
-  data.fit.slides.resize(1);
-  const Verdict verdict = verdict_of(data);
-  EXPECT_EQ(verdict.trust, Trust::with_care);
-  EXPECT_THAT(verdict.heading, HasSubstr("free slides deviate from the law of friction"));
-  EXPECT_THAT(verdict.heading, HasSubstr("p below 1e-300"));
-}
-
-TEST(ReportVerdict, SlidesThatDifferOrWereStruckAreNamed) {
-  ReportData data = all_well();
-  data.fit.slides.resize(2);
-  data.fit.between_slides_p_value = 0.2;
-  EXPECT_EQ(verdict_of(data).heading, "Can be used");
-  data.fit.between_slides_p_value = 1e-9;
-  EXPECT_THAT(verdict_of(data).heading, HasSubstr("differs from slide to slide by more than chance"));
-  data.fit.slides.front().blows.resize(1);
-  EXPECT_THAT(verdict_of(data).heading, HasSubstr("a slide was struck on its way"));
 }
 
 }  // namespace

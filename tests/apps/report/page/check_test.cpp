@@ -71,19 +71,29 @@ TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   EXPECT_THAT(check_of(data), Not(HasSubstr("that would fit")));
 }
 
-TEST(CheckSection, ModelsAreComparedWithTheOneFitted) {
+TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {
   ReportData data = sample::campaign();
-  data.fit.models = {{"Coulomb friction", 3, 40.0, 46.0, 50.0, {}, ""},
-                     {"tilt", 5, 20.0, 30.0, 37.0, {}, "tilt_x = <1>"}};
-  data.fit.left_out = {"Rival friction laws were not tried: tilt explains the residuals."};
+  const fit::FitParameter mu1 = data.fit.parameters.front().parameter;
+  data.fit.as_assumed[mu1] = {0.1, 0.001, {0.098, 0.102}};
+  fit::Explanation& tilt = data.fit.explanations.emplace_back();
+  tilt.name = "tilt";
+  tilt.chi2_fall = 120;
+  tilt.p_after = 0.3;
+  tilt.size = 1e-3;
+  tilt.size_sd = 1e-4;
+  tilt.unit = "rad";
+  tilt.refitted = tilt.explains = true;
+  tilt.parameters[mu1] = {0.103, 0.001, {0.101, 0.105}};
+  data.fit.explanations.push_back(tilt);
+  data.fit.explanations.back().run = "<a>";
+  data.fit.left_out = {"Something was not needed."};
   const std::string html = check_of(data);
-  EXPECT_THAT(html, HasSubstr("<td><b>Coulomb friction</b> (fitted)</td><td class=\"n\">3</td><td "
-                              "class=\"n\">40</td><td class=\"n\">46</td><td class=\"n\"></td>"));
-  EXPECT_THAT(html,
-              HasSubstr("<td>tilt</td><td class=\"n\">5</td><td class=\"n\">20</td><td class=\"n\">30</td>"
-                        "<td class=\"n\">−16.0</td><td class=\"n\">37</td><td class=\"n\">−13.0</td>"
-                        "<td>tilt_x = &lt;1&gt;</td>"));
-  EXPECT_THAT(html, HasSubstr("<li>Rival friction laws were not tried: tilt explains the residuals.</li>"));
+  EXPECT_THAT(html, HasSubstr("<td><b>nothing</b></td>"));
+  EXPECT_THAT(html, HasSubstr("<td class=\"n\">0.1000(10)</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>tilt</td><td class=\"n\">120</td><td class=\"n\">0.3</td>"
+                              "<td class=\"n\">0.00100(10) rad</td><td class=\"n\">0.1030(10)</td>"));
+  EXPECT_THAT(html, HasSubstr("tilt &lt;a&gt;"));
+  EXPECT_THAT(html, HasSubstr("<li>Something was not needed.</li>"));
 }
 
 TEST(CheckSection, IsLeftOutWithoutAFit) {

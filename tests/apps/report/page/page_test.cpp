@@ -45,7 +45,9 @@ TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   data.warnings = fit.identifiability.weak_directions = fit.left_out = fit.systematics = {hostile};
   fit.minima = {{}, {{}, 1, hostile}};
   fit.outliers = {{hostile, 5, 0.001, 1, hostile}};
-  fit.models = {{hostile, 3, 1, 1, 1, {}, hostile}};
+  fit.verdict_reasons = {hostile};
+  fit.explanations.resize(1);
+  fit.explanations[0].name = fit.explanations[0].run = fit.explanations[0].unit = hostile;
   fit.slides.resize(1);
   fit.slides[0].run = fit.slides[0].sentence = hostile;
   for (fit::BudgetEntry& entry : fit.budget) entry.source = entry.quantity = entry.from = hostile;
@@ -111,9 +113,15 @@ ReportData with_every_table() {
     p.bootstrap_ci95 = p.ci95;
   }
   data.fit.outliers = {{"a run with quite a long name of its own", 12.3, 3e-8, 1.234, ""}};
-  data.fit.models = {
-      {"Coulomb friction", 3, 531936124.9, 493.0, 498.5, {}, ""},
-      {"Stribeck", 4, 531936124.8, 494.0, 499.5, {}, "friction at rest higher by 0.0157 +- 0.011 %"}};
+  fit::Explanation& wide = data.fit.explanations.emplace_back();
+  wide.name = "bad_run";
+  wide.run = "a run with quite a long name of its own";
+  wide.chi2_fall = 531936124.9;
+  wide.size = 12.3456789;
+  wide.size_sd = 1e-5;
+  wide.unit = "% over the campaign";
+  for (const fit::ParameterEstimate& p : data.fit.parameters)
+    wide.parameters[p.parameter] = {p.estimate, p.sd, p.ci95};
   data.fit.next_experiment->phi = 0.123456;
   for (const fit::ParameterEstimate& p : data.fit.parameters)
     data.fit.next_experiment->predicted_ci95[p.parameter] = p.ci95;
