@@ -9,7 +9,8 @@
 //   rest        all within 10 sd of the points;
 //   line at w   of what moves faster than w/2 more than half stands in one line of the spectrum, above noise.
 //               Three cycles at least; where the cycles are fewer than five, a cubic and a sinusoid must
-//               leave less than a twentieth of what a cubic leaves;
+//               leave less than a twentieth of what a cubic leaves. Vibration of the camera is none: a
+//               line below the noise of a part at rest, or below 1 % of the way of one that is braked;
 //   braking     p(t) = p0 + v (x - x^2/2 - q (x^2/2 - x^3/3)) ts,  x = min(t/ts, 1), |q| <= 2/3:
 //               the velocity falls to 0 at ts, its fall in the first and in the second half differ by no more
 //               than a factor of two, and of the squares that a straight line leaves it leaves less than a

@@ -75,8 +75,7 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
     case Kind::pulled:
       return fmt::format(
           "the part moves on in one direction, by {:.3g} mm at {:.3g} mm/s in the mean, and is not braked "
-          "evenly: "
-          "something pulls it",
+          "evenly, as a part that is pulled",
           mm(m.way), mm(m.speed));
     case Kind::at_rest:
       return fmt::format(

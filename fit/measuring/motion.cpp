@@ -179,6 +179,20 @@ bool goes_one_way(const TrackTable& track) {
   return away > kOneWay * path(track, 0, track.time.size());
 }
 
+/// Vibration of the camera, or of what it stands on: so little of the way that the part slides all the same.
+bool vibrates_only(const Oscillation& o, const ShownMotion& shown, const TrackTable& track) {
+  constexpr double kOfWay = 0.01;
+  constexpr std::size_t kMost = 600;  // blows are looked for at every point
+  if (shown.way <= kRests * shown.noise) return o.major < shown.noise;
+  if (o.major > kOfWay * shown.way) return false;
+  const Series means = thinned(track, 0, track.time.size(), kMost);
+  TrackTable coarse;
+  coarse.time = means.time;
+  coarse.position = means.position;
+  coarse.covariance.assign(means.size(), shown.noise * shown.noise * Eigen::Matrix2d::Identity());
+  return slide_in(coarse).has_value();
+}
+
 MotionKind kind_of(const Oscillation& o) {
   if (o.last_over_first < kDecays) return MotionKind::swinging;
   const bool round = o.minor > kRound * o.major, moves_on = o.drift > kMovesOn * o.major;
@@ -217,7 +231,9 @@ ShownMotion shown_motion(const TrackTable& track) {
   for (const Eigen::Vector2d& p : track.position)
     shown.way = std::max(shown.way, (p - track.position.front()).norm());
   shown.speed = shown.way / (track.time.back() - track.time.front());
-  if ((shown.oscillation = find_oscillation(track))) {
+  shown.oscillation = find_oscillation(track);
+  if (shown.oscillation && vibrates_only(*shown.oscillation, shown, track)) shown.oscillation.reset();
+  if (shown.oscillation) {
     shown.kind = kind_of(*shown.oscillation);
   } else if (shown.way <= kRests * shown.noise) {
     shown.kind = MotionKind::at_rest;

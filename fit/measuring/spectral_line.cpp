@@ -96,7 +96,8 @@ double strongest_line(const Series& series) {
   long best = 0;
   for (long k = kFewestCycles; k < count; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    if (power[at] < kAboveNoise * floor || (best > 0 && power[at] <= power[static_cast<std::size_t>(best)]))
+    if (!(power[at] > kAboveNoise * floor) ||
+        (best > 0 && power[at] <= power[static_cast<std::size_t>(best)]))
       continue;
     const long half_width = std::max(1L, k / 8);  // a motion that decays has a wide line
     if (within(k - half_width, k + half_width + 1) < kShare * within(std::min(k - half_width, k / 2), count))

@@ -93,6 +93,18 @@ TEST(ShownMotion, ASlideIsBrakedAndBackwardsItIsAnIncline) {
   }
 }
 
+TEST(ShownMotion, ACameraThatVibratesSeesASlideAndRestAllTheSame) {
+  const Path slide = sliding(0.6, 1.5, 0.02);
+  const auto shaken = [](const Path& path, double a) {
+    return [=](double t) { return Eigen::Vector2d(path(t) + a * Eigen::Vector2d(std::cos(314 * t), 0)); };
+  };
+  for (const double a : {0.3 * kNoise, 3 * kNoise, 50 * kNoise})
+    EXPECT_EQ(kind_of(track_of(shaken(slide, a), 400)), MotionKind::slide) << a;
+  const Path rest = [](double) { return Eigen::Vector2d(0.01, 0); };
+  EXPECT_EQ(kind_of(track_of(shaken(rest, 0.5 * kNoise), 2000)), MotionKind::at_rest);
+  EXPECT_EQ(kind_of(track_of(circling(0.04), 3000)), MotionKind::driven) << "a long way at an even speed";
+}
+
 TEST(ShownMotion, FrictionThatRisesWithSpeedStillBrakesASlide) {
   const double a = 1.86, c = 0.84, u = 1;  // the real slides' du/dt = -(a + c u)
   const auto path = [&](double t) {
@@ -115,6 +127,9 @@ TEST(ShownMotion, WhatGoesOnEvenlyAndStopsAtOnceIsPulled) {
 }
 
 TEST(ShownMotion, NoiseIsRestAndAWalkIsNothing) {
+  EXPECT_EQ(kind_of(track_of([](double) { return Eigen::Vector2d(0.01, 0.02); }, 500, 0)),
+            MotionKind::at_rest)
+      << "places in whole pixels";
   for (unsigned seed = 0; seed < 20; ++seed) {
     const TrackTable rest =
         track_of([](double) { return Eigen::Vector2d(0.01, 0.02); }, 500, kNoise, 1, seed);
