@@ -153,6 +153,7 @@ void Estimation::find_minimum() {
   result_.chi2 = minimum_.chi2;
   result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
   result_.p_value = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
+  result_.conditions = static_cast<int>(unknowns_.common() - unknowns_.reported());
 }
 
 void Estimation::add_scatter_of_replicates() {
@@ -478,7 +479,8 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   if (tracks) fit.explain_excess_variance();
   const std::vector<ExplainedProblem> list = fit.explanations();
   std::optional<Quoted> quoted;
-  if (fit.rejected()) quoted = explained(problem, list, fit.outliers(), options);
+  const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
+  if (fit.rejected() && squares) quoted = explained(problem, list, fit.outliers(), options);
   FitResult result;
   if (quoted) {
     const FitResult assumed = fit.assumed();
@@ -492,6 +494,7 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
     result.dof = assumed.dof;
     result.p_value = assumed.p_value;
     result.outliers = assumed.outliers;
+    for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
     result.as_assumed = assumed.as_assumed;
     result.quoted_under = quoted->under;
     result.agreement = agreement(result);

@@ -255,7 +255,8 @@ struct FitResult {
   // Goodness of fit.
   double chi2 = 0;  ///< at the minimum with everything as the problem says, by the data's own sigma
   int dof = 0;
-  double p_value = 1;            ///< of chi2
+  double p_value = 1;  ///< of chi2
+  int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
   double runs_test_p_value = 1;  ///< small: neighbouring runs err alike, as under a wrong model
   std::vector<RunResult> runs;
   std::vector<SlideResult> slides;    ///< free slides one by one

@@ -234,7 +234,7 @@ void fields(Io& io, Explanation& e) {
   io("parameters", e.parameters);
 }
 
-/// The paper's law, and the explanations that were fitted, by Akaike's and Schwarz's criteria.
+/// The paper's law and the explanations by Akaike's and Schwarz's criteria.
 inline Json models_json(const FitResult& fit) {
   Json models = Json::array();
   const auto n = static_cast<int>(fit.dof + static_cast<int>(fit.parameters.size()));
@@ -248,7 +248,6 @@ inline Json models_json(const FitResult& fit) {
                       {"sentence", ""}});
   };
   for (const Explanation& e : fit.explanations) {
-    if (!e.refitted) continue;
     if (models.empty()) add("Coulomb friction", fit.chi2, 0);
     add(e.name, fit.chi2 - e.chi2_fall, e.dof);
   }

@@ -122,21 +122,24 @@ void judge(FitResult& result) {
   const bool repeated = result.scatter_from_replicates;
   // Points of a track err alike for longer than chi^2 knows; their errors are estimated from them.
   const bool tracks = std::ranges::any_of(result.runs, [](const RunResult& run) { return run.points > 0; });
-  if (rejected && result.quoted_under.empty() && !repeated && !tracks)
+  const bool robust = result.loss != Loss::squares;
+  if (rejected && result.quoted_under.empty() && !repeated && !tracks && !robust)
     reasons.push_back(rejection(result) + ", and nothing looked at explains it");
   if (!reasons.empty()) return;
-  if (rejected && repeated)
+  if (rejected && !result.quoted_under.empty())
+    reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));
+  else if (rejected && repeated)
     reasons.push_back(
         fmt::format("repeated runs differ by more than their own errors ({}): their scatter is counted",
                     chance_text(result.p_value)));
-  else if (rejected && result.quoted_under.empty())
+  else if (rejected && robust)
+    reasons.push_back(rejection(result) + "; runs that contradict the others count less");
+  else if (rejected)
     reasons.push_back(
         fmt::format("the points deviate from the model by more than their own errors: chi2 {} at {} degrees "
                     "of freedom, {}; "
                     "the intervals count what they share",
                     number(result.chi2, 4), result.dof, chance_text(result.p_value)));
-  else if (rejected)
-    reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));
   add_doubts(result, reasons);
   result.verdict = reasons.empty() ? Use::use : Use::care;
 }
@@ -146,7 +149,8 @@ Agreement agreement(const FitResult& result) {
   if (surprised && result.scatter > 0) return Agreement::only_with_scatter;
   if (!std::isfinite(result.chi2) || result.dof < 1) return Agreement::unknown;
   if (surprised) return Agreement::poor;
-  if (result.chi2 / result.dof < expected_reduced_chi2(result.dof).low) return Agreement::too_good;
+  const int least = result.dof - result.conditions;
+  if (least > 0 && result.chi2 < chi2_quantile(0.005, least)) return Agreement::too_good;
   return Agreement::good;
 }
 

@@ -363,10 +363,10 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
       "intervals with Student's t.{}",
       repeated ? "repeated runs" : "the residuals", robust_meaning(result.loss));
   if (repeated)
-    result.warnings.push_back(
-        fmt::format("Repeated runs scatter by {} more than their own sigma; with that the "
-                    "fit agrees with all runs ({}).",
-                    scatter_text(excess), chance_text(result.p_value)));
+    result.warnings.push_back(fmt::format(
+        "Repeated runs scatter by {} more than their own sigma; with that the fit agrees with all "
+        "runs.",
+        scatter_text(excess)));
   else if (excess.runs() > 0 && result.p_value < kSurprise)
     result.warnings.push_back(fmt::format(
         "The runs scatter by {} more than their own sigma (chi2 {}, {}){}something in A, w, tilt "

@@ -41,12 +41,13 @@ TEST(Goal, RatioIsHalfTheIntervalOverWhatIsAllowed) {
 }
 
 TEST(Goal, IsReachedWhenAllAre) {
-  const FitResult result = result_with(0.2, {0.1985, 0.2015}, -0.5, {-0.53, -0.47});
+  FitResult result = result_with(0.2, {0.1985, 0.2015}, -0.5, {-0.53, -0.47});
+  result.verdict = Use::care;
   EXPECT_TRUE(all_reached({kPercentOfMu1}, result));
   EXPECT_FALSE(all_reached({kPercentOfMu1, kLagTo}, result));
   EXPECT_FALSE(all_reached({}, result)) << "without a goal filming goes on";
   FitResult unusable = result;
-  unusable.converged = false;
+  unusable.verdict = Use::do_not_use;
   EXPECT_FALSE(all_reached({kPercentOfMu1}, unusable));
 }
 

@@ -1,0 +1,116 @@
+// Campaigns from a laboratory that is not the model: what is wrong with it is named, and where nothing is,
+// nothing is accused.
+#include "fit/checks/explanations.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "fit/estimate.h"
+#include "fit/laboratory.h"
+
+namespace tribotrack::fit {
+namespace {
+
+using test::campaign;
+using test::Laboratory;
+using testing::HasSubstr;
+
+constexpr double kAlphaSd = 0.002, kSpeedSd = 0.002;  // of a good camera
+
+FitOptions quick() {
+  FitOptions options;
+  options.next_experiment = options.profiles = false;
+  options.multi_starts = 4;
+  return options;
+}
+
+FitResult fitted(const Laboratory& lab, unsigned seed, const std::vector<Condition>& conditions = {}) {
+  std::mt19937 random(seed);
+  Problem problem = campaign(lab, kAlphaSd, kSpeedSd, random);
+  problem.conditions = conditions;
+  return estimate(problem, quick());
+}
+
+bool holds(const FitResult& result, FitParameter parameter, double truth) {
+  for (const ParameterEstimate& p : result.parameters)
+    if (p.parameter == parameter) return p.ci95.low <= truth && truth <= p.ci95.high;
+  return false;
+}
+
+struct Cause {
+  const char* name;
+  Laboratory lab;
+};
+
+class Causes : public testing::TestWithParam<Cause> {};
+
+TEST_P(Causes, AreNamedAndTheValuesQuotedUnderThem) {
+  const FitResult result = fitted(GetParam().lab, 5);
+  EXPECT_LT(result.p_value, 1e-3);
+  ASSERT_FALSE(result.explanations.empty());
+  EXPECT_EQ(result.explanations.front().name, GetParam().name);
+  EXPECT_TRUE(result.explanations.front().explains) << result.full_report();
+  EXPECT_EQ(result.verdict, Use::care);
+  ASSERT_EQ(result.quoted_under.size(), 1U);
+  EXPECT_TRUE(holds(result, FitParameter::mu1, GetParam().lab.mu1)) << result.full_report();
+  EXPECT_EQ(result.as_assumed.size(), 3U);
+  EXPECT_GT(std::abs(result.as_assumed.at(FitParameter::mu1).estimate - GetParam().lab.mu1) +
+                std::abs(result.as_assumed.at(FitParameter::mu2).estimate - GetParam().lab.mu2),
+            1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Explanations, Causes,
+                         testing::Values(Cause{"tilt", {.tilt_x = 8e-4, .tilt_y = -6e-4}},
+                                         Cause{"amplitude_ratio", {.ratio = 1.03}},
+                                         Cause{"phase_shift", {.epsilon_error = -0.035}},
+                                         Cause{"stribeck", {.stribeck = 0.2}},
+                                         Cause{"viscous", {.viscous = 2}}, Cause{"bad_run", {.bad_run = 3}}),
+                         [](const auto& cause) { return std::string(cause.param.name); });
+
+TEST(Explanations, APerfectLaboratoryIsAccusedOfNothing) {
+  int accused = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const FitResult result = fitted({}, 100 + seed);
+    accused += result.verdict != Use::use;
+    for (const Explanation& explanation : result.explanations) {
+      EXPECT_FALSE(explanation.explains);
+      EXPECT_FALSE(explanation.refitted);
+    }
+  }
+  EXPECT_EQ(accused, 0);
+}
+
+// What is known to an sd is an unknown of the fit: within it nothing is rejected, far beyond it is named.
+TEST(Explanations, AConditionWithAnSdExplainsItself) {
+  const std::vector<Condition> level = {{FitParameter::tilt_x, 2e-3, "level"},
+                                        {FitParameter::tilt_y, 2e-3, "level"}};
+  const FitResult within = fitted({.tilt_x = 1e-3}, 7, level);
+  EXPECT_EQ(within.verdict, Use::use) << within.full_report();
+  EXPECT_TRUE(holds(within, FitParameter::mu1, 0.1));
+  const std::vector<Condition> tight = {{FitParameter::tilt_x, 5e-5, "level"},
+                                        {FitParameter::tilt_y, 5e-5, "level"}};
+  const FitResult beyond = fitted({.tilt_x = 1e-3}, 7, tight);
+  EXPECT_EQ(beyond.explanations.front().name, "tilt") << beyond.full_report();
+  EXPECT_NEAR(beyond.explanations.front().size, 1e-3, 2e-4);
+}
+
+TEST(Explanations, FrictionThatDiffersFromRunToRunIsFoundAndCounted) {
+  const FitResult result = fitted({.scatter = 0.02}, 9);
+  EXPECT_EQ(result.explanations.front().name, "run_scatter") << result.full_report();
+  EXPECT_NEAR(result.explanations.front().size, 2, 1.5);
+  EXPECT_EQ(result.verdict, Use::care);
+  EXPECT_TRUE(holds(result, FitParameter::mu1, 0.1));
+}
+
+TEST(Explanations, TwoCausesTogetherAreNotPassedOver) {
+  const FitResult result = fitted({.tilt_x = 1e-3, .stribeck = 0.2}, 11);
+  EXPECT_NE(result.verdict, Use::use);
+  EXPECT_LT(result.p_value, 1e-3);
+  EXPECT_THAT(result.verdict_text(), HasSubstr("the data reject the model as described"));
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
