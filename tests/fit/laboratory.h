@@ -18,7 +18,7 @@ struct Laboratory {
   double mu1 = 0.1, mu2 = 0.02, lag = 0.2;
   // What the campaign does not say.
   double tilt_x = 0, tilt_y = 0;        ///< rad
-  double ratio = 1, epsilon_error = 0;  ///< A_y/A; rad
+  double ratio = 1, epsilon_error = 0;  ///< A_y/A about their mean; rad
   double edge = 0;                      ///< rad, of ramps about the edges
   double stribeck = 0, viscous = 0;     ///< relative, fading by A w/4; 1/s
   double heating = 0, wear = 0;         ///< of mu2 by rad of the gate; of both from first to last run
@@ -49,7 +49,7 @@ inline Eigen::Vector2d stepped(const Laboratory& lab, const model::Scenario& s, 
     before = after;
     const Eigen::Vector2d push =
         pull +
-        w * w * a *
+        w * w * a / std::sqrt(lab.ratio) *
             Eigen::Vector2d(std::cos(wt), lab.ratio * std::cos(wt + s.drive.phase_shift + lab.epsilon_error));
     const double mu =
         (mu1 + (mu2 - mu1) * reduced) * (1 + lab.stribeck * std::exp(-speed * speed / (fading * fading))) +
