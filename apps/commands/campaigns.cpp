@@ -174,8 +174,10 @@ void add_fit(CLI::App& app, Context& context) {
                   "means for the intervals is printed with them")
       ->check(one_of(losses()))
       ->type_name("LOSS");
-  command.add_flag("--compare-models", options->choices.fit.rivals,
-                   "Compare tilt and alternative friction laws even where the residuals give no reason to");
+  command.add_flag(
+      "--compare-models", options->choices.fit.rivals,
+      "Fit anew under each explanation (tilt, laws of friction, ...) even where the residuals give "
+      "no reason to");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
                    "Print the whole report: residuals, correlations, what was left out");
