@@ -11,16 +11,6 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of residuals that are linear in the conditions about where the descent begins: across a threshold of
-/// sliding the conditions count for something else.
-Minimum minimise_about(const Residuals& residuals, const Eigen::VectorXd& start,
-                       const MinimiseOptions& options) {
-  if (!residuals.linear_in_conditions()) return minimise(residuals, start, options);
-  Residuals here = residuals;
-  here.linearise(residuals.unknowns().values(start));
-  return minimise(here, start, options);
-}
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) {
@@ -145,7 +135,7 @@ class OneSide {
     const Unknowns& unknowns = residuals_.unknowns();
     Eigen::VectorXd start = neighbour.z + along_ * (next - place(neighbour.z(index_)));
     start(index_) = from_place(next);
-    const Minimum held = minimise_about(residuals_, start, held_at(index_));
+    const Minimum held = minimise(residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
     if (!admissible(unknowns, held.z)) return Point{held.z, std::sqrt(level_ - lowest_)};
@@ -257,7 +247,7 @@ class ParameterProfile {
       if (better || pieces_.open()) return;
       if (!here || pieces_.holds(here->z(index_))) continue;
       if (!promises(here->z, rise)) continue;
-      const Minimum held = minimise_about(residuals_, here->z, held_at(index_));
+      const Minimum held = minimise(residuals_, here->z, held_at(index_));
       if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
       if (held.chi2 < best_.chi2 - kLower) {
         better = held;
@@ -356,7 +346,7 @@ std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& 
         if (one.pieces.empty()) one.pieces = open_profile().pieces;
       return found;
     }
-    minima.insert(minima.begin(), minimise_about(residuals, better->better->z, {}));
+    minima.insert(minima.begin(), linearised(residuals, minimise(residuals, better->better->z)));
   }
 }
 
