@@ -17,12 +17,12 @@ constexpr double kNoise = 5e-6, kStep = 2e-3, kW = 62.8, kA = 0.28e-3;
 
 TrackTable track_of(const Path& path, int points, double noise = kNoise, double told = 1, unsigned seed = 1) {
   std::mt19937 random(seed);
-  std::normal_distribution<> error(0, noise);
+  std::normal_distribution<> error(0, 1);
   TrackTable track;
   for (int k = 0; k < points; ++k) {
     track.frame.push_back(k);
     track.time.push_back(k * kStep);
-    track.position.emplace_back(path(k * kStep) + Eigen::Vector2d(error(random), error(random)));
+    track.position.emplace_back(path(k * kStep) + noise * Eigen::Vector2d(error(random), error(random)));
     track.covariance.push_back(std::pow(told * noise, 2) * Eigen::Matrix2d::Identity());
   }
   return track;
