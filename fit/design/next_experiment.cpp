@@ -50,7 +50,7 @@ class Search {
         threads_(options.threads),
         stage_(options, "next experiment") {
     information_ = at.scaled(units_).eliminated().normal();
-    for (Eigen::Index i = 0; i < unknowns_.common(); ++i) {
+    for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {  // conditions have their priors
       const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
       information_(i, i) += 1 / (widest * widest);
     }
