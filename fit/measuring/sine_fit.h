@@ -44,8 +44,8 @@ struct SineFit {
 };
 
 /// w from the strongest line of a periodogram over a block in the middle, refined by Gauss-Newton over
-/// growing blocks so that no cycle can slip. w = 0 where there is no line. `start`: w is near this, and is not
-/// looked for.
+/// growing blocks so that no cycle can slip. w = 0 where there is no line. `start`: w is near this, and is
+/// not looked for.
 SineFit fit_sine(const MarkerSeries& marker, double start = 0);
 
 struct SineResiduals {

@@ -20,8 +20,7 @@ void expect_least_chi2(int index) {
   search_alone.profiles = search_alone.next_experiment = search_alone.estimate_scatter = false;
   const auto level = index / 12 % 2 == 0 ? bench::NoiseLevel::low : bench::NoiseLevel::high;
   const Problem problem = bench::draw_random_runs(3 + index % 12, level, 20210702, index).problem;
-  EXPECT_NEAR(estimate(problem, search_alone).chi2, kLeast[index], 0.01)
-      << "campaign " << index;
+  EXPECT_NEAR(estimate(problem, search_alone).chi2, kLeast[index], 0.01) << "campaign " << index;
 }
 
 TEST(Search, FindsTheGlobalMinimumOfFewAndOfManyRuns) {
