@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kNoSensitivity = 1e-9;  ///< sensitivity relative to the strongest parameter's: none
 constexpr double kTradeOff = 0.95;       ///< correlation
+constexpr double kHopeless = 10;         ///< sd over the range: whatever its profile says
 constexpr double kLoose = 0.3;           ///< sd relative to the parameter's range
 constexpr double kUpperLimit = 0.5;      ///< sd of mu2 relative to itself
 constexpr double kPulsesSeen = 3;        ///< sd between mu1 and mu2
@@ -204,7 +205,8 @@ class Judge {
     const FitParameter parameter = unknowns_.parameter(i);
     const double widest = range(unknowns_, parameter, values_), factor = display_factor(parameter);
     const std::string shown = fmt::format("{} = {}", name(i), quoted(values_(i) * factor, sd_(i) * factor));
-    if (sd_(i) > widest && !profiled_)
+    // A profile ends where conditions cannot follow, which is no knowledge of the parameter.
+    if (sd_(i) > (profiled_ ? kHopeless : 1) * widest)
       add(Verdict::not_identifiable,
           fmt::format("{} is not determined: its sd exceeds the range it can have ({}).", shown,
                       number(widest * factor, 2)));

@@ -342,8 +342,10 @@ double default_sd(const Exact& exact, std::string_view key, double value, const 
   const auto* trade = std::ranges::find(kTrade, key, &Trade::key);
   if (trade == std::end(kTrade) || exact.holds(key)) return 0;
   const auto digit = digits.find(key);
-  return std::max(
-      {digit == digits.end() ? 0 : digit->second, trade->absolute, trade->relative * std::abs(value)});
+  // No instrument of the trade errs by more than a twentieth: a value that small is a slip.
+  const double absolute =
+      trade->absolute == kCaliper ? std::min(kCaliper, 0.05 * std::abs(value)) : trade->absolute;
+  return std::max({digit == digits.end() ? 0 : digit->second, absolute, trade->relative * std::abs(value)});
 }
 
 FitSection read_fit(StrictTable& table) {

@@ -81,7 +81,7 @@ class Fit(ProgramTest):
 
     def test_what_the_data_do_not_determine_is_warned_of(self):
         one = {name: column[:1] for name, column in self.table.items()}
-        with self.assertWarnsRegex(tribotrack.QualityWarning, "campaign: the fit is not usable"):
+        with self.assertWarnsRegex(tribotrack.QualityWarning, "campaign: do not use these values"):
             result = tribotrack.fit(one, **CONDITIONS)
         self.assertEqual(result["identifiability"]["verdict"], "not identifiable")
 
