@@ -158,6 +158,9 @@ PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied
   model::IntegrationOptions options;
   options.tolerance = tolerance;
   if (derivatives) options.derivatives = applied.wanted;
+  // On a platform at rest a part slides and stops: steps without end are those of values that mean nothing.
+  constexpr long kMostOfASlide = 20'000;
+  if (!(scenario.drive.amplitude > 0) && !(scenario.drive.amplitude_y > 0)) options.max_steps = kMostOfASlide;
   const bool sensitive = !options.derivatives.empty();
   PointModel points;
   Eigen::MatrixXd by_wanted;

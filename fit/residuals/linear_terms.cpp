@@ -70,7 +70,7 @@ bool any_law(const Unknowns& unknowns) {
 bool is_linear(const Unknowns& unknowns, Eigen::Index unknown) {
   const FitParameter parameter = unknowns.parameter(unknown);
   return unknown >= unknowns.reported() && parameter != FitParameter::start_phase &&
-         parameter != FitParameter::scale;
+         parameter != FitParameter::phase_reference && parameter != FitParameter::scale;
 }
 
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
