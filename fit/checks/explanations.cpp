@@ -104,6 +104,8 @@ class ScoreTests {
       }
       const auto column = wide_.find(quantity);
       if (!column) return std::nullopt;  // of slides alone: there is no drive
+      // What moves nothing has the information of the prior alone that frees it.
+      if (normal_(*column, *column) < 2 / std::pow(wide_.prior(*column)->sd, 2)) return std::nullopt;
       for (std::size_t j = 0; j < candidate.quantities.size(); ++j)
         if (const auto other = wide_.find(candidate.quantities[j]))
           g.own(k, static_cast<Eigen::Index>(j)) = normal_(*column, *other);
