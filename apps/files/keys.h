@@ -112,14 +112,23 @@ void set_value(const Value& value, double number);
 template <class Section, class Member>
 Section section_of(Member Section::*);
 
-/// The member at the end of a path of members: at<&Run::reading, &Reading::unit>.
+/// The member at the end of a path of members.
+template <auto first, auto... rest>
+auto& member(decltype(section_of(first))& section) {
+  if constexpr (sizeof...(rest) == 0)
+    return section.*first;
+  else
+    return member<rest...>(section.*first);
+}
+
+/// at<&Run::reading, &Reading::unit>.
 template <auto first, auto... rest>
 Value at(decltype(section_of(first))& section) {
-  return &((section.*first).*....*rest);
+  return &member<first, rest...>(section);
 }
 template <auto first, auto... rest>
 Value milli(decltype(section_of(first))& section) {
-  return Milli{&((section.*first).*....*rest)};
+  return Milli{&member<first, rest...>(section)};
 }
 
 /// A key with a reader of its own.
