@@ -22,29 +22,15 @@ Transform transform_of(FitParameter parameter, double w, double threshold) {
       return {Kind::logarithm, 1};
     case FitParameter::mu2:
       return {Kind::hyperbola, 0.05 * threshold};
-    case FitParameter::lag:
-    case FitParameter::phase_shift:
-    case FitParameter::phase_reference:
-      return {Kind::linear, 1};
     case FitParameter::slope:
-      return {Kind::linear, 0.01};
-    case FitParameter::delay:
-      return {Kind::linear, 1 / w};
     case FitParameter::tilt_x:
     case FitParameter::tilt_y:
       return {Kind::linear, 0.01};
-    case FitParameter::start_phase:
-    case FitParameter::mu2_width:
-    case FitParameter::wear:
-    case FitParameter::stribeck:
-    case FitParameter::stribeck_speed:
-    case FitParameter::viscous:
-    case FitParameter::gate_edges:
-    case FitParameter::mu2_speed:
-    case FitParameter::static_friction:
+    case FitParameter::delay:
+      return {Kind::linear, 1 / w};
+    default:  // angles, and strengths of laws
       return {Kind::linear, 1};
   }
-  return {Kind::linear, 1};
 }
 
 class Chain {
@@ -177,9 +163,6 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   Eigen::VectorXd units(size());
   for (Eigen::Index i = 0; i < common(); ++i) {
     switch (parameter(i)) {
-      case FitParameter::lag:
-        units(i) = 1;
-        break;
       case FitParameter::delay:
         units(i) = 1 / frequency_;
         break;
@@ -187,25 +170,11 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
       case FitParameter::tilt_y:
         units(i) = mu1;
         break;
-      case FitParameter::phase_shift:
-      case FitParameter::phase_reference:
-      case FitParameter::slope:
-      case FitParameter::start_phase:
-      case FitParameter::mu2_width:
-      case FitParameter::wear:
-      case FitParameter::stribeck:
-      case FitParameter::stribeck_speed:
-      case FitParameter::viscous:
-      case FitParameter::gate_edges:
-      case FitParameter::mu2_speed:
-      case FitParameter::static_friction:
-        units(i) = 1;
-        break;
       case FitParameter::mu2:
         units(i) = std::max(values(i), 0.05 * mu1);
         break;
       default:
-        units(i) = std::abs(values(i));
+        units(i) = transform(i).positive() ? std::abs(values(i)) : 1;
     }
   }
   double speed = 0;
