@@ -47,11 +47,10 @@ enum class FitParameter {
   gravity,
   slope,        ///< rad, added to the slope of every incline; 0 = as given
   start_phase,  ///< rad, added to the phase at which runs start that start at rest
-  // What friction may do beside the paper's law, 0 (its speed: 1) for the law itself (model/rival_laws.h):
+  // What friction may do beside the paper's law, 0 for the law itself (model/rival_laws.h):
   mu2_width,       ///< 1/rad, relative rise of mu2 with the width of the gate, about the mean of all runs
   wear,            ///< relative rise of mu1 and mu2 from the first run of the campaign to the last
   stribeck,        ///< relative
-  stribeck_speed,  ///< ln of its speed over A w/4
   viscous,         ///< 1/s
   gate_edges,      ///< rad^2, square of what each change of mu takes: displacements are linear in it
   mu2_speed,       ///< relative rise of mu2 at the platform's speed
@@ -59,8 +58,7 @@ enum class FitParameter {
 };
 
 /// Those that only an integration under another law of friction knows.
-inline constexpr std::array kLaws = {FitParameter::stribeck,  FitParameter::stribeck_speed,
-                                     FitParameter::viscous,   FitParameter::gate_edges,
+inline constexpr std::array kLaws = {FitParameter::stribeck, FitParameter::viscous, FitParameter::gate_edges,
                                      FitParameter::mu2_speed, FitParameter::static_friction};
 
 const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",

@@ -12,11 +12,11 @@ namespace tribotrack::model {
 
 /// What friction takes from the relative speed |u|,
 ///   m(t, |u|) = mu(t, |u|) g (1 + stribeck exp(-(|u|/v_s)^2)) + viscous |u|,
+/// v_s = A w/4 (a quarter of the initial speed where the platform rests),
 /// where mu2 is mu2 (1 + mu2_speed |u|/(A w)) and each change of mu between mu1 and mu2 is a ramp. A part at
 /// rest is held up to (1 + static_friction) m(t, 0). All 0: the paper's law.
 struct RivalLaw {
   double stribeck = 0;         ///< friction at rest is higher by this share; above -1
-  double fading_speed = 1;     ///< v_s over A w/4 (a quarter of the initial speed where the platform rests)
   double viscous = 0;          ///< 1/s
   double rise = 0;             ///< s, of each change of mu; its middle lies at the edge; >= 0
   double mu2_speed = 0;        ///< share by which mu2 is higher at the platform's speed

@@ -17,8 +17,6 @@ constexpr double kTolerance = 1e-6;
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
   switch (law) {
-    case FitParameter::stribeck_speed:
-      return 0.1;
     case FitParameter::viscous:
       return 0.1;
     case FitParameter::gate_edges:
@@ -34,7 +32,6 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
     return i ? values(*i) : 0;
   };
   return {.stribeck = of(FitParameter::stribeck),
-          .fading_speed = std::exp(of(FitParameter::stribeck_speed)),
           .viscous = of(FitParameter::viscous),
           .rise = std::sqrt(std::max(0.0, of(FitParameter::gate_edges))) / unknowns.reference_frequency(),
           .mu2_speed = of(FitParameter::mu2_speed),

@@ -125,8 +125,6 @@ const char* to_string(FitParameter parameter) {
       return "wear";
     case FitParameter::stribeck:
       return "stribeck";
-    case FitParameter::stribeck_speed:
-      return "stribeck_speed";
     case FitParameter::viscous:
       return "viscous_1_s";
     case FitParameter::gate_edges:

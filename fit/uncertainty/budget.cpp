@@ -52,8 +52,6 @@ std::string source_name(FitParameter quantity) {
       return "wear in the course of the campaign";
     case FitParameter::stribeck:
       return "friction that falls with speed (Stribeck)";
-    case FitParameter::stribeck_speed:
-      return "speed of the Stribeck effect";
     case FitParameter::viscous:
       return "friction that rises with speed";
     case FitParameter::gate_edges:

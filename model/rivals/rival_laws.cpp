@@ -21,8 +21,7 @@ class Equation {
     const double platform = std::max(s_.drive.amplitude, s_.drive.amplitude_y) * w;
     speed_ = platform > 0 ? platform : s_.initial_velocity.norm();
     const bool too_long = law.rise < 0 || law.rise * w > std::min(width, kTurn - width);
-    const double all =
-        law.stribeck + law.fading_speed + law.viscous + law.rise + law.mu2_speed + law.static_friction;
+    const double all = law.stribeck + law.viscous + law.rise + law.mu2_speed + law.static_friction;
     if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
       throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
                              std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
@@ -39,7 +38,7 @@ class Equation {
   }
   /// What friction takes from the speed |u| at t, m/s^2; `middle` lies in the same segment.
   double deceleration(double t, double speed, double middle) const {
-    const double fading = speed / (0.25 * law_.fading_speed * speed_);
+    const double fading = speed / (0.25 * speed_);
     const double more = law_.stribeck != 0 ? law_.stribeck * std::exp(-fading * fading) : 0;
     return mu(t, speed, middle) * s_.drive.gravity * (1 + more) + law_.viscous * speed;
   }
