@@ -14,6 +14,7 @@
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
+#include "vision/edge/stage.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
 #include "vision/stages/stage_clock.h"
@@ -56,13 +57,6 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
   return count > 0 ? std::sqrt(square / count) : std::numeric_limits<double>::infinity();
 }
 
-/// In every frame in which the part was found.
-bool all_by_rim(const FirstPassResult& first, const Track& track) {
-  for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok && !first.by_rim[k]) return false;
-  return true;
-}
-
 /// One call of track().
 class Tracking {
  public:
@@ -79,6 +73,7 @@ class Tracking {
     find_first_frame();
     follow();
     measure_layers();
+    measure_edge();
     follow_rotation();
     audit_track();
     allow_for_coding();
@@ -97,6 +92,7 @@ class Tracking {
   void follow_from(const BetterStart& better);
   std::optional<BetterStart> better_start();
   void measure_layers();
+  void measure_edge();
   void follow_rotation();
   void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
@@ -198,9 +194,6 @@ void Tracking::measure_layers() {
   if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
-  const bool by_rim = all_by_rim(first, result_.track);
-  if (layers.done && by_rim)
-    decline_for_rim(layers, predicted_error(result_.track, {}), predicted_error(measured, layers.audited));
   if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
@@ -222,6 +215,18 @@ void Tracking::measure_layers() {
     summary.disc.radius = layers.disc_radius;
     summary.disc_radius_sd = layers.disc_radius_sd;
   }
+}
+
+/// What turns in the part, or glints, spoils its pictures, not its edge.
+void Tracking::measure_edge() {
+  const EdgeOutcome edge =
+      edge_stage(frames(), first_pass_->result(), options_, clock_, result_.track);
+  TrackSummary& summary = result_.summary;
+  add(summary.plan, edge.plan);
+  if (!edge.done) return;
+  audited_.clear();
+  summary.limit_px = edge.limit_px;
+  summary.slow = {{"edge", edge.slow_sd, edge.slow_time}};
 }
 
 /// At the final centres.

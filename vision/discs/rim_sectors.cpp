@@ -20,7 +20,7 @@ constexpr int kFewestSectors = 8, kMostSectors = 72;
 constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
 constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
 constexpr int kFewestPixels = 6;                    ///< in a sector
-constexpr double kMayBeHidden = 0.05;               ///< of a rim: a fingertip over it hides more
+constexpr double kSeen = 0.6;                       ///< of a rim: more than chance, and most highlights, leave
 constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
 constexpr double kLeastOff = 0.5, kOff = 5;  ///< px, usual deviations: an edge so far off is not the rim's
 constexpr double kHuber = 2.5;               ///< usual deviations from which a sector counts less
@@ -244,11 +244,11 @@ void SectorFit::measure_edges() {
 
   std::vector<double> steps;
   for (const Edge& e : edges_)
-    if (e.seen) steps.push_back(e.step);
+    if (e.seen) steps.push_back(std::abs(e.step));
   contrast_ = median(steps);
   seen_ = 0;
   for (Edge& e : edges_) {
-    e.seen = e.seen && e.step / contrast_ > kLeastStep && std::abs(e.displacement) < 0.5 * band_;
+    e.seen = e.seen && std::abs(e.step) > kLeastStep * contrast_ && std::abs(e.displacement) < 0.5 * band_;
     seen_ += e.seen;
   }
   double residual = 0, sum = 0, squares = 0, weight = 0;
@@ -324,23 +324,15 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
 }
 
 bool same_rim(const RimSectors& seen, const RimShape& known) {
-  const auto sectors = static_cast<double>(seen.deviation.size());
-  return (1 - seen.coverage) * sectors <= std::max(1.0, kMayBeHidden * sectors) + 0.5 &&
-         usable_rim(seen, known);
-}
-
-bool usable_rim(const RimSectors& seen, const RimShape& known) {
   constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;  // px; motion blur widens a rim
-  constexpr double kLeastContrast = 0.5, kMostContrast = 2;  // light changes
   constexpr double kUneven = 3, kUnevenSlack = 0.1;          // px
-  const double share = seen.contrast / known.contrast;
-  return share > kLeastContrast && share < kMostContrast &&
+  return seen.coverage >= kSeen &&
          std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }
 
 RimShape shape_of(const RimSectors& seen, double blur) {
-  return {seen.circle.radius, blur, seen.contrast, seen.unevenness};
+  return {seen.circle.radius, blur, seen.unevenness};
 }
 
 }  // namespace tribotrack::vision

@@ -21,7 +21,6 @@ namespace tribotrack::vision {
 /// What is known of the rim before a frame is measured.
 struct RimShape {
   double radius = 0, blur = 0;  ///< px
-  double contrast = 0;          ///< level inside minus outside, grey levels
   double unevenness = 0;        ///< RimSectors::unevenness of the frame that shape was taken from, px
 };
 
@@ -31,7 +30,7 @@ struct RimSectors {
   /// sector does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing
   /// angle.
   std::vector<float> deviation, information;
-  double contrast = 0;      ///< median of A_k - O_k
+  double contrast = 0;      ///< median of |A_k - O_k|
   double coverage = 0;      ///< share of the sectors that show the edge
   double unevenness = 0;    ///< usual size of the deviations, px
   double correlation = 0;   ///< of the pixels near the rim with the edges fitted to them, -1 .. 1
@@ -48,12 +47,9 @@ Point sector_direction(int sector, int count);
 /// is seen, or the circle walks away from the start.
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);
 
-/// Whether that is the rim of the same part: its radius, the sign and size of its step, as round as it was
-/// and seen all the way round, but for one sector or a twentieth of them.
+/// Whether that is the rim of the same part: its radius, about as round as it was, and an edge of either sign over most of
+/// the way round. Levels do not count: metal that turns under a lamp brightens and darkens.
 bool same_rim(const RimSectors& seen, const RimShape& known);
-
-/// The same for a part that is known to be there: half of its rim will do.
-bool usable_rim(const RimSectors& seen, const RimShape& known);
 
 /// Of what was seen in a frame in which the part is known to be there.
 RimShape shape_of(const RimSectors& seen, double blur);

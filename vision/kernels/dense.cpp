@@ -42,6 +42,12 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix) {
   return matrix.inverse();
 }
 
+Eigen::MatrixXd inverse_of_spd(const Eigen::MatrixXd& matrix, double& log_determinant) {
+  const Eigen::LLT<Eigen::MatrixXd> root(matrix);
+  log_determinant = 2 * root.matrixLLT().diagonal().array().log().sum();
+  return root.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+}
+
 Eigen::MatrixXd solve_spd(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return a.ldlt().solve(b);
 }

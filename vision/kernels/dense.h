@@ -37,6 +37,9 @@ extern template FewByFew<8> inverse_of(const FewByFew<8>&);
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix);
 
+/// Of a symmetric, positive definite matrix; also the logarithm of its determinant.
+Eigen::MatrixXd inverse_of_spd(const Eigen::MatrixXd& matrix, double& log_determinant);
+
 /// x of a x = b, a symmetric and positive definite, by L D L^T.
 Eigen::MatrixXd solve_spd(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 

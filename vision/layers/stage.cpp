@@ -229,17 +229,6 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   return outcome;
 }
 
-void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_error) {
-  const std::string figures =
-      fmt::format("predicted errors: {:.2g} px by the rim alone, {:.2g} px by the pictures learnt", rim_error,
-                  layered_error);
-  if (outcome.ground_known && rim_error < layered_error) {
-    outcome = left_out(figures + "; " + outcome.plan.front().reason);
-  } else {
-    outcome.plan.front().reason += "; " + figures;
-  }
-}
-
 FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers)
     : frames_(frames),
       first_index_(first.first_index),

@@ -30,11 +30,6 @@ struct LayeredOutcome {
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
-/// The part was measured by its rim alone, and is known better by it: what turns in it, or glints, spoils its
-/// pictures. Errors in px; nothing changes where the second pass is the better one, or where the ground moves
-/// unfollowed: what it does to the rim, the rim does not tell.
-void decline_for_rim(LayeredOutcome& outcome, double rim_error, double layered_error);
-
 /// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
 bool layers_wanted(const FirstPassResult& first, Layers layers);
 

@@ -32,6 +32,8 @@ const char* to_string(Stage stage) {
       return "layers: learning";
     case Stage::layers_measuring:
       return "layers: measuring";
+    case Stage::edge:
+      return "edge in bands";
     case Stage::rotation:
       return "rotation by rings";
     case Stage::audit:

@@ -22,6 +22,7 @@ enum class Stage {
   radius,
   layers_learning,
   layers_measuring,
+  edge,
   rotation,
   audit,
   debug_pictures,

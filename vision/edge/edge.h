@@ -1,0 +1,56 @@
+// Where a round part is, by its edge alone, blind to what lamps and metal do inside and outside of it.
+//
+// Levels in frame k along the ray at azimuth phi, s px beyond the rim (rays.h), are
+//   I_k(phi, s) = M(phi, s) - grad M . d_k + fields + noise,
+// M their mean over frames, d_k how far the centre lies from where the frame was sampled, fields what changes
+// along the ray (optics.h): Gaussian processes that end or begin at the edge, with variances of their own in
+// each band of time (bands.h) and each part of the rim. d_k follows by generalised least squares,
+//   d_b = -A_b sum_phi grad M^T S_b^-1 B_b[I - M],  A_b = (sum_phi grad M^T S_b^-1 grad M)^-1,  d = sum_b
+//   d_b,
+// B_b the band. Its covariance is that of the scores of sixteen sectors among each other: it holds whatever
+// moves the sectors, as long as it does not move them together as a shift does.
+//
+// M, the gradient, the variances and the rim's optics are learnt from a bounded number of frames, in rounds.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vision/edge/optics.h"
+#include "vision/layers/first_pass.h"
+
+namespace tribotrack::vision {
+
+struct EdgeOptions {
+  double radius = 0;          ///< px, known to about a pixel
+  double blur = 0.85;         ///< of the rim, px: a start
+  double noise_variance = 1;  ///< of a pixel, grey levels^2
+  int threads = 1;            ///< the result is the same for any number
+};
+
+struct EdgeFix {
+  Point centre;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2, slow errors included
+};
+
+struct EdgeTrack {
+  /// One per frame handed in, nullopt where not all of the rim lies in the picture. Empty if nothing could be
+  /// learnt.
+  std::vector<std::optional<EdgeFix>> fixes;
+  std::string why_not;
+  std::size_t learnt_from = 0;  ///< frames
+  RimOptics optics;             ///< of the rim in the mean picture
+  double radius = 0, radius_sd = 0;
+  double slow_sd = 0;      ///< of a coordinate's errors in the slow band, px: part of the covariances
+  double slow_frames = 0;  ///< over how many frames they stay alike
+};
+
+/// Frames in order, with centres that are known to a pixel. Throws InputError for a recording that cannot be
+/// read.
+EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                     const EdgeOptions& options);
+
+}  // namespace tribotrack::vision

@@ -1,0 +1,95 @@
+#include "vision/edge/optics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/kernels/dense.h"
+
+namespace tribotrack::vision {
+namespace {
+
+/// Px; what lamps make of metal is anything between a streak and a slope. Lengths a few times apart span all.
+constexpr double kInsideLengths[] = {2, 8, 40}, kOutsideLengths[] = {1.5, 6, 40};
+constexpr double kFineLength = 0.7;  ///< px: texture that the lens just passes
+constexpr double kCell = 0.25;       ///< px: a third of the sharpest blur
+constexpr double kBeyond = 4;        ///< px beyond the grid that the blur brings in
+constexpr double kLeastVariance = 1e-12;
+
+double normal(double t) {
+  return 0.5 * std::erfc(-t / std::sqrt(2.0));
+}
+
+/// Share of each cell that lies inside an edge.
+Eigen::ArrayXd share_inside(const Eigen::VectorXd& cells, double edge) {
+  return ((edge - cells.array()) / kCell + 0.5).max(0).min(1);
+}
+
+}  // namespace
+
+RayFields::RayFields(const RayGrid& grid)
+    : places_(static_cast<int>(grid.places())),
+      cells_(static_cast<int>((places_ - 1 + 2 * kBeyond) / kCell)) {
+  place_ = Eigen::VectorXd::LinSpaced(places_, grid.offset(0), grid.offset(grid.places() - 1));
+  cell_ = Eigen::VectorXd::LinSpaced(cells_, place_(0) - kBeyond + kCell / 2,
+                                     place_(places_ - 1) + kBeyond - kCell / 2);
+  const Eigen::ArrayXXd apart =
+      (cell_.replicate(1, cells_) - cell_.transpose().replicate(cells_, 1)).array().abs();
+  for (const double length : kInsideLengths) inside_.push_back((-apart / length).exp());
+  for (const double length : kOutsideLengths) outside_.push_back((-apart / length).exp());
+  fine_ = (-(apart / kFineLength).square() / 2).exp();
+}
+
+std::vector<Eigen::MatrixXd> RayFields::covariances(const RimOptics& optics, bool whole_part) const {
+  Eigen::MatrixXd blur(places_, cells_);
+  for (int s = 0; s < places_; ++s)
+    for (int c = 0; c < cells_; ++c) {
+      const double off = place_(s) - cell_(c);
+      blur(s, c) = normal((off + kCell / 2) / optics.blur) - normal((off - kCell / 2) / optics.blur);
+    }
+  const Eigen::ArrayXd part = share_inside(cell_, optics.edge),
+                       top = share_inside(cell_, optics.edge - optics.chamfer);
+  const auto seen = [&](const Eigen::ArrayXd& mask, const Eigen::MatrixXd& correlation) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd masked = blur * mask.matrix().asDiagonal();
+    return masked * correlation * masked.transpose();
+  };
+  std::vector<Eigen::MatrixXd> fields;
+  for (const auto& k : inside_) fields.push_back(seen(top, k));
+  if (whole_part)
+    for (const auto& k : inside_) fields.push_back(seen(part, k));
+  for (const auto& k : outside_) fields.push_back(seen(1 - part, k));
+  const Eigen::VectorXd strip = blur * (part - top).matrix();
+  fields.emplace_back(strip * strip.transpose());
+  fields.push_back(seen(top, fine_));
+  return fields;
+}
+
+Eigen::MatrixXd field_covariance(const std::vector<Eigen::MatrixXd>& fields,
+                                 const Eigen::VectorXd& variances) {
+  Eigen::MatrixXd sum = variances(0) * fields[0];
+  for (std::size_t q = 1; q < fields.size(); ++q) sum += variances(static_cast<Eigen::Index>(q)) * fields[q];
+  return sum;
+}
+
+double fit_variances(const Eigen::MatrixXd& sample, const std::vector<Eigen::MatrixXd>& fields,
+                     double noise_variance, int iterations, Eigen::VectorXd& variances) {
+  const auto count = static_cast<Eigen::Index>(fields.size());
+  const auto places = static_cast<double>(sample.rows());
+  const Eigen::MatrixXd noise = noise_variance * Eigen::MatrixXd::Identity(sample.rows(), sample.rows());
+  if (variances.size() != count)
+    variances = Eigen::VectorXd::Constant(count, sample.trace() / places / static_cast<double>(count) + 1e-3);
+  Eigen::MatrixXd inverse;
+  double log_determinant = 0;
+  for (int k = 0;; ++k) {
+    inverse = inverse_of_spd(noise + field_covariance(fields, variances), log_determinant);
+    if (k == iterations) break;
+    const Eigen::MatrixXd x = inverse * sample * inverse;
+    for (Eigen::Index q = 0; q < count; ++q) {
+      const Eigen::MatrixXd& field = fields[static_cast<std::size_t>(q)];
+      const double seen = x.cwiseProduct(field).sum(), expected = inverse.cwiseProduct(field).sum();
+      variances(q) *= std::sqrt(std::max(seen, kLeastVariance) / std::max(expected, kLeastVariance));
+    }
+  }
+  return log_determinant + inverse.cwiseProduct(sample).sum();
+}
+
+}  // namespace tribotrack::vision
