@@ -87,7 +87,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const TrackPoint& p = track.points[k];
     if (p.status != TrackStatus::ok) continue;
-    frames.push_back({first.first_index + static_cast<std::int64_t>(k), {p.x, p.y}, 0, {}});
+    frames.push_back({first.first_index + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
     places.push_back(k);
   }
   const EdgeTrack edge = track_edge(source, frames,
@@ -100,8 +100,8 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     return out;
   }
   const Variances v = compare(track, places, edge.fixes);
-  // Where it was worth looking the pictures are in doubt: a difference is their error first.
-  const double of_track = std::max(v.of_track, v.differ);
+  // Pictures of a part that turns hold what turns with it: a difference is their error first.
+  const double of_track = std::max(v.of_track, turns(first, track) ? v.differ : v.differ - v.of_edge);
   stage.on = out.done = v.of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "

@@ -13,7 +13,6 @@ namespace tribotrack::vision {
 struct FirstPassFrame {
   std::int64_t index = 0;
   Point centre;
-  double theta = 0;
   Point ground;  ///< the platform's displacement since the first frame
 };
 
@@ -30,8 +29,6 @@ double layered_reach(double radius, double blur);
 struct LayeredOptions {
   Circle disc;                                      ///< in the first frame
   double blur = 1;                                  ///< of its rim, px
-  bool turning = false;                             ///< the frames' angles are known
-  bool static_light = true;                         ///< look for it; a coder's errors look alike
   double noise_variance = 1;                        ///< a start
   std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known
   std::function<void(std::int64_t done)> progress;  ///< frames measured

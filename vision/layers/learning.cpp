@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -21,10 +20,9 @@ constexpr int kFewestRounds = 2;
 constexpr int kFirstFine = 2;  ///< rounds with all pixels, however strange
 constexpr int kFirstLook = 2;  ///< round over all windows in which a slope of the light is looked for
 constexpr int kLooks = 2;
-constexpr double kInsideRim = 3;   ///< blurs of the rim inside which it does not show
-constexpr double kClearOfRim = 4;  ///< blurs of the rim within which a standing light is not learnt
-constexpr double kRest = 0.14;     ///< of the standard deviation: what is left makes it a percent larger
-constexpr double kSlowest = 0.9;   ///< by which a round's moves are taken to shrink
+constexpr double kInsideRim = 3;  ///< blurs of the rim inside which it does not show
+constexpr double kRest = 0.14;    ///< of the standard deviation: what is left makes it a percent larger
+constexpr double kSlowest = 0.9;  ///< by which a round's moves are taken to shrink
 constexpr std::size_t kFewestSlopes = 20;
 constexpr double kWeakSlope = 0.5;  ///< sd of the light over the part's radius before anything is known of it
 
@@ -44,17 +42,6 @@ PartPictures as_shown(const KeptWindow& window, int half, double radius, double 
   return part;
 }
 
-bool turned_round(const std::vector<KeptWindow>& windows) {
-  const auto angle = [](const KeptWindow& w) { return w.state.theta; };
-  const auto [low, high] = std::ranges::minmax_element(windows, {}, angle);
-  return high->state.theta - low->state.theta > 2 * std::numbers::pi;
-}
-
-/// Px about the centre within which the part shows its face alone.
-double face_of(const LearningOptions& options) {
-  return std::max(0.5 * options.radius, options.radius - kClearOfRim * options.blur);
-}
-
 class Learning {
  public:
   Learning(std::vector<KeptWindow>& windows, GroundPicture& ground, LayeredRegistration& registration,
@@ -66,44 +53,26 @@ class Learning {
         fixes_(windows.size()),
         explained_(windows.size(), true) {
     const int half = layered_half(options.radius, options.blur);
-    out_.part = options.start ? options.start->part
-                              : as_shown(windows[windows.size() / 2], half, options.radius, options.blur,
-                                         ground.mean());
+    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur, ground.mean());
     prior_share_ = blurred_rim(half, options.radius, options.blur);
-    if (options.start)
-      for (std::size_t k = 0; k < windows.size(); ++k) windows[k].state = options.start->states[k];
-    if (options.turning)
-      out_.texture =
-          std::make_unique<TurningTexture>(half, options.radius, options.blur, turned_round(windows));
-    if (options.standing_light)
-      out_.standing = std::make_unique<StandingLight>(ground.region(), prior_share_);
   }
 
   LearntPart run() {
     // A part of the windows finds the pictures, all of them then make them quiet.
-    const bool few = !options_.start && !options_.standing_light && windows_.size() > kEarly;
+    const bool few = windows_.size() > kEarly;
     few ? look_at_few() : look_at_all();
     see_ground();
-    if (options_.start) {
-      registration_.set_part(out_.part, static_cast<double>(active_.size()));
-    } else {
-      rounds(kMostRounds, false);
-      out_.early = {states(), out_.part};
-      look_at_all();
-    }
-    if (few || options_.start) measure_windows();
+    rounds(kMostRounds, false);
+    look_at_all();
+    if (few) measure_windows();
     // Pictures far from the truth would show a slope of the light where there is none.
-    rounds(kLastRounds, !options_.even_light);
-    StandingLight look(ground_.region(), prior_share_);
-    look.look(windows_, out_.part, face_of(options_));
-    out_.standing_evidence = look.evidence();
+    rounds(kLastRounds, true);
     return std::move(out_);
   }
 
  private:
   void look_at_few();
   void look_at_all();
-  std::vector<LayeredState> states() const;
   std::vector<const KeptWindow*> explained_windows() const;
   void rounds(int most, bool look_for_light);
   void learn_pictures();
@@ -135,12 +104,6 @@ void Learning::look_at_all() {
   std::iota(active_.begin(), active_.end(), std::size_t{0});
 }
 
-std::vector<LayeredState> Learning::states() const {
-  std::vector<LayeredState> out;
-  for (const KeptWindow& w : windows_) out.push_back(w.state);
-  return out;
-}
-
 std::vector<const KeptWindow*> Learning::explained_windows() const {
   std::vector<const KeptWindow*> out;
   for (const std::size_t k : active_)
@@ -162,11 +125,8 @@ void Learning::rounds(int most, bool look_for_light) {
     }
     const double moved = measure_windows();
     if (out_.rounds >= kFirstFine) see_ground();
-    if (out_.standing && out_.rounds > kFirstFine && round % 2 == 0)
-      out_.standing->learn(windows_, out_.part, face_of(options_));
     // Rounds shrink in a geometric series: so much is left of it.
-    const bool regular = before > 0 && !out_.standing;  // that light is learnt in every other round
-    const double shrinks = std::min(kSlowest, regular ? moved / before : kSlowest);
+    const double shrinks = std::min(kSlowest, before > 0 ? moved / before : kSlowest);
     const bool settled = moved * shrinks / (1 - shrinks) < kRest * out_.sigma;
     before = look ? 0 : moved;
     if (settled && !look && looks == 0 && round > kFewestRounds) break;
@@ -176,10 +136,9 @@ void Learning::rounds(int most, bool look_for_light) {
 void Learning::learn_pictures() {
   const std::vector<const KeptWindow*> windows = explained_windows();
   PartRegression regression(out_.part, ground_);
-  regression.add(windows, out_.rounds > kFirstFine, out_.texture.get(), options_.threads);
-  out_.part = regression.solve(options_.noise_variance, prior_share_, options_.standing_light);
-  if (out_.texture) out_.texture->learn(windows, out_.part, ground_);
-  registration_.set_part(out_.part, static_cast<double>(active_.size()), out_.texture.get());
+  regression.add(windows, out_.rounds > kFirstFine, options_.threads);
+  out_.part = regression.solve(options_.noise_variance, prior_share_);
+  registration_.set_part(out_.part, static_cast<double>(active_.size()));
 }
 
 void Learning::see_ground() {

@@ -18,9 +18,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr std::size_t kAtOnce = 64;  ///< frames shared among the threads
-constexpr int kPasses = 3;
-constexpr double kClose = 0.02;    ///< px: a light known to a tenth of its slope per pixel then moves nothing
-constexpr std::size_t kRun = 128;  ///< frames over which a constant residual is an offset
+constexpr std::size_t kRun = 128;    ///< frames over which a constant residual is an offset
 
 /// Gathers frames into runs, and gives each run's frames their covariance.
 class Runs {
@@ -76,26 +74,6 @@ void Runs::end_run() {
   weight_ += n;
 }
 
-/// A standing light is taken out of the frame first, and again where the part lies elsewhere than thought.
-std::optional<LayeredFix> measure(const FirstPassFrame& f, const Rect& window, const Picture& picture,
-                                  LayeredRegistration& registration, const LearntPart& learnt) {
-  const LayeredState start{f.centre, f.theta, f.ground, 1, 0, 0, 1};
-  const LightPrior light = learnt.light.at(f.centre);
-  if (!learnt.standing) return registration.refine(picture, window.x, window.y, start, light);
-  std::optional<LayeredFix> fix;
-  Point centre = f.centre;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    Picture unlit = picture;
-    learnt.standing->take_out(unlit, window.x, window.y, centre);
-    fix = registration.refine(unlit, window.x, window.y, start, light);
-    if (!fix) return fix;
-    const double off = std::hypot(fix->state.centre.x - centre.x, fix->state.centre.y - centre.y);
-    centre = fix->state.centre;
-    if (off < kClose) break;
-  }
-  return fix;
-}
-
 /// What one frame gives.
 struct Sight {
   std::optional<LayeredFix> fix;
@@ -126,7 +104,8 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
         const std::lock_guard lock(reading);
         source.read(f.index, window, picture);
       }
-      sights[i].fix = measure(f, window, picture, own, learnt);
+      sights[i].fix = own.refine(picture, window.x, window.y, {f.centre, f.ground, 1, 0, 0, 1},
+                                 learnt.light.at(f.centre));
       if (!sights[i].fix) return;
       if (in_audit(wanted, static_cast<std::int64_t>(first + i))) sights[i].halves = own.halves();
       sights[i].pulls = own.cluster_pulls();
@@ -186,12 +165,7 @@ Picture ground_levels(const GroundPicture& ground) {
 
 /// The model of state.h over a window of the camera.
 Picture predicted(const LearntLayers& layers, const LayeredState& state, const Rect& window) {
-  Picture shown = layers.part.level;
-  if (layers.texture) {
-    const Picture turned = layers.texture->at(state.theta);
-    for (std::size_t i = 0; i < shown.levels().size(); ++i) shown.levels()[i] += turned.levels()[i];
-  }
-  const QuinticSpline level(shown), share(layers.part.share);
+  const QuinticSpline level(layers.part.level), share(layers.part.share);
   const Rect& region = layers.ground.region();
   const double half = layers.part.half;
   Picture out(window.width, window.height);
@@ -227,8 +201,6 @@ void show_layers(const LearntLayers& layers, DebugSink& sink) {
                            .place = "from the part's centre"});
   };
   on_part("layers_part", "the part learnt, on ground of mean level", layers.part.level, "grey levels");
-  if (layers.texture)
-    on_part("layers_texture", "what turns with the part", layers.texture->at(0), "grey levels");
   on_part("layers_share", "share of the ground that shows", layers.part.share, "share");
   on_part("layers_part_sd", "standard deviation left unexplained", square_roots(layers.part.variance),
           "grey levels");

@@ -2,10 +2,9 @@
 //
 // To a first pass with a single template the ground seen through the rim, the part's shadow and whatever
 // turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
-// from them the ground's picture and the part's (see state.h), and then measures every frame again, with
-// every candidate that the windows call for: the quietest is kept. Reads the recording forwards, once for
-// what is learnt and once for each candidate; of a decoded recording mostly what the first pass has cached
-// (FramesReadAgain). Memory does not grow with its length.
+// from them the ground's picture and the part's (see state.h), and then measures every frame again. Reads the
+// recording forwards, once for what is learnt and once to measure; of a decoded recording mostly what the
+// first pass has cached (FramesReadAgain). Memory does not grow with its length.
 #pragma once
 
 #include <optional>
@@ -27,7 +26,7 @@ struct LayeredResult {
   std::string why_not;
   double disc_radius = 0, disc_radius_sd = 0;  ///< of the averaged picture, px; 0 where it shows no circle
   int windows = 0, rounds = 0;
-  std::string candidates;     ///< what was tried, with the noise of each
+  std::string noise;          ///< of the first pass and of this, in words
   double ground_texture = 0;  ///< of the platform's picture, grey levels rms
   bool ground_known = true;   ///< it shows the same in most frames, displacements taken into account
   double crossed_share = 0;   ///< of the ground: showed something else than usual

@@ -4,7 +4,6 @@
 #include "vision/layers/model/ground.h"
 #include "vision/layers/model/part.h"
 #include "vision/layers/model/state.h"
-#include "vision/layers/model/texture.h"
 #include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {
@@ -12,7 +11,6 @@ namespace tribotrack::vision {
 /// Members must outlive this.
 struct LearntLayers {
   const PartPictures& part;
-  const TurningTexture* texture;  ///< null where nothing turns
   const GroundPicture& ground;
   const Picture& chosen;  ///< 1 where a pixel of the part's grid takes part
 };

@@ -82,7 +82,6 @@ SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
     FirstPassFrame f;
     f.index = first.first_index + static_cast<std::int64_t>(k);
     f.centre = {p.x, p.y};
-    f.theta = first.theta[k];
     if (p.marker) {
       if (!origin) origin = &*p.marker;
       f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
@@ -93,14 +92,11 @@ SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
   return seen;
 }
 
-LayeredOptions options_of(const FrameSource& source, const FirstPassResult& first,
-                          const TrackOptions& options, const std::vector<ShownFrame>& shown) {
+LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown) {
   LayeredOptions out;
   out.disc = first.disc;
   out.blur = first.blur;
-  // Where the rim alone was seen the angle is only predicted.
-  out.turning = first.turning && std::ranges::none_of(first.by_rim, std::identity());
-  out.static_light = !source.info().decoded;
   out.noise_variance = first.noise_variance;
   out.first_index = first.first_index;
   out.total = first.total;
@@ -177,7 +173,7 @@ PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first
   if (result.crossed_share > 0)
     reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
                           100 * result.crossed_share);
-  reason += "; noise from frame to frame: " + result.candidates;
+  reason += "; noise from frame to frame: " + result.noise;
   reason += fmt::format("; positions moved by {:.4f} px rms", moved);
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
   reason += fmt::format(
@@ -209,8 +205,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
     return outcome;
   }
   const SeenFrames seen = seen_frames(track, first);
-  const LayeredResult result =
-      layered_pass(source, seen.frames, options_of(source, first, options, shown), clock);
+  const LayeredResult result = layered_pass(source, seen.frames, options_of(first, options, shown), clock);
   if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
   const Change change = replace_positions(track, seen.places, result.fixes);
   if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));

@@ -10,7 +10,6 @@
 namespace tribotrack::vision {
 
 class PartTileSums;
-class TurningTexture;
 
 inline constexpr double kPixelBlend = 1.0 / 12;
 
@@ -36,12 +35,11 @@ class PartRegression {
   ~PartRegression();
 
   /// Windows in their present states. Levels that `before` does not explain within five standard deviations
-  /// belong to something else (a hand, a lamp) and are left out if `trim`. `texture`, if any, is what turns
-  /// with the part. The sums do not depend on the number of threads.
-  void add(WindowSpan windows, bool trim, const TurningTexture* texture = nullptr, int threads = 1);
-  /// `opaque`: no ground shows inside the rim's blur, whatever light falls on part and ground alike; where
-  /// that is not looked for, alpha may take it up there.
-  PartPictures solve(double noise_variance, const Picture& prior_share, bool opaque = false) const;
+  /// belong to something else (a hand, a lamp) and are left out if `trim`. The sums do not depend on the
+  /// number of threads.
+  void add(WindowSpan windows, bool trim, int threads = 1);
+  /// No ground shows inside the rim's blur: alpha is 0 there, and nowhere below 0 or above 1.1.
+  PartPictures solve(double noise_variance, const Picture& prior_share) const;
 
  private:
   const PartPictures& before_;

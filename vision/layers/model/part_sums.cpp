@@ -20,7 +20,6 @@ struct WindowTiles {
   const float *unsure, *counts;                    ///< var G, 1 where the window shows the place
   const float *u, *v, *part, *share, *variance;    ///< of before
   const float *share_x, *share_y;
-  const float* turned;  ///< 0 where nothing turns
   float gain, slope_x, slope_y, under, mean;
   float passed, trim, blend;  ///< of white noise, squared sd, kappa
 };
@@ -37,9 +36,8 @@ void add_tiles(const WindowTiles& window, const SumTiles& sums, std::size_t coun
   for (std::size_t i = 0; i < count; ++i) {
     const float a = w.gain + w.slope_x * w.u[i] + w.slope_y * w.v[i];
     const float h = w.under * (w.below[i] + w.mean) - a * w.mean;
-    const float part = w.part[i] + w.turned[i];
     const float q = w.under * (w.share_x[i] * w.below_x[i] + w.share_y[i] * w.below_y[i]);
-    const float y = w.level[i] - a * part - w.blend * q, r = y - w.share[i] * h;
+    const float y = w.level[i] - a * w.part[i] - w.blend * q, r = y - w.share[i] * h;
     const float seen = w.share[i] * w.under, sd2 = w.variance[i] + seen * seen * w.unsure[i];
     const float ok = r * r > w.trim * sd2 ? 0.0F : w.counts[i], once = ok / sd2;
     const float weight = once * w.variance[i], weight_a = weight * a, weight_h = weight * h;
@@ -60,9 +58,9 @@ void add_tiles(const WindowTiles& window, const SumTiles& sums, std::size_t coun
 
 struct PartTileSums::Workspace {
   TileArrays level, ground;
-  std::vector<float> unsure, counts, turned;
+  std::vector<float> unsure, counts;
   std::vector<const float*> corners;
-  Workspace() : unsure(kBlockPixels), counts(kBlockPixels), turned(kBlockPixels), corners(kBlock) {
+  Workspace() : unsure(kBlockPixels), counts(kBlockPixels), corners(kBlock) {
     level.value.resize(kBlockPixels);
     for (auto* of : {&ground.value, &ground.slope_x, &ground.slope_y}) of->resize(kBlockPixels);
   }
@@ -178,24 +176,11 @@ void PartTileSums::take_ground(std::size_t first, std::size_t count, const Place
   tile_kernels().sample(work.corners, ground_.spline().stride(), at.ground_taps, 0, true, work.ground);
 }
 
-void PartTileSums::take_turned(std::size_t first, std::size_t count, const Picture& turned,
-                               Workspace& work) const {
-  const int last = turned.width() - 1;
-  for (std::size_t t = 0; t < count; ++t) {
-    const TilePlace& tile = tiles_[first + t];
-    for (int j = 0; j < kTile; ++j)
-      for (int i = 0; i < kTile; ++i)
-        work.turned[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] =
-            turned.at(std::min(tile.x + i, last), std::min(tile.y + j, last));
-  }
-}
-
-void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const Placed& at,
-                             const Picture* turned, float trim, Workspace& work) {
+void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const Placed& at, float trim,
+                             Workspace& work) {
   const std::size_t first = block * kBlock, count = std::min(kBlock, tiles_.size() - first);
   take_window(first, count, window, at, work);
   take_ground(first, count, at, work);
-  if (turned) take_turned(first, count, *turned, work);
   const LayeredState& s = window.state;
   const std::size_t from = first * kTilePixels;
   const WindowTiles tiles{work.level.value.data(),
@@ -211,7 +196,6 @@ void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const 
                           variance_.data() + from,
                           share_x_.data() + from,
                           share_y_.data() + from,
-                          work.turned.data(),
                           static_cast<float>(s.gain),
                           static_cast<float>(s.gain * s.slope_x),
                           static_cast<float>(s.gain * s.slope_y),
@@ -228,14 +212,14 @@ void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const 
       count * kTilePixels);
 }
 
-void PartTileSums::add(WindowSpan windows, std::span<const Picture> turned, double trim, int threads) {
+void PartTileSums::add(WindowSpan windows, double trim, int threads) {
   std::vector<Placed> places;
   for (const KeptWindow* window : windows) places.push_back(placed(*window));
   std::vector<Workspace> work(static_cast<std::size_t>(std::max(1, threads)));
   const auto limit = static_cast<float>(trim * trim);
   parallel_for((tiles_.size() + kBlock - 1) / kBlock, threads, [&](std::size_t block, std::size_t worker) {
     for (std::size_t k = 0; k < windows.size(); ++k)
-      add_block(block, *windows[k], places[k], turned.empty() ? nullptr : &turned[k], limit, work[worker]);
+      add_block(block, *windows[k], places[k], limit, work[worker]);
   });
 }
 

@@ -20,9 +20,9 @@ class PartTileSums {
   /// Keeps references.
   PartTileSums(const PartPictures& before, const GroundPicture& ground);
 
-  /// Windows in their present states; turned[k], if any, is added to F in window k. Levels further than
+  /// Windows in their present states. Levels further than
   /// `trim` standard deviations from `before` are left out. The sums do not depend on the number of threads.
-  void add(WindowSpan windows, std::span<const Picture> turned, double trim, int threads);
+  void add(WindowSpan windows, double trim, int threads);
 
   /// A sum as a picture on the part's grid.
   Picture picture(PartSum sum) const;
@@ -35,9 +35,7 @@ class PartTileSums {
   void take_window(std::size_t first, std::size_t count, const KeptWindow& window, const Placed& at,
                    Workspace& work) const;
   void take_ground(std::size_t first, std::size_t count, const Placed& at, Workspace& work) const;
-  void take_turned(std::size_t first, std::size_t count, const Picture& turned, Workspace& work) const;
-  void add_block(std::size_t block, const KeptWindow& window, const Placed& at, const Picture* turned,
-                 float trim, Workspace& work);
+  void add_block(std::size_t block, const KeptWindow& window, const Placed& at, float trim, Workspace& work);
   /// The grid's values in tiles.
   std::vector<float> in_tiles(const Picture& picture) const;
 

@@ -1,10 +1,10 @@
 // The model of a frame, "two pictures per place":
-//   I_k(x) = a_k (1 + s_k . u) [F(u) + T(R(-theta_k) u) - alpha(u) mean G]
+//   I_k(x) = a_k (1 + s_k . u) [F(u) - alpha(u) mean G]
 //          + b_k [alpha(u) G(x - p_k) + kappa grad alpha . grad G],   u = x - c_k
 // F is what a place shows on ground of mean level and alpha how much of the ground shows at a place of the
 // part's own grid, which moves with the part and does not turn: the rim with the lens's blur, the shadow, the
 // chamfer's glint and the highlight stand in these two pictures without a model of any. G is the platform's
-// picture in its own frame; T, where the part is seen to turn, what turns with it. A pixel shows the mean of
+// picture in its own frame. A pixel shows the mean of
 // the product of the sharp share and the sharp ground, which is not the product of their means: to first
 // order the difference is kappa grad alpha . grad G, kappa the variance of what blurs both together, that of
 // the rim's blur. What is left at a place, V(u), is its variance over the frames, and 1 / V its weight:
@@ -23,7 +23,6 @@ namespace tribotrack::vision {
 /// What differs from frame to frame.
 struct LayeredState {
   Point centre;                     ///< c_k, px of the camera
-  double theta = 0;                 ///< the part's rotation, rad, counter-clockwise as seen (y up)
   Point ground;                     ///< p_k, the platform's displacement, px
   double gain = 1;                  ///< a_k
   double slope_x = 0, slope_y = 0;  ///< s_k, 1/px

@@ -12,25 +12,23 @@ namespace {
 using Lanes = VectorOf<float, kTile>::type;  // a row of a tile
 
 struct FloatLight {
-  float gain, slope_x, slope_y, ground, turn, blend, mean;
+  float gain, slope_x, slope_y, ground, blend, mean;
   explicit FloatLight(const LayerLight& l)
       : gain(static_cast<float>(l.gain)),
         slope_x(static_cast<float>(l.slope_x)),
         slope_y(static_cast<float>(l.slope_y)),
         ground(static_cast<float>(l.ground)),
-        turn(static_cast<float>(l.turn)),
         blend(static_cast<float>(l.blend)),
         mean(static_cast<float>(l.mean)) {}
 };
 
-template <int columns>
 TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask,
                                         const LayerLight& at) {
-  constexpr int kSums = columns * (columns + 1) / 2;
+  constexpr int kSums = std::tuple_size_v<LayerNormal>;
   const FloatLight light(at);
   Lanes total[kSums] = {};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, sx, sy, w, wx, wy, g, gx, gy, u, v, variance, unsure, counts, st{};
+    Lanes s, sx, sy, w, wx, wy, g, gx, gy, u, v, variance, unsure, counts;
     load(a.part.value.data() + i, s);
     load(a.part.slope_x.data() + i, sx);
     load(a.part.slope_y.data() + i, sy);
@@ -45,15 +43,11 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     load(a.variance.data() + i, variance);
     load(a.ground_variance.data() + i, unsure);
     load(mask.data() + i, counts);
-    if constexpr (columns == 7) {
-      load(a.turn.value.data() + i, st);
-      s += light.turn * st;
-    }
     const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v;
     const Lanes own = s - light.mean * w;
     const Lanes under = light.ground * (g + light.mean), seen = light.ground * w;
     const Lanes weight = counts / (variance + seen * seen * unsure);
-    Lanes column[columns];
+    Lanes column[kLayerColumns];
     const Lanes through = under - light.mean * shine;
     column[kStepX] = -(shine * sx + through * wx);
     column[kStepY] = -(shine * sy + through * wy);
@@ -61,14 +55,13 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
     column[kSlopeX] = u * own;
     column[kSlopeY] = v * own;
     column[kGround] = w * (g + light.mean) + light.blend * (wx * gx + wy * gy);
-    if constexpr (columns == 7) column[kTurn] = shine * st;
     store(weight, a.weight.data() + i);
     store(column[kStepX], a.step_x.data() + i);
     store(column[kStepY], a.step_y.data() + i);
     store(column[kGround], a.below.data() + i);
-    for (int c = 0, k = 0; c < columns; ++c) {
+    for (int c = 0, k = 0; c < kLayerColumns; ++c) {
       const Lanes weighted = weight * column[c];
-      for (int d = c; d < columns; ++d, ++k) total[k] += weighted * column[d];
+      for (int d = c; d < kLayerColumns; ++d, ++k) total[k] += weighted * column[d];
     }
   }
   LayerNormal out{};
@@ -76,13 +69,12 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
   return out;
 }
 
-template <bool turns>
 TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
   const FloatLight light(at);
   Lanes force[kLayerColumns] = {}, squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
   for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
-    Lanes s, w, wx, wy, g, gx, gy, u, v, level, weight, x, y, st{};
+    Lanes s, w, wx, wy, g, gx, gy, u, v, level, weight, x, y;
     load(a.part.value.data() + i, s);
     load(a.share.value.data() + i, w);
     load(a.share.slope_x.data() + i, wx);
@@ -96,10 +88,6 @@ TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
     load(a.weight.data() + i, weight);
     load(a.step_x.data() + i, x);
     load(a.step_y.data() + i, y);
-    if constexpr (turns) {
-      load(a.turn.value.data() + i, st);
-      s += light.turn * st;
-    }
     const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
     const Lanes below = w * (g + light.mean) + light.blend * (wx * gx + wy * gy);
     const Lanes model = shine * own + light.ground * below;
@@ -112,7 +100,6 @@ TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
     force[kSlopeX] += on_part * u;
     force[kSlopeY] += on_part * v;
     force[kGround] += wr * below;
-    if constexpr (turns) force[kTurn] += wr * shine * st;
     squares += square;
     largest = square > largest ? square : largest;
     const Lanes counts = weight > 0 ? Lanes{} + 1.0F : Lanes{};
@@ -132,13 +119,12 @@ TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
   return out;
 }
 
-template <bool turns>
 TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, TileScores& out) {
   const FloatLight light(at);
   for (std::size_t t = 0; t < a.tiles; ++t) {
     Lanes score[kLayerColumns] = {};
     for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes s, w, below, u, v, level, weight, x, y, st{};
+      Lanes s, w, below, u, v, level, weight, x, y;
       load(a.part.value.data() + i, s);
       load(a.share.value.data() + i, w);
       load(a.below.data() + i, below);
@@ -148,10 +134,6 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
       load(a.weight.data() + i, weight);
       load(a.step_x.data() + i, x);
       load(a.step_y.data() + i, y);
-      if constexpr (turns) {
-        load(a.turn.value.data() + i, st);
-        s += light.turn * st;
-      }
       const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
       const Lanes wr = weight * (level - shine * own - light.ground * below);
       const Lanes on_part = wr * own;
@@ -161,26 +143,23 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
       score[kSlopeX] += on_part * u;
       score[kSlopeY] += on_part * v;
       score[kGround] += wr * below;
-      if constexpr (turns) score[kTurn] += wr * shine * st;
     }
     for (std::size_t c = 0; c < kLayerColumns; ++c) out[t][c] = static_cast<float>(sum(score[c]));
   }
 }
 
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
-  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,               \
-                                        const LayerLight& light) {                                         \
-    return arrays.turn.value.empty() ? form_with<6>(arrays, mask, light)                                   \
-                                     : form_with<7>(arrays, mask, light);                                  \
-  }                                                                                                        \
-  __VA_ARGS__ LayerForce force_##suffix(LayerArrays& arrays, const LayerLight& light) {                    \
-    return arrays.turn.value.empty() ? force_with<false>(arrays, light) : force_with<true>(arrays, light); \
-  }                                                                                                        \
-  __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) {  \
-    out.resize(arrays.tiles);                                                                              \
-    arrays.turn.value.empty() ? scores_with<false>(arrays, light, out)                                     \
-                              : scores_with<true>(arrays, light, out);                                     \
-  }                                                                                                        \
+#define TRIBOTRACK_VARIANT(suffix, ...)                                                                   \
+  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,              \
+                                        const LayerLight& light) {                                        \
+    return form_with(arrays, mask, light);                                                                \
+  }                                                                                                       \
+  __VA_ARGS__ LayerForce force_##suffix(LayerArrays& arrays, const LayerLight& light) {                   \
+    return force_with(arrays, light);                                                                     \
+  }                                                                                                       \
+  __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) { \
+    out.resize(arrays.tiles);                                                                             \
+    scores_with(arrays, light, out);                                                                      \
+  }                                                                                                       \
   constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, scores_##suffix};
 
 TRIBOTRACK_VARIANT(baseline)

@@ -14,7 +14,6 @@ namespace tribotrack::vision {
 /// picture holds its own slopes.
 struct LayerLight {
   double gain = 1, slope_x = 0, slope_y = 0, ground = 1;
-  double turn = 0;   ///< rad from where the part's picture was formed
   double blend = 0;  ///< kappa, px^2
   double mean = 0;   ///< of the ground, which F holds
 };
@@ -22,7 +21,6 @@ struct LayerLight {
 /// Pictures and frame over all tiles, 64 numbers per tile.
 struct LayerArrays {
   TileArrays part, share, ground;      ///< F, alpha and G - mean G with their slopes
-  TileArrays turn;                     ///< dF/dtheta; empty where nothing turns
   std::vector<float> u, v;             ///< px from the fixed pixel
   std::vector<float> level;            ///< I
   std::vector<float> variance;         ///< V
@@ -35,7 +33,7 @@ struct LayerArrays {
 
 /// Columns of the Jacobian of M = (gain + slope . u) (F - alpha mean G) + ground (alpha G + kappa grad alpha
 /// . grad G), in this order.
-enum LayerColumn { kStepX, kStepY, kGain, kSlopeX, kSlopeY, kGround, kTurn, kLayerColumns };
+enum LayerColumn { kStepX, kStepY, kGain, kSlopeX, kSlopeY, kGround, kLayerColumns };
 
 /// With r = I - M: sums of weight J r and weight r^2, the largest weight r^2; and, over what counts, of M and
 /// I for their correlation.
@@ -45,10 +43,10 @@ struct LayerForce {
   CorrelationSums correlation;  ///< v is M, l is I
 };
 
-/// Sums of weight J_i J_j, i <= j, row after row of the upper triangle: 21 numbers for 6 columns, 28 for 7.
-using LayerNormal = std::array<double, 28>;
+/// Sums of weight J_i J_j, i <= j, row after row of the upper triangle.
+using LayerNormal = std::array<double, kLayerColumns*(kLayerColumns + 1) / 2>;
 
-/// Sums of weight J r over each tile, 0 for columns that are not there.
+/// Sums of weight J r over each tile.
 using TileScores = std::vector<std::array<float, kLayerColumns>>;
 
 struct LayerKernels {

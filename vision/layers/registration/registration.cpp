@@ -13,10 +13,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTurnTolerance = 0.1;  ///< px at the grid's border: further the picture is turned anew
-constexpr double kTolerance = 0.1;      ///< of the standard deviation: a step leaves far less than it is long
-constexpr double kReform = 0.15;        ///< px: the derivatives are good for this far
-constexpr double kMaxMove = 2;          ///< px from the start
+constexpr double kTolerance = 0.1;  ///< of the standard deviation: a step leaves far less than it is long
+constexpr double kReform = 0.15;    ///< px: the derivatives are good for this far
+constexpr double kMaxMove = 2;      ///< px from the start
 constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;         ///< sd: a pixel further off is something else (dust, a hand, a lamp)
 constexpr double kMaxTrim = 0.2;    ///< share of the pixels
@@ -38,36 +37,14 @@ LayeredRegistration::LayeredRegistration(const GroundPicture& ground, const Laye
                                          const TileKernels& tiles)
     : ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {}
 
-void LayeredRegistration::set_part(const PartPictures& part, double frames, const TurningTexture* texture) {
+void LayeredRegistration::set_part(const PartPictures& part, double frames) {
   half_ = part.half;
   light_.blend = part.blend;
   light_.mean = ground_.mean();
-  texture_ = texture;
-  standing_ = part.level;
-  formed_theta_ = 1e9;
-  turn_to(0);
+  level_ = QuinticSpline(part.level);
   share_ = QuinticSpline(part.share);
   variance_ = part.variance;
   choose_pixels(part, frames);
-}
-
-/// The part as it looks at an angle.
-void LayeredRegistration::turn_to(double theta) {
-  if (!texture_) {
-    if (formed_theta_ == 0) return;
-    formed_theta_ = 0;
-    level_ = QuinticSpline(standing_);
-    return;
-  }
-  // On a lattice of angles: what a frame gives does not depend on the frames before it.
-  const double step = kTurnTolerance / half_;
-  theta = step * std::round(theta / step);
-  if (theta == formed_theta_) return;
-  Picture slope, shown = texture_->at(theta, &slope);
-  for (std::size_t i = 0; i < shown.levels().size(); ++i) shown.levels()[i] += standing_.levels()[i];
-  level_ = QuinticSpline(shown);
-  slope_theta_ = QuinticSpline(slope);
-  formed_theta_ = theta;
 }
 
 /// What stands out of the noise of the picture learnt: the rim, the edge of a shadow, marks on the part.
@@ -94,8 +71,6 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
     for (auto* v : {&a->value, &a->slope_x, &a->slope_y}) v->resize(n);
   }
   arrays_.tiles = places_.size();
-  arrays_.turn.tiles = places_.size();
-  arrays_.turn.value.resize(texture_ ? n : 0);
   for (auto* v : {&arrays_.u, &arrays_.v, &arrays_.level, &arrays_.weight, &arrays_.variance,
                   &arrays_.ground_variance, &arrays_.step_x, &arrays_.step_y, &arrays_.below})
     v->resize(n);
@@ -226,12 +201,11 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   };
   each(level_, arrays_.part, slopes);
   each(share_, arrays_.share, slopes);
-  if (texture_ && slopes) each(slope_theta_, arrays_.turn, false);
 }
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior& prior) {
   const LayerNormal sums = layer_kernels_.form(arrays_, counts_, light_);
-  const int n = columns();
+  const int n = kLayerColumns;
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
     for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
@@ -242,8 +216,7 @@ LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior&
 }
 
 float LayeredRegistration::residual(std::size_t i) const {
-  float part = arrays_.part.value[i];
-  if (texture_) part += static_cast<float>(light_.turn) * arrays_.turn.value[i];
+  const float part = arrays_.part.value[i];
   const auto shine = static_cast<float>(light_.gain + light_.slope_x * static_cast<double>(arrays_.u[i]) +
                                         light_.slope_y * static_cast<double>(arrays_.v[i]));
   return arrays_.level[i] - shine * (part - static_cast<float>(light_.mean) * arrays_.share.value[i]) -
@@ -276,7 +249,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
                                                       const LayeredState& start, const LightPrior& prior) {
   x0_ = static_cast<int>(std::lround(start.centre.x));
   y0_ = static_cast<int>(std::lround(start.centre.y));
-  turn_to(start.theta);
   if (!take_picture(picture, x, y, start.ground)) return std::nullopt;
   take_variance(start.centre);
 
@@ -288,7 +260,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   light_.slope_y = s.gain * prior.slope_y;
   light_.gain = s.gain - light_.slope_x * (s.centre.x - x0_) - light_.slope_y * (s.centre.y - y0_);
   light_.ground = s.ground_gain;
-  light_.turn = s.theta - formed_theta_;
 
   sample(s.centre, true);
   Point formed = s.centre;
@@ -300,8 +271,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   LayerForce sums;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
     sums = layer_kernels_.force(arrays_, light_);
-    Vector force =
-        Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data()).head(columns());
+    Vector force = Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data());
     force(kSlopeX) += hold(prior.sd) * (light_.gain * prior.slope_x - light_.slope_x);
     force(kSlopeY) += hold(prior.sd) * (light_.gain * prior.slope_y - light_.slope_y);
     force(kGround) += hold(kGroundGain) * (1 - light_.ground);
@@ -315,7 +285,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     light_.slope_x += brake * step(kSlopeX);
     light_.slope_y += brake * step(kSlopeY);
     light_.ground += brake * step(kGround);
-    if (texture_) light_.turn += std::clamp(brake * step(kTurn), -0.2, 0.2);
     if (light_.gain < 0.05) return std::nullopt;
     if (std::hypot(s.centre.x - start.centre.x, s.centre.y - start.centre.y) > kMaxMove) return std::nullopt;
     const bool settled = length < tolerance;
@@ -342,7 +311,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   s.slope_x = light_.slope_x / s.gain;
   s.slope_y = light_.slope_y / s.gain;
   s.ground_gain = light_.ground;
-  if (texture_) s.theta = formed_theta_ + light_.turn;
 
   const Matrix inverse = inverse_of(normal_);
   fix.covariance = inverse.topLeftCorner<2, 2>();
@@ -360,14 +328,13 @@ ClusterPulls LayeredRegistration::cluster_pulls() {
   const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = inverse_of(normal_).topRows<2>().cast<float>();
   ClusterPulls out(clusters_, Eigen::Vector2f::Zero());
   for (std::size_t t = 0; t < scores_.size(); ++t)
-    out[cluster_[t]] +=
-        rows * Eigen::Map<const Eigen::Matrix<float, kLayerColumns, 1>>(scores_[t].data()).head(columns());
+    out[cluster_[t]] += rows * Eigen::Map<const Eigen::Matrix<float, kLayerColumns, 1>>(scores_[t].data());
   return out;
 }
 
 /// The registration's own columns, then a change of size: all edges move outwards.
 std::vector<TileSums> LayeredRegistration::tile_sums() const {
-  const int n = columns() + 1;
+  const int n = kLayerColumns + 1;
   std::vector<TileSums> out;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     TileSums sums{{places_[t].x + 0.5 * (kTile - 1), places_[t].y + 0.5 * (kTile - 1)},
@@ -378,14 +345,12 @@ std::vector<TileSums> LayeredRegistration::tile_sums() const {
       const auto u = static_cast<double>(arrays_.u[i]), v = static_cast<double>(arrays_.v[i]);
       const auto step_x = static_cast<double>(arrays_.step_x[i]),
                  step_y = static_cast<double>(arrays_.step_y[i]);
-      const double turn = texture_ ? static_cast<double>(arrays_.turn.value[i]) : 0;
-      const double own = static_cast<double>(arrays_.part.value[i]) + light_.turn * turn -
+      const double own = static_cast<double>(arrays_.part.value[i]) -
                          light_.mean * static_cast<double>(arrays_.share.value[i]);
       Eigen::Matrix<double, kLayerColumns, 1> own_columns;
-      own_columns << step_x, step_y, own, own * u, own * v, static_cast<double>(arrays_.below[i]),
-          light_.gain * turn;
+      own_columns << step_x, step_y, own, own * u, own * v, static_cast<double>(arrays_.below[i]);
       Vector j(n);
-      j << own_columns.head(n - 1), u * step_x + v * step_y;
+      j << own_columns, u * step_x + v * step_y;
       const auto weight = static_cast<double>(arrays_.weight[i]);
       sums.score += weight * static_cast<double>(residual(i)) * j;
       sums.normal.selfadjointView<Eigen::Upper>().rankUpdate(j, weight);
@@ -398,7 +363,7 @@ std::vector<TileSums> LayeredRegistration::tile_sums() const {
 
 std::optional<HalvesError> LayeredRegistration::halves() const {
   std::vector<TileSums> tiles = tile_sums();
-  const int n = columns() + 1;
+  const int n = kLayerColumns + 1;
   Matrix normal = Matrix::Zero(n, n);
   Vector score = Vector::Zero(n);
   for (const TileSums& t : tiles) {

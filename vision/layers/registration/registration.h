@@ -1,7 +1,7 @@
 // Where exactly is the part in a frame, its pictures and the ground known?
 //
 // Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in state.h, over c, a,
-// s, b and, where a texture turns with the part, theta. The gradient with respect to c is
+// s and b. The gradient with respect to c is
 // -(a (1 + s . u) grad (F - alpha mean G) + b G grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
 // 8 x 8 (informative_pixels.h).
@@ -16,7 +16,6 @@
 #include "vision/layers/model/light.h"
 #include "vision/layers/model/part.h"
 #include "vision/layers/model/state.h"
-#include "vision/layers/model/texture.h"
 #include "vision/layers/registration/kernels.h"
 #include "vision/layers/registration/scatter.h"
 
@@ -37,9 +36,8 @@ class LayeredRegistration {
   explicit LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers = layer_kernels(),
                                const TileKernels& tiles = tile_kernels());
 
-  /// Pictures learnt from so many frames: their noise is not information. Keeps the pointer to what turns
-  /// with the part; null where nothing does.
-  void set_part(const PartPictures& part, double frames, const TurningTexture* texture = nullptr);
+  /// Pictures learnt from so many frames: their noise is not information.
+  void set_part(const PartPictures& part, double frames);
 
   /// `picture` is a window of the frame whose first pixel is pixel (x, y). nullopt where too little of the
   /// part lies in the window or something else covers it, or where the fit does not converge within 2 px.
@@ -73,17 +71,12 @@ class LayeredRegistration {
   std::size_t trim();
   float residual(std::size_t i) const;
   std::vector<TileSums> tile_sums() const;
-  void turn_to(double theta);
-  int columns() const { return texture_ ? kTurn + 1 : kTurn; }
 
   const GroundPicture& ground_;
   LayerKernels layer_kernels_;
   TileKernels tile_kernels_;
   int half_ = 0;
-  const TurningTexture* texture_ = nullptr;
-  double formed_theta_ = 1e9;  ///< at which level_ and slope_theta_ were formed
-  Picture standing_;           ///< F
-  QuinticSpline level_, slope_theta_, share_;
+  QuinticSpline level_, share_;  ///< F and alpha
   Picture variance_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
