@@ -43,9 +43,9 @@ struct EdgeTrack {
   std::string why_not;
   std::size_t learnt_from = 0;  ///< frames
   RimOptics optics;             ///< of the rim in the mean picture
-  double radius = 0, radius_sd = 0;
-  double slow_sd = 0;      ///< of a coordinate's errors in the slow band, px: part of the covariances
-  double slow_frames = 0;  ///< over how many frames they stay alike
+  double radius = 0;            ///< of the edge in the mean picture, px
+  double slow_sd = 0;           ///< of a coordinate's errors in the slow band, px: part of the covariances
+  double slow_frames = 0;       ///< over how many frames they stay alike
 };
 
 /// Frames in order, with centres that are known to a pixel. Throws InputError for a recording that cannot be

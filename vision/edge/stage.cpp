@@ -37,8 +37,8 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
   if (options.layers == Layers::off) return "switched off with the second pass";
   if (first.blur <= 0) return "the part has no measured round rim";
   if (first.disc.radius < kSmallest) return "the part is too small";
-  if (!turns(first, track) && std::ranges::none_of(first.by_rim, std::identity()) && !first.rim_quieter)
-    return "the part neither turns visibly nor looked unlike its template";
+  if (!turns(first, track) && std::ranges::none_of(first.by_rim, std::identity()))
+    return "the part does not turn visibly, and its template is steadier than its rim";
   return {};
 }
 
@@ -100,8 +100,10 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     return out;
   }
   const Variances v = compare(track, places, edge.fixes);
-  // Pictures of a part that turns hold what turns with it: a difference is their error first.
-  const double of_track = std::max(v.of_track, turns(first, track) ? v.differ : v.differ - v.of_edge);
+  // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
+  // coder does moves an edge as well.
+  const bool pictures_first = turns(first, track) && !source.info().coder;
+  const double of_track = std::max(v.of_track, pictures_first ? v.differ : v.differ - v.of_edge);
   stage.on = out.done = v.of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "

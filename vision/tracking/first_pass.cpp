@@ -188,7 +188,7 @@ void FirstPass::follow_ground(TrackSummary& summary) {
 Track FirstPass::finish(TrackSummary& summary) {
   for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
   const RimEvidence rim =
-      timed(clock_, Stage::radius, [&] { return rim_track_.settle(result_, track_); });
+      timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
   summary.disc = setup_.disc;
   summary.disc_blur = setup_.disc_blur;
   summary.disc_radius_sd = setup_.disc_radius_sd;

@@ -112,7 +112,7 @@ std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t fr
 }
 
 PlanStage rim_stage(const RimEvidence& e) {
-  PlanStage stage{.name = "rim alone", .on = e.rim_only > 0, .reason = {}};
+  PlanStage stage{.name = "rim alone", .on = e.chosen || e.rim_only > 0, .reason = {}};
   const std::string compared =
       e.compared == 0
           ? std::string("there is no other frame to compare it with the rim")
@@ -124,7 +124,9 @@ PlanStage rim_stage(const RimEvidence& e) {
     stage.reason =
         fmt::format("the template was not confirmed in {} of {} frames in which the part's rim was; {}",
                     e.rim_only, e.frames, compared);
-  if (e.rim_only > 0)
+  if (e.chosen)
+    stage.reason += ": every frame is measured by the rim";
+  else if (e.rim_only > 0)
     stage.reason += ": those frames alone are measured by the rim";
   return stage;
 }

@@ -101,15 +101,32 @@ void RimTrack::see(FrameSource& source, std::int64_t index, std::size_t place, c
   if (auto rim = measure(source, index, sighting.position)) rows_.push_back({place, true, std::move(*rim)});
 }
 
-RimEvidence RimTrack::settle(FirstPassResult& result, Track& track) {
+void RimTrack::measure_all(FrameSource& source, std::int64_t first_index, const Track& track) {
+  std::vector<Row> all;
+  auto known = rows_.begin();
+  for (std::size_t place = 0; place < track.points.size(); ++place) {
+    const TrackPoint& p = track.points[place];
+    if (known != rows_.end() && known->place == place)
+      all.push_back(std::move(*known++));
+    else if (p.status == TrackStatus::ok)
+      if (auto rim = measure(source, first_index + static_cast<std::int64_t>(place), {p.x, p.y}))
+        all.push_back({place, true, std::move(*rim)});
+  }
+  rows_ = std::move(all);
+}
+
+RimEvidence RimTrack::settle(FrameSource& source, FirstPassResult& result, Track& track) {
   RimEvidence evidence;
   result.by_rim.assign(track.points.size(), false);
   if (!shape_) return evidence;
   evidence.frames =
       std::ranges::count(track.points, TrackStatus::ok, [](const TrackPoint& p) { return p.status; });
-  std::vector<RimFrame> rims;
-  for (const Row& row : rows_) rims.push_back({static_cast<std::int64_t>(row.place), row.rim});
-  const std::vector<RimFix> fixed = fix_centres(rims, result.noise_variance);
+  const auto fixes = [&] {
+    std::vector<RimFrame> rims;
+    for (const Row& row : rows_) rims.push_back({static_cast<std::int64_t>(row.place), row.rim});
+    return fix_centres(rims, result.noise_variance);
+  };
+  std::vector<RimFix> fixed = fixes();
   Comparison both;
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     if (!rows_[k].by_template)
@@ -120,12 +137,16 @@ RimEvidence RimTrack::settle(FirstPassResult& result, Track& track) {
   evidence.compared = static_cast<std::int64_t>(both.count());
   evidence.rim_px = std::sqrt(both.rim_variance());
   evidence.template_px = std::sqrt(both.template_variance());
-  evidence.quieter = both.enough() && both.rim_variance() < both.template_variance();
-  result.rim_quieter = evidence.quieter;
+  evidence.chosen = both.enough() ? both.rim_variance() < both.template_variance()
+                                  : evidence.rim_only > evidence.frames / 2;
+  if (evidence.chosen) {
+    measure_all(source, result.first_index, track);
+    fixed = fixes();
+  }
   const Point offset = both.offset();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const Row& row = rows_[k];
-    if (row.by_template) continue;
+    if (row.by_template && !evidence.chosen) continue;
     put(track.points[row.place], fixed[k], row.rim, offset);
     result.by_rim[row.place] = true;
     result.residual[row.place] = row.rim.residual_rms;

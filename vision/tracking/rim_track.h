@@ -1,8 +1,9 @@
-// The part's rim beside its template: where the rim alone is seen it measures, and on a sample of frames it tells whether
-// the template can be trusted.
+// The part's track by its rim alone, beside that by its template: which of the two is better, by evidence.
 //
-// The rim's variance is that of its sectors among each other (rim_series.h). The template's is what it claims, or, where the
-// two disagree by more than both claim, what the disagreement leaves for it.
+// The template is the sharper instrument where the part looks the same in all frames, the rim where it does
+// not (metal that turns under a lamp, a coder's smear). Both are tried on a sample of frames. The rim's
+// variance is that of its sectors among each other (rim_series.h). The template's is what it claims, or,
+// where the two disagree by more than both claim, what the disagreement leaves for it.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,7 @@ struct RimEvidence {
   std::int64_t compared = 0;  ///< in which both were measured
   double rim_px = 0;          ///< predicted error of a coordinate
   double template_px = 0;     ///< the same
-  bool quieter = false;       ///< the rim is
+  bool chosen = false;        ///< every frame is measured by the rim
 };
 
 class RimTrack {
@@ -35,8 +36,9 @@ class RimTrack {
   /// A frame in which the part was found: point number `place` of the track.
   void see(FrameSource& source, std::int64_t index, std::size_t place, const Sighting& sighting);
 
-  /// After the last frame: positions, covariances and correlations of the points that the rim measures alone.
-  RimEvidence settle(FirstPassResult& result, Track& track);
+  /// After the last frame: positions, covariances and correlations of the points that the rim measures
+  /// better, or alone. Reads frames again where it is chosen for all.
+  RimEvidence settle(FrameSource& source, FirstPassResult& result, Track& track);
 
  private:
   struct Row {
@@ -45,6 +47,7 @@ class RimTrack {
     RimSectors rim;
   };
   std::optional<RimSectors> measure(FrameSource& source, std::int64_t index, const Point& centre) const;
+  void measure_all(FrameSource& source, std::int64_t first_index, const Track& track);
 
   std::optional<RimShape> shape_;
   std::int64_t stride_, seen_ = 0;

@@ -235,7 +235,7 @@ TEST(LayeredStage, PlainPlatformIsAtTheBound) {
   }
 }
 
-TEST(LayeredStage, RecordingIsReadAtMostThriceMore) {
+TEST(LayeredStage, RecordingIsReadABoundedNumberOfTimes) {
   SlidingScene s;
   s.frames = 60;
   SceneSource source(s);
@@ -245,7 +245,8 @@ TEST(LayeredStage, RecordingIsReadAtMostThriceMore) {
   const std::int64_t first_pass = source.reads();
   options.layers = Layers::on;
   track(source, options);
-  EXPECT_LE(source.reads() - first_pass, first_pass + 3 * s.frames);
+  // Thrice by the pictures, eight times by the edge.
+  EXPECT_LE(source.reads() - first_pass, first_pass + 11 * s.frames);
 }
 
 TEST(LayeredStage, MarkerIsNotTakenForTheDisc) {

@@ -30,11 +30,11 @@ std::vector<KeptWindow> windows_of(const PartByHand& part, int count, double noi
 }
 
 PartPictures learnt(const std::vector<KeptWindow>& windows, const GroundPicture& ground, PartPictures part,
-                    const Picture& prior, double noise_variance, int rounds, bool opaque) {
+                    const Picture& prior, double noise_variance, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     PartRegression regression(part, ground);
     regression.add(test::pointers_to(windows), false);
-    part = regression.solve(noise_variance, prior, opaque);
+    part = regression.solve(noise_variance, prior);
   }
   return part;
 }
@@ -48,12 +48,10 @@ TEST(PartRegression, FindsBothPicturesWhateverTheLight) {
   const GroundPicture ground = part.ground(1e-4);
   const std::vector<KeptWindow> windows = windows_of(part, 96, 0);
   const PartPictures exact = part.pictures(1);
-  for (const bool opaque : {true, false}) {
-    const PartPictures found = learnt(windows, ground, nothing_known, prior, 0.01, 6, opaque);
-    for (std::size_t i = 0; i < exact.level.levels().size(); ++i) {
-      ASSERT_NEAR(found.level.levels()[i], exact.level.levels()[i], 0.05) << i;
-      ASSERT_NEAR(found.share.levels()[i], exact.share.levels()[i], 0.01) << i;
-    }
+  const PartPictures found = learnt(windows, ground, nothing_known, prior, 0.01, 6);
+  for (std::size_t i = 0; i < exact.level.levels().size(); ++i) {
+    ASSERT_NEAR(found.level.levels()[i], exact.level.levels()[i], 0.05) << i;
+    ASSERT_NEAR(found.share.levels()[i], exact.share.levels()[i], 0.01) << i;
   }
   EXPECT_LT(exact.share.at(2 * part.half - 10, part.half), 0.87);  // the shadow is not in the prior
 }
@@ -62,7 +60,7 @@ TEST(PartRegression, WhatIsLeftIsTheNoise) {
   constexpr double kVariance = 4;
   const PartByHand part;
   const PartPictures found = learnt(windows_of(part, 160, 2), part.ground(1e-4), part.pictures(kVariance),
-                                    part.pictures(1).share, kVariance, 1, true);
+                                    part.pictures(1).share, kVariance, 1);
   // The larger of a place's own variance, known to 11 %, and that of its surroundings: inside, at the rim,
   // beside.
   for (const auto& [from, to] : {std::pair{0.0, part.radius - 4},

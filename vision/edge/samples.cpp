@@ -1,0 +1,110 @@
+#include "vision/edge/samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kAlike = 6;       ///< px of the rim over which fields have like variances
+constexpr double kOfLevels = 0.1;  ///< grey levels^2 of a mean picture that no field explains
+constexpr int kIterations = 20;    ///< of the variances, for each optics tried
+constexpr double kEdgeReach = 1.25, kCoarse = 0.5, kFine = 0.1;  ///< px about the circle given; steps
+constexpr double kSharpest = 0.4;                                ///< px: a pixel alone blurs by 0.29
+constexpr double kWidestChamfer = 0.08;                          ///< of the radius
+
+/// Weighted means of what each ray gives.
+std::vector<Eigen::MatrixXd> over_sectors(const std::vector<Eigen::MatrixXf>& of_ray) {
+  const auto n = static_cast<double>(of_ray.size());
+  const double width = std::max(kAlike, n / (2 * kSectors));
+  std::vector<Eigen::MatrixXd> out;
+  for (std::size_t j = 0; j < kSectors; ++j) {
+    const double middle = static_cast<double>(j) * n / kSectors;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(of_ray.front().rows(), of_ray.front().cols());
+    double total = 0;
+    for (std::size_t p = 0; p < of_ray.size(); ++p) {
+      double apart = std::abs(static_cast<double>(p) - middle);
+      apart = std::min(apart, n - apart);
+      if (apart > 3 * width) continue;
+      const double weight = std::exp(-0.5 * std::pow(apart / width, 2));
+      sum += weight * of_ray[p].cast<double>();
+      total += weight;
+    }
+    out.push_back(sum / total);
+  }
+  return out;
+}
+
+/// Of `frames` frames of levels, the products of the places along each ray.
+std::vector<Eigen::MatrixXd> mean_products(const RayGrid& grid, const std::vector<float>& levels,
+                                           std::size_t frames) {
+  const auto places = static_cast<Eigen::Index>(grid.places());
+  std::vector<Eigen::MatrixXf> of_ray;
+  for (int p = 0; p < grid.azimuths; ++p) {
+    const Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>> ray(
+        levels.data() + p * places, places, static_cast<Eigen::Index>(frames),
+        Eigen::OuterStride<>(static_cast<Eigen::Index>(grid.size())));
+    of_ray.emplace_back(ray * ray.transpose() / static_cast<float>(frames));
+  }
+  return over_sectors(of_ray);
+}
+
+/// -2 log of the likelihood of a rim's optics, per ray.
+double cost_of(const RayFields& fields, const RimOptics& optics, const RaySamples& mean) {
+  const std::vector<Eigen::MatrixXd> pieces = fields.covariances(optics, false);
+  double sum = 0;
+  for (const Eigen::MatrixXd& c : mean.covariances) {
+    Eigen::VectorXd start;
+    sum += fit_variances(c, pieces, mean.noise_variance, kIterations, start);
+  }
+  return sum / kSectors;
+}
+
+}  // namespace
+
+RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
+                           std::size_t frames) {
+  return {mean_products(grid, mean, 1), noise_variance / static_cast<double>(frames) + kOfLevels};
+}
+
+std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,
+                                         double noise_variance, std::span<const std::size_t> block_ends) {
+  const Bands bands = split_bands(levels, grid.size(), block_ends);
+  const std::array<double, kBands> shares = noise_shares(block_ends);
+  std::vector<RaySamples> out;
+  for (std::size_t b = 0; b < kBands; ++b)
+    out.push_back({mean_products(grid, bands[b], block_ends.back()), noise_variance * shares[b]});
+  return out;
+}
+
+RimOptics likeliest_optics(const RayGrid& grid, const RayFields& fields, const RaySamples& mean,
+                           const RimOptics& start) {
+  RimOptics best = start;
+  double least = std::numeric_limits<double>::infinity();
+  const auto improves = [&](const RimOptics& trial) {
+    if (trial.blur < kSharpest || trial.chamfer < 0) return false;
+    const double cost = cost_of(fields, trial, mean);
+    if (!(cost < least)) return false;
+    least = cost;
+    best = trial;
+    return true;
+  };
+  for (double chamfer = 0; chamfer < kWidestChamfer * grid.radius; chamfer = std::max(0.5, 2 * chamfer))
+    for (double edge = -kEdgeReach; edge <= kEdgeReach + chamfer; edge += kCoarse)
+      improves({edge, start.blur, chamfer});
+  for (double step = kCoarse; step > kFine; step /= 2)
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const double d : {-step, step}) {
+        moved |= improves({best.edge + d, best.blur, best.chamfer});
+        moved |= improves({best.edge, best.blur * (1 + 0.5 * d), best.chamfer});
+        moved |= improves({best.edge, best.blur, best.chamfer + d});
+        moved |= improves({best.edge + d / 2, best.blur, best.chamfer + d});  // the inner edge stays
+      }
+    }
+  return best;
+}
+
+}  // namespace tribotrack::vision

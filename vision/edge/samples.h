@@ -1,0 +1,34 @@
+// Sample covariances of rays about each sector of the rim, and what is learnt from them.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "vision/edge/bands.h"
+#include "vision/edge/optics.h"
+
+namespace tribotrack::vision {
+
+inline constexpr std::size_t kSectors = 16;  ///< of the rim
+
+/// Of the mean picture or of a band.
+struct RaySamples {
+  std::vector<Eigen::MatrixXd> covariances;  ///< about the first ray of each sector
+  double noise_variance = 0;                 ///< grey levels^2
+};
+
+/// Of the rays of the mean of so many frames, each of that noise.
+RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
+                           std::size_t frames);
+
+/// Of each band of `levels`, RayGrid::size() numbers a frame; see split_bands().
+std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,
+                                         double noise_variance, std::span<const std::size_t> block_ends);
+
+/// The rim's optics of greatest likelihood for the rays of the mean picture, which all share them whatever
+/// their levels: from the best of a coarse grid about `start` downhill along the axes.
+RimOptics likeliest_optics(const RayGrid& grid, const RayFields& fields, const RaySamples& mean,
+                           const RimOptics& start);
+
+}  // namespace tribotrack::vision
