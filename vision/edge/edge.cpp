@@ -202,7 +202,7 @@ void EdgeTracking::measure() {
   out_.fixes.resize(frames_.size());
   for (std::size_t i = 0; i < n; ++i) {
     const Point& c = centres_[usable_[i]];
-    out_.fixes[usable_[i]] = EdgeFix{{c.x + found.shift[i](0), c.y + found.shift[i](1)}, found.covariance[i]};
+    out_.fixes[usable_[i]] = RimFix{{c.x + found.shift[i](0), c.y + found.shift[i](1)}, found.covariance[i]};
   }
 }
 

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/discs/rim_series.h"
 #include "vision/edge/optics.h"
 #include "vision/layers/first_pass.h"
 
@@ -31,15 +32,10 @@ struct EdgeOptions {
   int threads = 1;            ///< the result is the same for any number
 };
 
-struct EdgeFix {
-  Point centre;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2, slow errors included
-};
-
 struct EdgeTrack {
-  /// One per frame handed in, nullopt where not all of the rim lies in the picture. Empty if nothing could be
-  /// learnt.
-  std::vector<std::optional<EdgeFix>> fixes;
+  /// One per frame handed in, nullopt where not all of the rim lies in the picture; slow errors are in the
+  /// covariances. Empty if nothing could be learnt.
+  std::vector<std::optional<RimFix>> fixes;
   std::string why_not;
   std::size_t learnt_from = 0;  ///< frames
   RimOptics optics;             ///< of the rim in the mean picture

@@ -13,6 +13,7 @@ namespace {
 
 constexpr const char* kName = "edge in bands of time";
 constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
+constexpr double kWorth = 1.2;         ///< of the bound: a track that is as good gains a tenth at most
 constexpr double kSmallest = 6;        ///< px of radius: below, rays from all sides meet
 
 /// Whether the part turns visibly: its angles vary more over the recording than they scatter from frame to
@@ -32,16 +33,6 @@ bool turns(const FirstPassResult& first, const Track& track) {
   return total - white > std::pow(kTurnVisible / first.disc.radius, 2);
 }
 
-/// Why the edge need not be looked at; empty where it must.
-std::string reason_against(const FirstPassResult& first, const TrackOptions& options, const Track& track) {
-  if (options.layers == Layers::off) return "switched off with the second pass";
-  if (first.blur <= 0) return "the part has no measured round rim";
-  if (first.disc.radius < kSmallest) return "the part is too small";
-  if (!turns(first, track) && std::ranges::none_of(first.by_rim, std::identity()))
-    return "the part does not turn visibly, and its template is steadier than its rim";
-  return {};
-}
-
 double variance(const TrackPoint& p) {
   return 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y);
 }
@@ -52,25 +43,48 @@ struct Variances {
   double differ = 0;                 ///< between the two, without the mean
 };
 
-Variances compare(const Track& track, const std::vector<std::size_t>& places,
-                  const std::vector<std::optional<EdgeFix>>& fixes) {
+using Fixes = std::vector<std::pair<std::size_t, RimFix>>;  ///< by point number
+
+Variances compare(const Track& track, const Fixes& fixes) {
   Variances out;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  double squares = 0, count = 0;
-  for (std::size_t i = 0; i < fixes.size(); ++i) {
-    if (!fixes[i]) continue;
-    const TrackPoint& p = track.points[places[i]];
-    const Eigen::Vector2d d(fixes[i]->centre.x - p.x, fixes[i]->centre.y - p.y);
+  double squares = 0;
+  const auto count = static_cast<double>(fixes.size());
+  for (const auto& [place, fix] : fixes) {
+    const TrackPoint& p = track.points[place];
+    const Eigen::Vector2d d(fix.centre.x - p.x, fix.centre.y - p.y);
     sum += d;
     squares += d.squaredNorm();
-    out.of_track += variance(p);
-    out.of_edge += 0.5 * fixes[i]->covariance.trace();
-    ++count;
+    out.of_track += variance(p) / count;
+    out.of_edge += 0.5 * fix.covariance.trace() / count;
   }
-  out.of_track /= count;
-  out.of_edge /= count;
   out.differ = std::max(0.0, squares - sum.squaredNorm() / count) / (2 * count);
   return out;
+}
+
+/// Of the coordinates of the track's ok points, as it says itself.
+double stated_variance(const Track& track) {
+  double sum = 0, count = 0;
+  for (const TrackPoint& p : track.points)
+    if (p.status == TrackStatus::ok) {
+      sum += variance(p);
+      ++count;
+    }
+  return sum / std::max(1.0, count);
+}
+
+/// Why the edge need not be looked at; empty where it must.
+std::string reason_against(const FirstPassResult& first, const TrackOptions& options, const Track& track) {
+  if (options.layers == Layers::off) return "switched off with the second pass";
+  if (first.blur <= 0) return "the part has no measured round rim";
+  if (first.disc.radius < kSmallest) return "the part is too small";
+  if (!turns(first, track) && std::ranges::none_of(first.by_rim, std::identity()))
+    return "the part does not turn visibly, and its template is steadier than its rim";
+  const double stated = std::sqrt(stated_variance(track));
+  if (stated < kWorth * first.limit_px)
+    return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
+                       first.limit_px);
+  return {};
 }
 
 }  // namespace
@@ -99,7 +113,10 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     stage.reason = edge.why_not;
     return out;
   }
-  const Variances v = compare(track, places, edge.fixes);
+  Fixes fixes;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (edge.fixes[i]) fixes.emplace_back(places[i], *edge.fixes[i]);
+  const Variances v = compare(track, fixes);
   // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
   // coder does moves an edge as well.
   const bool pictures_first = turns(first, track) && !source.info().coder;
@@ -113,10 +130,8 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
       edge.slow_sd, std::sqrt(of_track), std::sqrt(v.differ));
   if (!out.done) return out;
   std::vector<double> sds;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    TrackPoint& p = track.points[places[i]];
-    if (!edge.fixes[i]) continue;
-    const EdgeFix& fix = *edge.fixes[i];
+  for (const auto& [place, fix] : fixes) {
+    TrackPoint& p = track.points[place];
     p.x = fix.centre.x;
     p.y = fix.centre.y;
     p.sigma_x = std::sqrt(fix.covariance(0, 0));
