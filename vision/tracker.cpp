@@ -219,8 +219,8 @@ void Tracking::measure_layers() {
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
 void Tracking::measure_edge() {
-  const EdgeOutcome edge =
-      edge_stage(frames(), first_pass_->result(), options_, clock_, result_.track);
+  const EdgeOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
+                                      predicted_error(result_.track, audited_), result_.track);
   TrackSummary& summary = result_.summary;
   add(summary.plan, edge.plan);
   if (!edge.done) return;

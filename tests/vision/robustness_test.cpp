@@ -262,8 +262,8 @@ struct Spot {
 class Glare : public testing::TestWithParam<Spot> {};
 
 // A single template is 11 to 60 times the bound off, a circle fitted to the rim 4 to 6 times. Known limit:
-// over a texture a bright or broad light is told from the ground only in part.
-TEST_P(Glare, IsLearntAndTakenOut) {
+// over a texture the edge, which is blind to such light, does not know the ground beside it either.
+TEST_P(Glare, MovesNothing) {
   const Spot& spot = GetParam();
   Recording r;
   r.scene.platform.texture_rms = spot.texture;
@@ -281,13 +281,13 @@ TEST_P(Glare, IsLearntAndTakenOut) {
 }
 
 const auto name_of_spot = [](const auto& spot) { return spot.param.name; };
-INSTANTIATE_TEST_SUITE_P(Faint, Glare, testing::Values(Spot{"NarrowBrushed", 8, 10, 20, 1.2, 1.15}),
+INSTANTIATE_TEST_SUITE_P(Faint, Glare, testing::Values(Spot{"NarrowBrushed", 8, 10, 20, 2.2, 1.4}),
                          name_of_spot);
 INSTANTIATE_TEST_SUITE_P(
     DISABLED_Campaign, Glare,
     testing::Values(Spot{"NarrowPlain", 0, 10, 60, 1.25, 1.25}, Spot{"MiddlingPlain", 0, 25, 40, 1.25, 1.25},
-                    Spot{"WidePlain", 0, 60, 80, 1.25, 1.25}, Spot{"NarrowBrushed", 8, 10, 60, 1.8, 1.25},
-                    Spot{"MiddlingBrushed", 8, 25, 40, 2.5, 1.25}, Spot{"WideBrushed", 8, 60, 80, 4.5, 2.2}),
+                    Spot{"WidePlain", 0, 60, 80, 1.25, 1.25}, Spot{"NarrowBrushed", 8, 10, 60, 2.5, 1.4},
+                    Spot{"MiddlingBrushed", 8, 25, 40, 2.5, 1.4}, Spot{"WideBrushed", 8, 60, 80, 2.2, 1.4}),
     name_of_spot);
 
 TEST_P(EverydayRobustness, RecordingThatStartsBeforeThePartIsThere) {

@@ -39,8 +39,8 @@ double variance(const TrackPoint& p) {
 
 /// Of a coordinate, px^2.
 struct Variances {
-  double of_track = 0, of_edge = 0;  ///< as they say themselves
-  double differ = 0;                 ///< between the two, without the mean
+  double of_edge = 0;  ///< as its sectors tell it
+  double differ = 0;   ///< between edge and track, without the mean
 };
 
 using Fixes = std::vector<std::pair<std::size_t, RimFix>>;  ///< by point number
@@ -55,32 +55,17 @@ Variances compare(const Track& track, const Fixes& fixes) {
     const Eigen::Vector2d d(fix.centre.x - p.x, fix.centre.y - p.y);
     sum += d;
     squares += d.squaredNorm();
-    out.of_track += variance(p) / count;
     out.of_edge += 0.5 * fix.covariance.trace() / count;
   }
   out.differ = std::max(0.0, squares - sum.squaredNorm() / count) / (2 * count);
   return out;
 }
 
-/// Of the coordinates of the track's ok points, as it says itself.
-double stated_variance(const Track& track) {
-  double sum = 0, count = 0;
-  for (const TrackPoint& p : track.points)
-    if (p.status == TrackStatus::ok) {
-      sum += variance(p);
-      ++count;
-    }
-  return sum / std::max(1.0, count);
-}
-
 /// Why the edge need not be looked at; empty where it must.
-std::string reason_against(const FirstPassResult& first, const TrackOptions& options, const Track& track) {
+std::string reason_against(const FirstPassResult& first, const TrackOptions& options, double stated) {
   if (options.layers == Layers::off) return "switched off with the second pass";
   if (first.blur <= 0) return "the part has no measured round rim";
   if (first.disc.radius < kSmallest) return "the part is too small";
-  if (!turns(first, track) && std::ranges::none_of(first.by_rim, std::identity()))
-    return "the part does not turn visibly, and its template is steadier than its rim";
-  const double stated = std::sqrt(stated_variance(track));
   if (stated < kWorth * first.limit_px)
     return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                        first.limit_px);
@@ -90,10 +75,10 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
 }  // namespace
 
 EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                       StageClock& clock, Track& track) {
+                       StageClock& clock, double stated, Track& track) {
   EdgeOutcome out;
   PlanStage& stage =
-      out.plan.emplace_back(PlanStage{.name = kName, .reason = reason_against(first, options, track)});
+      out.plan.emplace_back(PlanStage{.name = kName, .reason = reason_against(first, options, stated)});
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter(Stage::edge);
   std::vector<FirstPassFrame> frames;
@@ -120,7 +105,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
   // coder does moves an edge as well.
   const bool pictures_first = turns(first, track) && !source.info().coder;
-  const double of_track = std::max(v.of_track, pictures_first ? v.differ : v.differ - v.of_edge);
+  const double of_track = std::max(stated * stated, pictures_first ? v.differ : v.differ - v.of_edge);
   stage.on = out.done = v.of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "

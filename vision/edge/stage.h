@@ -20,10 +20,12 @@ struct EdgeOutcome {
   double slow_sd = 0, slow_time = 0;  ///< see TrackSummary
 };
 
-/// Measures the ok points of `track` again by the part's edge where pictures of the part are in doubt: it
-/// turns visibly, or looked unlike its template. Positions and covariances change where the edge is better
-/// known than the track: where the two differ, the track's error is taken to be the difference at least.
+/// `stated` is the error of a coordinate, px, that the track and its audit state.
+/// Measures the ok points of `track` again by the part's edge where noise alone would allow clearly less than
+/// the track says of itself: something turns, or the light changes. Positions and covariances change where
+/// the edge is better known than the track: where the two differ by more than the edge's own errors, the
+/// track's are at least what is left, of a part that turns all of it.
 EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                       StageClock& clock, Track& track);
+                       StageClock& clock, double stated, Track& track);
 
 }  // namespace tribotrack::vision
