@@ -20,8 +20,8 @@ constexpr int kFewestSectors = 8, kMostSectors = 72;
 constexpr double kBandInBlurs = 4, kLeastBand = 4;  ///< px: what is farther from the edge says nothing of it
 constexpr double kLeastBlur = 0.4;                  ///< px: a pixel alone blurs by 0.29
 constexpr int kFewestPixels = 6;                    ///< in a sector
-constexpr double kSeen = 0.6;                       ///< of a rim: more than chance, and most highlights, leave
-constexpr double kLeastStep = 0.3;                  ///< of the median one: less is no edge
+constexpr double kSeen = 0.6;                ///< of a rim: more than chance, and most highlights, leave
+constexpr double kLeastStep = 0.15;          ///< of the median one: less is no edge
 constexpr double kLeastOff = 0.5, kOff = 5;  ///< px, usual deviations: an edge so far off is not the rim's
 constexpr double kHuber = 2.5;               ///< usual deviations from which a sector counts less
 constexpr int kIterations = 12, kReweightings = 4;
@@ -324,8 +324,8 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
 }
 
 bool same_rim(const RimSectors& seen, const RimShape& known) {
-  constexpr double kRadiusShare = 0.04, kRadiusSlack = 0.5;  // px; motion blur widens a rim
-  constexpr double kUneven = 3, kUnevenSlack = 0.1;          // px
+  constexpr double kRadiusShare = 0.06, kRadiusSlack = 1;  // px; a chamfer shows its outer or its inner edge
+  constexpr double kUneven = 3, kUnevenSlack = 0.1;        // px
   return seen.coverage >= kSeen &&
          std::abs(seen.circle.radius - known.radius) < std::max(kRadiusSlack, kRadiusShare * known.radius) &&
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;

@@ -7,8 +7,9 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kInside = 9,
-              kOutside = 7;  ///< px: several blurs, and fields that end at the edge seen for a while
+/// Px: fields that end at the edge must be seen for a while; beyond some four blurs the ground, which moves
+/// past, tells nothing of it.
+constexpr int kInside = 7, kOutside = 4;
 /// Of the radius: chamfers of discs reach a tenth, and the fields must be seen to end before them.
 constexpr double kChamfer = 0.06;
 constexpr int kLeastCore = 3;  ///< px about the centre that no ray enters

@@ -12,7 +12,7 @@ namespace tribotrack::vision {
 
 struct RayGrid {
   double radius = 0;            ///< px, about
-  int inside = 9, outside = 7;  ///< px of it that are looked at
+  int inside = 7, outside = 4;  ///< px of it that are looked at
   int azimuths = 0;             ///< rays, about one a pixel of the rim
   std::size_t places() const { return static_cast<std::size_t>(inside + outside + 1); }
   std::size_t size() const { return places() * static_cast<std::size_t>(azimuths); }

@@ -53,8 +53,8 @@ TEST(RayFields, EndAtTheEdgeAndBeginThere) {
     EXPECT_TRUE(off > -4 || fields[2](at, at) > 0.95) << off;  // blur leaves a long field what it is
     EXPECT_TRUE(std::abs(off + 1) < 4 || chamfer < 1e-6) << off;
   }
-  EXPECT_NEAR(fields[6](grid.places() - 9, grid.places() - 9),
-              std::pow(std::erf(1 / (0.5 * std::sqrt(2.0))), 2), 0.02);
+  EXPECT_NEAR(fields[6](grid.inside - 1, grid.inside - 1), std::pow(std::erf(1 / (0.5 * std::sqrt(2.0))), 2),
+              0.02);
 }
 
 /// Drawn from fields of known variance, in noise.
@@ -63,7 +63,8 @@ TEST(RayFields, VariancesAreThoseOfGreatestLikelihood) {
   Eigen::VectorXd drawn = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fields.size()));
   drawn(1) = 40;
   drawn(4) = 15;
-  const Eigen::MatrixXd covariance = field_covariance(fields, drawn) + Eigen::MatrixXd::Identity(17, 17);
+  Eigen::MatrixXd covariance = field_covariance(fields, drawn);
+  covariance.diagonal().array() += 1;  // noise
   Eigen::VectorXd found;
   fit_variances(covariance, fields, 1, 3000, found);
   EXPECT_NEAR(found(1), 40, 2);
