@@ -331,6 +331,40 @@ bool same_rim(const RimSectors& seen, const RimShape& known) {
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }
 
+RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double noise_variance) {
+  const int count = static_cast<int>(seen.deviation.size());
+  std::vector<Eigen::Vector3d> rows;
+  std::vector<double> information, off;
+  for (int k = 0; k < count; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (!(seen.information[at] > 0)) continue;
+    const Point u = sector_direction(k, count);
+    rows.emplace_back(u.x, u.y, 1);
+    information.push_back(static_cast<double>(seen.information[at]));
+    off.push_back(static_cast<double>(seen.deviation[at] - pattern[at]));
+  }
+  std::vector<double> sizes;
+  for (const double d : off) sizes.push_back(std::abs(d));
+  const double most = kHuber * std::max(1e-6, kNormalMad * median(sizes));
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), scatter = normal;
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double weight = information[k] * std::min(1.0, most / std::max(1e-9, std::abs(off[k])));
+    normal += weight * rows[k] * rows[k].transpose();
+    right += weight * off[k] * rows[k];
+  }
+  const Eigen::Matrix3d inverse = normal.inverse();
+  const Eigen::Vector3d step = inverse * right;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double left = std::min(most, std::abs(off[k] - rows[k].dot(step)));
+    scatter += std::max(std::pow(information[k] * left, 2), information[k] * noise_variance) * rows[k] *
+               rows[k].transpose();
+  }
+  const auto sectors = static_cast<double>(rows.size());
+  const Eigen::Matrix3d covariance = sectors / std::max(1.0, sectors - 3) * inverse * scatter * inverse;
+  return {{seen.circle.x + step(0), seen.circle.y + step(1)}, covariance.topLeftCorner<2, 2>()};
+}
+
 RimShape shape_of(const RimSectors& seen, double blur) {
   return {seen.circle.radius, blur, seen.unevenness};
 }

@@ -7,10 +7,11 @@
 // picture of the part is compared, a highlight or a streak that passes along the rim changes levels, not
 // edges. What it costs against a template of a part that does not change is a factor of 1.5 to 2.
 //
-// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - moves each sector's edge alike
-// in all frames: rim_series.h learns it.
+// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - is in the covariance of
+// fix_of().
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -47,9 +48,21 @@ Point sector_direction(int sector, int count);
 /// is seen, or the circle walks away from the start.
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);
 
-/// Whether that is the rim of the same part: its radius, about as round as it was, and an edge of either sign over most of
-/// the way round. Levels do not count: metal that turns under a lamp brightens and darkens.
+/// Whether that is the rim of the same part: its radius, about as round as it was, and an edge of either sign
+/// over most of the way round. Levels do not count: metal that turns under a lamp brightens and darkens.
 bool same_rim(const RimSectors& seen, const RimShape& known);
+
+/// Where the part was in a frame.
+struct RimFix {
+  Point centre;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
+};
+
+/// The circle through the edges less `pattern`, px by sector, what they have in common in all frames. Its
+/// covariance N^-1 (sum i^2 d^2 u u^T) N^-1, i and d the sectors' information and what is left of their
+/// deviations and u their directions, holds whatever makes the rim uneven, as long as sectors err
+/// independently, and is never less than what noise does. Noise in grey levels^2.
+RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double noise_variance);
 
 /// Of what was seen in a frame in which the part is known to be there.
 RimShape shape_of(const RimSectors& seen, double blur);

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/discs/rim_series.h"
+#include "vision/discs/rim_sectors.h"
 #include "vision/edge/optics.h"
 #include "vision/layers/first_pass.h"
 

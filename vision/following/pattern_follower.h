@@ -40,7 +40,7 @@ struct Sighting {
   Point position;
   Pose pose;                                             ///< theta as predicted where the rim alone was seen
   double sigma_theta = 0;                                ///< rad; 0 where theta was not measured
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< zero of a rim: rim_series.h
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< zero of a rim
   double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
   double residual_rms = 0;
   double excess_rms = 0;

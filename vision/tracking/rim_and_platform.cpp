@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "vision/discs/mean_radius.h"
-#include "vision/discs/rim_series.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/platform_motion/motion.h"
@@ -115,6 +114,18 @@ void RimTrack::measure_all(FrameSource& source, std::int64_t first_index, const 
   rows_ = std::move(all);
 }
 
+/// What the rims have in common, by sector: a chamfer's glint, a shadow.
+std::vector<float> RimTrack::pattern_of(const std::vector<Row>& rows) {
+  std::vector<float> pattern, of_sector;
+  for (std::size_t k = 0; !rows.empty() && k < rows.front().rim.deviation.size(); ++k) {
+    of_sector.clear();
+    for (const Row& row : rows)
+      if (row.rim.information[k] > 0) of_sector.push_back(row.rim.deviation[k]);
+    pattern.push_back(2 * of_sector.size() > kFewest ? median(of_sector) : 0);
+  }
+  return pattern;
+}
+
 RimEvidence RimTrack::settle(FrameSource& source, FirstPassResult& result, Track& track) {
   RimEvidence evidence;
   result.by_rim.assign(track.points.size(), false);
@@ -122,9 +133,10 @@ RimEvidence RimTrack::settle(FrameSource& source, FirstPassResult& result, Track
   evidence.frames =
       std::ranges::count(track.points, TrackStatus::ok, [](const TrackPoint& p) { return p.status; });
   const auto fixes = [&] {
-    std::vector<RimFrame> rims;
-    for (const Row& row : rows_) rims.push_back({static_cast<std::int64_t>(row.place), row.rim});
-    return fix_centres(rims, result.noise_variance);
+    const std::vector<float> pattern = pattern_of(rows_);
+    std::vector<RimFix> out;
+    for (const Row& row : rows_) out.push_back(fix_of(row.rim, pattern, result.noise_variance));
+    return out;
   };
   std::vector<RimFix> fixed = fixes();
   Comparison both;

@@ -2,7 +2,7 @@
 //
 // The template is the sharper instrument where the part looks the same in all frames, the rim where it does
 // not (metal that turns under a lamp, a coder's smear). Both are tried on a sample of frames. The rim's
-// variance is that of its sectors among each other (rim_series.h). The template's is what it claims, or,
+// variance is that of its sectors among each other (rim_sectors.h). The template's is what it claims, or,
 // where the two disagree by more than both claim, what the disagreement leaves for it.
 #pragma once
 
@@ -47,6 +47,7 @@ class RimTrack {
     RimSectors rim;
   };
   std::optional<RimSectors> measure(FrameSource& source, std::int64_t index, const Point& centre) const;
+  static std::vector<float> pattern_of(const std::vector<Row>& rows);
   void measure_all(FrameSource& source, std::int64_t first_index, const Track& track);
 
   std::optional<RimShape> shape_;
