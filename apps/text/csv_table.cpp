@@ -153,7 +153,7 @@ std::string plain(std::string_view text) {
 }
 
 std::vector<std::string> words_of(const std::string& text) {
-  constexpr std::string_view kBetween = " \t_/.()[]{},:\"'";
+  constexpr std::string_view kBetween = " \t_/.()[]{},:#\"'";
   std::vector<std::string> words(1);
   for (const char c : text) {
     if (kBetween.find(c) == std::string_view::npos)
@@ -570,6 +570,12 @@ bool CsvTable::next() {
     if (!split(line_text_, form_.separator, cells_))
       fail(fmt::format("has more than {} columns, which no table of measurements has; check the file",
                        kMostColumns));
+    if (!header_.empty() && filled() > header_.size())
+      fail(cells_[header_.size()],
+           fmt::format(
+               "has {} cells under {} columns; is a decimal comma among them? then separate the cells by "
+               "semicolons",
+               filled(), header_.size()));
     return true;
   }
   return false;

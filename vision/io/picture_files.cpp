@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -16,6 +18,7 @@
 
 #include "vision/io/files.h"
 #include "vision/picture.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -279,11 +282,13 @@ class Imgcodecs {
   template <class Function>
   void find(const std::string& name, Function*& function) {
     function = handle_ ? reinterpret_cast<Function*>(dlsym(handle_, name.c_str())) : nullptr;
-    if (!function)
-      throw InputError(fmt::format(
-          "picture files need OpenCV's imgcodecs, which cannot be used here ({}); install Debian's package "
-          "libopencv-imgcodecs{}",
-          dlerror(), version_));
+    if (function) return;
+    const std::string why = dlerror();
+    const bool too_many = why.find(std::strerror(EMFILE)) != std::string::npos;
+    throw InputError(
+        "picture files need OpenCV's imgcodecs, which cannot be used here: " +
+        (too_many ? with_remedy(EMFILE, "")
+                  : fmt::format("{}; install Debian's package libopencv-imgcodecs{}", why, version_)));
   }
   std::string version_ = fmt::format("{}{:02}", CV_VERSION_MAJOR, CV_VERSION_MINOR);
   void* handle_ = dlopen(("libopencv_imgcodecs.so." + version_).c_str(), RTLD_LAZY | RTLD_LOCAL);

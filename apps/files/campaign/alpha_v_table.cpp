@@ -122,7 +122,6 @@ class Columns {
   }
   double si(std::size_t column) const { return columns_[column].si; }
   bool is_angle(std::size_t column) const { return columns_[column].quantity->is_angle(); }
-  std::size_t count() const { return columns_.size(); }
   const std::vector<std::string>& unused() const { return unused_; }
 
  private:
@@ -168,14 +167,7 @@ class Columns {
 /// The cells of one line.
 class Row {
  public:
-  Row(const CsvTable& table, const Columns& columns) : table_(table), columns_(columns) {
-    if (table.filled() > columns.count())
-      table.fail(
-          table.cells()[columns.count()],
-          fmt::format("has {} cells under {} columns; is a decimal comma among them? then separate the "
-                      "cells by semicolons",
-                      table.filled(), columns.count()));
-  }
+  Row(const CsvTable& table, const Columns& columns) : table_(table), columns_(columns) {}
 
   std::string_view text(std::string_view name, bool sd = false) const {
     const auto column = columns_.find(name, sd);

@@ -16,7 +16,7 @@
 namespace tribotrack::apps {
 
 const char* const kScopeLayouts =
-    "the layouts of Rigol, Tektronix, Keysight, Siglent and PicoScope are read, and of any other "
+    "the layouts of Rigol, Tektronix, Keysight, Siglent, PicoScope and Digilent are read, and of any other "
     "oscilloscope a "
     "plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
 

@@ -87,8 +87,9 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
 }
 
 /// "trajectory_1_x", "x_trajectory_1", "position_x", "x1" -> 'x' and "trajectory_1", "", "1"; no axis: 0.
-std::pair<char, std::string> axis_of(const std::string& quantity, std::string_view axes = "xy") {
-  const auto is_axis = [&](char c) { return axes.find(c) != axes.npos; };
+std::pair<char, std::string> axis_of(std::string quantity) {
+  const auto is_axis = [](char c) { return c == 'x' || c == 'y'; };
+  std::ranges::replace(quantity, '-', '_');
   if (quantity.empty()) return {0, ""};
   std::string name;
   char axis = 0;
@@ -101,7 +102,7 @@ std::pair<char, std::string> axis_of(const std::string& quantity, std::string_vi
     axis = quantity.front();
     name = quantity.substr(2);
   }
-  if (is_one_of(name, {"position", "pos", "coord", "coordinate", "centroid", "center", "centre"}))
+  if (is_one_of(name, {"position", "pos", "coord", "coordinate", "centroid", "center", "centre", "axis"}))
     name.clear();
   return {axis, name};
 }

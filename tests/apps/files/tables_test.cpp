@@ -75,6 +75,8 @@ std::vector<Sample> tracks() {
   frames.frame_rate_hz = kRate;
   TrackReading other = frames;
   other.point = "3";
+  TrackReading fifty;
+  fifty.frame_rate_hz = kRate;
   const std::string prose =
       "Recorded on Monday, at 20 degrees; x and y were measured\nwith a new lamp, 3 m away\n\n";
   std::string long_preamble;
@@ -129,6 +131,7 @@ std::vector<Sample> tracks() {
        none},
       {"prose above", prose + "t_s,x_mm,y_mm\n" + in("{},{},{}\n"), none},
       {"a long preamble", long_preamble + "t_s,x_mm,y_mm\n" + in("{},{},{}\n"), none},
+      {"hyphens", "Frame #,X-Position (mm),Y-coordinate (mm)\n" + in("{3},{1},{2}\n"), fifty},
       {"units below", "y;t;x\n(mm);(s);(mm)\n" + in("{2};{0};{1}\n"), none},
       {"units beside, in blanks", "Time (s)  x (mm)  y (mm)\n" + in(" {:.2f}   {:.6f}  {:.6f}\n"), none},
       {"time in the last column", "x_mm,y_mm,t_s\n" + in("{1},{2},{0}\n"), none},
@@ -240,6 +243,8 @@ TEST_F(ForeignTables, ARefusalSaysWhatTheTableHolds) {
   EXPECT_THAT(refusal(alpha_v, other), HasSubstr(holds));
   EXPECT_THAT(refusal(track, "0.1 1 2\n0.2 1 2\n"),
               HasSubstr("it holds rows of 3 columns from line 1 on, separated by blanks"));
+  EXPECT_THAT(refusal(track, "t_s,x_mm,y_mm\n0,00,20,05,3,00\n0,02,20,10,3,01\n"),
+              HasSubstr("x.csv:2:9: has 6 cells under 3 columns; is a decimal comma among them?"));
   EXPECT_THAT(refusal(track, "Dear colleague,\nhere is it\n"), HasSubstr("begins with `Dear colleague,`"));
   EXPECT_THAT(refusal(track, "t,x_mm,y_mm\n00:00:01:03,1,2\n00:00:01:04,1,2\n"),
               HasSubstr("counts frames; export times in s"));
