@@ -439,12 +439,15 @@ void CsvTable::find_form() {
   std::map<std::size_t, std::vector<int>> numbers;  // of lines so long, in each column
   for (const std::string_view line : lines) {
     if (sense(line, form_, cells) <= 0) continue;
+    cells.resize(filled_in(cells));
     ++sizes[cells.size()];
     std::vector<int>& count = numbers[cells.size()];
     count.resize(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) count[k] += number_in(cells[k]).has_value();
   }
-  columns_ = std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })->first;
+  columns_ = std::ranges::max_element(sizes, {}, [](const auto& size) {
+               return std::pair(size.second, size.first);
+             })->first;
   const auto often = [&](int count) { return 2 * count > sizes[columns_]; };
   const std::vector<int>& of_most = numbers[columns_];
   first_number_ = static_cast<std::size_t>(std::ranges::find_if(of_most, often) - of_most.begin());
@@ -513,6 +516,21 @@ void CsvTable::find_header(const Known& known) {
     if (lines[k].comment) remarks_ += lines[k].text;
   }
   skip_head(known);
+  fit_header();
+}
+
+/// Names above the rows, one for each column.
+void CsvTable::fit_header() {
+  std::size_t place = place_;
+  int number = line_;
+  const auto row = line_at(place, number);
+  const std::size_t names = filled_in(header_);
+  // R names the columns, and not the first one of every row, its name in quotes.
+  if (row && row->text.starts_with('"') && names + 1 == columns_)
+    header_.insert(header_.begin(), header_text_.substr(0, 0));
+  if (form_.separator == ' ' && names > columns_ && columns_ > 0)
+    fail(fmt::format("has {} names above {} columns: separate them by tabs or commas where they hold blanks",
+                     names, columns_));
 }
 
 /// What stands between the names and the first row: units, other names for the same columns.
@@ -624,11 +642,14 @@ std::string CsvTable::with_point(std::string_view cell) const {
 double CsvTable::number(std::string_view cell) const {
   const auto value = number_in(cell);
   if (value) return *value;
-  const bool other = number_of(cell, form_.decimal == ',' ? '.' : ',').has_value();
+  std::string plain(cell);
+  std::erase_if(plain, [&](char c) { return c == (form_.decimal == ',' ? '.' : ','); });
+  const bool other = number_of(plain, form_.decimal).has_value();
   fail(cell, fmt::format("`{}` is not a number{}", short_text(cell),
-                         !other                 ? ""
-                         : form_.decimal == ',' ? ": this table has decimal commas"
-                                                : ": this table has decimal points"));
+                         !other ? ""
+                         : form_.decimal == ','
+                             ? ": this table has decimal commas; write thousands without points"
+                             : ": this table has decimal points; write thousands without commas"));
 }
 
 void CsvTable::fail(const std::string& what) const {

@@ -103,6 +103,7 @@ class CsvTable {
   void find_form();
   void find_header(const Known& known);
   void skip_head(const Known& known);
+  void fit_header();
   bool begins_with_number(const Cells& cells) const;
   bool take_units(const Cells& cells);
   Cells names_in(const Line& line) const;

@@ -124,6 +124,7 @@ std::vector<Sample> tracks() {
       {"a spreadsheet, quoted",
        "\"t (s)\",\"x (mm)\",\"y (mm)\"\n" + in("\"{:.2f}\",\"{:.6f}\",\"{:.6f}\"\n", true), none},
       {"a spreadsheet, UTF-16", in_utf_16("t (s)\tx (mm)\ty (mm)\r\n" + in("{}\t{}\t{}\r\n")), none},
+      {"R", "\"t_s\" \"x_mm\" \"y_mm\"\n" + in("\"{3}\" {0} {1} {2}\n"), none},
       {"numpy.savetxt", "# t_s x_mm y_mm\n" + in("{:.18e} {:.18e} {:.18e}\n"), none},
       {"comments anywhere",
        "# t, x, y of the lamp\nt_s,x_mm,y_mm\n% from here on\n0,20,3\n\n# the lamp was moved\n" +
@@ -245,6 +246,8 @@ TEST_F(ForeignTables, ARefusalSaysWhatTheTableHolds) {
               HasSubstr("it holds rows of 3 columns from line 1 on, separated by blanks"));
   EXPECT_THAT(refusal(track, "t_s,x_mm,y_mm\n0,00,20,05,3,00\n0,02,20,10,3,01\n"),
               HasSubstr("x.csv:2:9: has 6 cells under 3 columns; is a decimal comma among them?"));
+  EXPECT_THAT(refusal(track, "Time (s) Disc X Disc Y\n0 1 2\n0.1 1 3\n"),
+              HasSubstr("x.csv:1: has 5 names above 3 columns"));
   EXPECT_THAT(refusal(track, "Dear colleague,\nhere is it\n"), HasSubstr("begins with `Dear colleague,`"));
   EXPECT_THAT(refusal(track, "t,x_mm,y_mm\n00:00:01:03,1,2\n00:00:01:04,1,2\n"),
               HasSubstr("counts frames; export times in s"));

@@ -118,12 +118,14 @@ TEST(CsvTable, TheRowsOfNumbersTellSeparatorAndDecimalSign) {
 TEST(CsvTable, NoNumberIsReadInTheOtherDecimalSign) {
   CsvTable commas = table_of("a;b\n0,5;1,5\n0,5;1.234\n");
   commas.next(), commas.next();
-  EXPECT_EQ(complaint_of([&] { commas.number(commas.cells()[1]); }),
-            "t.csv:3:5: `1.234` is not a number: this table has decimal commas");
+  EXPECT_EQ(
+      complaint_of([&] { commas.number(commas.cells()[1]); }),
+      "t.csv:3:5: `1.234` is not a number: this table has decimal commas; write thousands without points");
   CsvTable points = table_of("a;b\n0.5;1.5\n0.5;1,234\n");
   points.next(), points.next();
-  EXPECT_EQ(complaint_of([&] { points.number(points.cells()[1]); }),
-            "t.csv:3:5: `1,234` is not a number: this table has decimal points");
+  EXPECT_EQ(
+      complaint_of([&] { points.number(points.cells()[1]); }),
+      "t.csv:3:5: `1,234` is not a number: this table has decimal points; write thousands without commas");
 }
 
 TEST(CsvTable, UnitsStandInTheNamesOrBelow) {
