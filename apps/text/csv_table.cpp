@@ -82,7 +82,8 @@ std::string angle_slip(double radians) {
 }
 
 std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  const bool comment = text.find_first_of("#%!/") == 0;  // it would be read as one
+  if (!comment && text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string cell = "\"";
   for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
   return cell + "\"";
@@ -345,7 +346,7 @@ Cells with_units_joined(const Cells& cells) {
 }
 
 bool is_comment(std::string_view line) {
-  line = trimmed(line);
+  line = trimmed(line, " \t\r");  // what stands in quotes is a cell
   return (line.starts_with('#') && !line.starts_with("#N/A") && !line.starts_with("#NV")) ||
          line.starts_with('%') || line.starts_with('!') || line.starts_with("//") ||
          (line.starts_with("sep=") && line.size() == 5);

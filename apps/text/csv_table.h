@@ -10,7 +10,7 @@
 
 namespace tribotrack::apps {
 
-/// Text as a cell of a CSV file (RFC 4180): in quotes only where it needs them.
+/// Text as a cell of a CSV file (RFC 4180): in quotes only where it needs them, or would begin a comment.
 std::string csv_cell(const std::string& text);
 
 // The heading of a table's column as people write it: "alpha_sd_deg", "v (mm/s)", "sigma x [px]".

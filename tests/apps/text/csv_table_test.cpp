@@ -180,6 +180,14 @@ TEST(CsvTable, WhatItHoldsIsSaid) {
             "t.csv:1: has more than 4096 columns, which no table of measurements has; check the file");
 }
 
+TEST(CsvTable, ANameIsNoComment) {
+  CsvTable table = table_of("a,v\n" + csv_cell("#1") + ",2\n#2,2\n" + csv_cell("plain") + ",3\n");
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.cells()[0], "#1");
+  ASSERT_TRUE(table.next());
+  EXPECT_EQ(table.cells()[0], "plain");
+}
+
 TEST(CsvTable, NoSeparatorCountsWithinQuotes) {
   CsvTable table = table_of("a,v\n\"a, \"\"b\"\"\",2\n\"open,3\n");
   table.next();
