@@ -13,6 +13,7 @@
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/pipeline/campaign_runner.h"
 #include "apps/pipeline/fit_campaign.h"
+#include "apps/pipeline/manifest.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/report/report.h"
@@ -263,6 +264,18 @@ void add_report(CLI::App& app, Context& context) {
                             {"tables_folder", tables->empty() ? Json() : Json(*tables)},
                             {"missing", report.missing}}));
   });
+}
+
+// tribotrack verify: do the results in a folder belong together?
+
+void add_verify(CLI::App& app, Context& context) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App& command = *app.add_subcommand(
+      "verify",
+      "Whether report, fit, tracks and recordings belong together; exit 3 names what does not match");
+  command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
+  add_common(command, context, "  tribotrack verify out");
+  command.callback([folder] { print("{}: all {} files are those of its run\n", *folder, verify(*folder)); });
 }
 
 }  // namespace tribotrack::apps

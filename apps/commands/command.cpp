@@ -66,6 +66,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_measure(app, context);
   add_fit(app, context);
   add_report(app, context);
+  add_verify(app, context);
   add_probe(app, context);
   add_calibrate(app, context);
   add_simulate(app, context);

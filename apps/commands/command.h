@@ -27,6 +27,7 @@ void add_track(CLI::App& app, Context& context);
 void add_measure(CLI::App& app, Context& context);
 void add_fit(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
+void add_verify(CLI::App& app, Context& context);
 void add_paper(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);

@@ -105,6 +105,11 @@ void add_measure(CLI::App& app, Context& context) {
       .add_option("--track-y", options->track_y,
                   "Where its y points: up or down (default: down in pixels, up in lengths)")
       ->check(one_of({"up", "down"}));
+  command
+      .add_option(
+          "--track-frame", options->reading.frame,
+          "Its positions are relative to the platform or to the camera (default: camera without a mark)")
+      ->check(one_of({"platform", "camera"}));
   command.add_option("--track-point", options->reading.point, "Which of its points is the part")
       ->type_name("NAME");
   command.add_option("--track-mark", options->reading.mark, "Which of its points is fixed to the platform")

@@ -281,7 +281,7 @@ void init(const InitOptions& options, const Context& context) {
         fmt::format("{}: exists already and is not overwritten; give another folder", file.string()));
   const CampaignDraft draft = draft_for(options, context);
   create_folder(options.folder);
-  write_file(file, toml_of(draft));
+  write_campaign(file, toml_of(draft));
   if (options.json)
     print_text(text_of(Json{{"campaign", file.string()},
                             {"runs", draft.runs.size()},

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <numbers>
@@ -125,7 +126,30 @@ void note_digits(const StrictTable& table, const KeyFacts& key, Digits& digits) 
       digits[key.name] = sd;
 }
 
-std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name) {
+namespace {
+
+/// Beyond what any laboratory has: a slip, which the fit would take at its word. By the unit in the key's
+/// name.
+void require_sense(const StrictTable& table, const std::string& name, double value) {
+  struct Most {
+    std::string_view unit, text;
+    double value;
+  };
+  constexpr std::array kMost = {Most{"_mm_s", "mm/s", 1e7}, Most{"_rad_s", "rad/s", 1e10},
+                                Most{"_m_s2", "m/s2", 1e4}, Most{"_mm_per_px", "mm/px", 1e3},
+                                Most{"_mm", "mm", 1e6},     Most{"_hz", "Hz", 1e10},
+                                Most{"_s", "s", 1e7}};
+  const std::string key = "_" + (name.ends_with("_sd") ? name.substr(0, name.size() - 3) : name);
+  for (const Most& most : kMost) {
+    if (!key.ends_with(most.unit)) continue;
+    if (std::abs(value) > most.value)
+      table.fail(name, fmt::format("cannot be {:g}: nothing here has more than {:g} {}", value, most.value,
+                                   most.text));
+    return;
+  }
+}
+
+std::optional<double> number_of(StrictTable& table, const Kind& kind, const std::string& name) {
   switch (kind.form) {
     case Kind::above_zero:
       return table.positive(name);
@@ -139,6 +163,14 @@ std::optional<double> read_number(StrictTable& table, const Kind& kind, const st
     default:
       return table.number(name);
   }
+}
+
+}  // namespace
+
+std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name) {
+  const auto value = number_of(table, kind, name);
+  if (value) require_sense(table, name, *value);
+  return value;
 }
 
 namespace {

@@ -54,7 +54,9 @@ void require_known_schema(const Json& meta, const std::filesystem::path& file) {
 void write_result(const fs::path& path, std::string_view text, const MetaFile& meta) {
   if (is_standard_output(path)) return print_text(text);
   write_file(path, text);
-  meta.write_beside(path);
+  MetaFile with_hash = meta;
+  with_hash.more["result_xxh3_128"] = hash_of_text(text);
+  with_hash.write_beside(path);
 }
 
 Json json_of(const vision::TimeBase& time_base) {

@@ -89,6 +89,8 @@ struct RunFolder {
 
   /// The files here that a report is made from.
   std::vector<std::filesystem::path> files_of_report() const;
+  /// What is there of a run, its meta file last.
+  std::vector<std::filesystem::path> files_of(const std::string& run) const;
   /// Moves what belongs to runs that are none of `names` into aside(), where a table of tracks/*.csv does not
   /// find it. Only what has a meta file is a run's. Returns their names, in order. Throws InvalidInput.
   std::vector<std::string> put_aside_all_but(const std::vector<std::string>& names) const;
@@ -97,7 +99,6 @@ struct RunFolder {
 
  private:
   std::vector<std::string> runs() const;
-  std::vector<std::filesystem::path> files_of(const std::string& run) const;
 };
 
 /// The right to write into a run folder, for one process at a time: an advisory lock on DIR/.lock, which the

@@ -177,7 +177,7 @@ Track track_from(const JsonPlace& meta) {
 }  // namespace
 
 Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path& path) {
-  track.table.platform_frame = rows.has_marker;
+  track.table.platform_frame = rows.has_marker || (!track.imported.empty() && !track.in_camera_frame);
   track.table.exposure = track.exposure_s.value_or(0);
   track.table.radius = track.disc_radius_px * track.mm_per_px.value_or(0) * 1e-3;
   for (const vision::SlowPart& part : track.slow)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -77,12 +78,18 @@ void put_millimetres(TrackRow& row, const vision::PlacedPoint& point, bool plane
   row.marker_sigma_mm = as_written(point.marker_sigma_mm);
 }
 
+int known_in(const Cells& cells) {
+  return static_cast<int>(std::ranges::count_if(cells, [](std::string_view cell) {
+    return cell == "frame" || cell == "time_s" || std::ranges::count(kColumns, cell, &Column::name) > 0;
+  }));
+}
+
 /// Where each column stands in a file; a column that is not there has no place.
 class Places {
  public:
   explicit Places(const CsvTable& table) {
     const auto place_of = [&](std::string_view name) -> std::optional<std::size_t> {
-      const auto& cells = table.cells();
+      const Cells& cells = table.header();
       for (std::size_t k = 0; k < cells.size(); ++k)
         if (cells[k] == name) return k;
       return std::nullopt;
@@ -90,13 +97,10 @@ class Places {
     const auto demand = [&](std::string_view name) {
       const auto place = place_of(name);
       if (!place)
-        table.fail(fmt::format("has no column `{}`; a track has {}{}", name, header_of({}),
-                               table.separated_by_semicolons()
-                                   ? ", separated by commas: save it with commas and decimal points"
-                                   : ""));
+        table.fail(fmt::format("has no column `{}`: {}; a track has {}", name, table.holds(), header_of({})));
       return *place;
     };
-    columns_ = table.cells().size();
+    columns_ = table.header().size();
     frame_ = demand("frame");
     time_ = demand("time_s");
     for (const char* needed : {"status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"}) demand(needed);
@@ -225,8 +229,8 @@ std::string track_csv(const TrackRows& table) {
 }
 
 TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
-  CsvTable csv(path, std::move(text));
-  if (!csv.next())
+  CsvTable csv(path, std::move(text), known_in);
+  if (csv.holds() == "it is empty")
     throw InvalidInput(
         fmt::format("{}: is not a track: it is empty; make one with `tribotrack track`", path.string()));
   const Places places(csv);

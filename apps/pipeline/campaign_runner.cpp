@@ -12,6 +12,7 @@
 #include "apps/campaign/fit_json.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/pipeline/job.h"
+#include "apps/pipeline/manifest.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/check.h"
@@ -128,10 +129,10 @@ void CampaignRunner::print_plan() const {
     if (run.video) {
       if (!may_be_recording(*run.video))
         step = fmt::format("cannot: there is no recording {}", run.video->string());
+      else if (const auto why = why_outdated(run, checked(recording_of(campaign_, run))))
+        step = why->empty() ? "track, measure" : "track again, measure: " + *why;
       else
-        step = is_complete(run, checked(recording_of(campaign_, run)).key)
-                   ? "skip tracking: its track is current"
-                   : "track, measure";
+        step = "skip tracking: its track is current";
     }
     print("{:<28} {}\n", run.name, step);
   }
@@ -184,8 +185,10 @@ void CampaignRunner::measure() {
 Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frames_done, Run::Log& log) const {
   const fs::path csv = folder_.track(given.name);
   Recording recording = checked_recording(campaign_, given);
-  log.skipped = is_complete(given, recording.key);
+  const auto why = why_outdated(given, recording);
+  log.skipped = !why;
   if (log.skipped) return read_track_file(csv);
+  log.again = *why;
   recording.options.progress = frames_done;
   // Runs are shared among the threads; where there are fewer runs than threads, a run takes several.
   const std::size_t to_track = options_.new_recordings > 0 ? options_.new_recordings : campaign_.runs.size();
@@ -202,9 +205,12 @@ Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frame
   return track;
 }
 
-bool CampaignRunner::is_complete(const CampaignRun& run, const std::string& key) const {
-  return is_current(folder_.track(run.name), key) && fs::exists(folder_.first_frame(run.name)) &&
-         (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
+std::optional<std::string> CampaignRunner::why_outdated(const CampaignRun& run,
+                                                        const Recording& recording) const {
+  const auto why = apps::why_outdated(folder_.track(run.name), recording);
+  const bool pictures = fs::exists(folder_.first_frame(run.name)) &&
+                        (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
+  return why || pictures ? why : std::optional<std::string>("its pictures are to be drawn");
 }
 
 void CampaignRunner::write_pictures(const CampaignRun& run, const Recording& recording) const {
@@ -259,10 +265,22 @@ void CampaignRunner::write_log() const {
   for (const Run& run : fitted_.runs)
     json["runs"].push_back({{"name", run.given.name},
                             {"skipped_as_current", run.log.skipped},
+                            {"made_again", run.log.again},
                             {"seconds", run.log.seconds},
                             {"frames_per_second", run.log.frames_per_second},
                             {"stage_seconds", run.log.stage_seconds},
                             {"failure", run.failure}});
+  std::vector<Input> inputs = {campaign_.input};
+  inputs.insert(inputs.end(), campaign_.table_inputs.begin(), campaign_.table_inputs.end());
+  std::vector<std::string> names;
+  for (const Run& run : fitted_.runs) {
+    if (!run.failure.empty()) continue;
+    names.push_back(run.given.name);
+    if (run.track) inputs.insert(inputs.end(), run.track->recorded_in.begin(), run.track->recorded_in.end());
+    for (const Input& input : run.inputs)
+      if (input.path != folder_.track(run.given.name)) inputs.push_back(input);
+  }
+  json["manifest"] = manifest_of(folder_, names, inputs);
   write_file(folder_.log(), text_of(json));
 }
 
@@ -280,6 +298,9 @@ void CampaignRunner::say_what_happened() const {
   if (skipped > 0)
     say(context_.quiet,
         fmt::format("{} of {} tracks were current and were kept", skipped, fitted_.runs.size()));
+  for (const Run& run : fitted_.runs)
+    if (!run.log.again.empty())
+      say(context_.quiet, fmt::format("note: {} was tracked again: {}", run.given.name, run.log.again));
   if (failed() > 0) {
     complain(fmt::format("{} of {} runs failed and were left out", failed(), fitted_.runs.size()));
     context_.exit_code = kQualityGate;

@@ -55,7 +55,7 @@ class CampaignRunner {
 
  private:
   Track track_of(const CampaignRun& given, const FramesDone& frames_done, Run::Log& log) const;
-  bool is_complete(const CampaignRun& run, const std::string& key) const;
+  std::optional<std::string> why_outdated(const CampaignRun& run, const Recording& recording) const;
   void write_pictures(const CampaignRun& run, const Recording& recording) const;
   void name_failed(const std::vector<Run>& runs) const;
 

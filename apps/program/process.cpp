@@ -41,9 +41,22 @@ namespace {
 
 }  // namespace
 
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    const auto c = static_cast<unsigned char>(shown[k]);
+    const bool wide = c == 0xC2 && k + 1 < shown.size() &&
+                      (static_cast<unsigned char>(shown[k + 1]) & 0xE0) == 0x80;  // U+0080 ...
+    if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7F || wide) shown[k] = '?';
+    if (wide) shown.erase(k + 1, 1);
+  }
+  return shown;
+}
+
 void print_text(std::string_view text) {
+  const std::string shown = printable(text);
   errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail();
+  if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size()) fail();
 }
 
 void flush_output() {
@@ -52,18 +65,12 @@ void flush_output() {
 }
 
 void print_error(std::string_view line) {
-  std::string text(line);
-  text += '\n';
+  const std::string text = printable(line) + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
 void complain(std::string_view message) {
-  std::string shown(message);
-  const auto controls_terminals = [](unsigned char c) {
-    return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F;
-  };
-  std::ranges::replace_if(shown, controls_terminals, '?');  // messages repeat what a damaged file holds
-  print_error(fmt::format("tribotrack: {}", shown));
+  print_error(fmt::format("tribotrack: {}", message));
 }
 
 void occupy_standard_streams() {
@@ -111,8 +118,8 @@ bool ProgressLine::is_due(bool last) const {
 void ProgressLine::show(std::string_view line) {
   last_ = steady_clock::now();
   shown_ = true;
-  const std::string text =
-      style_ == ProgressStyle::rewritten ? fmt::format("\r\033[K{}", line) : fmt::format("{}\n", line);
+  const std::string text = style_ == ProgressStyle::rewritten ? fmt::format("\r\033[K{}", printable(line))
+                                                              : printable(line) + "\n";
   std::fputs(text.c_str(), to_);
   std::fflush(to_);
 }

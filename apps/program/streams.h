@@ -16,7 +16,10 @@ class WriteError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Results, to stdout. Throws WriteError.
+/// Without what controls a terminal, `?` in its place: texts repeat what a recording or a file name holds.
+std::string printable(std::string_view text);
+
+/// Results, printable, to stdout. Throws WriteError.
 void print_text(std::string_view text);
 
 template <class... Values>
@@ -27,7 +30,7 @@ void print(fmt::format_string<Values...> format, Values&&... values) {
 /// Throws WriteError unless everything printed so far has been taken. Called once, before the program ends.
 void flush_output();
 
-/// A line for people, to stderr. Failures are ignored: there is nowhere left to report them.
+/// A line for people, printable, to stderr. Failures are ignored: there is nowhere left to report them.
 void print_error(std::string_view line);
 
 /// "tribotrack: message" on stderr.

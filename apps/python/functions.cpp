@@ -90,6 +90,7 @@ apps::TrackReading reading_of(const py::dict& options) {
   reading.unit = one_of("track_unit", {"px", "um", "mm", "cm", "m"});
   const std::string y = one_of("track_y", {"up", "down"});
   if (!y.empty()) reading.y = y == "up" ? apps::TrackReading::YAxis::up : apps::TrackReading::YAxis::down;
+  reading.frame = one_of("track_frame", {"platform", "camera"});
   reading.point = text_in(options, "track_point");
   reading.mark = text_in(options, "track_mark");
   reading.mm_per_px = above_zero("mm_per_px");

@@ -17,6 +17,7 @@
 #include "apps/recording/check.h"
 #include "apps/recording/record.h"
 #include "apps/recording/track.h"
+#include "apps/text/input_file.h"
 #include "apps/text/output_file.h"
 #include "vision/frame_source.h"
 #include "vision/overlay.h"
@@ -151,6 +152,7 @@ Tracked finished(apps::Recording recording, const Files& files) {
   if (!files.overlay.empty()) apps::write_overlay_file(files.overlay, recording);
   if (!files.output.empty()) apps::write_track(files.output, recording);
   apps::Json meta = apps::meta_of(recording).json();
+  meta["result_xxh3_128"] = apps::hash_of_text(apps::track_csv(recording.rows));  // as write_result() adds it
   std::string failure = apps::gate_failure(recording);
   return {std::move(recording.rows), std::move(meta), std::move(failure)};
 }

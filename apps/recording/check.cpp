@@ -10,6 +10,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/files/track_file.h"
 #include "apps/program/errors.h"
+#include "apps/usage/commit.h"
 
 namespace tribotrack::apps {
 
@@ -129,16 +130,29 @@ Recording checked_in_memory(Recording recording) {
   return with_inputs(std::move(recording), {calibration});
 }
 
-bool is_current(const std::filesystem::path& csv, const std::string& key) {
+std::optional<std::string> why_outdated(const std::filesystem::path& csv, const Recording& recording) {
   const std::filesystem::path meta = csv.string() + ".meta.json";
-  if (!std::filesystem::exists(csv) || !std::filesystem::exists(meta)) return false;
+  if (!std::filesystem::exists(csv) && !std::filesystem::exists(meta)) return "";
+  if (!std::filesystem::exists(csv)) return "its table was gone";
+  if (!std::filesystem::exists(meta)) return "its meta file was gone";
+  Json json;
   try {
-    const Json json = read_json(meta);
+    json = read_json(meta);
     track_described_by(json, meta);  // throws where it is damaged
-    return json.value("key", Json()) == key;
   } catch (const InvalidInput&) {
-    return false;  // damaged, or not ours: track again
+    return "its meta file was damaged";
   }
+  if (json.value("revision", Json()) != source_revisions().at("track"))
+    return "another revision of this program had made it";
+  if (json.value("key", Json()) != recording.key) return "its recording or its settings have changed";
+  if (json.value("result_xxh3_128", Json()) != hashed_input(csv).xxh3_128)
+    return "its table was changed after it was written";
+  // Of a large recording a sample is hashed: what was written into it since may lie between.
+  if (!recording.inputs.front().hashed.empty())
+    for (const std::filesystem::path& file : files_of_input(recording.video))
+      if (std::filesystem::last_write_time(file) > std::filesystem::last_write_time(csv))
+        return "its recording was written to after it";
+  return std::nullopt;
 }
 
 void require_trackable(const Recording& recording, const vision::SourceInfo& info) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "apps/recording/recording.h"
@@ -16,8 +17,9 @@ Recording checked(Recording recording);
 /// The same for frames that are in memory already: there is nothing to hash but a calibration, and no key.
 Recording checked_in_memory(Recording recording);
 
-/// Is csv there with a meta file of this key?
-bool is_current(const std::filesystem::path& csv, const std::string& key);
+/// Why the track in csv is not that of a recording just checked: edited, of other settings, of another
+/// recording or revision of this program; empty where there is none. Nothing where it is the one.
+std::optional<std::string> why_outdated(const std::filesystem::path& csv, const Recording& recording);
 
 /// What the recording itself says against what was given of it. Throws vision::InputError where its frame
 /// rate is unknown, with the flag to give, UsageError for a template scaled by a diameter, InvalidInput for

@@ -4,6 +4,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
+#include "apps/usage/commit.h"
 #include "vision/frame_sink.h"
 #include "vision/overlay.h"
 
@@ -47,7 +48,10 @@ MetaFile meta_of(const Recording& recording) {
   meta.command = "track";
   meta.inputs = recording.inputs;
   meta.configuration = recording.configuration;
-  if (!recording.key.empty()) meta.more["key"] = recording.key;
+  if (!recording.key.empty()) {
+    meta.more["key"] = recording.key;
+    meta.more["revision"] = source_revisions().at("track");
+  }
   meta.more["time_base"] = json_of(recording.info().time_base);
   meta.more["recording"] = {{"format", recording.info().format},
                             {"codec", recording.info().codec},

@@ -46,6 +46,7 @@ struct Run {
   /// How the work went, for run.json.
   struct Log {
     bool skipped = false;  ///< its track was current
+    std::string again;     ///< why it was not, where there was one
     double seconds = 0, frames_per_second = 0;
     Json stage_seconds = Json::object();  ///< of tracking
   } log;

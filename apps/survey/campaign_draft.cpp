@@ -12,6 +12,8 @@
 #include "apps/program/progress.h"
 #include "apps/survey/survey_text.h"
 #include "apps/text/input_file.h"
+#include "apps/text/output_file.h"
+#include "apps/text/strict_toml.h"
 #include "fit/motion.h"
 #include "model/parallel.h"
 #include "vision/survey.h"
@@ -38,6 +40,7 @@ struct Look {
 Look look_at(const fs::path& recording, const std::optional<double>& fps) {
   Look look;
   try {
+    toml_text(recording.filename().string());
     const auto source = vision::open_source(recording, {fps});
     look.info = source->info();
     look.seen = vision::survey(*source);
@@ -77,15 +80,6 @@ std::optional<fit::ShownMotion> motion_in(const fs::path& recording, const Look&
   }
 }
 
-std::string quoted_toml(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
 std::string relative_to(const fs::path& recording, const fs::path& folder) {
   const fs::path relative =
       fs::absolute(recording).lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal());
@@ -105,7 +99,7 @@ std::optional<vision::Circle> common_place(const std::vector<std::optional<visio
 
 DraftValue angle_guess(const std::string& text) {
   return text.empty() ? DraftValue{"\"0deg\"", "not in the recording's name: fill it in", true}
-                      : DraftValue{text.ends_with("deg") ? quoted_toml(text) : text, "guess: by the name"};
+                      : DraftValue{text.ends_with("deg") ? toml_text(text) : text, "guess: by the name"};
 }
 
 /// A trace of the same name beside the recording.
@@ -153,7 +147,7 @@ bool slides(const Look& look, const NameGuess& guess) {
 DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
                   const DraftOptions& options) {
   DraftTable run;
-  run["video"] = {quoted_toml(relative_to(recording, options.folder)), ""};
+  run["video"] = {toml_text(relative_to(recording, options.folder)), ""};
   if (slides(look, guess)) {
     run["kind"] = {"\"free_slide\"",
                    guess.free_slide ? "guess: by the name" : "guess: the part is seen to slide"};
@@ -167,7 +161,7 @@ DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& 
   }
   place_part(look.seen, run);
   if (const auto trace = trace_beside(recording))
-    run["scope"] = {quoted_toml(relative_to(*trace, options.folder)), "guess: by the name"};
+    run["scope"] = {toml_text(relative_to(*trace, options.folder)), "guess: by the name"};
   return run;
 }
 
@@ -242,7 +236,7 @@ void place_frame_rate(CampaignDraft& draft, const std::vector<Look>& looks,
 
 std::string line_of(const std::string& key, const DraftValue& value) {
   const std::string line = fmt::format("{}{} = {}", value.missing ? "# " : "", key, value.value);
-  return value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, value.why);
+  return value.why.empty() ? line + "\n" : fmt::format("{:<44}  # {}\n", line, toml_comment(value.why));
 }
 
 /// All that a section may hold: the draft's values, the others as comments with an example.
@@ -387,8 +381,10 @@ std::string toml_of(const CampaignDraft& draft) {
       "# KEY_sd is the standard deviation of KEY: the intervals count it; a value without one is taken as "
       "exact.\n"
       "# What is given and also seen in the recordings is compared. All keys: tribotrack help campaign\n";
-  for (const std::string& missing : draft.missing) text += fmt::format("# TO FILL IN: {}\n", missing);
-  for (const std::string& left_out : draft.left_out) text += fmt::format("# LEFT OUT: {}\n", left_out);
+  for (const std::string& missing : draft.missing)
+    text += fmt::format("# TO FILL IN: {}\n", toml_comment(missing));
+  for (const std::string& left_out : draft.left_out)
+    text += fmt::format("# LEFT OUT: {}\n", toml_comment(left_out));
   text += "\n";
   for (const CampaignSection& section : campaign_sections()) {
     if (section.repeated) continue;
@@ -396,6 +392,11 @@ std::string toml_of(const CampaignDraft& draft) {
     text += section_text(section, found == draft.tables.end() ? DraftTable{} : found->second);
   }
   return text + runs_text(draft);
+}
+
+void write_campaign(const fs::path& file, const std::string& text) {
+  StrictTable::parse(text, file.string());
+  write_file(file, text);
 }
 
 }  // namespace tribotrack::apps

@@ -46,6 +46,10 @@ CampaignDraft draft_of(const std::vector<std::filesystem::path>& recordings, con
 /// A [[run]] of it, with an empty line before.
 std::string toml_of_run(const DraftTable& run);
 
+/// Writes a campaign that can be read. Throws InvalidInput where its text cannot; then the file stays as it
+/// was.
+void write_campaign(const std::filesystem::path& file, const std::string& text);
+
 /// The campaign as TOML. Keys that the draft does not fill in are comments with an example.
 std::string toml_of(const CampaignDraft& draft);
 

@@ -30,12 +30,6 @@ struct Written {
 const std::string kNumber = R"(([+-]?[0-9]+(?:[.][0-9]+|p[0-9]+(?=[^0-9a-z]|$|deg|rad))?))";
 const std::string kUnit = R"([ _]?(deg(?:rees)?|rad)?(?![a-z]))";
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 Written written(const std::string& number, const std::string& unit) {
   Written result{number, Unit::unknown};
   std::ranges::replace(result.digits, 'p', '.');

@@ -17,4 +17,7 @@ std::string angle_slip(double radians);
 /// A plain finite number, the whole of the text. nullopt otherwise.
 std::optional<double> parse_number(std::string_view text);
 
+/// In small letters, those of ASCII.
+std::string lower(std::string_view text);
+
 }  // namespace tribotrack::apps

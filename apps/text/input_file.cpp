@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -13,8 +14,10 @@
 #include <regex>
 
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 #include "apps/text/toml_slips.h"
 #include "vision/frame_source.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::apps {
 
@@ -31,9 +34,11 @@ class Hasher {
   Hasher() { XXH3_128bits_reset(state_.get()); }
 
   void add(const fs::path& path, const Sampling& sampling) {
+    errno = 0;
     std::ifstream stream(path, std::ios::binary);
     if (!stream)
-      throw InvalidInput(fmt::format("{}: cannot be read; check its name and permissions", path.string()));
+      throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(),
+                                     vision::with_remedy(errno, "check its name and permissions")));
     std::error_code not_known;
     const std::uint64_t size = fs::file_size(path, not_known);
     if (not_known || size <= sampling.whole_up_to)
@@ -99,9 +104,7 @@ std::string hash_of_text(std::string_view text) {
 namespace {
 
 std::string suffix_of(const std::filesystem::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return suffix;
+  return lower(path.extension().string());
 }
 
 }  // namespace

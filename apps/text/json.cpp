@@ -130,11 +130,6 @@ std::string text_of(const Json& json) {
 }
 
 Json read_json(const std::filesystem::path& path) {
-  constexpr std::uintmax_t largest = std::uintmax_t{256} << 20;  // of a campaign's longest fit: some 10 MB
-  std::error_code missing;
-  if (std::filesystem::file_size(path, missing) > largest && !missing)
-    throw InvalidInput(fmt::format(
-        "{}: is larger than 256 MB, which no file of this program is; check its name", path.string()));
   return parse_json(read_text(path), path.string());
 }
 

@@ -4,14 +4,16 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <numeric>
-#include <sstream>
 
 #include "apps/program/errors.h"
+#include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/toml_slips.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::apps {
 
@@ -152,16 +154,52 @@ void put_into(toml::table& to, const Json& object, const std::string& place, int
 
 }  // namespace
 
+std::string toml_text(std::string_view text) {
+  if (!encoding_slip(text).empty() && text.find('\0') == text.npos)
+    throw InvalidInput(
+        fmt::format("{}: is no name in UTF-8, as a campaign is written; rename it", printable(text)));
+  std::string quoted = "\"";
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
+      quoted += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    else
+      quoted += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+  return quoted + "\"";
+}
+
+std::string toml_comment(std::string_view text) {
+  std::string comment = printable(text);
+  std::ranges::replace(comment, '\n', ' ');
+  if (!encoding_slip(comment).empty())
+    std::ranges::replace_if(
+        comment, [](char c) { return static_cast<signed char>(c) < 0; }, '?');
+  return comment;
+}
+
 std::string read_text(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw InvalidInput(fmt::format("{}: there is no such file; check its name", file.string()));
+  constexpr std::size_t kLargest = std::size_t{256} << 20;  // of a campaign's longest fit: some 10 MB
+  const auto refuse = [&](const std::string& why) {
+    throw InvalidInput(fmt::format("{}: {}", file.string(), why));
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) refuse("there is no such file; check its name");
+  if (std::filesystem::is_directory(status)) refuse("is a folder; name a file in it");
+  if (!std::filesystem::is_regular_file(status))
+    refuse("is a fifo or a device, which may never end; save what it gives as a file");
+  errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  if (std::filesystem::is_directory(file))
-    throw InvalidInput(fmt::format("{}: is a folder; name a file in it", file.string()));
-  if (!stream) throw InvalidInput(fmt::format("{}: cannot be read; give a text file", file.string()));
-  std::ostringstream content;
-  content << stream.rdbuf();
-  return content.str();
+  if (!stream) refuse("cannot be read: " + vision::with_remedy(errno, "check its permissions"));
+  std::string content(std::min<std::uintmax_t>(std::filesystem::file_size(file, error), kLargest) + 1, 0);
+  for (std::size_t size = 0;; content.resize(2 * content.size())) {
+    stream.read(content.data() + size, static_cast<std::streamsize>(content.size() - size));
+    size += static_cast<std::size_t>(stream.gcount());
+    if (size > kLargest)
+      refuse("is larger than 256 MB, which no text of measurements is; check its name, or cut it");
+    if (size == content.size()) continue;
+    content.resize(size);
+    return content;
+  }
 }
 
 StrictTable StrictTable::read(const std::filesystem::path& file) {
@@ -169,6 +207,10 @@ StrictTable StrictTable::read(const std::filesystem::path& file) {
 }
 
 StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
+  constexpr std::size_t kLargest = std::size_t{16} << 20;
+  if (text.size() > kLargest)
+    throw InvalidInput(name +
+                       ": is larger than 16 MB, which no campaign, scenario or scene is; check its name");
   if (const std::string encoding = encoding_slip(text); !encoding.empty())
     throw InvalidInput(name + encoding);
   require_shallow_keys(text, name);

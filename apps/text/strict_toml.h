@@ -69,7 +69,13 @@ class StrictTable {
   std::shared_ptr<Node> node_;
 };
 
-/// The content of a text file. Throws InvalidInput.
+/// A text in the quotes of TOML, in which it reads back. Throws InvalidInput where it is not UTF-8.
+std::string toml_text(std::string_view text);
+
+/// A text for a comment: on one line, UTF-8, nothing in it that controls a terminal.
+std::string toml_comment(std::string_view text);
+
+/// The content of a text file, 256 MB at most. Throws InvalidInput, for a fifo or a device too.
 std::string read_text(const std::filesystem::path& file);
 
 /// The nearest of `words` to `word` by edit distance; empty when none is near.

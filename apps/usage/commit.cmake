@@ -1,4 +1,5 @@
-# Writes OUTPUT, which defines source_commit(); leaves it alone where it says the same already, so that nothing is compiled anew.
+# Writes OUTPUT, which defines source_commit() and source_revisions(); leaves it alone where it says the same already, so that
+# nothing is compiled anew.
 # Use: cmake -DSOURCE=... -DOUTPUT=... -P commit.cmake
 set(commit "")
 find_program(git git)
@@ -10,7 +11,28 @@ if(git AND EXISTS "${SOURCE}/.git")
     string(APPEND commit "+")
   endif()
 endif()
-set(text "#include \"apps/usage/commit.h\"\n\nconst char* tribotrack::apps::source_commit() {\n  return \"${commit}\";\n}\n")
+function(revision_of stage)
+  set(hashes "")
+  foreach(folder IN LISTS ARGN)
+    file(GLOB_RECURSE files LIST_DIRECTORIES false RELATIVE "${SOURCE}" "${SOURCE}/${folder}/*.cpp" "${SOURCE}/${folder}/*.h")
+    list(SORT files)
+    foreach(file IN LISTS files)
+      file(SHA1 "${SOURCE}/${file}" hash)
+      string(APPEND hashes "${file} ${hash}\n")
+    endforeach()
+  endforeach()
+  string(SHA1 revision "${hashes}")
+  string(SUBSTRING "${revision}" 0 16 revision)
+  set(revisions "${revisions}{\"${stage}\", \"${revision}\"}, " PARENT_SCOPE)
+endfunction()
+set(revisions "")
+revision_of(track vision apps/recording)
+revision_of(measure fit/measuring apps/measuring apps/files/tracks apps/files/traces)
+revision_of(fit model fit apps/campaign)
+revision_of(report apps/report apps/page apps/figures)
+set(text "#include \"apps/usage/commit.h\"\n\nconst char* tribotrack::apps::source_commit() {\n  return \"${commit}\";\n}\n
+const std::map<std::string, std::string>& tribotrack::apps::source_revisions() {
+  static const std::map<std::string, std::string> revisions = {${revisions}};\n  return revisions;\n}\n")
 if(EXISTS "${OUTPUT}")
   file(READ "${OUTPUT}" before)
 endif()

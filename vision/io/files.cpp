@@ -7,11 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <mutex>
+#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -25,18 +24,19 @@ void require_readable_file(const std::filesystem::path& path) {
   const std::string name = in_quotes(path);
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0)
-    throw InputError(name + " cannot be opened: " + std::strerror(errno) + "; check the path");
+    throw InputError(name + " cannot be opened: " + with_remedy(errno, "check the path"));
   if (S_ISDIR(status.st_mode)) throw InputError(name + " is a folder, not a file");
   if (!S_ISREG(status.st_mode)) throw InputError(name + " is not a regular file; copy the recording to one");
   if (::access(path.c_str(), R_OK) != 0)
-    throw InputError(name + " cannot be read: " + std::strerror(errno) + "; check its permissions");
+    throw InputError(name + " cannot be read: " + with_remedy(errno, "check its permissions"));
   if (status.st_size == 0) throw InputError(name + " is empty (0 bytes); copy or export the recording again");
 }
 
 MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
   require_readable_file(path);
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw InputError(in_quotes(path) + " cannot be opened: " + std::strerror(errno));
+  if (descriptor_ < 0)
+    throw InputError(in_quotes(path) + " cannot be opened: " + with_remedy(errno, "check its permissions"));
   struct stat status {};
   void* data = MAP_FAILED;
   if (::fstat(descriptor_, &status) == 0 && status.st_size > 0) {
@@ -44,7 +44,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
     data = ::mmap(nullptr, size_, PROT_READ, MAP_SHARED, descriptor_, 0);
   }
   if (data == MAP_FAILED) {
-    const std::string reason = std::strerror(errno);
+    const std::string reason = with_remedy(errno, "copy it to a local disk");
     ::close(descriptor_);
     throw InputError(in_quotes(path) + " cannot be mapped into memory: " + reason);
   }
@@ -129,6 +129,8 @@ class PartialFiles {
   std::set<std::filesystem::path> paths_;
 };
 
+constexpr const char* kMakeRoom = "make room, or choose another folder";
+
 /// Where writing to `path` really ends.
 std::filesystem::path end_of_links(std::filesystem::path path) {
   std::error_code error;
@@ -143,27 +145,34 @@ std::filesystem::path end_of_links(std::filesystem::path path) {
 }  // namespace
 
 TemporaryFile::TemporaryFile(const std::filesystem::path& target) : target_(end_of_links(target)) {
-  static std::atomic<unsigned> serial{0};
   std::error_code error;
   if (std::filesystem::is_directory(target_, error))
     throw OutputError(in_quotes(target_) + " cannot be written: it is a folder; give a file name");
-  // A name that is there already is somebody else's file, or a link that leads to one.
+  // Nobody can have put a link where the name is not to be foreseen, and none is followed.
+  std::random_device random;
   for (;;) {
+    const std::uint64_t number = std::uint64_t{random()} << 32 | random();
     temporary_ = target_.parent_path() /
-                 fmt::format(".{}{}{}-{}", target_.filename().string(), kMark, ::getpid(), ++serial);
+                 fmt::format(".{}{}{}-{:016x}", target_.filename().string(), kMark, ::getpid(), number);
     PartialFiles::of_this_process().add(temporary_);
-    const int descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int descriptor =
+        ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
+      struct stat status {};
+      if (::fstat(descriptor, &status) == 0) inode_ = status.st_ino;
       ::close(descriptor);
       return;
     }
+    const int reason = errno;
     PartialFiles::of_this_process().forget(temporary_);
-    if (errno != EEXIST) refuse(std::strerror(errno));
+    if (reason != EEXIST) refuse(reason);
   }
 }
 
 TemporaryFile::TemporaryFile(TemporaryFile&& other) noexcept
-    : target_(std::move(other.target_)), temporary_(std::exchange(other.temporary_, {})) {}
+    : target_(std::move(other.target_)),
+      temporary_(std::exchange(other.temporary_, {})),
+      inode_(other.inode_) {}
 
 TemporaryFile::~TemporaryFile() {
   if (temporary_.empty()) return;
@@ -172,25 +181,66 @@ TemporaryFile::~TemporaryFile() {
   PartialFiles::of_this_process().forget(temporary_);
 }
 
-void TemporaryFile::write(std::string_view bytes) const {
-  errno = 0;
-  std::ofstream file(temporary_, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) refuse(std::strerror(errno != 0 ? errno : ENOSPC));
+/// Throws OutputError where it is not the file that was made.
+TemporaryFile::Open TemporaryFile::open(int flags) const {
+  Open file{::open(temporary_.c_str(), flags | O_NOFOLLOW | O_CLOEXEC)};
+  if (file.descriptor < 0) refuse(errno);
+  struct stat status {};
+  if (::fstat(file.descriptor, &status) != 0 || status.st_ino != inode_ || !S_ISREG(status.st_mode))
+    refuse("another file was put in place of its unfinished one");
+  return file;
 }
 
+TemporaryFile::Open::~Open() {
+  if (descriptor >= 0) ::close(descriptor);
+}
+
+void TemporaryFile::write(std::string_view bytes) const {
+  const Open file = open(O_WRONLY | O_TRUNC);
+  while (!bytes.empty()) {
+    const ::ssize_t count = ::write(file.descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno != EINTR) refuse(errno);
+    if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+/// On the disk before it has its name, so that a power cut leaves the old file or the new one.
 void TemporaryFile::commit() {
-  std::error_code error;
-  std::filesystem::rename(temporary_, target_, error);
-  if (error) refuse(error.message());
+  {
+    const Open file = open(O_RDONLY);
+    struct stat before {};
+    if (::stat(target_.c_str(), &before) == 0 && S_ISREG(before.st_mode)) {
+      [[maybe_unused]] const int not_allowed = ::fchown(file.descriptor, before.st_uid, before.st_gid);
+      ::fchmod(file.descriptor, before.st_mode & 07777);
+    }
+    if (::fsync(file.descriptor) != 0 && errno != EINVAL && errno != EROFS) refuse(errno);
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) refuse(errno);
   PartialFiles::of_this_process().forget(temporary_);
   temporary_.clear();
+  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  const Open named{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (named.descriptor >= 0) ::fsync(named.descriptor);
 }
 
 void TemporaryFile::refuse(const std::string& reason) const {
-  throw OutputError(in_quotes(target_) + " cannot be written: " + reason +
-                    "; make room, or choose another folder");
+  throw OutputError(in_quotes(target_) + " cannot be written: " + reason + "; " + kMakeRoom);
+}
+
+void TemporaryFile::refuse(int error) const {
+  throw OutputError(in_quotes(target_) + " cannot be written: " + with_remedy(error, kMakeRoom));
+}
+
+std::string with_remedy(int error, const std::string& otherwise) {
+  const std::string remedy =
+      error == EMFILE || error == ENFILE
+          ? "allow more open files (ulimit -n 4096), or do less at once (--threads 1)"
+      : error == EFBIG  ? "allow larger files (ulimit -f unlimited), or choose a file system that takes them"
+      : error == ENOMEM ? "give the process more memory, or do less at once (--threads 1)"
+      : error == EDQUOT ? "your quota is used up: make room, or choose another disk"
+      : error == ENAMETOOLONG ? "give a shorter name"
+                              : otherwise;
+  return std::string(std::strerror(error)) + "; " + remedy;
 }
 
 void remove_partial_files() {

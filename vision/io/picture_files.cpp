@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -16,6 +18,7 @@
 
 #include "vision/io/files.h"
 #include "vision/picture.h"
+#include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -87,6 +90,22 @@ class TiffFile {
     return found;
   }
 
+  /// Bits of a pixel, all its samples together.
+  std::uint64_t depth(std::uint64_t directory, std::uint64_t entries) const {
+    constexpr std::uint64_t kBits = 258, kSamples = 277, kMost = 64;
+    std::uint64_t bits = 1, samples = 1;
+    for (std::uint64_t k = 0; k < entries; ++k) {
+      const std::uint64_t entry = directory + k * entry_bytes(), tag = number(entry, 2, "a directory");
+      if (tag == kSamples) samples = value(entry);
+      if (tag != kBits) continue;
+      // One number for each sample; more than fit here stand elsewhere.
+      const std::uint64_t room = large_ ? 8 : 4, count = number(entry + 4, room, "a directory"),
+                          at = entry + 4 + room;
+      bits = number(count > room / 2 ? number(at, room, "a directory") : at, 2, "the bits of a sample");
+    }
+    return std::min(bits, kMost) * std::min(samples, kMost);
+  }
+
  private:
   std::uint64_t entry_bytes() const { return large_ ? 20 : 12; }
   /// Of an entry that holds one whole number: of 2, 4 or 8 bytes.
@@ -114,8 +133,12 @@ std::int64_t count_tiff_pages(const std::filesystem::path& path) {
 }
 
 void require_sensible_pages(const std::filesystem::path& path) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20,
+                          kDensest = 2048;  // as require_sensible_size()
   const TiffFile file(path);
+  std::uint64_t all = 0;
   file.for_pages([&](std::uint64_t directory, std::uint64_t entries) {
+    const TiffFile::Size page = file.sizes(directory, entries)[0];
     for (const TiffFile::Size& size : file.sizes(directory, entries)) {
       constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
       if (size.width != 0 && size.height != 0)
@@ -123,6 +146,13 @@ void require_sensible_pages(const std::filesystem::path& path) {
                               static_cast<std::int64_t>(std::min(size.height, most)),
                               std::filesystem::file_size(path));
     }
+    const std::uint64_t bytes = page.width * page.height * file.depth(directory, entries) / 8;
+    all += bytes;
+    if (bytes > kMostBytes || all / kDensest > std::filesystem::file_size(path))
+      throw InputError(in_quotes(path) + " is damaged or too large: it claims pictures of " +
+                       std::to_string(std::max(bytes, all) >> 20) + " MB, where a page of " +
+                       std::to_string(kMostBytes >> 20) + " and in all " + std::to_string(kDensest) +
+                       " times the file are read; export it again, or crop it");
   });
 }
 
@@ -252,11 +282,13 @@ class Imgcodecs {
   template <class Function>
   void find(const std::string& name, Function*& function) {
     function = handle_ ? reinterpret_cast<Function*>(dlsym(handle_, name.c_str())) : nullptr;
-    if (!function)
-      throw InputError(fmt::format(
-          "picture files need OpenCV's imgcodecs, which cannot be used here ({}); install Debian's package "
-          "libopencv-imgcodecs{}",
-          dlerror(), version_));
+    if (function) return;
+    const std::string why = dlerror();
+    const bool too_many = why.find(std::strerror(EMFILE)) != std::string::npos;
+    throw InputError(
+        "picture files need OpenCV's imgcodecs, which cannot be used here: " +
+        (too_many ? with_remedy(EMFILE, "")
+                  : fmt::format("{}; install Debian's package libopencv-imgcodecs{}", why, version_)));
   }
   std::string version_ = fmt::format("{}{:02}", CV_VERSION_MAJOR, CV_VERSION_MINOR);
   void* handle_ = dlopen(("libopencv_imgcodecs.so." + version_).c_str(), RTLD_LAZY | RTLD_LOCAL);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 /// No speed, length or frequency of a lab is larger, and its square can be added up.
-constexpr double kBeyondAll = 1e12;
+constexpr double kBeyondAll = 1e7;
 /// rad, m/s: what is called better known than that is no measurement.
 constexpr double kLeastSd = 1e-15;
 
@@ -88,13 +88,21 @@ const Quantity* quantity_of(const Heading& heading) {
   return nullptr;
 }
 
+int known_in(const Cells& cells) {
+  return static_cast<int>(std::ranges::count_if(
+      cells, [](std::string_view cell) { return quantity_of(heading_of(cell)) != nullptr; }));
+}
+
 /// The header line.
 class Columns {
  public:
-  explicit Columns(const CsvTable& table) : columns_(table.filled()) {
+  explicit Columns(const CsvTable& table) : columns_(table.header().size()) {
+    if (columns_.empty())
+      throw InvalidInput(fmt::format("{}: no line names its columns: {}; {}", table.path().string(),
+                                     table.holds(), kWanted));
     for (std::size_t k = 0; k < columns_.size(); ++k) {
-      const std::string_view cell = table.cells()[k];
-      const Heading heading = heading_of(cell);
+      const std::string_view cell = table.header()[k];
+      const Heading heading = table.heading(k);
       if (const Quantity* quantity = quantity_of(heading))
         columns_[k] = column_of(table, cell, heading, *quantity);
       else if (!cell.empty())
@@ -114,7 +122,6 @@ class Columns {
   }
   double si(std::size_t column) const { return columns_[column].si; }
   bool is_angle(std::size_t column) const { return columns_[column].quantity->is_angle(); }
-  std::size_t count() const { return columns_.size(); }
   const std::vector<std::string>& unused() const { return unused_; }
 
  private:
@@ -146,11 +153,11 @@ class Columns {
     const std::string near = nearest_word(needed, words);
     const auto meant = std::ranges::find(words, near);
     table.fail(fmt::format(
-        "has no column {}{}; {}", needed,
+        "has no column {}{}: {}; {}", needed,
         near.empty()
             ? ""
             : fmt::format(" (is it `{}`?)", unused_[static_cast<std::size_t>(meant - words.begin())]),
-        kWanted));
+        table.holds(), kWanted));
   }
 
   std::vector<Column> columns_;
@@ -158,16 +165,9 @@ class Columns {
 };
 
 /// The cells of one line.
-class Cells {
+class Row {
  public:
-  Cells(const CsvTable& table, const Columns& columns) : table_(table), columns_(columns) {
-    if (table.filled() > columns.count())
-      table.fail(
-          table.cells()[columns.count()],
-          fmt::format("has {} cells under {} columns; is a decimal comma among them? then separate the "
-                      "cells by semicolons",
-                      table.filled(), columns.count()));
-  }
+  Row(const CsvTable& table, const Columns& columns) : table_(table), columns_(columns) {}
 
   std::string_view text(std::string_view name, bool sd = false) const {
     const auto column = columns_.find(name, sd);
@@ -177,7 +177,7 @@ class Cells {
   /// SI; nothing for an empty cell.
   std::optional<double> value(std::string_view name, bool sd = false) const {
     const std::string_view cell = text(name, sd);
-    if (cell.empty()) return std::nullopt;
+    if (CsvTable::is_none(cell)) return std::nullopt;
     const std::size_t column = *columns_.find(name, sd);
     const double si = columns_.si(column);
     const double value = columns_.is_angle(column) ? angle(cell, si) : si * table_.number(cell);
@@ -227,7 +227,7 @@ class Cells {
 };
 
 /// Direction and its sd from the displacement, where a run of runs.csv has no alpha; false where it has none.
-bool direction_from_displacement(const Cells& cells, CampaignRun& run) {
+bool direction_from_displacement(const Row& cells, CampaignRun& run) {
   const auto dx = cells.value("dx"), dy = cells.value("dy");
   if (!dx || !dy || !run.v_sd) return false;
   run.alpha = std::atan2(*dy, *dx);
@@ -236,7 +236,7 @@ bool direction_from_displacement(const Cells& cells, CampaignRun& run) {
 }
 
 CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSection& otherwise) {
-  const Cells cells(table, columns);
+  const Row cells(table, columns);
   CampaignRun run;
   run.place = table.place();
   run.name = cells.text("name");
@@ -270,7 +270,7 @@ CampaignRun read_line(const CsvTable& table, const Columns& columns, const FitSe
 
 /// Failed runs and free slides of a runs.csv.
 bool is_left_out(const CsvTable& table, const Columns& columns, std::vector<std::string>& notes) {
-  const Cells cells(table, columns);
+  const Row cells(table, columns);
   const bool failed = !cells.text("failure").empty(), slide = cells.text("kind") == "free_slide";
   if (failed || slide)
     notes.push_back(
@@ -285,13 +285,9 @@ AlphaVTable read_alpha_v_table(const std::filesystem::path& path, const FitSecti
   if (!std::filesystem::is_regular_file(path))
     throw InvalidInput(fmt::format("{}: there is no such table; check `table` in [data]", path.string()));
   std::string text = read_text(path);
-  if (text.find('\0') != std::string::npos || text.starts_with("PK"))
-    throw InvalidInput(fmt::format("{}: is no text but a spreadsheet or another binary file; save it as CSV",
-                                   path.string()));
   AlphaVTable result;
   result.input = hashed_input(path, text);
-  CsvTable table(path, std::move(text));
-  if (!table.next()) throw InvalidInput(fmt::format("{}: is empty; {}", path.string(), kWanted));
+  CsvTable table(path, std::move(text), known_in);
   const Columns columns(table);
   while (table.next())
     if (!is_left_out(table, columns, result.notes))

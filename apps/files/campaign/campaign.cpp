@@ -121,6 +121,7 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   campaign.input = input;
   top.say_where_keys_belong(sections_with);
   read_sections(top, campaign);
+  add_listed_runs(campaign);
   add_table_runs(campaign);
   if (!campaign.fit.parameters_given && !campaign.runs.empty() &&
       std::ranges::all_of(campaign.runs, &CampaignRun::free_slide))
@@ -169,6 +170,7 @@ std::vector<fs::path> Campaign::input_files() const {
     }
   }
   files.insert(files.end(), data.tables.begin(), data.tables.end());
+  if (data.runs) files.push_back(*data.runs);
   return files;
 }
 

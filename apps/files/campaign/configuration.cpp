@@ -45,7 +45,8 @@ Json run_configuration(const Campaign& campaign, const CampaignRun& run) {
   if (run.template_px) json["disc_px"] = nullptr;
   if (run.disc_px) json["template_px"] = nullptr;
   const auto add = [&json](const Json& values) { json.update(values); };
-  if (run.track) add(picked(own, {"track", "track_unit", "track_y", "track_point", "track_mark"}));
+  if (run.track)
+    add(picked(own, {"track", "track_unit", "track_y", "track_frame", "track_point", "track_mark"}));
   if (campaign.camera.tag_mm) add(picked(inherited, {"tag_mm", "tag_mm_sd"}));
   if (run.slope) add(picked(own, {"slope_rad", "slope_rad_sd"}));
   if (!campaign.part.name.empty()) json["part"] = campaign.part.name;
@@ -76,6 +77,7 @@ Json Campaign::effective_configuration() const {
   json["scope"] = written(scope_keys(), scope);
   if (!data.tables.empty())
     json["data"] = picked(written(data_keys(), data), {"table", "alpha_sd_rad", "v_sd_mm_s"});
+  if (data.runs) json["data"]["runs"] = data.runs->filename().string();
   json["part"] = part_configuration(part);
   json["fit"] = fit_configuration(fit);
   json["runs"] = Json::array();

@@ -14,7 +14,9 @@
 #include "apps/files/campaign/alpha_v_table.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/keys.h"
+#include "apps/files/campaign/sections.h"
 #include "apps/program/errors.h"
+#include "apps/text/csv_table.h"
 #include "fit/pooling.h"
 
 namespace tribotrack::apps {
@@ -184,7 +186,95 @@ void note(Campaign& campaign, std::size_t lines, std::size_t points, const fit::
         pooled.scattered, pooled.chi2, pooled.chi2_dof));
 }
 
+/// A column of a table of runs: the key that it gives, and the factor from its unit to the key's.
+struct RunColumn {
+  const KeyFacts* key = nullptr;
+  std::string name;   ///< the key's, or another of the same quantity
+  double factor = 1;  ///< 0: the column says no unit
+  bool degrees = false;
+};
+
+/// Nothing where no key of a run is of this quantity and dimension.
+RunColumn run_column(const Heading& heading) {
+  for (const KeyFacts& key : run_keys()) {
+    std::vector<OtherName> names = other_names(key.quantity());
+    names.insert(names.begin(), {key.quantity()});
+    for (const OtherName& name : names) {
+      const Heading own = heading_of(name.name);
+      if (own.quantity != heading.quantity || key.kind.is_sd() != heading.sd) continue;
+      const RunColumn column{&key, name.name + (heading.sd ? "_sd" : ""), 1, heading.unit == "deg"};
+      if (heading.unit == own.unit) return column;
+      if (heading.unit.empty()) return {column.key, column.name, 0};
+      for (int k = 0; k <= static_cast<int>(Dimension::voltage); ++k) {
+        const auto from = si_per(heading.unit, static_cast<Dimension>(k)),
+                   to = si_per(own.unit, static_cast<Dimension>(k));
+        if (from && to) return {column.key, column.name, *from / *to, column.degrees};
+      }
+    }
+  }
+  return {};
+}
+
+Json value_in(const CsvTable& table, std::string_view cell, const RunColumn& column) {
+  switch (column.key->kind.form) {
+    case Kind::word:
+    case Kind::text:
+    case Kind::file:
+    case Kind::text_or_texts:
+      return std::string(cell);
+    case Kind::whole: {
+      const double number = table.number(cell);
+      if (number != std::floor(number) || std::abs(number) > 1e9)
+        table.fail(cell, fmt::format("`{}` is no whole number", cell));
+      return static_cast<std::int64_t>(number);
+    }
+    default:
+      break;
+  }
+  const auto number = table.number_in(cell);
+  if (number && column.factor == 0)
+    table.fail(cell, fmt::format("`{}` has no unit: name its column {}, or another unit", cell, column.name));
+  const bool angle = column.key->quantity().ends_with("_rad");
+  if (number && column.degrees) return fmt::format("{}deg", *number);
+  if (!number && angle) return table.with_point(cell);  // "pi/3"
+  return column.factor * table.number(cell);
+}
+
 }  // namespace
+
+void add_listed_runs(Campaign& campaign) {
+  if (!campaign.data.runs) return;
+  const fs::path& path = *campaign.data.runs;
+  std::string text = read_text(path);
+  campaign.table_inputs.push_back(hashed_input(path, text));
+  CsvTable table(path, std::move(text), [](const Cells& cells) {
+    return static_cast<int>(std::ranges::count_if(
+        cells, [](std::string_view cell) { return run_column(heading_of(cell)).key != nullptr; }));
+  });
+  if (table.header().empty())
+    throw InvalidInput(
+        fmt::format("{}: no line names its columns: {}; a table of runs has the columns video (or track), "
+                    "phi_deg and dtau_deg",
+                    path.string(), table.holds()));
+  std::vector<RunColumn> columns;
+  std::vector<std::string_view> unused;
+  for (std::size_t k = 0; k < table.header().size(); ++k) {
+    columns.push_back(run_column(table.heading(k)));
+    if (columns.back().key == nullptr && !table.header()[k].empty()) unused.push_back(table.header()[k]);
+  }
+  while (table.next()) {
+    Json run = Json::object();
+    for (std::size_t k = 0; k < table.filled(); ++k) {
+      const std::string_view cell = table.cells()[k];
+      if (columns[k].key != nullptr && !CsvTable::is_none(cell))
+        run[columns[k].name] = value_in(table, cell, columns[k]);
+    }
+    StrictTable one = StrictTable::of(run, table.place());
+    campaign.runs.push_back(read_run(one, campaign));
+  }
+  if (!unused.empty())
+    campaign.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(unused, ", ")));
+}
 
 void read_tables(StrictTable& table, DataSection& data, const fs::path& folder) {
   std::vector<std::string> names;

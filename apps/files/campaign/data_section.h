@@ -21,7 +21,8 @@ struct TrackReading {
   enum class YAxis { by_unit, up, down };
   std::string unit;          ///< of columns that name none: "px", "um", "mm", "cm", "m"; empty: not known
   YAxis y = YAxis::by_unit;  ///< by_unit: down in pixels, up in lengths
-  std::string point, mark;   ///< which of the file's points is the part, and which is fixed to the platform
+  std::string frame;  ///< "platform" or "camera": whose the positions are; empty: the camera's without a mark
+  std::string point, mark;  ///< which of the file's points is the part, and which is fixed to the platform
   std::optional<double> mm_per_px;
   double mm_per_px_sd = 0;
   std::optional<double> frame_rate_hz;  ///< beats the file's times
@@ -31,6 +32,7 @@ struct TrackReading {
 
 struct DataSection {
   std::vector<std::filesystem::path> tables;  ///< resolved against the campaign's folder
+  std::optional<std::filesystem::path> runs;  ///< a table of runs, one to a line
   std::optional<double> alpha_sd, v_sd;       ///< rad, m/s: of every line that has none of its own
   TrackReading tracks;                        ///< for runs that do not say otherwise
 };
@@ -40,6 +42,10 @@ DataSection read_data(StrictTable& table, const std::filesystem::path& folder);
 /// table = "x.csv" or a list.
 void read_tables(StrictTable& table, DataSection& data, const std::filesystem::path& folder);
 Json written_tables(const DataSection& data);
+
+/// Adds a run for each line of the table of runs: columns are keys of [[run]], with any unit of their
+/// quantity, and columns of no key are noted. Throws InvalidInput naming file, line and column.
+void add_listed_runs(Campaign& campaign);
 
 /// Reads the tables and adds a run for every point, its repeats pooled (fit::pool_points): lines of the same
 /// phi, dtau, A, w, start phase and cycles. A run bears its first line's name, or "alpha_v:7" by the table

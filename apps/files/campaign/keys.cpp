@@ -12,6 +12,7 @@ namespace {
 
 const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
 const std::vector<std::string> kUnits = {"px", "um", "mm", "cm", "m"};
+const std::vector<std::string> kFrames = {"platform", "camera"};
 
 /// track_y, of a section with a TrackReading.
 template <auto reading>
@@ -147,6 +148,8 @@ const Keys<DataSection>& data_keys() {
       {"table", Kind::text_or_texts, Own<D>{read_tables, written_tables}, "\"alpha_v.csv\"",
        "or a list; every point becomes a run: columns phi_deg, dtau_deg, alpha_deg, v_mm_s (or phi_rad, "
        "...), alpha_sd_deg, v_sd_mm_s; separated by , ; or tabs"},
+      {"runs", Kind::file, at<&D::runs>, "\"runs.csv\"",
+       "a [[run]] for each line: columns video or track, phi_deg, dtau_deg, name, or any other key of a run"},
       {"alpha_sd_rad", Kind::angle, at<&D::alpha_sd>, "\"2deg\"",
        "of the lines that have none; else repeats of a point tell", "table"},
       {"v_sd_mm_s", Kind::above_zero, milli<&D::v_sd>, "0.1", "likewise", "table"},
@@ -154,6 +157,8 @@ const Keys<DataSection>& data_keys() {
        "of tracks whose columns name none: px (with mm_per_px), um, mm, cm, m"},
       {"track_y", Kind::one_of({"up", "down"}), track_y<&D::tracks>, "\"up\"",
        "where y of tracks points, if not down in pixels and up in lengths"},
+      {"track_frame", Kind::one_of(kFrames), at<&D::tracks, &TrackReading::frame>, "\"platform\"",
+       "of tracks: \"platform\": its motion is taken out of them already; else by track_mark, or \"camera\""},
       {"track_point", Kind::text, at<&D::tracks, &TrackReading::point>, "\"mass A\"",
        "which point of tracks is the part, where there are several"},
       {"track_mark", Kind::text, at<&D::tracks, &TrackReading::mark>, "\"mass B\"",
@@ -194,6 +199,8 @@ const Keys<CampaignRun>& run_keys() {
       {"track_unit", Kind::one_of(kUnits), at<&R::reading, &TrackReading::unit>, "\"mm\"",
        "where it differs from [data]", "track"},
       {"track_y", Kind::one_of({"up", "down"}), track_y<&R::reading>, "\"up\"",
+       "where it differs from [data]", "track"},
+      {"track_frame", Kind::one_of(kFrames), at<&R::reading, &TrackReading::frame>, "\"platform\"",
        "where it differs from [data]", "track"},
       {"track_point", Kind::text, at<&R::reading, &TrackReading::point>, "\"mass A\"",
        "where it differs from [data]", "track"},

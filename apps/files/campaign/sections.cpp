@@ -11,6 +11,7 @@
 
 #include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
+#include "apps/program/streams.h"
 #include "fit/conditions.h"
 
 namespace tribotrack::apps {
@@ -170,6 +171,7 @@ void require_scale(const Campaign& campaign, const CampaignRun& run) {
 }
 
 void name_runs(std::vector<CampaignRun>& runs) {
+  const auto controls = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
   std::set<std::string> taken;
   for (const CampaignRun& run : runs)
     if (!run.name.empty() && !taken.insert(run.name).second)
@@ -178,10 +180,15 @@ void name_runs(std::vector<CampaignRun>& runs) {
     CampaignRun& run = runs[k];
     if (run.name.find('/') != std::string::npos || run.name == "." || run.name == "..")
       throw InvalidInput(fmt::format("{}: the name \"{}\" cannot be a folder's name", run.place, run.name));
+    if (std::ranges::any_of(run.name, controls))
+      throw InvalidInput(
+          fmt::format("{}: the name \"{}\" holds a control character; results bear it: take it out",
+                      run.place, printable(run.name)));
     if (!run.name.empty()) continue;
-    const std::string base = run.video   ? run.video->stem().string()
-                             : run.track ? run.track->stem().string()
-                                         : fmt::format("run{:02}", k + 1);
+    std::string base = run.video   ? run.video->stem().string()
+                       : run.track ? run.track->stem().string()
+                                   : fmt::format("run{:02}", k + 1);
+    std::ranges::replace_if(base, controls, '_');
     run.name = base;
     for (int n = 2; !taken.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", base, n);
   }

@@ -16,22 +16,22 @@
 namespace tribotrack::apps {
 
 const char* const kScopeLayouts =
-    "the layouts of Rigol, Tektronix, Keysight, Siglent and PicoScope are read, and of any other "
+    "the layouts of Rigol, Tektronix, Keysight, Siglent, PicoScope and Digilent are read, and of any other "
     "oscilloscope a "
     "plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
 
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string kept(text);
-  for (char& c : kept)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return kept;
-}
-
-bool is_number(const CsvTable& table, std::string_view cell) {
-  return parse_number(table.with_point(cell)).has_value();
-}
+struct ScopeHeader {
+  std::string layout;
+  std::vector<std::string> names;         ///< "CH1", ...
+  std::vector<std::size_t> columns;       ///< of the channels
+  std::vector<double> volt;               ///< V to one of each channel's unit
+  std::optional<std::size_t> time;        ///< its column; empty: values alone
+  double second = 1;                      ///< s to one of the time's unit
+  std::optional<double> start, interval;  ///< s, as the settings have them
+  bool at_first_numbers = false;          ///< the table stands at the first row already
+};
 
 /// "CH2(V)" -> "CH2", "X(CH1)" -> "CH1", "Channel A" -> "Channel A", "2" -> "CH2", "Volt" -> by its column.
 std::string channel_name(std::string_view cell, std::size_t column) {
@@ -55,95 +55,85 @@ bool is_digital(const std::string& name) {
          name.find_first_not_of("0123456789", 1) == std::string::npos;
 }
 
-bool means_time(std::string_view cell) {
-  const std::string quantity = heading_of(cell).quantity;
-  return quantity == "time" || quantity == "t" || quantity == "x-axis" || quantity == "s" ||
-         quantity == "zeit" || quantity == "temps" || quantity == "tiempo";
+/// A unit alone ("Second", "in s") names the time in the first column only: below, it may be a setting.
+bool means_time(const Heading& heading, std::size_t column) {
+  const std::string& quantity = heading.quantity;
+  if (quantity == "time" || quantity == "t" || quantity == "x-axis" || quantity == "zeit" ||
+      quantity == "temps" || quantity == "tiempo" || quantity == "tempo")
+    return true;
+  return column == 0 && (quantity == "s" || (quantity == "in" && heading.unit == "s"));
 }
 
-/// Of "(ms)", "ms", "Second", "Time (us)": s to one.
-std::optional<double> unit_in(std::string_view cell, Dimension dimension) {
-  const Heading alone = heading_of("x " + std::string(cell));  // a unit by itself is no first word
-  if (const auto si = si_per(alone.unit, dimension)) return si;
-  return si_per(heading_of(cell).unit, dimension);
+/// A unit in it, alone or behind a name: to SI.
+std::optional<double> unit_in(const Heading& heading, Dimension dimension) {
+  return si_per(heading.unit.empty() ? heading.quantity : heading.unit, dimension);
 }
 
-/// The number after "t0 =" or "tInc =", with or without its unit s.
-std::optional<double> stated(const CsvTable& table, std::string_view name) {
-  for (const std::string_view cell : table.cells()) {
-    if (!cell.starts_with(name)) continue;
-    std::string_view value = cell.substr(std::min(cell.size(), cell.find('=') + 1));
-    if (value.ends_with('s')) value.remove_suffix(1);
-    while (value.starts_with(' ')) value.remove_prefix(1);
-    while (value.ends_with(' ')) value.remove_suffix(1);
-    return table.number(value);
+/// What stands after "t0 =" or "tInc =".
+std::string_view stated(const Cells& cells, std::string_view name) {
+  for (const std::string_view cell : cells)
+    if (cell.starts_with(name)) return cell.substr(std::min(cell.size(), cell.find('=') + 1));
+  return {};
+}
+
+/// The number of a piece of text, with or without blanks and its unit s.
+std::optional<double> seconds_in(const CsvTable& table, std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ') || text.ends_with('s')) text.remove_suffix(1);
+  return table.number_in(text);
+}
+
+/// Times and channels that a line names; 0 without a time, or start and interval in its place.
+int known_in(const Cells& cells) {
+  const bool settings =
+      !stated(cells, "tInc").empty() || (cells.front() == "X" && std::ranges::count(cells, "Increment") == 1);
+  int times = settings ? 1 : 0, names = 0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    times += means_time(heading_of(cells[k]), k);
+    names += !cells[k].empty();
   }
-  return std::nullopt;
+  return times > 0 && names > 1 ? names : 0;
 }
 
-/// The number of a setting, "Analog:5.0E-05" included; nothing where it is none.
-std::optional<double> setting(const CsvTable& table) {
-  if (table.cells().size() < 2) return std::nullopt;
-  std::string value = table.with_point(table.cells()[1]);
-  value.erase(0, value.find(':') == std::string::npos ? 0 : value.find(':') + 1);
-  return parse_number(value);
-}
-
-/// Reads line by line.
-class Reader {
+/// Reads the lines above the numbers, and rows of settings among the first.
+class HeaderReader {
  public:
-  explicit Reader(CsvTable& table) : table_(table) {}
+  explicit HeaderReader(CsvTable& table) : table_(table) {}
 
   ScopeHeader read() {
-    constexpr int kLinesLookedAt = 60;
-    for (int line = 0; line < kLinesLookedAt && table_.next(); ++line) {
-      if (line == 0 && by_first_line()) return header_;
+    for (const Cells& cells : table_.above()) look_at_settings(cells);
+    if (table_.header().empty()) {
       if (tektronix_tds()) return header_;
-      if (!header_.names.empty() && header_.time && is_number(table_, table_.cells().front())) {
-        header_.at_first_numbers = true;
-        finish();
-        return header_;
-      }
-      look_at_line();
+      throw InvalidInput(fmt::format(
+          "{}: is not a known oscilloscope layout: no line above numbers names a time and a channel: {}; {}",
+          table_.path().string(), table_.holds(), kScopeLayouts));
     }
-    if (table_.line() == 0) table_.fail("the file is empty; export the trace again");
-    if (!header_.names.empty() && header_.time) return header_;  // and no numbers below
-    throw InvalidInput(fmt::format(
-        "{}:1: is not a known oscilloscope layout: no line above numbers names a time and a channel; {}",
-        table_.path().string(), kScopeLayouts));
+    if (!by_settings()) by_time();
+    return header_;
   }
 
  private:
   /// Layouts without a time column.
-  bool by_first_line() {
-    const auto& cells = table_.cells();
-    const auto start = stated(table_, "t0"), interval = stated(table_, "tInc");
-    if (start && interval) {
-      header_.layout = "Rigol MSO5000";
-      header_.start = start;
-      header_.interval = interval;
-      for (std::size_t k = 0; k < cells.size(); ++k)
-        if (cells[k].starts_with("CH")) add_channel(k);
-      return require_channels();
-    }
-    if (cells.front() != "X" || std::count(cells.begin(), cells.end(), "Increment") != 1) return false;
-    header_.layout = "Rigol DS1000Z";
-    for (std::size_t k = 1; k < cells.size(); ++k)
-      if (cells[k].starts_with("CH")) add_channel(k);
-    const std::size_t channels = header_.names.size();
-    require_channels();
-    if (!table_.next() || table_.filled() < channels + 3)
-      table_.fail("the second line must hold Sequence, the channels' units, start and increment");
-    header_.start = table_.number(table_.cells()[channels + 1]);
-    header_.interval = table_.number(table_.cells()[channels + 2]);
-    return true;
-  }
-
-  bool require_channels() const {
+  bool by_settings() {
+    const Cells& names = table_.header();
+    const bool in_row = names.front() == "X";
+    if (!in_row && stated(names, "tInc").empty()) return false;
+    header_.layout = in_row ? "Rigol DS1000Z" : "Rigol MSO5000";
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (names[k].starts_with("CH")) add_channel(k);
     if (header_.names.empty())
-      table_.fail(
-          fmt::format("is not a known oscilloscope layout: its first line names no channel (CH1, ...); {}",
-                      kScopeLayouts));
+      table_.fail(fmt::format("is not a known oscilloscope layout: it names no channel (CH1, ...); {}",
+                              kScopeLayouts));
+    if (in_row) {
+      const std::size_t channels = header_.names.size();
+      if (!table_.next() || table_.filled() < channels + 3)
+        table_.fail("the second line must hold Sequence, the channels' units, start and increment");
+      header_.start = table_.number(table_.cells()[channels + 1]);
+      header_.interval = table_.number(table_.cells()[channels + 2]);
+    } else {
+      header_.start = seconds_in(table_, stated(names, "t0")).value_or(0);
+      header_.interval = seconds_in(table_, stated(names, "tInc"));
+    }
     return true;
   }
 
@@ -151,9 +141,8 @@ class Reader {
   /// needed: time and voltage are in s and V.
   bool tektronix_tds() {
     constexpr std::size_t kTime = 3, kValue = 4;
-    const auto& cells = table_.cells();
-    if (lower(cells.front()) != "record length" || table_.filled() <= kValue) return false;
-    if (!is_number(table_, cells[kTime]) || !is_number(table_, cells[kValue])) return false;
+    if (!table_.next() || lower(table_.cells().front()) != "record length" || table_.filled() <= kValue)
+      return false;
     header_.layout = "Tektronix TDS";
     header_.time = kTime;
     header_.names = {"CH1"};
@@ -163,93 +152,67 @@ class Reader {
     return true;
   }
 
+  void by_time() {
+    const Cells& names = table_.header();
+    for (std::size_t k = 0; k < names.size() && !header_.time; ++k)
+      if (means_time(table_.heading(k), k)) header_.time = k;
+    header_.second = unit_in(table_.heading(*header_.time), Dimension::time).value_or(1);
+    name_layout();
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (k != header_.time) add_channel(k);
+    // Siglent names its channels `Volt` or `Value`, and says above which they are.
+    for (std::size_t k = 0; k < header_.names.size() && sources_.size() >= header_.names.size(); ++k)
+      if (!sources_[k].empty()) header_.names[k] = channel_name(sources_[k], k + 1);
+    // "V" or "CH1:mV" among the settings.
+    for (std::size_t k = 0; k < header_.volt.size() && k < units_.size(); ++k)
+      header_.volt[k] = unit_in(heading_of(units_[k].substr(units_[k].find(':') + 1)), Dimension::voltage)
+                            .value_or(header_.volt[k]);
+    if (header_.names.empty())
+      table_.fail(fmt::format("names a time and no channel: {}; {}", table_.holds(), kScopeLayouts));
+  }
+
   void add_channel(std::size_t column) {
-    const std::string name = channel_name(table_.cells()[column], column);
+    const std::string name = channel_name(table_.header()[column], column);
     if (name.empty() || is_digital(name)) return;
     header_.names.push_back(name);
     header_.columns.push_back(column);
-    header_.volt.push_back(unit_in(table_.cells()[column], Dimension::voltage).value_or(1));
+    header_.volt.push_back(unit_in(table_.heading(column), Dimension::voltage).value_or(1));
   }
 
-  /// A setting, the channels' names, or their units.
-  void look_at_line() {
-    const auto& cells = table_.cells();
+  void look_at_settings(const Cells& cells) {
     const std::string key = lower(cells.front());
     if (key == "model") header_.layout = "Tektronix";
-    if (key == "record length" || key == "source") {
-      if (header_.layout.empty()) header_.layout = "Siglent";
-    }
-    if (key == "sample interval") header_.interval = setting(table_);
+    if ((key == "record length" || key == "source") && header_.layout.empty()) header_.layout = "Siglent";
     if (key == "source") sources_.assign(cells.begin() + 1, cells.end());
     if (key == "vertical units") units_.assign(cells.begin() + 1, cells.end());
-    if (is_units_line()) return take_units();
-    if (!means_time(cells.front())) return;
-    name_layout(key);
-    header_.time = 0;
-    header_.second = unit_in(cells.front(), Dimension::time).value_or(1);
-    header_.names.clear();
-    header_.columns.clear();
-    header_.volt.clear();
-    for (std::size_t k = 1; k < table_.filled(); ++k) add_channel(k);
-    name_by_sources();
+    if (key == "sample interval" && cells.size() > 1)  // or "Analog:5.0E-05"
+      header_.interval = table_.number_in(cells[1].substr(cells[1].find(':') + 1));
   }
 
-  void name_layout(const std::string& key) {
+  void name_layout() {
     if (!header_.layout.empty()) return;
-    const auto& cells = table_.cells();
+    const Cells& cells = table_.header();
     const bool pico = std::ranges::any_of(cells, [](std::string_view cell) {
       const std::string name = lower(cell);
       return name.starts_with("channel ") || name.starts_with("kanal ");
     });
     const bool by_x =
         std::ranges::any_of(cells, [](std::string_view cell) { return cell.starts_with("X(CH"); });
-    header_.layout = key == "x-axis"    ? "Keysight"
-                     : pico             ? "PicoScope"
-                     : by_x             ? "Rigol DS1102E"
-                     : key == "time(s)" ? "Rigol MSO5000"
-                                        : "Time, channels";
-  }
-
-  /// Siglent names its channels `Volt` or `Value`, and says above which they are.
-  void name_by_sources() {
-    if (sources_.size() < header_.names.size()) return;
-    for (std::size_t k = 0; k < header_.names.size(); ++k)
-      if (!sources_[k].empty()) header_.names[k] = channel_name(sources_[k], k + 1);
-  }
-
-  /// Units under the names: the time's is one, and every other cell is one or empty.
-  bool is_units_line() const {
-    return header_.time && !header_.names.empty() && heading_of(table_.cells().front()).unit.empty() &&
-           unit_in(table_.cells().front(), Dimension::time).has_value();
-  }
-
-  void take_units() {
-    header_.second = unit_in(table_.cells().front(), Dimension::time).value_or(header_.second);
-    for (std::size_t k = 0; k < header_.columns.size(); ++k)
-      if (header_.columns[k] < table_.cells().size())
-        header_.volt[k] =
-            unit_in(table_.cells()[header_.columns[k]], Dimension::voltage).value_or(header_.volt[k]);
-  }
-
-  /// What the settings said of units, "V" or "CH1:mV".
-  void finish() {
-    for (std::size_t k = 0; k < header_.volt.size() && k < units_.size(); ++k) {
-      const std::string unit =
-          units_[k].substr(units_[k].find(':') == std::string::npos ? 0 : units_[k].find(':') + 1);
-      header_.volt[k] = unit_in(unit, Dimension::voltage).value_or(header_.volt[k]);
-    }
+    const std::string key = lower(cells.front());
+    header_.layout = table_.is_remarked("Digilent") ? "Digilent"
+                     : key == "x-axis"              ? "Keysight"
+                     : pico                         ? "PicoScope"
+                     : by_x                         ? "Rigol DS1102E"
+                     : key == "time(s)"             ? "Rigol MSO5000"
+                                                    : "Time, channels";
   }
 
   CsvTable& table_;
   ScopeHeader header_;
-  std::vector<std::string> sources_, units_;
+  std::vector<std::string_view> sources_, units_;
 };
 
 }  // namespace
-
-ScopeHeader read_scope_header(CsvTable& table) {
-  return Reader(table).read();
-}
 
 namespace {
 
@@ -278,7 +241,8 @@ bool append(const CsvTable& table, const ScopeHeader& header, ScopeFile& file) {
   }
   if (filled < header.columns.size()) {
     if (header.time && there == header.columns.size() && filled == 0) return false;
-    table.fail(fmt::format("has {} columns where {} belong", table.filled(), header.columns.back() + 1));
+    table.fail(fmt::format("has {} columns where {} belong: {}", table.filled(), header.columns.back() + 1,
+                           table.holds()));
   }
   for (std::size_t c = 0; c < header.columns.size(); ++c)
     file.channels[c].push_back(header.volt[c] * voltage(table, cells[header.columns[c]]));
@@ -334,8 +298,8 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
   std::string text = read_text(path);
   ScopeFile file;
   file.input = hashed_input(path, text);
-  CsvTable table(path, std::move(text));
-  const ScopeHeader header = read_scope_header(table);
+  CsvTable table(path, std::move(text), known_in);
+  const ScopeHeader header = HeaderReader(table).read();
   file.layout = header.layout;
   file.names = header.names;
   file.channels.resize(header.names.size());

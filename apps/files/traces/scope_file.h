@@ -6,28 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/text/csv_table.h"
 #include "apps/text/input_file.h"
 
 namespace tribotrack::apps {
-
-// The lines above the numbers of an oscilloscope's file.
-
-struct ScopeHeader {
-  std::string layout;
-  std::vector<std::string> names;         ///< "CH1", ...
-  std::vector<std::size_t> columns;       ///< of the channels
-  std::vector<double> volt;               ///< V to one of each channel's unit
-  std::optional<std::size_t> time;        ///< its column; empty: values alone
-  double second = 1;                      ///< s to one of the time's unit
-  std::optional<double> start, interval;  ///< s, as the settings have them
-  bool at_first_numbers = false;          ///< the table stands at the first line of numbers already
-};
-
-/// Goes past the header, to the first line of numbers. Throws InvalidInput where the layout is not known.
-ScopeHeader read_scope_header(CsvTable& table);
-
-// Oscilloscope CSV files as labs have them.
 
 /// Channels of one trace. Sample n was taken at start_s + n * increment_s: printed time columns are rounded,
 /// so they give the two numbers and nothing else.
@@ -54,9 +35,10 @@ bool may_be_trace(const std::filesystem::path& path);
 ///   Keysight            `x-axis,1,2` over `second,Volt,Volt`
 ///   Siglent             lines of settings, or `Source,CH1`, then `Second,Volt`
 ///   PicoScope           `Time,Channel A,...` over `(ms),(V),(mV)`
+///   Digilent            lines of `#`, then `Time (s),Channel 1 (V)`
 ///   any other           a time and channels, with units or not: `Time,CH1,CH2`, `t (ms);CH1 (mV)`
-/// with commas, or with semicolons or tabs and decimal commas; units of time and voltage are taken from
-/// either line, s and V where none is named. Where times stand only in a column, increment = (last - first) /
+/// separated as apps/text/csv_table.h finds it; units of time and voltage are taken from either line, s and V
+/// where none is named. Where times stand only in a column, increment = (last - first) /
 /// (rows - 1), or the sampling interval that the settings give where the times agree; the times must be even
 /// but for their rounding. Throws InvalidInput naming file and line.
 ScopeFile read_scope_file(const std::filesystem::path& path);

@@ -11,7 +11,6 @@
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/foreign_track.h"
 #include "apps/program/errors.h"
-#include "apps/text/angle.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
@@ -27,29 +26,15 @@ fs::path meta_of(const fs::path& path) {
 }
 
 bool is_ours(const fs::path& path, const std::string& text) {
-  if (fs::exists(meta_of(path))) return true;
-  CsvTable table(path, text.substr(0, text.find('\n')));
-  return table.next() && std::ranges::count(table.cells(), "status") > 0;
-}
-
-/// What results of numpy and pickles begin with.
-void require_text(const fs::path& path, const std::string& text) {
-  if (text.find('\0') == std::string::npos && !text.starts_with('\x80')) return;
-  throw InvalidInput(fmt::format(
-      "{}: is no table but a binary file{}", path.string(),
-      path.extension() == ".npy" || path.extension() == ".pkl"
-          ? ": write one of pyidi's points as text, with d = displacements[point]: "
-            "numpy.savetxt(\"x.csv\", numpy.c_[numpy.arange(len(d)), d[:, 1], d[:, 0]], delimiter=\",\", "
-            "header=\"frame,x_px,y_px\", comments=\"\")"
-          : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it"));
+  const std::string_view first = std::string_view(text).substr(0, text.find('\n'));
+  return fs::exists(meta_of(path)) ||
+         (first.find("time_s") != first.npos && first.find("status") != first.npos);
 }
 
 /// A folder, or nothing at all, is refused as a track of ours is.
 std::string text_of_track(const fs::path& path) {
   if (!fs::is_regular_file(path)) read_track_file(path);
-  std::string text = read_text(path);
-  require_text(path, text);
-  return text;
+  return read_text(path);
 }
 
 Track track_of(const ForeignTrack& track, const fs::path& path) {
@@ -89,13 +74,11 @@ Track import_track(const fs::path& path, const TrackReading& reading, const fs::
 
 const char* const kTrackLayouts =
     "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
-    "y, "
-    "particle), DICe and tribotrack are read, and of any other program a table with the columns t_s, x_mm, "
-    "y_mm";
+    "y, particle), TrackMate, ImageJ, DICe and tribotrack are read, and of any other program a table with "
+    "the "
+    "columns t_s, x_mm, y_mm";
 
 namespace {
-
-using Cells = std::vector<std::string_view>;
 
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 
@@ -103,15 +86,42 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::ranges::find(words, word) != words.end();
 }
 
-/// "trajectory_1_x" -> 'x' and "trajectory_1"; no axis: 0.
-std::pair<char, std::string> axis_of(const std::string& quantity) {
-  if (quantity == "x" || quantity == "y") return {quantity[0], ""};
-  if (quantity.size() > 2 && quantity[quantity.size() - 2] == '_' &&
-      is_one_of(quantity.substr(quantity.size() - 1), {"x", "y"}))
-    return {quantity.back(), quantity.substr(0, quantity.size() - 2)};
-  if (quantity.size() > 2 && quantity[1] == '_' && is_one_of(quantity.substr(0, 1), {"x", "y"}))
-    return {quantity.front(), quantity.substr(2)};
-  return {0, ""};
+/// "trajectory_1_x", "x_trajectory_1", "position_x", "x1" -> 'x' and "trajectory_1", "", "1"; no axis: 0.
+std::pair<char, std::string> axis_of(std::string quantity) {
+  const auto is_axis = [](char c) { return c == 'x' || c == 'y'; };
+  std::ranges::replace(quantity, '-', '_');
+  if (quantity.empty()) return {0, ""};
+  std::string name;
+  char axis = 0;
+  if (quantity.size() == 1 || quantity.find_first_not_of("0123456789", 1) == quantity.npos) {
+    if (is_axis(quantity[0])) return {quantity[0], quantity.substr(1)};
+  } else if (is_axis(quantity.back()) && quantity[quantity.size() - 2] == '_') {
+    axis = quantity.back();
+    name = quantity.substr(0, quantity.size() - 2);
+  } else if (is_axis(quantity.front()) && quantity[1] == '_') {
+    axis = quantity.front();
+    name = quantity.substr(2);
+  }
+  if (is_one_of(name, {"position", "pos", "coord", "coordinate", "centroid", "center", "centre", "axis"}))
+    name.clear();
+  return {axis, name};
+}
+
+/// "t", "time", "t_{1}", "position_t"
+bool is_time(const std::string& quantity) {
+  const std::string_view word =
+      std::string_view(quantity).substr(0, quantity.find_last_not_of("0123456789_") + 1);
+  return is_one_of(word, {"t", "time", "elapsed_time", "timestamp", "time_stamp", "zeit", "temps", "tiempo",
+                          "tempo", "position_t"});
+}
+
+bool is_frame(const std::string& quantity) {
+  return is_one_of(quantity, {"frame", "frames", "frame_number", "frame_no", "frame_nr", "image", "slice",
+                              "slice_ndeg", "bild", "bildnummer"});
+}
+
+bool is_particle(const std::string& quantity) {
+  return is_one_of(quantity, {"particle", "track_id", "trajectory", "track_ndeg", "tid"});
 }
 
 /// Points as they come: x and y of one name find each other.
@@ -179,9 +189,9 @@ bool take_dltdv(const std::string& cell, std::size_t column, Points& points) {
 }
 
 /// The name that stands above a column, or above one to the left of it.
-std::string name_above(const std::vector<std::string>& above, std::size_t column) {
+std::string name_above(const Cells& above, std::size_t column) {
   for (std::size_t k = std::min(column + 1, above.size()); k > 0; --k)
-    if (!above[k - 1].empty() && !above[k - 1].starts_with('#')) return above[k - 1];
+    if (!above[k - 1].empty() && !above[k - 1].starts_with('#')) return std::string(above[k - 1]);
   return "";
 }
 
@@ -201,48 +211,76 @@ bool take_dice(const Cells& cells, TrackColumns& columns) {
   return true;
 }
 
-/// The header if this line is one: it names a point.
-std::optional<TrackColumns> header(const Cells& cells, const std::vector<std::string>& above) {
+/// Cells that name a column of a track; 0 without an x and a y.
+int known_in(const Cells& cells) {
+  int known = 0, x = 0, y = 0;
+  for (const std::string_view cell : cells) {
+    Points points;
+    const bool dltdv = take_dltdv(std::string(cell), 0, points);
+    const std::string quantity = heading_of(cell).quantity;
+    const char axis = axis_of(quantity).first;
+    x += dltdv || axis == 'x';
+    y += dltdv || axis == 'y';
+    known += dltdv || axis != 0 || is_time(quantity) || is_frame(quantity) || is_particle(quantity);
+  }
+  return x > 0 && y > 0 ? known : 0;
+}
+
+}  // namespace
+
+CsvTable track_table(const fs::path& path, std::string text) {
+  return {path, std::move(text), known_in};
+}
+
+TrackColumns read_track_columns(const CsvTable& table) {
   TrackColumns columns;
   Points points;
-  bool dltdv = false, milliseconds = false;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    std::string_view cell = cells[k];
-    if (k == 0 && cell.starts_with('#')) cell.remove_prefix(1);
-    if (take_dltdv(std::string(cell), k, points)) {
+  bool dltdv = false, milliseconds = false, image_j = false;
+  const auto point = [&](std::size_t column, const std::string& name) {
+    return name.empty() ? name_above(table.above_header(), column) : name;
+  };
+  for (std::size_t k = 0; k < table.header().size(); ++k) {
+    if (take_dltdv(std::string(table.header()[k]), k, points)) {
       dltdv = true;
       continue;
     }
-    const Heading heading = heading_of(cell);
+    const Heading heading = table.heading(k);
     const auto [axis, name] = axis_of(heading.quantity);
     const bool place = heading.unit.empty() || si_per(heading.unit, Dimension::length) ||
                        si_per(heading.unit, Dimension::pixels);
     if (axis != 0 && place) {
-      points.add(axis, heading.sd, name.empty() ? name_above(above, k) : name, heading.unit, k);
-    } else if (!columns.time && is_one_of(heading.quantity, {"t", "time", "elapsed_time"}) &&
+      points.add(axis, heading.sd, point(k, name), heading.unit, k);
+    } else if (!columns.time && is_time(heading.quantity) &&
                (heading.unit.empty() || si_per(heading.unit, Dimension::time))) {
       columns.time = k;
       columns.second = heading.unit.empty() ? 1 : *si_per(heading.unit, Dimension::time);
       milliseconds = heading.unit == "ms";
-    } else if (!columns.frame && is_one_of(heading.quantity, {"frame", "frames", "frame_number", "image"})) {
+    } else if (!columns.frame && is_frame(heading.quantity)) {
       columns.frame = k;
-    } else if (!columns.particle && is_one_of(heading.quantity, {"particle", "track_id", "trajectory"})) {
+      image_j = heading.quantity.starts_with("slice");
+    } else if (!columns.particle && is_particle(heading.quantity)) {
       columns.particle = k;
     }
   }
   columns.points = points.whole();
-  if (columns.points.empty()) return std::nullopt;
-  const bool named_above = std::ranges::any_of(above, [](const std::string& cell) { return !cell.empty(); });
-  if (take_dice(cells, columns)) return columns;
+  if (columns.points.empty())
+    throw InvalidInput(fmt::format("{}: is not a track: no line above its numbers names an x and a y: {}; {}",
+                                   table.path().string(), table.holds(), kTrackLayouts));
+  const bool named_above =
+      std::ranges::any_of(table.above_header(), [](std::string_view cell) { return !cell.empty(); });
+  if (take_dice(table.header(), columns)) return columns;
   if (dltdv) {
     columns.layout = "DLTdv";
-  } else if (columns.particle && columns.frame) {
-    columns.layout = "trackpy";
+  } else if (image_j || (columns.particle && columns.frame)) {
+    columns.layout = image_j ? "ImageJ" : columns.time ? "TrackMate" : "trackpy";
     columns.y = TrackReading::YAxis::down;
     columns.usual_unit = "px";
-  } else if (columns.time && milliseconds) {
+  } else if (columns.time && (milliseconds || table.is_remarked("Kinovea"))) {
     columns.layout = "Kinovea";
     columns.y = TrackReading::YAxis::up;
+    // Its text export: a trajectory after the other, each under its name, times in ms or as h:mm:ss:cc.
+    columns.by_section = !milliseconds;
+    if (columns.by_section) columns.second = 1e-3;
   } else if (columns.time && named_above) {
     columns.layout = "Tracker";
     columns.y = TrackReading::YAxis::up;
@@ -250,22 +288,6 @@ std::optional<TrackColumns> header(const Cells& cells, const std::vector<std::st
     columns.layout = "t, x, y";
   }
   return columns;
-}
-
-}  // namespace
-
-TrackColumns read_track_columns(CsvTable& table) {
-  constexpr int kLinesLookedAt = 30;
-  std::vector<std::string> above;
-  for (int line = 0; line < kLinesLookedAt && table.next(); ++line) {
-    if (const auto columns = header(table.cells(), above)) return *columns;
-    if (parse_number(table.with_point(table.cells().front())))
-      table.fail(
-          fmt::format("is not a track: no line above its numbers names an x and a y; {}", kTrackLayouts));
-    above.assign(table.cells().begin(), table.cells().end());
-  }
-  throw InvalidInput(fmt::format("{}: is not a track: no line names an x and a y; {}", table.path().string(),
-                                 kTrackLayouts));
 }
 
 }  // namespace tribotrack::apps

@@ -40,22 +40,30 @@ struct TrackColumns {
   std::string usual_unit;                ///< of a layout whose columns never say; empty: none is usual
   std::optional<TrackReading::YAxis> y;  ///< where the layout tells
   bool no_sd_is_lost = false;            ///< a frame whose sd is not above 0 was not measured
+  bool by_section = false;               ///< rows of several points follow each other, each under its comment
 };
 
 /// What the program knows to read, for messages.
 extern const char* const kTrackLayouts;
 
-/// Goes to the header line and reads it: the first that names an x and a y. Layouts, as their programs write
+/// A track of another program, at its header.
+CsvTable track_table(const std::filesystem::path& path, std::string text);
+
+/// Reads the header: the line above the numbers that names an x and a y. Layouts, as their programs write
 /// them:
 ///   Tracker   a line with the track's name, then `t x y` (several tracks: `#multi:`, a line of names above
-///             their columns); world coordinates, y up, in a unit that the file does not name
-///   Kinovea   `Time (ms)`, then `NAME X`, `NAME Y`; y up
-///   DLTdv     `pt1_cam1_X,pt1_cam1_Y,...`, a line a frame, pixels; y up to version 5, down from version 8 on
-///   trackpy   a line for each particle and frame: `y,x,...,frame,particle`, pixels, y down
-///   DICe      `FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,...,SIGMA,...`, pixels, y down
-///   others    a time or frame and x, y, with units in the names: `t_s,x_mm,y_mm`, `time (s),x (px),y (px)`;
-///             more points as `NAME_x_mm`, the platform's mark as `marker_x_mm`; sds as `x_sd_mm`
-/// Throws InvalidInput where there is none.
-TrackColumns read_track_columns(CsvTable& table);
+///             their columns; `t_{1} x_{1} y_{1}`); world coordinates, y up, in a unit that the file does not
+///             name
+///   Kinovea   `Time (ms)`, then `NAME X`, `NAME Y`; or `#T X Y` over blocks of rows, in ms or h:mm:ss:cc; y
+///   up DLTdv     `pt1_cam1_X,pt1_cam1_Y,...`, a line a frame, pixels; y up to version 5, down from version 8
+///   on trackpy   a line for each particle and frame: `y,x,...,frame,particle`, pixels, y down TrackMate
+///   likewise `TRACK_ID,POSITION_X,POSITION_Y,POSITION_T,FRAME`, with units in a line below; y down ImageJ `X
+///   Y Slice` of results, `Track n Slice n X Y` of manual tracking, pixels, y down DICe
+///   `FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,...,SIGMA,...`, pixels, y down others a
+///   time or frame and x, y, with units in the names or below: `t_s,x_mm,y_mm`, `time (s),x (px)`;
+///             more points as `NAME_x_mm`, `x_1`, `point A: x`, the platform's mark as `marker_x_mm`; sds as
+///             `x_sd_mm`
+/// Throws InvalidInput where there is none, saying what the table holds.
+TrackColumns read_track_columns(const CsvTable& table);
 
 }  // namespace tribotrack::apps

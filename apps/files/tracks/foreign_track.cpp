@@ -295,13 +295,20 @@ std::string sd_text(const Noise& noise, const std::string& unit) {
 ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string text,
                                 const TrackReading& reading) {
   Input input = hashed_input(path, text);
-  CsvTable table(path, std::move(text));
+  CsvTable table = track_table(path, std::move(text));
   const TrackColumns columns = read_track_columns(table);
   // What the header leaves open is said at its line.
   const std::string& header_unit = columns.points.front().unit;
   const Scale scale = scale_of(table, columns, reading);
   const bool up = y_points_up(table, columns, scale, reading);
   PartAndMark points = read_points(table, columns, reading);
+  if (!reading.frame.empty() && !reading.mark.empty())
+    throw InvalidInput(
+        fmt::format("{}: track_mark takes the platform's motion out of the positions, and track_frame = "
+                    "\"{}\" says that they "
+                    "stay as they are; give one of them",
+                    path.string(), reading.frame));
+  if (!reading.frame.empty()) points.mark.reset();
   if (points.mark && points.mark->unit != points.part.unit)
     throw InvalidInput(fmt::format("{}: part and mark are in different units, {} and {}", path.string(),
                                    points.part.unit, points.mark->unit));
@@ -318,12 +325,15 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   track.rows = Rows(points, scale, up, reading.xi_axis_rad, part, mark).make(clock, reading);
   if (track.rows.rows.empty())
     throw InvalidInput(fmt::format("{}: no row lies within `frames`", path.string()));
-  const std::string read_as = fmt::format(
-      "read as {} (x, y in {}, y {}{}{}); {}",
-      columns.layout == "t, x, y" ? "t, x, y" : "a track of " + columns.layout, scale.unit,
-      up ? "up" : "down", points.part.name.empty() ? "" : "; part " + points.part.name,
-      points.mark ? "; mark " + points.mark->name : "; no mark: the positions hold the platform's motion",
-      sd_text(part, scale.unit));
+  const bool of_platform = points.mark || reading.frame == "platform";
+  const std::string read_as =
+      fmt::format("read as {} (x, y in {}, y {}{}{}); {}",
+                  columns.layout == "t, x, y" ? "t, x, y" : "a track of " + columns.layout, scale.unit,
+                  up ? "up" : "down", points.part.name.empty() ? "" : "; part " + points.part.name,
+                  points.mark   ? "; mark " + points.mark->name
+                  : of_platform ? "; relative to the platform"
+                                : "; no mark: the positions hold the platform's motion",
+                  sd_text(part, scale.unit));
   std::vector<std::string> warnings = {read_as};
   if (!clock.warning.empty()) warnings.push_back(clock.warning);
   const auto lost = std::ranges::count(track.rows.rows, vision::TrackStatus::lost, &TrackRow::status);
@@ -333,12 +343,13 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
                               {"frame_rate_hz", optional_json(reading.frame_rate_hz)},
                               {"mm_per_px", optional_json(reading.mm_per_px)},
                               {"unit", reading.unit},
+                              {"frame", reading.frame},
                               {"point", reading.point},
                               {"mark", reading.mark}};
   Json& more = track.meta.more;
   more["imported"] = {{"layout", columns.layout}, {"reading", read_as}};
   more["time_base"] = {{"rate_hz", optional_json(clock.rate_hz)}, {"source", clock.from}};
-  more["frame_of_reference"] = points.mark ? "platform" : "camera";
+  more["frame_of_reference"] = of_platform ? "platform" : "camera";
   if (points.mark) more["platform_seen_by"] = "marker";
   more["scale"] =
       scale.pixels

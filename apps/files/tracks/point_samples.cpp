@@ -20,12 +20,6 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Pixels, millimetres, seconds: nothing that was filmed lies beyond.
 constexpr double kBeyondAll = 1e9;
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 /// Tracker writes "mass A" as mass_A.
 bool same_name(const std::string& a, const std::string& b) {
   std::string one = lower(a), other = lower(b);
@@ -61,7 +55,7 @@ class Line {
   /// NaN for an empty cell or one that says so.
   double number(std::size_t column) const {
     const std::string_view text = cell(column);
-    if (text.empty() || lower(std::string(text)) == "nan") return kNone;
+    if (CsvTable::is_none(text)) return kNone;
     const double value = table_.number(text);
     if (std::abs(value) > kBeyondAll) table_.fail(text, fmt::format("`{}` is out of range", text));
     return value;
@@ -76,10 +70,31 @@ class Line {
   }
   double time() const {
     const std::string_view text = cell(*columns_.time);
-    const double value = number(*columns_.time);
-    if (std::isnan(value)) table_.fail("has no time");
-    if (text.find(':') != std::string_view::npos) table_.fail(text, "is a time code; export times in ms");
-    return value * columns_.second;
+    if (CsvTable::is_none(text)) table_.fail("has no time");
+    return text.find(':') == text.npos ? number(*columns_.time) * columns_.second : time_code(text);
+  }
+
+  /// h:mm:ss.fff, or of Kinovea h:mm:ss:cc, whose last are hundredths; of other programs they are frames of a
+  /// film.
+  double time_code(std::string_view text) const {
+    double seconds = 0;
+    int parts = 0;
+    for (std::size_t from = 0; from <= text.size(); ++parts) {
+      const std::size_t to = std::min(text.find(':', from), text.size());
+      const double part = table_.number(text.substr(from, to - from));
+      if (parts == 3 && !columns_.by_section)
+        table_.fail(text,
+                    fmt::format("`{}` is a time code that counts frames; export times in s or ms", text));
+      seconds = parts == 3 ? seconds + 0.01 * part : 60 * seconds + part;
+      from = to + 1;
+    }
+    if (parts > 4) table_.fail(text, fmt::format("`{}` is no time", text));
+    return seconds;
+  }
+  double time_step() const {
+    const std::string_view text = cell(*columns_.time);
+    if (std::ranges::count(text, ':') == 3) return 0.01;
+    return last_digit(text) * (text.find(':') == text.npos ? columns_.second : 1);
   }
 
   PointSample sample(const PointColumns& point) const {
@@ -122,7 +137,7 @@ Row read_row(const Line& line, const TrackColumns& columns, const PointColumns& 
   Row read{columns.frame ? line.frame() : row};
   if (columns.time) {
     read.time = line.time();
-    read.time_step = last_digit(line.cell(*columns.time)) * columns.second;
+    read.time_step = line.time_step();
   }
   read.at = line.sample(point);
   read.step = line.step(point);
@@ -210,14 +225,36 @@ PartAndMark read_wide(CsvTable& table, const TrackColumns& columns, const TrackR
   return result;
 }
 
-/// One row for each particle and frame.
+/// Names of blocks of rows, each of another point: the comment that stands above, else their number.
+class Blocks {
+ public:
+  const std::string& name_of(const CsvTable& table, double time) {
+    if (count_ == 0 || (table.is_apart() && time <= last_)) {
+      const bool named = !table.section().empty() && table.section().data() != section_.data();
+      name_ = named ? std::string(table.section()) : fmt::format("{}", count_ + 1);
+      section_ = table.section();
+      ++count_;
+    }
+    last_ = time;
+    return name_;
+  }
+
+ private:
+  int count_ = 0;
+  double last_ = 0;
+  std::string name_;
+  std::string_view section_;
+};
+
+/// One row for each particle and frame, or a particle's rows after another's.
 PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
+  Blocks blocks;
   std::vector<std::string> names;
   std::vector<std::map<std::int64_t, Row>> rows;  // of each particle, by frame
   const PointColumns& point = columns.points.front();
   while (table.next()) {
     const Line line(table, columns);
-    std::string name(line.cell(*columns.particle));
+    std::string name(columns.by_section ? blocks.name_of(table, line.time()) : line.cell(*columns.particle));
     if (name.ends_with(".0")) name.resize(name.size() - 2);  // an integer that pandas made a float
     const auto known = std::ranges::find(names, name);
     const auto k = static_cast<std::size_t>(known - names.begin());
@@ -225,7 +262,7 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
       names.push_back(name);
       rows.emplace_back();
     }
-    const Row row = read_row(line, columns, point, 0);
+    const Row row = read_row(line, columns, point, std::ssize(rows[k]));
     if (!rows[k].emplace(row.frame, row).second)
       table.fail(fmt::format("particle {} is in frame {} twice", name, row.frame));
   }
@@ -245,6 +282,7 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
   if (mark) result.mark = samples_of(point, names[*mark]);
   for (const auto& [frame, row] : rows[part]) {
     add(row, result.part);
+    require_order(table, result.part);
     if (!mark) continue;
     const auto other = rows[*mark].find(frame);
     add(other == rows[*mark].end() ? Row{frame} : other->second, *result.mark);
@@ -255,7 +293,8 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
 }  // namespace
 
 PartAndMark read_points(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
-  return columns.particle ? read_long(table, columns, reading) : read_wide(table, columns, reading);
+  return columns.particle || columns.by_section ? read_long(table, columns, reading)
+                                                : read_wide(table, columns, reading);
 }
 
 }  // namespace tribotrack::apps

@@ -203,6 +203,7 @@ def measure(
     fps: Optional[float] = None,
     track_unit: Optional[str] = None,
     track_y: Optional[str] = None,
+    track_frame: Optional[str] = None,
     track_point: Optional[str] = None,
     track_mark: Optional[str] = None,
 ) -> dict[str, Any]:
@@ -214,8 +215,8 @@ def measure(
         epsilon_rad: phase shift that the platform should have: its sense is checked.
         cycles: whole cycles to measure over, at most; 20 where not given.
         free_slide: the platform rests and the part slides. gravity_m_s2: of such a slide, 9.81 where not given.
-        mm_per_px, fps, track_unit ("px", "um", "mm", "cm", "m"), track_y ("up", "down"), track_point, track_mark: what the file of
-            another program (Tracker, Kinovea, DLTdv, trackpy, ...) does not say of itself; track is then its path.
+        mm_per_px, fps, track_unit ("px", "um", "mm", "cm", "m"), track_y ("up", "down"), track_frame ("platform",
+            "camera"), track_point, track_mark: what the file of another program (Tracker, Kinovea, DLTdv, trackpy, ...) does not say of itself; track is then its path.
 
     Returns:
         Every quantity that can be told, dx_mm, dy_mm, alpha_rad, v_mm_s, amplitude_mm, ..., with its standard deviation

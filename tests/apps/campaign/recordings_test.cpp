@@ -122,11 +122,16 @@ TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
 }
 
 TEST_F(TrackRecording, TheKeyIsThatOfWhatWasTracked) {
-  const Recording recording = tracked(checked(recording_), "t.csv");
+  Recording recording = tracked(checked(recording_), "t.csv");
   std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
   write_track(in_folder("a.csv"), recording);
-  EXPECT_TRUE(is_current(in_folder("a.csv"), recording.key));
-  EXPECT_FALSE(is_current(in_folder("a.csv"), checked(recording_).key));
+  EXPECT_EQ(why_outdated(in_folder("a.csv"), recording), std::nullopt);
+  EXPECT_EQ(why_outdated(in_folder("a.csv"), checked(recording_)),
+            "its recording or its settings have changed");
+  // Of one that is so large that a sample is hashed, the time tells too.
+  recording.inputs.front().hashed = "sample of 18.0 MiB";
+  fs::last_write_time(in_folder("a.cine"), fs::last_write_time(in_folder("a.csv")) + std::chrono::seconds(1));
+  EXPECT_EQ(why_outdated(in_folder("a.csv"), recording), "its recording was written to after it");
 }
 
 // Whatever lies beside the pictures of a recording is not part of it.

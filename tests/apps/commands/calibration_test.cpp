@@ -94,7 +94,7 @@ TEST_F(Calibrated, ACampaignNamesIt) {
   EXPECT_EQ(meta["scale"]["calibrated_camera"], true);
   // Another calibration, another track.
   calibration(-10);
-  EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("track, measure"));
+  EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("track again, measure"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/file.h>
 
+#include <fstream>
 #include <map>
 
 #include "apps/program.h"
@@ -65,6 +66,59 @@ TEST_F(RunFolders, ResumingGivesTheSameBytes) {
   fs::remove(in_folder("out/tracks/b.csv"));
   ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
   for (const auto& [file, content] : fresh) EXPECT_EQ(content_of(in_folder(file)), content) << file;
+}
+
+TEST_F(RunFolders, ATrackThatIsNotWhatWasWrittenIsMadeAgainAndSaid) {
+  render_slide("a.cine");
+  render_slide("b.cine", {.velocity_x = "90"});
+  put(in_folder("c.toml"), slides_campaign({"a.cine", "b.cine"}));
+  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
+  const fs::path a = in_folder("out/tracks/a.csv"), meta = in_folder("out/tracks/a.csv.meta.json");
+  const std::string table = content_of(a), described = content_of(meta),
+                    other = content_of(in_folder("out/tracks/b.csv"));
+  std::string edited = table, revision = described;
+  edited[edited.size() / 2] = edited[edited.size() / 2] == '1' ? '2' : '1';
+  revision.replace(revision.find("\"revision\": \"") + 13, 4, "0000");
+  const auto expect_again = [&](const std::string& now, const std::string& its_meta, const std::string& why) {
+    SCOPED_TRACE(why);
+    put(a, now);
+    put(meta, its_meta);
+    expect_refused(run("verify out"), 3, {now == table ? "a.csv.meta.json (changed)" : "a.csv (changed)"});
+    const Outcome again = run("run c.toml -o out");
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_THAT(again.err, HasSubstr("1 of 2 tracks were current"));
+    EXPECT_THAT(again.err, HasSubstr("a was tracked again: " + why));
+    EXPECT_EQ(content_of(a), table);
+    EXPECT_EQ(content_of(meta), described);
+    const Outcome verified = run("verify out");
+    EXPECT_EQ(verified.exit_code, 0) << verified.err;
+  };
+  const std::string changed = "its table was changed after it was written";
+  expect_again(edited, described, changed);
+  expect_again(table.substr(0, table.size() / 2), described, changed);
+  expect_again("", described, changed);
+  expect_again(other, described, changed);
+  expect_again(table, revision, "another revision of this program had made it");
+  expect_again(table, described.substr(0, 100), "its meta file was damaged");
+}
+
+TEST_F(RunFolders, VerifyNamesWhatIsNotOfTheRun) {
+  render_slide("a.cine");
+  fs::create_directory(in_folder("lab"));
+  fs::rename(in_folder("a.cine"), in_folder("lab/a.cine"));
+  put(in_folder("lab/c.toml"), slides_campaign({"a.cine"}));
+  ASSERT_EQ(run("run lab/c.toml -o lab/out -q").exit_code, 0);
+  EXPECT_THAT(run("verify lab/out").out, HasSubstr("files are those of its run"));
+  fs::rename(in_folder("lab"), in_folder("moved"));  // with its recordings
+  EXPECT_EQ(run("verify moved/out").exit_code, 0);
+  std::ofstream(in_folder("moved/a.cine"), std::ios::app) << "more";
+  std::ofstream(in_folder("moved/out/report.html"), std::ios::app) << "more";
+  fs::remove(in_folder("moved/out/fit.json"));
+  expect_refused(run("verify moved/out"), 3,
+                 {"3 of 12", "moved/a.cine (changed)", "report.html (changed)", "fit.json (gone)"});
+  expect_refused(run("verify moved"), 3, {"3 of 12"});
+  fs::remove(in_folder("moved/out/run.json"));
+  expect_refused(run("verify moved/out"), 3, {"run.json"});
 }
 
 }  // namespace

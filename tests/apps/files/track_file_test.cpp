@@ -105,8 +105,11 @@ TEST_F(TrackFiles, CovariancesAreThoseOfThePixelsTurned) {
 TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
   const std::string row = "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
   EXPECT_THAT(complaint(""), HasSubstr("t.csv: is not a track"));
-  EXPECT_THAT(complaint("a,b\n1,2\n"), HasSubstr("t.csv:1: has no column `frame`"));
-  EXPECT_THAT(complaint("frame;time_s;x\n1;2;3\n"), HasSubstr("commas and decimal points"));
+  EXPECT_THAT(complaint("a,b\n1,2\n"), HasSubstr("t.csv: has no column `frame`: it holds rows of 2 columns"));
+  EXPECT_THAT(
+      complaint("frame;time_s;x\n1;2;3\n"),
+      HasSubstr(
+          "has no column `status`: it holds rows of 3 columns from line 2 on, separated by semicolons"));
   EXPECT_THAT(complaint(kHeader + row + "1,0.1,1\n"), HasSubstr("t.csv:3: has 3 columns where 13 belong"));
   EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,ok,abc,2,0.1,0.1\n"),
               HasSubstr("t.csv:2:24: `abc` is not a number in column x_mm"));

@@ -156,6 +156,21 @@ TEST(KeyDepth, WhatPeopleWriteIsRead) {
   EXPECT_EQ(complaint(numbers + "]"), "no complaint");
 }
 
+TEST(TomlText, ReadsBackAsItWas) {
+  for (const std::string text :
+       {"a \"b\" \\ c", "line\n[[run]]\nvideo = \"x\"", "\x1b[2J\x07\x7f", "\xc3\xbc\xce\xa9"})
+    EXPECT_EQ(StrictTable::parse("x = " + toml_text(text), "c.toml").text("x"), text);
+  EXPECT_THAT(complaint_of([] { toml_text("f\xfcr"); }), testing::HasSubstr("rename it"));
+  EXPECT_EQ(toml_comment("f\xfcr\n[[run]] \x1b"), "f?r [[run]] ?");
+}
+
+TEST(ReadText, WhatMayNeverEndIsRefused) {
+  EXPECT_THAT(complaint_of([] { read_text("/dev/zero"); }),
+              testing::HasSubstr("/dev/zero: is a fifo or a device"));
+  EXPECT_THAT(complaint("x = \"" + std::string(17 << 20, 'a') + "\""),
+              testing::HasSubstr("larger than 16 MB"));
+}
+
 }  // namespace
 
 }  // namespace tribotrack::apps

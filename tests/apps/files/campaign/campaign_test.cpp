@@ -153,6 +153,17 @@ TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
   EXPECT_EQ(json["runs"][0]["xi_axis_rad_sd"], 0.02);
 }
 
+TEST_F(CampaignTest, WhatNoLaboratoryHasIsRefused) {
+  EXPECT_THAT(complaint("[platform]\namplitude_y_mm = 1e150\n" + kRun),
+              HasSubstr("c.toml:2:1: `amplitude_y_mm` in [platform] cannot be 1e+150: nothing here has more "
+                        "than 1e+06 mm"));
+  EXPECT_THAT(complaint("[platform]\nfrequency_hz = 1e30\n" + kRun), HasSubstr("more than 1e+10 Hz"));
+  EXPECT_THAT(complaint("[platform]\ngravity_m_s2 = 9.81\ngravity_m_s2_sd = 1e9\n" + kRun),
+              HasSubstr("m/s2"));
+  EXPECT_THAT(complaint(kRun + "name = \"a\\u0000b\"\n"),
+              HasSubstr("the name \"a?b\" holds a control character"));
+}
+
 TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
   EXPECT_THAT(
       complaint("[platform]\namplitude_mm_sd = 0.001\n" + kRun),

@@ -194,5 +194,36 @@ TEST_F(Tables, ARunHasOneSourceOfItsMotion) {
   EXPECT_THAT(run("track = \"x.csv\"\n"), "no complaint");
 }
 
+TEST_F(Tables, AListOfRunsGivesTheirKeys) {
+  const auto listed = [&](const std::string& table) {
+    put(in_folder("runs.csv"), table);
+    put(in_folder("c.toml"),
+        "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n[part]\ndiameter_mm = 6\n"
+        "[data]\nruns = \"runs.csv\"\n[[run]]\nvideo = \"a.cine\"\nphi_rad = 0\ndtau_rad = \"60deg\"\n");
+    return read_campaign(in_folder("c.toml"));
+  };
+  const Campaign c = listed(
+      "# the camera's files\nvideo;phi (\xc2\xb0);dtau_rad;name;f (Hz);A in um;by\n"
+      "b.cine;22,5;pi/3;second;10;;me\nc.cine;45;1,5;;;280,5;me\n");
+  ASSERT_EQ(c.runs.size(), 3u);
+  EXPECT_EQ(c.runs[1].video, in_folder("b.cine"));
+  EXPECT_EQ(c.runs[1].name, "second");
+  EXPECT_DOUBLE_EQ(c.runs[1].phi, pi / 8);
+  EXPECT_DOUBLE_EQ(c.runs[1].dtau, pi / 3);
+  EXPECT_EQ(c.runs[2].name, "c");
+  EXPECT_DOUBLE_EQ(c.runs[2].dtau, 1.5);
+  EXPECT_THAT(c.notes, ElementsAre(HasSubstr("runs.csv: not used: f (Hz), A in um, by")));
+  EXPECT_THAT(c.runs[2].place, HasSubstr("runs.csv:4"));
+  const Campaign d = listed("video,phi_deg,dtau_deg,amplitude_um,frequency_hz\nb.cine,90,60,250,10\n");
+  EXPECT_DOUBLE_EQ(*d.runs[1].amplitude, 250e-6);
+  EXPECT_DOUBLE_EQ(*d.runs[1].angular_frequency, 20 * pi);
+  EXPECT_THAT(complaint_of([&] { listed("video,phi,dtau_deg\nb.cine,90,60\n"); }),
+              HasSubstr("runs.csv:2:8: `90` has no unit"));
+  EXPECT_THAT(complaint_of([&] { listed("video,phi_deg\nb.cine,90\n"); }),
+              HasSubstr("runs.csv:2: a run needs `phi_rad` and"));
+  EXPECT_THAT(complaint_of([&] { listed("file,when\nb.cine,9\n"); }),
+              HasSubstr("no line names its columns: it holds"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

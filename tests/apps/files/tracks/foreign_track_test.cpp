@@ -300,7 +300,7 @@ TEST_F(ForeignTracks, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n", px),
               HasSubstr("there is no point \"pt7\" (track_point)"));
   EXPECT_THAT(complaint("a,b,c\n1,2,3\n"),
-              HasSubstr("x.csv:2: is not a track: no line above its numbers names an x"));
+              HasSubstr("x.csv: is not a track: no line above its numbers names an x"));
   EXPECT_THAT(complaint("a,b,c\n"), HasSubstr("t_s, x_mm, y_mm"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n1,q,2\n"), HasSubstr("x.csv:3:3: `q` is not a number"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n0,1,2\n"), HasSubstr("x.csv:3: its time does not come after"));
