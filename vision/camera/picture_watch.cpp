@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ constexpr std::size_t kMostListed = 5;  ///< image numbers written out
 // Levels of 8 bits.
 constexpr double kMotion = 4;       ///< mean of a block: more than a coder changes in a scene at rest
 constexpr double kMovingPixel = 8;  ///< above noise
+constexpr float kSmall = 0.5F;      ///< of the steps before and after: a repeat's
 
 bool equal(const Picture& a, const Picture& b) {
   return std::ranges::equal(a.levels(), b.levels());
@@ -127,8 +129,9 @@ namespace {
 /// differ by is 1.5 r/(1 + r) of what the steps before and after add up to, r being this frame's step over
 /// the smaller of them; where one picture was stored twice it is all of that sum.
 std::vector<std::int64_t> repeats_in_motion(const std::vector<float>& step, const std::vector<float>& over,
-                                            double motion) {
-  constexpr float kSmall = 0.5F, kBeyondTurn = 0.2F;
+                                            double motion, float small) {
+  constexpr float kBeyondTurn = 0.2F;
+  constexpr std::int64_t kStoredOften = 4;  // times: a step of the motion lies so near
   const auto count = std::ssize(step);
   const auto largest = [&](std::int64_t from, std::int64_t to) {
     float most = NAN;
@@ -136,38 +139,65 @@ std::vector<std::int64_t> repeats_in_motion(const std::vector<float>& step, cons
       most = std::fmax(most, step[static_cast<std::size_t>(k)]);
     return most;
   };
-  std::vector<std::int64_t> found, at_ends;
+  const auto level = static_cast<float>(motion);
+  std::vector<std::int64_t> found, at_ends, amid;
   for (std::int64_t k = 1; k < count; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    const float before = largest(k - 2, k - 1), after = largest(k + 1, k + 2);
+    float before = largest(k - kStoredOften, k - 1), after = largest(k + 1, k + kStoredOften);
+    if (k <= kStoredOften && !(before >= level)) before = NAN;
+    if (k + kStoredOften >= count && !(after >= level)) after = NAN;
     const float near = std::fmin(before, after), r = step[at] / near;
-    if (!(near >= static_cast<float>(motion)) || !(r < kSmall)) continue;
-    if (std::isnan(over[at]))
-      at_ends.push_back(k);
-    else if (over[at] >= (before + after) * (1.5F * r / (1 + r) + kBeyondTurn))
+    if (!(near >= level) || !(r < small)) continue;
+    if (std::isnan(over[at] + before + after)) {
+      if (r < kSmall) at_ends.push_back(k);
+    } else if ((small > kSmall && r < kSmall) ||
+               over[at] >= (before + after) * (1.5F * r / (1 + r) + kBeyondTurn)) {
       found.push_back(k);
+    } else if (r < 0.5F * kSmall) {
+      amid.push_back(k);
+    }
   }
-  // Too near to an end to be told by themselves.
-  if (!found.empty()) found.insert(found.end(), at_ends.begin(), at_ends.end());
+  // Too near to an end to be told by themselves, or amid those of a picture stored four times.
+  const std::vector<std::int64_t> known = found;
+  const auto is_known = [&](std::int64_t k) { return std::ranges::binary_search(known, k); };
+  if (!known.empty()) found.insert(found.end(), at_ends.begin(), at_ends.end());
+  std::ranges::copy_if(amid, std::back_inserter(found),
+                       [&](std::int64_t k) { return is_known(k - 1) && is_known(k + 1); });
   std::ranges::sort(found);
+  // Where many are, the others may be less alike, and a frame too many left out does no harm.
+  if (small == kSmall && 3 * std::ssize(found) > count)
+    return repeats_in_motion(step, over, motion, 1.5F * kSmall);
   return found;
+}
+
+/// Stretches of equal pictures, [first, last].
+std::vector<std::pair<std::int64_t, std::int64_t>> equal_pictures(const std::vector<float>& step) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> runs;
+  for (std::int64_t k = 1; k < std::ssize(step); ++k) {
+    if (step[static_cast<std::size_t>(k)] != 0) continue;
+    if (runs.empty() || runs.back().second != k - 1) runs.emplace_back(k - 1, k);
+    runs.back().second = k;
+  }
+  return runs;
 }
 
 }  // namespace
 
 RepeatedFrames PictureWatch::found() const {
+  constexpr std::int64_t kMostPauses = 3;  // more are pictures that were stored as often each
   RepeatedFrames found;
-  const auto count = std::ssize(step_);
-  found.looked_at = count;
-  if (info_.decoded) found.repeated = repeats_in_motion(step_, over_, std::ldexp(kMotion, info_.bits - 8));
-  for (std::int64_t k = 1; k < count; ++k) {
-    std::int64_t last = k;
-    while (last < count && step_[static_cast<std::size_t>(last)] == 0) ++last;
-    if (last - k + 1 >= kStill)
-      found.still.emplace_back(first_ + k - 1, first_ + last - 1);
+  found.looked_at = std::ssize(step_);
+  if (info_.decoded)
+    found.repeated = repeats_in_motion(step_, over_, std::ldexp(kMotion, info_.bits - 8), kSmall);
+  const auto runs = equal_pictures(step_);
+  const auto is_long = [](const auto& run) { return run.second - run.first + 1 >= kStill; };
+  const bool paused = std::ranges::count_if(runs, is_long) <= kMostPauses;
+  const std::vector<std::int64_t> in_motion = found.repeated;
+  for (const auto& run : runs) {
+    if (paused && is_long(run) && !std::ranges::binary_search(in_motion, run.second))
+      found.still.emplace_back(first_ + run.first, first_ + run.second);
     else if (!info_.coder)
-      for (std::int64_t same = k; same < last; ++same) found.repeated.push_back(same);
-    k = std::max(k, last - 1);
+      for (std::int64_t k = run.first + 1; k <= run.second; ++k) found.repeated.push_back(k);
   }
   std::ranges::sort(found.repeated);
   const auto twice = std::ranges::unique(found.repeated);

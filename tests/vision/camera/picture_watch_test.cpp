@@ -42,11 +42,16 @@ class PictureWatchTest : public RecordingTest {
 };
 
 TEST_F(PictureWatchTest, ACodedRepeatIsFoundAndAMotionThatTurnsRoundIsNone) {
-  std::vector<Picture> twice, shaken;
-  std::vector<std::int64_t> odd;
+  std::vector<Picture> twice, often, shaken;
+  std::vector<std::int64_t> odd, later;
   for (int k = 0; k < 24; ++k) {
     twice.insert(twice.end(), 2, picture_at(k, round_about));
     odd.push_back(2 * k + 1);
+    // 3, 4, 3, 4 times
+    for (int n = 0; n < 3 + k % 2; ++n) {
+      if (n > 0) later.push_back(std::ssize(often));
+      often.push_back(twice.back());
+    }
     // Its turns fall between two frames, on one, and at any place between.
     shaken.push_back(picture_at(
         k,
@@ -59,6 +64,7 @@ TEST_F(PictureWatchTest, ACodedRepeatIsFoundAndAMotionThatTurnsRoundIsNone) {
        {std::pair{"a.mp4", 12}, std::pair{"a.mp4", 26}, std::pair{"a.avi", 0}, std::pair{"a.mkv", 0}}) {
     SCOPED_TRACE(name + std::to_string(crf));
     EXPECT_EQ(look(name, crf, twice).repeated, odd);
+    EXPECT_EQ(look(name, crf, often).repeated, later);
     EXPECT_THAT(look(name, crf, shaken).repeated, IsEmpty());
   }
 }

@@ -142,6 +142,16 @@ std::optional<std::int64_t> NumberPattern::number_of(const std::string& name) co
 
 namespace {
 
+/// The name of a picture `step` later, its number written as wide.
+fs::path next_after(const fs::path& file, std::int64_t step) {
+  const auto name = numbered(file);
+  if (!name) return file;
+  std::string digits = std::to_string(name->number + step);
+  const std::size_t width = file.stem().string().size() - name->before.size() - name->after.size();
+  if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+  return file.parent_path() / (name->before + digits + name->after + file.extension().string());
+}
+
 /// The numbers in the files' names count frames: they step by one, or all by as much where every n-th picture
 /// was stored.
 void set_numbers(PictureList& list, const std::vector<std::int64_t>& numbers) {
@@ -153,10 +163,10 @@ void set_numbers(PictureList& list, const std::vector<std::int64_t>& numbers) {
   const auto other = std::ranges::find_if(steps, [&](std::int64_t s) { return s != step; });
   if (other != steps.end()) {
     const auto k = static_cast<std::size_t>(other - steps.begin());
-    throw InputError(
-        "the sequence has a gap: numbers are missing between '" + list.files[k].string() + "' and '" +
-        list.files[k + 1].string() +
-        "', which would spoil the times; restore the pictures, or renumber them if none is missing");
+    throw InputError("the sequence has a gap: '" + next_after(list.files[k], step).string() +
+                     "' is missing between '" + list.files[k].string() + "' and '" +
+                     list.files[k + 1].string() +
+                     "', which would spoil the times; restore it or renumber the pictures");
   }
   if (step == 1) return;
   list.first_number = 0;
