@@ -18,13 +18,14 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kStill = 4;      ///< equal pictures in a row that are no mere repeats
-constexpr std::size_t kMostListed = 5;  ///< image numbers written out
+constexpr std::int64_t kStoredOften = 4;  ///< times, in coded video: a step of the motion lies so near
+constexpr std::int64_t kStill = 4;        ///< equal pictures in a row that are no mere repeats
+constexpr std::size_t kMostListed = 5;    ///< image numbers written out
 
 // Levels of 8 bits.
 constexpr double kMotion = 4;       ///< mean of a block: more than a coder changes in a scene at rest
 constexpr double kMovingPixel = 8;  ///< above noise
-constexpr float kSmall = 0.5F;      ///< of the steps before and after: a repeat's
+constexpr float kSmall = 0.35F;     ///< of the steps before and after: a repeat's
 
 bool equal(const Picture& a, const Picture& b) {
   return std::ranges::equal(a.levels(), b.levels());
@@ -33,24 +34,29 @@ bool equal(const Picture& a, const Picture& b) {
 /// By how much two pictures differ: the mean of the differences in that block of 16 x 16 px where it is
 /// largest. An edge that moves by s px changes it by s/16 of its contrast; a coder hardly does.
 float step_of(const Picture& a, const Picture& b) {
-  constexpr int kBlock = 16, kRowStep = 4;
-  const auto width = static_cast<std::size_t>(a.width());
-  std::vector<float> sums((width + kBlock - 1) / kBlock);
+  constexpr int kBlock = 16, kRowStep = 2;
+  using Columns = std::array<float, kBlock>;  // summed side by side, in the processor's vectors
+  std::vector<Columns> sums((static_cast<std::size_t>(a.width()) + kBlock - 1) / kBlock);
   float largest = 0;
   for (int top = 0; top < a.height(); top += kBlock) {
-    std::ranges::fill(sums, 0.0F);
+    std::ranges::fill(sums, Columns{});
     const int bottom = std::min(top + kBlock, a.height());
     for (int y = top; y < bottom; y += kRowStep) {
-      const auto row_a = a.row(y), row_b = b.row(y);
-      for (std::size_t block = 0; block < sums.size(); ++block) {
-        const std::size_t begin = block * kBlock, end = std::min(begin + kBlock, width);
-        float sum = 0;
-        for (std::size_t x = begin; x < end; ++x) sum += std::abs(row_a[x] - row_b[x]);
-        sums[block] += sum / static_cast<float>(end - begin);
+      const float* row_a = a.row(y).data();
+      const float* row_b = b.row(y).data();
+      const int whole = a.width() / kBlock;
+      for (int block = 0; block < whole; ++block, row_a += kBlock, row_b += kBlock) {
+        Columns& sum = sums[static_cast<std::size_t>(block)];
+        for (int x = 0; x < kBlock; ++x) sum[x] += std::abs(row_a[x] - row_b[x]);
       }
+      for (int x = 0; x < a.width() % kBlock; ++x) sums.back()[x] += std::abs(row_a[x] - row_b[x]);
     }
-    const auto rows = static_cast<float>((bottom - top + kRowStep - 1) / kRowStep);
-    largest = std::max(largest, *std::ranges::max_element(sums) / rows);
+    const int rows = (bottom - top + kRowStep - 1) / kRowStep;
+    for (std::size_t block = 0; block < sums.size(); ++block) {
+      const int columns = std::min(kBlock, a.width() - static_cast<int>(block) * kBlock);
+      const float sum = std::accumulate(sums[block].begin(), sums[block].end(), 0.0F);
+      largest = std::max(largest, sum / static_cast<float>(rows * columns));
+    }
   }
   return largest;
 }
@@ -61,7 +67,7 @@ float step_of(const Picture& a, const Picture& b) {
 std::pair<double, double> weave_of(const Picture& before, const Picture& now, const Picture& after,
                                    double moving) {
   double projection = 0, square = 0;
-  for (int y = 1; y + 1 < now.height(); ++y) {
+  for (int y = 1; y + 1 < now.height(); y += 3) {
     const auto above = now.row(y - 1), row = now.row(y), below = now.row(y + 1);
     const auto was = before.row(y), comes = after.row(y);
     for (std::size_t x = 0; x < row.size(); ++x) {
@@ -93,12 +99,19 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
 }
 
 void PictureWatch::look_at_decoded(std::int64_t index) {
-  constexpr std::size_t kWeaves = 64;  // frames are enough
+  constexpr std::size_t kWeaves = 24;  // frames are enough
   source_.read(index, bounds(), kept(index));
   if (index == first_) begin_ = kept(index);
   step_.push_back(index > first_ ? step_of(kept(index), kept(index - 1)) : NAN);
   over_.push_back(NAN);
-  if (index >= first_ + 3) over_[over_.size() - 2] = step_of(kept(index), kept(index - 3));
+  // Asked only where the step before this one may be that of a repeat.
+  const auto before = std::ssize(step_) - 2;
+  if (before >= 2) {
+    const auto earlier = step_.begin() + std::max<std::int64_t>(1, before - kStoredOften);
+    const float most = *std::max_element(earlier, step_.begin() + before);
+    const bool may_repeat = before <= kStoredOften || step_[static_cast<std::size_t>(before)] < 0.75F * most;
+    over_[static_cast<std::size_t>(before)] = may_repeat ? step_of(kept(index), kept(index - 3)) : 0;
+  }
   if (index < first_ + 2 || weave_.size() >= kWeaves) return;
   const auto [projection, square] =
       weave_of(kept(index - 2), kept(index - 1), kept(index), std::ldexp(kMovingPixel, info_.bits - 8));
@@ -130,8 +143,7 @@ namespace {
 /// the smaller of them; where one picture was stored twice it is all of that sum.
 std::vector<std::int64_t> repeats_in_motion(const std::vector<float>& step, const std::vector<float>& over,
                                             double motion, float small) {
-  constexpr float kBeyondTurn = 0.2F;
-  constexpr std::int64_t kStoredOften = 4;  // times: a step of the motion lies so near
+  constexpr float kBeyondTurn = 0.2F, kHalf = 0.5F;
   const auto count = std::ssize(step);
   const auto largest = [&](std::int64_t from, std::int64_t to) {
     float most = NAN;
@@ -149,11 +161,11 @@ std::vector<std::int64_t> repeats_in_motion(const std::vector<float>& step, cons
     const float near = std::fmin(before, after), r = step[at] / near;
     if (!(near >= level) || !(r < small)) continue;
     if (std::isnan(over[at] + before + after)) {
-      if (r < kSmall) at_ends.push_back(k);
-    } else if ((small > kSmall && r < kSmall) ||
+      if (r < kHalf) at_ends.push_back(k);
+    } else if ((small > kSmall && r < kHalf) ||
                over[at] >= (before + after) * (1.5F * r / (1 + r) + kBeyondTurn)) {
       found.push_back(k);
-    } else if (r < 0.5F * kSmall) {
+    } else if (r < 0.25F) {
       amid.push_back(k);
     }
   }
@@ -165,8 +177,8 @@ std::vector<std::int64_t> repeats_in_motion(const std::vector<float>& step, cons
                        [&](std::int64_t k) { return is_known(k - 1) && is_known(k + 1); });
   std::ranges::sort(found);
   // Where many are, the others may be less alike, and a frame too many left out does no harm.
-  if (small == kSmall && 3 * std::ssize(found) > count)
-    return repeats_in_motion(step, over, motion, 1.5F * kSmall);
+  if (small == kSmall && 4 * std::ssize(found) > count)
+    return repeats_in_motion(step, over, motion, 2 * kSmall);
   return found;
 }
 
