@@ -80,13 +80,16 @@ struct SourceInfo {
   std::int64_t frame_count = 0;
   /// The recording's own number of its first stored image (0 unless it has numbers).
   std::int64_t first_number = 0;
+  std::vector<std::int64_t> numbers;  ///< of every image, where they do not count on from first_number
   TimeBase time_base;
   std::optional<double> exposure_s;  ///< of the first frame where it varies
   std::vector<double> exposures_s;   ///< one per frame where the camera wrote them down, else empty
   /// Grey levels of black and white as handed out, where the file states them: the header of a .cine, or
   /// video in limited range (16 and 235, scaled to the depth).
   std::optional<double> black_level, white_level;
-  std::string camera;              ///< empty where the file does not state it
+  double pixel_aspect = 1;  ///< width of a pixel over its height, as the file states it
+  int rotation_deg = 0;  ///< by which players turn the pictures, counter-clockwise; here they are as stored
+  std::string camera;    ///< empty where the file does not state it
   std::string trigger_time;        ///< ISO 8601 UTC, empty where the file does not state it
   std::vector<std::string> notes;  ///< what a user should know: companding undone, colour turned to luma, ...
 
@@ -100,7 +103,10 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   const SourceInfo& info() const { return info_; }
-  std::int64_t number(std::int64_t index) const { return info_.first_number + index; }
+  std::int64_t number(std::int64_t index) const {
+    return info_.numbers.empty() ? info_.first_number + index
+                                 : info_.numbers[static_cast<std::size_t>(index)];
+  }
   /// Time of the middle of a frame's exposure, s; 0 at that of the recording's first stored image. Needs a
   /// time base.
   double time_s(std::int64_t index) const { return info_.time_base.time_s(index); }

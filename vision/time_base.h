@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,20 +26,20 @@ struct MissingFrames {
 };
 
 struct StampCheck {
-  double rate_hz = 0;     ///< that of the median step
+  double rate_hz = 0;     ///< steps over the time they take, gaps left out; of the longest stretch
   double jitter = 0;      ///< median absolute deviation of the steps from their median, of a step
-  bool uniform = true;    ///< every step is the median one
+  bool uniform = true;    ///< no step is missing or differs
   bool variable = false;  ///< the steps differ all along: neither drops nor a few stretches explain them
   std::vector<SteadyStretch> stretches;  ///< two or more where the rate changed within the shot
   std::vector<MissingFrames> missing;
-  std::vector<std::int64_t>
-      strays;  ///< their timestamps are too far from their neighbours' to belong to them
+  /// Their timestamps are too far from their neighbours' to belong to them (1000 steps and more).
+  std::vector<std::int64_t> strays;
+  std::int64_t missing_frames() const {
+    std::int64_t count = 0;
+    for (const MissingFrames& gap : missing) count += gap.count;
+    return count;
+  }
 };
-
-/// `times_s` must rise. A step is steady when it is within `tolerance` (of a step) of the others of its
-/// stretch; 2 to 1000 times that are frames missing, more is a stray. A stretch has at least 3 steps: shorter
-/// ones are missing frames or strays.
-StampCheck check_stamps(std::span<const double> times_s, double tolerance);
 
 /// One sentence for each finding, with image numbers counted from first_number; at most a few of each kind.
 std::vector<std::string> findings(const StampCheck& check, std::int64_t first_number);

@@ -12,9 +12,10 @@
 namespace tribotrack::vision {
 
 enum class TrackStatus {
-  ok,    ///< measured in this frame
-  lost,  ///< not found; no position
-  edge,  ///< reaches out of the picture; no position
+  ok,      ///< measured in this frame
+  lost,    ///< not found; no position
+  edge,    ///< reaches out of the picture; no position
+  repeat,  ///< the picture of the frame before once more; no position
 };
 
 const char* to_string(TrackStatus status);
@@ -89,7 +90,7 @@ struct StageTime {
 
 /// Frames by their status.
 struct FrameCounts {
-  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0;
+  std::int64_t frames = 0, ok = 0, lost = 0, edge = 0, repeats = 0;
   std::int64_t refound = 0;          ///< times the part was found again after it had been lost
   std::int64_t absent_at_first = 0;  ///< frames before the part was there; counted in `lost`, too
   /// Lost frames, without those before the part was there and after it had left the picture for good.

@@ -11,6 +11,7 @@
 
 #include "vision/audit/audit.h"
 #include "vision/camera/frame_cache.h"
+#include "vision/camera/picture_watch.h"
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
@@ -29,6 +30,7 @@ void TrackOptions::validate() const {
   if (!(max_lost_share >= 0 && max_lost_share <= 1))
     throw std::invalid_argument("max_lost_share must lie between 0 and 1");
   if (threads < 1) throw std::invalid_argument("threads must be at least 1");
+  if (frame_step < 1) throw std::invalid_argument("frame_step must be at least 1");
   if (search_margin_px < 0) throw std::invalid_argument("search_margin_px must not be negative");
   const auto check = [](const Circle& c, const char* what) {
     if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))
@@ -310,7 +312,9 @@ void Tracking::prepend_absence() {
 TrackResult track(FrameSource& recording, const TrackOptions& options) {
   options.validate();
   if (!recording.info().time_base.known()) throw InputError(recording.info().time_base.why_unknown());
-  return Tracking(recording, options).run();
+  return track_each_picture_once(recording, options, [](FrameSource& source, const TrackOptions& chosen) {
+    return Tracking(source, chosen).run();
+  });
 }
 
 }  // namespace tribotrack::vision

@@ -108,6 +108,7 @@ struct TrackOptions {
   std::optional<Circle> gate;  ///< a lamp that is lit while the actuator is on: its brightness is recorded
   std::optional<std::int64_t> first_frame;  ///< the recording's own numbers, both included
   std::optional<std::int64_t> last_frame;
+  std::int64_t frame_step = 1;  ///< every n-th frame from first_frame on
   double min_ncc = 0.6;         ///< matches with a lower correlation are rejected; 0 .. 1
   double max_lost_share = 0.1;  ///< of the frames: more lost ones and the track is not accepted; 0 .. 1
   int search_margin_px = 0;     ///< half width of the search about the prediction; 0: chosen from the motion

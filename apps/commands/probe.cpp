@@ -50,12 +50,19 @@ Json stamps_json(const vision::StampCheck& check, std::int64_t first_image) {
           {"stray_images", strays}};
 }
 
-Json repeats_json(const vision::RepeatedFrames& repeats, std::int64_t first_image) {
-  Json images = Json::array(), still = Json::array();
-  for (const std::int64_t k : repeats.repeated) images.push_back(first_image + k);
+std::vector<std::int64_t> images(const vision::RepeatedFrames& repeats, const vision::SourceInfo& info) {
+  std::vector<std::int64_t> numbers = repeats.repeated;
+  for (std::int64_t& number : numbers) number += info.first_number;
+  return numbers;
+}
+
+Json repeats_json(const vision::RepeatedFrames& repeats, const vision::SourceInfo& info) {
+  Json still = Json::array();
   for (const auto& [first, last] : repeats.still)
-    still.push_back(Json::array({first_image + first, first_image + last}));
-  return {{"frames_compared", repeats.looked_at}, {"repeated_images", images}, {"still_images", still}};
+    still.push_back(Json::array({info.first_number + first, info.first_number + last}));
+  return {{"frames_compared", repeats.looked_at},
+          {"repeated_images", images(repeats, info)},
+          {"still_images", still}};
 }
 
 constexpr double kContrast = 100;  ///< grey levels of 255, for the forecast
@@ -125,13 +132,13 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
                {"white_level", optional_json(info.white_level)},
                {"camera", info.camera},
                {"trigger_time", info.trigger_time},
-               {"time_base", json_of(info.time_base)}};
+               {"time_base", json_of(info, images(repeats, info), repeats.weaved)}};
   if (info.time_base.known() && info.frame_count > 0)
     json["last_time_s"] = info.time_base.time_s(info.frame_count - 1);
   if (!info.time_base.known()) json["time_base"]["why_unknown"] = info.time_base.why_unknown();
   if (info.time_base.check.rate_hz > 0)
     json["time_base"]["stamps_say"] = stamps_json(info.time_base.check, info.first_number);
-  json["repeats"] = repeats_json(repeats, info.first_number);
+  json["repeats"] = repeats_json(repeats, info);
   json["coding"] = coding_json(info);
   json["notes"] = info.notes;
   return json;
@@ -144,14 +151,14 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
         info.first_number + info.frame_count - 1);
   print_coding(info);
   if (info.time_base.known())
-    print("  recorded at {} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
+    print("  recorded at {:.10g} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
           info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
   else
     print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
           info.time_base.why_unknown());
   for (const auto& candidate : info.time_base.candidates)
-    print("    {} {} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected", candidate.rate_hz,
-          candidate.source, candidate.reason);
+    print("    {} {:.10g} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected",
+          candidate.rate_hz, candidate.source, candidate.reason);
   if (!info.exposures_s.empty())
     print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
           std::ranges::max(info.exposures_s));
@@ -159,6 +166,8 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
     print("  exposure {:.6g} s\n", *info.exposure_s);
   if (info.black_level && info.white_level)
     print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
+  if (info.pixel_aspect != 1)
+    print("  pixels {:.6g} times as wide as high: to be made square before tracking\n", info.pixel_aspect);
   if (!info.camera.empty()) print("  camera {}\n", info.camera);
   if (!info.trigger_time.empty()) print("  triggered {}\n", info.trigger_time);
   if (info.frame_count == 1) print("  note: one frame shows no motion: there is nothing to track\n");

@@ -82,13 +82,15 @@ void set_frames(TrackChoices& choices, const std::string& text) {
     const auto value = parse_number(part);
     if (!value || *value != std::floor(*value))
       throw UsageError(fmt::format(
-          "--frames must read A:B in the recording's own image numbers (either may be empty), not \"{}\"",
+          "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
+          "\"{}\"",
           text));
     return static_cast<std::int64_t>(*value);
   };
-  if (parts.size() != 2) number("x");
+  if (parts.size() != 2 && parts.size() != 3) number("x");
   choices.first_frame = number(parts[0]);
   choices.last_frame = number(parts[1]);
+  if (parts.size() == 3) choices.frame_step = number(parts[2]);
 }
 
 vision::MarkerChoice marker_of(const std::string& text) {
@@ -323,8 +325,8 @@ void add_track(CLI::App& app, Context& context) {
       ->type_name("X,Y,R");
   command
       .add_option("--frames", options->frames,
-                  "Image numbers of the first and last frame to analyse, both included")
-      ->type_name("A:B");
+                  "Image numbers of the first and last frame to analyse, both included; every n-th of them")
+      ->type_name("A:B[:STEP]");
   add_angle(command, "--xi-axis-rad", options->choices.xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command

@@ -58,8 +58,8 @@ constexpr FormFacts kForms[] = {
     {"list of 3 numbers", R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})"},
     {"list of 4 whole numbers",
      R"({"type": "array", "items": {"type": "integer"}, "minItems": 4, "maxItems": 4})"},
-    {"list of 2 whole numbers",
-     R"({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2})"},
+    {"list of 2 or 3 whole numbers",
+     R"({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 3})"},
     {"{ NAME = [x, y, radius], ... }",
      R"({"type": "object", "additionalProperties":
          {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 4}})"},

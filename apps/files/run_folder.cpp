@@ -59,11 +59,19 @@ void write_result(const fs::path& path, std::string_view text, const MetaFile& m
   with_hash.write_beside(path);
 }
 
-Json json_of(const vision::TimeBase& time_base) {
+Json json_of(const vision::SourceInfo& info, const std::vector<std::int64_t>& repeats, bool weaved) {
+  const vision::TimeBase& time_base = info.time_base;
   Json json;
-  json["source"] = time_base.source;
+  json["source"] = json["from"] = time_base.source;
   json["rate_hz"] = optional_json(time_base.rate_hz);
   json["stamps"] = !time_base.stamps_s.empty();
+  json["gaps"] = Json::array();
+  for (const auto& gap : time_base.check.missing) json["gaps"].push_back(info.first_number + gap.after);
+  json["missing"] = time_base.check.missing_frames();
+  json["repeats"] = repeats;
+  json["fields"] = weaved ? Json("weaved") : Json();
+  json["rotation_deg"] = info.rotation_deg;
+  json["pixel_aspect"] = info.pixel_aspect;
   json["candidates"] = Json::array();
   for (const auto& candidate : time_base.candidates)
     json["candidates"].push_back({{"source", candidate.source},

@@ -9,8 +9,8 @@
 
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
+#include "vision/frame_source.h"
 #include "vision/picture.h"
-#include "vision/time_base.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::apps {
@@ -37,7 +37,9 @@ void require_known_schema(const Json& meta, const std::filesystem::path& file);
 /// A result and its meta file; where `path` is the standard output, the result alone goes there.
 void write_result(const std::filesystem::path& path, std::string_view text, const MetaFile& meta);
 
-Json json_of(const vision::TimeBase& time_base);
+/// What a recording says of its frames' times and of their picture's axes, with the images that repeat the
+/// one before; of gaps the image before each, and how many frames are missing in all.
+Json json_of(const vision::SourceInfo& info, const std::vector<std::int64_t>& repeats, bool weaved);
 Json json_of(const std::vector<vision::PlanStage>& plan);
 Json json_of(const std::vector<vision::SlowPart>& slow);
 Json json_of(const vision::Audit& audit);

@@ -160,6 +160,7 @@ Track track_from(const JsonPlace& meta) {
   track.rests_for_ever = summary.boolean("rests_for_ever", false);
   track.platform_from_texture = meta.text("platform_seen_by") == "texture";
   track.time_base = time_base.text("source");
+  track.missing = time_base.whole("missing", 0);
   track.width_px = recording.integer("width", 0);
   track.height_px = recording.integer("height", 0);
   track.in_camera_frame = meta.text("frame_of_reference") == "camera";
@@ -190,6 +191,7 @@ Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path&
   for (const TrackRow& row : rows.rows) {
     if (row.status == vision::TrackStatus::lost) ++track.lost;
     if (row.status == vision::TrackStatus::edge) ++track.edge;
+    if (row.status == vision::TrackStatus::repeat) ++track.repeats;
     track.x_px.push_back(row.x_px);
     track.y_px.push_back(row.y_px);
     track.x_mm.push_back(row.x_mm);

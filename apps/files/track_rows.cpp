@@ -141,9 +141,10 @@ class Places {
   }
   static vision::TrackStatus status_of(const CsvTable& table, std::string_view cell) {
     using vision::TrackStatus;
-    for (const TrackStatus status : {TrackStatus::ok, TrackStatus::lost, TrackStatus::edge})
+    for (const TrackStatus status :
+         {TrackStatus::ok, TrackStatus::lost, TrackStatus::edge, TrackStatus::repeat})
       if (cell == vision::to_string(status)) return status;
-    table.fail(cell, fmt::format("`{}` is no status; it must be ok, lost or edge", cell));
+    table.fail(cell, fmt::format("`{}` is no status; it must be ok, lost, edge or repeat", cell));
   }
   static double number_of(const CsvTable& table, std::string_view cell, const Column& column) {
     double value = 0;

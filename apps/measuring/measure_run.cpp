@@ -231,6 +231,8 @@ void put_recording(Json& json, const Track& track, const std::vector<std::string
   }
   json["frames"] = track.frames;
   json["tracked"] = track.table.time.size();
+  json["frames_missing"] = track.missing;
+  json["frames_repeated"] = track.repeats;
   json["warnings"] = warnings;
 }
 

@@ -26,6 +26,14 @@ std::string line(const char* name, const std::string& text) {
   return fmt::format("{:<16}{}\n", name, text);
 }
 
+std::string frames_text(const Track& track) {
+  std::string text = fmt::format("{}, part tracked in {}", track.frames, track.table.time.size());
+  if (track.repeats > 0) text += fmt::format("; {} repeat the picture before", track.repeats);
+  if (track.missing > 0)
+    text += fmt::format("; {} missing in the recording, by its timestamps", track.missing);
+  return line("frames", text);
+}
+
 std::string displacement_text(const fit::Displacement& d) {
   const auto sd = [&](int i) { return std::sqrt(d.covariance(i, i)); };
   std::string text = line("displacement",
@@ -84,8 +92,7 @@ std::string gate_text(const fit::GateTiming& gate, const std::string& counts_fro
 std::string measurement_text(const RunMeasurement& m, const Track& track) {
   constexpr double turn = 2 * std::numbers::pi;
   const double scale_sd = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
-  std::string text =
-      line("frames", fmt::format("{}, part tracked in {}", track.frames, track.table.time.size()));
+  std::string text = frames_text(track);
   if (m.displacement) text += displacement_text(fit::with_scale_sd(*m.displacement, scale_sd));
   if (m.platform)
     text += platform_text(fit::with_scale_sd(*m.platform, scale_sd), m.phase_source);
@@ -106,8 +113,7 @@ std::string motion_text(const TrackMotion& motion) {
 
 std::string slide_measurement_text(const SlideMeasurement& m, const Track& track) {
   const fit::SlideResult& s = m.slide;
-  std::string text =
-      line("frames", fmt::format("{}, part tracked in {}", track.frames, track.table.time.size()));
+  std::string text = frames_text(track);
   text +=
       line("free slide", fmt::format("frames {} to {}, {} points", s.first_frame, s.last_frame, s.points));
   text += line("speed", fmt::format("{:.4g} mm/s at its first point", 1e3 * s.speed));

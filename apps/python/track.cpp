@@ -39,11 +39,14 @@ std::optional<std::int64_t> frame_number(const py::handle& value) {
 
 void set_frames(apps::TrackChoices& choices, const py::object& frames) {
   if (frames.is_none()) return;
-  if (py::isinstance<py::str>(frames) || PySequence_Check(frames.ptr()) == 0 || py::len(frames) != 2)
+  if (py::isinstance<py::str>(frames) || PySequence_Check(frames.ptr()) == 0 || py::len(frames) < 2 ||
+      py::len(frames) > 3)
     throw UsageError(
-        "--frames must be (first, last) in the recording's own image numbers, either of which may be None");
+        "--frames must be (first, last) or (first, last, step) in the recording's own image numbers, each of "
+        "which may be None");
   choices.first_frame = frame_number(frames[py::int_(0)]);
   choices.last_frame = frame_number(frames[py::int_(1)]);
+  if (py::len(frames) == 3) choices.frame_step = frame_number(frames[py::int_(2)]);
 }
 
 std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {

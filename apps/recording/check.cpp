@@ -56,6 +56,7 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
                {"layers", recording.options.layers == vision::Layers::automatic ? "auto"
                           : recording.options.layers == vision::Layers::on      ? "on"
                                                                                 : "off"}};
+  if (recording.options.frame_step > 1) json["frame_step"] = recording.options.frame_step;
   if (recording.camera.tag_mm) {
     json["tag_mm"] = *recording.camera.tag_mm;
     json["tag_mm_sd"] = recording.camera.tag_mm_sd;
@@ -101,12 +102,23 @@ constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for th
 void require_rate_of_recording(const Recording& recording, const vision::SourceInfo& info) {
   if (!recording.camera.frame_rate_hz || !recording.camera.frame_rate_reason.empty()) return;
   for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
-    if (said.source.starts_with("cine") && said.rate_hz > 0 &&
+    if ((said.source.starts_with("cine") || said.source.starts_with("sidecar")) && said.rate_hz > 0 &&
         std::abs(*recording.camera.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
       throw InvalidInput(fmt::format(
           "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
           "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
           recording.video.string(), *recording.camera.frame_rate_hz, said.rate_hz, said.source));
+}
+
+/// Players stretch such pictures; a circle in them is an ellipse here, and alpha is no angle.
+void require_square_pixels(const Recording& recording, const vision::SourceInfo& info) {
+  constexpr double kSquare = 1e-3;
+  if (std::abs(info.pixel_aspect - 1) <= kSquare) return;
+  throw InvalidInput(fmt::format(
+      "{}: its pixels are not square: they are {:.6g} times as wide as high (sample aspect ratio), so "
+      "x and y have different scales; scale the pictures first (ffmpeg -i IN -vf "
+      "scale=iw*sar:ih,setsar=1 -c:v ffv1 OUT.mkv), or take the ratio out where it is wrong (-vf setsar=1)",
+      recording.video.string(), info.pixel_aspect));
 }
 
 }  // namespace
@@ -162,6 +174,7 @@ void require_trackable(const Recording& recording, const vision::SourceInfo& inf
       recording.options.target.kind == vision::Target::Kind::rectangle)
     throw UsageError(
         "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_square_pixels(recording, info);
   require_rate_of_recording(recording, info);
   require_rows_in_time(recording, info);
 }

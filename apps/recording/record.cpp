@@ -16,6 +16,7 @@ Json summary_json(const Recording& recording) {
                {"ok", s.ok},
                {"lost", s.lost},
                {"edge", s.edge},
+               {"repeat", s.repeats},
                {"refound", s.refound},
                {"lost_counted", s.lost_counted},
                {"absent_at_first", s.absent_at_first},
@@ -52,7 +53,10 @@ MetaFile meta_of(const Recording& recording) {
     meta.more["key"] = recording.key;
     meta.more["revision"] = source_revisions().at("track");
   }
-  meta.more["time_base"] = json_of(recording.info().time_base);
+  std::vector<std::int64_t> repeats;
+  for (const vision::TrackPoint& point : recording.result.track.points)
+    if (point.status == vision::TrackStatus::repeat) repeats.push_back(point.frame);
+  meta.more["time_base"] = json_of(recording.info(), repeats, false);
   meta.more["recording"] = {{"format", recording.info().format},
                             {"codec", recording.info().codec},
                             {"width", recording.info().width},

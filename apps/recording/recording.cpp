@@ -55,6 +55,7 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
   }
   recording.options.first_frame = run.first_frame;
   recording.options.last_frame = run.last_frame;
+  recording.options.frame_step = run.frame_step;
   return recording;
 }
 
@@ -184,6 +185,10 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
   apply_target(choices, recording);
   recording.options.first_frame = choices.first_frame;
   recording.options.last_frame = choices.last_frame;
+  recording.options.frame_step = choices.frame_step.value_or(1);
+  if (recording.options.frame_step < 1)
+    throw UsageError(
+        fmt::format("--frames A:B:STEP: the step must be 1 or more, not {}", *choices.frame_step));
   if (choices.first_frame && choices.last_frame && *choices.first_frame > *choices.last_frame)
     throw UsageError(fmt::format("--frames {}:{}: the first frame comes after the last", *choices.first_frame,
                                  *choices.last_frame));

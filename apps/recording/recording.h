@@ -58,7 +58,7 @@ struct TrackChoices {
   std::optional<vision::Circle> disc, gate;
   std::optional<vision::Rect> rectangle;  ///< --template
   std::optional<vision::MarkerChoice> marker;
-  std::optional<std::int64_t> first_frame, last_frame;
+  std::optional<std::int64_t> first_frame, last_frame, frame_step;
   std::string layers;  ///< "auto", "on", "off"; empty: auto
 };
 

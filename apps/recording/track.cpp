@@ -74,7 +74,8 @@ void require_mark(const Recording& recording, const vision::Track& track) {
   const vision::Circle& mark = recording.options.marker.circle;
   const auto seen =
       std::ranges::count_if(track.points, [](const auto& point) { return point.marker.has_value(); });
-  const auto frames = std::ssize(track.points);
+  const auto frames = std::ranges::count_if(
+      track.points, [](const auto& point) { return point.status != vision::TrackStatus::repeat; });
   if (2 * seen < frames)
     throw InvalidInput(
         fmt::format("{}: no mark can be followed at marker_px = [{:.4g}, {:.4g}, {:.4g}] (--marker): it was "

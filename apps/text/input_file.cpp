@@ -110,9 +110,9 @@ std::string suffix_of(const std::filesystem::path& path) {
 }  // namespace
 
 bool names_a_recording(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 15> kVideos = {".cine", ".mp4",  ".m4v", ".avi",  ".mkv",
-                                                        ".mov",  ".webm", ".wmv", ".mpg",  ".mpeg",
-                                                        ".mts",  ".ts",   ".y4m", ".tiff", ".tif"};
+  constexpr std::array<std::string_view, 16> kVideos = {".cine", ".mraw", ".mp4",  ".m4v", ".avi",  ".mkv",
+                                                        ".mov",  ".webm", ".wmv",  ".mpg", ".mpeg", ".mts",
+                                                        ".ts",   ".y4m",  ".tiff", ".tif"};
   return std::ranges::find(kVideos, suffix_of(path)) != kVideos.end() || names_a_picture(path);
 }
 

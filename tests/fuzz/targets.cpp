@@ -46,8 +46,7 @@ void read_foreign_track(const std::filesystem::path& file) {
 }
 
 /// Its head, its times, and the pictures that its table points to.
-void read_cine(const Hostile& cine) {
-  const auto file = cine.as("a.cine");
+void read_frames(const Hostile& cine, const std::filesystem::path& file) {
   std::unique_ptr<vision::FrameSource> source;
   cine.read_or_refuse([&] { source = vision::open_source(file); });
   vision::bytes_before_pictures(file);
@@ -63,6 +62,18 @@ void read_cine(const Hostile& cine) {
       if (info.time_base.known()) source->time_s(index);
       source->exposure_s(index);
     });
+}
+
+void read_cine(const Hostile& cine) {
+  read_frames(cine, cine.as("a.cine"));
+}
+
+/// What a .cih or a .cihx says of the bare pixels beside it.
+void read_photron(const Hostile& sidecar) {
+  const bool xml = sidecar.text.find("<cih>") != std::string_view::npos;
+  const auto pixels = sidecar.folder.write(xml ? "x.mraw" : "t.mraw", std::string(600, 'p'));
+  sidecar.as(xml ? "x.cihx" : "t.cih");
+  read_frames(sidecar, pixels);
 }
 
 /// fit.json, as `report` reads it, beside a meta file that is as it should be. Its runs were measured
@@ -131,6 +142,7 @@ const std::map<std::string, std::function<void(const Hostile&)>> kTargets = {
     {"fit_json", read_fit},
     {"foreign_csv", alone("x.csv", read_foreign_track)},
     {"meta_json", read_meta},
+    {"photron_cih", read_photron},
     {"scenario_toml", alone("scenario.toml", read_scenario)},
     {"scene_toml", alone("scene.toml", read_scene)},
     {"scope_csv", alone("scope.csv", [](const Path& file) { apps::read_scope_file(file); })},

@@ -17,13 +17,13 @@
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/libav/sink.h"
 #include "vision/formats/libav/source.h"
+#include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/pictures.h"
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/libraries.h"
-#include "vision/timing/photron_sidecar.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -43,13 +43,16 @@ bool is_cine(const fs::path& path) {
   return looks_like_cine(path) || path.extension() == ".cine";
 }
 
-void refuse_bare_pixels(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension == ".mraw" || extension == ".cih" || extension == ".cihx")
+/// What others would call damaged.
+void refuse_norpix(const fs::path& path) {
+  constexpr std::array<char, 8> kMark = {'\xED', '\xFE', 0, 0, 'N', 0, 'o', 0};
+  std::array<char, 8> begin{};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  if (begin == kMark || path.extension() == ".seq")
     throw InputError(
         in_quotes(path) +
-        " belongs to a Photron recording of bare pixels (.mraw), which is not read; save it from the "
-        "camera's program as AVI or TIFF and keep the .cih or .cihx beside it for the capture rate");
+        " is a sequence of Norpix StreamPix (.seq), which is not read; export it from StreamPix as "
+        "uncompressed AVI or TIFF and give its rate with --fps");
 }
 
 /// A table, a campaign, a list of other files: libav would say of it what it is not.
@@ -68,8 +71,9 @@ void refuse_text(const fs::path& path) {
 
 std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptions& options) {
   if (auto pictures = pictures_at(path)) return open_picture_sequence(path, std::move(*pictures), options);
+  if (const auto pixels = mraw_named(path)) return open_mraw(*pixels, options);
   require_readable_file(path);
-  refuse_bare_pixels(path);
+  refuse_norpix(path);
   if (is_cine(path)) return open_cine(path, options);
   if (has_picture_extension(path)) return open_picture_stack(path, options);
   refuse_text(path);
@@ -77,11 +81,17 @@ std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptio
 }
 
 std::vector<fs::path> files_of_recording(const fs::path& path) {
-  if (auto pictures = pictures_at(path)) return std::move(pictures->files);
-  require_readable_file(path);
-  std::vector<fs::path> files = {path};
-  if (!is_cine(path) && !has_picture_extension(path))
-    if (const auto sidecar = photron_sidecar(path)) files.push_back(*sidecar);
+  std::vector<fs::path> files;
+  std::optional<fs::path> sidecar;
+  if (auto pictures = pictures_at(path)) {
+    files = std::move(pictures->files);
+    sidecar = photron_sidecar_of_pictures(files.front());
+  } else {
+    files = {mraw_named(path).value_or(path)};
+    require_readable_file(files.front());
+    if (!is_cine(path)) sidecar = photron_sidecar(path);
+  }
+  if (sidecar) files.push_back(*sidecar);
   return files;
 }
 

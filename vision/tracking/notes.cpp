@@ -207,6 +207,7 @@ void add(std::vector<std::string>& warnings, std::optional<std::string> warning)
 
 std::string TrackSummary::brief_report() const {
   std::string text = fmt::format("{} frames: {} ok, {} lost, {} edge", frames, ok, lost, edge);
+  if (repeats > 0) text += fmt::format(", {} repeat", repeats);
   if (refound > 0) text += fmt::format(", found again {} times", refound);
   if (absent_at_first > 0) text += fmt::format(", not there in the first {}", absent_at_first);
   if (left_for_good) text += ", left the picture for good";
@@ -227,6 +228,8 @@ const char* to_string(TrackStatus status) {
       return "ok";
     case TrackStatus::edge:
       return "edge";
+    case TrackStatus::repeat:
+      return "repeat";
     case TrackStatus::lost:
       break;
   }

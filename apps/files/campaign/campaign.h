@@ -73,6 +73,7 @@ struct CampaignRun {
   model::Start start = model::Start::rest;
   int cycles = 20;
   std::optional<std::int64_t> first_frame, last_frame;
+  std::int64_t frame_step = 1;
   std::optional<double> mm_per_px, mm_per_px_sd;
   std::optional<vision::Circle> disc_px, marker_px;
   std::optional<vision::Rect> template_px;                   ///< instead of a disc

@@ -218,7 +218,7 @@ const Keys<CampaignRun>& run_keys() {
       {"dtau_rad", Kind::angle, at<&R::dtau>, "\"pi/3\"", "commanded width of the pulse"},
       {"dtau_rad_sd", Kind::sd, at<&R::dtau_sd>, "0.005"},
       {"frames", Kind::two_wholes, Own<R>{read_frames, written_frames}, "[120, 480]",
-       "first and last image number, both included"},
+       "first and last image number, both included; a third number n: every n-th of them"},
       {"start", Kind::one_of(kStarts), at<&R::start>, "\"rest\"", "where it differs from [fit]"},
       {"cycles", Kind::wholes(1, 1'000'000), at<&R::cycles>, "20", "where it differs from [fit]"},
       {"amplitude_mm", Kind::not_negative, milli<&R::amplitude>, "0.28", "where it differs from [platform]"},

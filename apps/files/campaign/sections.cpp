@@ -99,15 +99,20 @@ void complete_reading(const CameraSection& camera, CampaignRun& run) {
 }  // namespace
 
 void read_frames(StrictTable& table, CampaignRun& run, const fs::path&) {
-  const auto frames = table.integers("frames", 2);
+  const auto frames = table.integers("frames", table.count("frames") == 3 ? 3 : 2);
   if (!frames) return;
-  if ((*frames)[0] > (*frames)[1]) table.fail("frames", "must be [first, last], both included");
+  if ((*frames)[0] > (*frames)[1] || (frames->size() == 3 && frames->back() < 1))
+    table.fail("frames", "must be [first, last], both included, or [first, last, step]");
   run.first_frame = (*frames)[0];
   run.last_frame = (*frames)[1];
+  if (frames->size() == 3) run.frame_step = (*frames)[2];
 }
 
 Json written_frames(const CampaignRun& run) {
-  return run.first_frame ? Json::array({*run.first_frame, *run.last_frame}) : Json();
+  if (!run.first_frame) return {};
+  Json frames = Json::array({*run.first_frame, *run.last_frame});
+  if (run.frame_step > 1) frames.push_back(run.frame_step);
+  return frames;
 }
 
 void read_scope_files(StrictTable& table, CampaignRun& run, const fs::path& folder) {

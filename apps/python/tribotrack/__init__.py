@@ -146,7 +146,9 @@ def track(
     template: Optional[tuple[int, int, int, int]] = None,
     marker: Union[Circle, str, None] = None,
     gate: Optional[Circle] = None,
-    frames: Optional[tuple[Optional[int], Optional[int]]] = None,
+    frames: Union[
+        tuple[Optional[int], Optional[int]], tuple[Optional[int], Optional[int], Optional[int]], None
+    ] = None,
     xi_axis_rad: Optional[Angle] = None,
     layers: Optional[str] = None,
     config: Optional[Path] = None,
@@ -159,9 +161,9 @@ def track(
     """The part in every frame of a recording, to a fraction of a pixel, as `tribotrack track`.
 
     Args:
-        source: a .cine, a video, a TIFF, a folder of pictures or a pattern "dir/%05d.png"; or an array of grey levels
-            (frames, height, width), uint8 or uint16, which is read where it lies (any strides, read-only too) and must
-            not change meanwhile.
+        source: a .cine, a .mraw, a video, a TIFF, a folder of pictures or a pattern "dir/%05d.png"; or an array of grey
+            levels (frames, height, width), uint8 or uint16, which is read where it lies (any strides, read-only too)
+            and must not change meanwhile.
         fps: frames per second; an array always needs it. fps_reason: how you know.
         mm_per_px, disc_diameter_mm, calibration, tag_mm (side of the tag that is the marker): the scale, by one of
             them; without it positions are in pixels only.
@@ -169,7 +171,8 @@ def track(
         disc: (x, y, radius) of the part in the first frame, px; template: (x, y, width, height) in its place.
         marker: (x, y, radius) of a mark on the platform, "auto", "texture", "none" or a tag, "tag:apriltag_36h11:3".
         gate: (x, y, radius) of a lamp that is lit while the actuator is on.
-        frames: (first, last) by the recording's own numbers, both included; either may be None.
+        frames: (first, last) by the recording's own numbers, both included; (first, last, n) for every n-th of
+            them; each may be None.
         xi_axis_rad: direction of the platform's displacement at phase 0 in the picture.
         layers: second pass: "auto", "on" or "off".
         config: a TOML file with [camera], [part], [track].
@@ -178,8 +181,8 @@ def track(
         threads: at work; all where not given. progress: called as progress("track", done, total).
 
     Returns:
-        The columns of T.csv as arrays, `status` ("ok", "lost", "edge") among them, and `meta`, what stands in its
-        meta file. pandas.DataFrame({k: v for k, v in track.items() if k != "meta"}) makes a table of it.
+        The columns of T.csv as arrays, `status` ("ok", "lost", "edge", "repeat") among them, and `meta`, what stands in
+        its meta file. pandas.DataFrame({k: v for k, v in track.items() if k != "meta"}) makes a table of it.
 
     Raises:
         InputError, MissingFileError; AmbiguousPartError: several discs may be the part.

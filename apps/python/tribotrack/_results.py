@@ -47,7 +47,7 @@ class Track(TypedDict, total=False):
     sigma_y_px: Floats
     rho_xy: Floats
     ncc: Floats
-    status: NDArray[np.str_]  # "ok", "lost" or "edge"
+    status: NDArray[np.str_]  # "ok", "lost", "edge" or "repeat"
     x_mm: Floats
     y_mm: Floats
     sigma_x_mm: Floats

@@ -30,8 +30,7 @@ TEST(RepeatedFrames, AreFoundWhereverThePicturesDiffer) {
   EXPECT_THAT(found.repeated, ElementsAre(2, 5, 6));
   EXPECT_THAT(found.still, IsEmpty());
   EXPECT_THAT(findings(found, source),
-              ElementsAre(HasSubstr("3 pictures repeat the one before, level for level: "
-                                    "image 102, 105, 106;")));
+              ElementsAre(HasSubstr("3 pictures repeat the one before: image 102, 105, 106;")));
 }
 
 TEST(RepeatedFrames, ALongPauseIsNoRowOfRepeats) {

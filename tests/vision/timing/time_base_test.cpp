@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "vision/picture.h"
-#include "vision/recordings.h"
-#include "vision/timing/photron_sidecar.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {
@@ -79,44 +77,6 @@ TEST(TimeBase, TheUsersRateMustBeAPositiveNumber) {
   for (const double rate :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     EXPECT_THROW(user_rate(rate), InputError) << rate;
-}
-
-class PhotronSidecarTest : public RecordingTest {
- protected:
-  std::optional<TimeBaseCandidate> beside(const std::string& name, const std::string& text) {
-    write_bytes(file(name), FileBytes(text.begin(), text.end()));
-    return photron_sidecar_rate(file("a.avi"));
-  }
-};
-
-TEST_F(PhotronSidecarTest, None) {
-  EXPECT_FALSE(photron_sidecar_rate(file("a.avi")));
-}
-
-TEST_F(PhotronSidecarTest, TextForm) {
-  const auto rate =
-      beside("a.cih", "Date : 2021/4/1\r\nRecord Rate(fps) : 12500\r\nShutter Speed(s) : 1/20000\r\n");
-  ASSERT_TRUE(rate);
-  EXPECT_TRUE(rate->accepted);
-  EXPECT_EQ(rate->rate_hz, 12500);
-}
-
-TEST_F(PhotronSidecarTest, XmlFormBehindItsBinaryHead) {
-  const auto rate = beside("a.cihx", std::string("\0\x01\xFF junk", 8) +
-                                         "<cih><recordInfo><recordRate>500</recordRate></recordInfo></cih>");
-  ASSERT_TRUE(rate);
-  EXPECT_TRUE(rate->accepted);
-  EXPECT_EQ(rate->rate_hz, 500);
-}
-
-TEST_F(PhotronSidecarTest, WithoutARateItIsRejectedWithTheReason) {
-  for (const char* text :
-       {"Total Frame : 5\r\n", "Record Rate(fps) : many\r\n", "Record Rate(fps) : 0\r\n", ""}) {
-    const auto rate = beside("a.cih", text);
-    ASSERT_TRUE(rate);
-    EXPECT_FALSE(rate->accepted) << text;
-    EXPECT_NE(rate->reason.find("Record Rate"), std::string::npos);
-  }
 }
 
 /// Part and mark move along straight lines; every frame shows them where they were when their rows were read.

@@ -178,10 +178,6 @@ void give_images_room(const MappedFile& file, std::span<const Stretch> head, Cin
 
 }  // namespace
 
-double seconds_between(CineTime start, CineTime end) {
-  return static_cast<double>(static_cast<std::int64_t>(end - start)) * 0x1p-32;
-}
-
 CineHeader read_cine_header(const MappedFile& file) {
   CineHeader header;
   const Bytes head = file.bytes(0, at::file_header_bytes, "the .cine header");

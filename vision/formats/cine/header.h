@@ -16,8 +16,6 @@ enum class CinePixels { grey8, grey16, p10, p12l, bgr24, bgr48 };
 /// lowest bits are flags and are cleared here.
 using CineTime = std::uint64_t;
 constexpr CineTime cine_time_mask = ~CineTime{3};
-/// Seconds from `start` to `end`, exact to the camera's resolution.
-double seconds_between(CineTime start, CineTime end);
 
 struct CineHeader {
   int width = 0, height = 0;

@@ -12,7 +12,7 @@
 #include "vision/formats/cine/p10.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/time_base.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -44,21 +44,6 @@ std::string codec_name(const CineHeader& header) {
   }
 }
 
-/// Stamps as seconds since the first image; empty, with a note, where they do not rise.
-std::vector<double> stamps_since_first(const CineHeader& header, std::vector<std::string>& notes) {
-  std::vector<double> stamps(header.stamps.size());
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    stamps[i] = seconds_between(header.stamps[0], header.stamps[i]);
-    if (i > 0 && !(stamps[i] > stamps[i - 1])) {
-      notes.push_back("the camera's time stamps do not rise at image " +
-                      std::to_string(header.first_image_number + static_cast<std::int64_t>(i)) +
-                      " and are not used");
-      return {};
-    }
-  }
-  return stamps;
-}
-
 /// The camera stamps the beginning of an exposure; what moves is seen where it was in the middle. Where all
 /// exposures are alike the times since the first image do not change.
 void move_to_mid_exposure(std::vector<double>& stamps, const std::vector<double>& exposures) {
@@ -83,41 +68,18 @@ double linear_level(const CineHeader& header, int stored) {
   return p10_linear_levels[static_cast<std::size_t>(std::clamp(stored, 0, 1023))];
 }
 
-std::vector<TimeBaseCandidate> rate_candidates(const CineHeader& header, double stamped_rate,
-                                               const SourceOptions& options) {
-  std::vector<TimeBaseCandidate> candidates;
-  if (options.frame_rate_hz)
-    candidates.push_back(user_rate(*options.frame_rate_hz, options.frame_rate_reason));
+TimeBaseCandidate rate_of(const CineHeader& header) {
   if (header.integer_rate > 0)
-    candidates.push_back({"cine header", static_cast<double>(header.integer_rate), true,
-                          "FrameRateInt, written by the camera"});
-  else if (header.short_rate > 0)
-    candidates.push_back(
-        {"cine header", static_cast<double>(header.short_rate), true, "FrameRate, written by the camera"});
-  else
-    candidates.push_back({"cine header", 0, false, "its rate fields are 0"});
-  if (stamped_rate > 0)
-    candidates.push_back({"cine time stamps", stamped_rate, true, "rate of the camera's stamps"});
-  return candidates;
+    return {"cine header", static_cast<double>(header.integer_rate), true,
+            "FrameRateInt, written by the camera"};
+  if (header.short_rate > 0)
+    return {"cine header", static_cast<double>(header.short_rate), true, "FrameRate, written by the camera"};
+  return {"cine header", 0, false, "its rate fields are 0"};
 }
 
 constexpr int kAhead = 8;               ///< rows that are fetched before they are used
 constexpr std::size_t kCacheLine = 64;  ///< bytes
 constexpr double kClockTick = 1e-6;     ///< s, the coarsest clock seen in a camera
-
-void note_stamps(const SourceInfo& info, double stamped_rate, std::vector<std::string>& notes) {
-  const double rate = *info.time_base.rate_hz;
-  if (info.time_base.check.stretches.size() < 2 && stamped_rate > 0 &&
-      std::abs(stamped_rate / rate - 1) > 1e-3) {
-    notes.push_back(
-        fmt::format("the camera's time stamps give {:.6g} Hz where {:.6g} Hz is stated: each frame has {}",
-                    stamped_rate, rate,
-                    info.time_base.stamps_s.empty() ? "the time that the stated rate gives it"
-                                                    : "the time of its stamp"));
-  }
-  for (std::string& finding : findings(info.time_base.check, info.first_number))
-    notes.push_back(std::move(finding));
-}
 
 class CineSource : public FrameSource {
  public:
@@ -168,22 +130,20 @@ class CineSource : public FrameSource {
 
  private:
   void describe_time(const SourceOptions& options) {
-    std::vector<double> stamps = stamps_since_first(header_, info_.notes);
-    StampCheck check = check_stamps(stamps, kClockTick);
-    if (exposures_vary(header_.exposures_s, check.strays)) {
-      info_.exposures_s = header_.exposures_s;
-      info_.exposure_s = header_.exposures_s.front();
-      info_.notes.push_back("the exposure varies within the shot: a frame's time is the middle of its own");
-      move_to_mid_exposure(stamps, header_.exposures_s);
-    }
-    info_.time_base = choose_time_base(rate_candidates(header_, check.rate_hz, options));
-    if (!options.frame_rate_hz) info_.time_base.stamps_s = std::move(stamps);
-    const double stamped_rate = check.rate_hz;
-    info_.time_base.check = std::move(check);
-    if (info_.time_base.known()) note_stamps(info_, stamped_rate, info_.notes);
-    if (options.frame_rate_hz && stamped_rate > 0)
-      info_.notes.push_back(
-          "the rate given overrides the camera's own timestamps; leave --fps out to use them");
+    ClockEvidence evidence{.camera = {rate_of(header_)},
+                           .stamps_from = "cine time stamps",
+                           .ticks = {},
+                           .tick_s = 0x1p-32,
+                           .jitter_s = kClockTick,
+                           .by_camera = true};
+    for (const CineTime stamp : header_.stamps)
+      evidence.ticks.push_back(static_cast<std::int64_t>(stamp - header_.stamps[0]));
+    info_.time_base = judge_time(evidence, options, info_.first_number, info_.notes);
+    if (!exposures_vary(header_.exposures_s, info_.time_base.check.strays)) return;
+    info_.exposures_s = header_.exposures_s;
+    info_.exposure_s = header_.exposures_s.front();
+    info_.notes.push_back("the exposure varies within the shot: a frame's time is the middle of its own");
+    if (!options.frame_rate_hz) move_to_mid_exposure(info_.time_base.stamps_s, header_.exposures_s);
   }
 
   /// The pixels of an image, behind its annotation, whose last word repeats their size: looked at once.

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <numeric>
@@ -10,10 +11,10 @@
 
 #include "vision/formats/libav/frames.h"
 #include "vision/formats/libav/libav.h"
+#include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/timing/container_timestamps.h"
-#include "vision/timing/photron_sidecar.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -34,6 +35,18 @@ bool interlaced(const AVFrame& frame) {
   return (frame.flags & AV_FRAME_FLAG_INTERLACED) != 0;
 #else
   return frame.interlaced_frame != 0;
+#endif
+}
+
+const std::uint8_t* display_matrix(const AVStream& stream) {
+#if LIBAVFORMAT_VERSION_MAJOR >= 61  // FFmpeg 7 and later
+  const AVPacketSideData* data = av_packet_side_data_get(
+      stream.codecpar->coded_side_data, stream.codecpar->nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+  return data && data->size >= 9 * sizeof(std::int32_t) ? data->data : nullptr;
+#else
+  std::size_t size = 0;
+  const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
+  return size >= 9 * sizeof(std::int32_t) ? data : nullptr;
 #endif
 }
 
@@ -155,6 +168,7 @@ class LibavSource : public FrameSource {
 
   void list_packets() {
     const std::uint64_t most_bytes = most_packet_bytes(std::filesystem::file_size(info_.path));
+    const std::int64_t indexed = index_entries();
     std::uint64_t bytes = 0;
     while (read_packet()) {
       bytes += static_cast<std::uint64_t>(packet_->size);
@@ -171,15 +185,19 @@ class LibavSource : public FrameSource {
                           (packet_->flags & AV_PKT_FLAG_DISCARD) == 0});
       next_packet_ = packets_.size();
     }
-    const auto indexed = static_cast<std::size_t>(std::max(0, avformat_index_get_entries_count(&stream())));
-    const auto stated =
-        is_avi() ? static_cast<std::size_t>(std::max<std::int64_t>(0, stream().nb_frames)) : indexed;
-    const std::size_t promised = std::max(indexed, stated);
-    if (packets_.size() < promised)
+    const std::int64_t held = std::ssize(packets_);
+    // An AVI's header counts slots; its index, where it has one, lists those that hold a picture.
+    const std::int64_t slots = is_avi() ? stream().nb_frames : 0;
+    const std::int64_t promised = std::max(index_entries(), indexed < held ? slots : 0);
+    if (held < promised)
       refuse("is cut short: it promises " + std::to_string(promised) + " frames, but holds " +
-             std::to_string(packets_.size()) + "; copy or export the recording again");
+             std::to_string(held) + "; copy or export the recording again");
+    if (held < slots)
+      info_.notes.push_back(
+          fmt::format("its header counts {} frames, {} of which hold no picture", slots, slots - held));
     if (packets_.empty()) refuse("holds no frames; export the recording again");
   }
+  std::int64_t index_entries() const { return avformat_index_get_entries_count(&stream()); }
   bool is_avi() const { return std::string_view(input_->iformat->name) == "avi"; }
 
   /// shown_[k] = packet of the k-th frame shown. Stamps give the order; where they are missing or tie and the
@@ -397,7 +415,30 @@ class LibavSource : public FrameSource {
     }
     require_progressive();
     describe_coder();
+    describe_geometry();
     describe_time(options);
+  }
+
+  /// What players do to the pictures before they show them. Here they are as stored.
+  void describe_geometry() {
+    const AVRational aspect =
+        av_guess_sample_aspect_ratio(input_.get(), input_->streams[stream_index_], frame_.get());
+    if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(aspect);
+    const auto* matrix = reinterpret_cast<const std::int32_t*>(display_matrix(stream()));
+    if (const AVFrameSideData* own = av_frame_get_side_data(frame_.get(), AV_FRAME_DATA_DISPLAYMATRIX);
+        !matrix && own && own->size >= 9 * sizeof(std::int32_t))
+      matrix = reinterpret_cast<const std::int32_t*>(own->data);
+    if (!matrix) return;
+    const double turned = av_display_rotation_get(matrix);
+    const bool mirrored = std::int64_t{matrix[0]} * matrix[4] < std::int64_t{matrix[1]} * matrix[3];
+    if (std::isfinite(turned)) info_.rotation_deg = static_cast<int>(std::lround(turned));
+    if (info_.rotation_deg == 0 && !mirrored) return;
+    info_.notes.push_back(
+        fmt::format("players show this recording {}turned by {} degrees{}; here x, y and alpha are those of "
+                    "the picture as "
+                    "it is stored, {} x {} pixels",
+                    mirrored ? "mirrored and " : "", std::abs(info_.rotation_deg),
+                    info_.rotation_deg < 0 ? " clockwise" : " counter-clockwise", info_.width, info_.height));
   }
 
   /// Saturated pixels of limited range pile up at white. Some cameras record levels above it as well: where
@@ -422,31 +463,20 @@ class LibavSource : public FrameSource {
   }
 
   void describe_time(const SourceOptions& options) {
-    std::vector<TimeBaseCandidate> candidates;
-    if (options.frame_rate_hz)
-      candidates.push_back(user_rate(*options.frame_rate_hz, options.frame_rate_reason));
-    if (auto sidecar = photron_sidecar_rate(info_.path)) candidates.push_back(*sidecar);
-    if (auto tag = capture_tag()) candidates.push_back(*tag);
-
-    std::vector<std::int64_t> ticks;
+    ClockEvidence evidence;
+    if (const auto sidecar = photron_sidecar(info_.path))
+      read_photron_sidecar(*sidecar).describe(info_, evidence.camera);
+    if (auto tag = capture_tag()) evidence.camera.push_back(*tag);
     for (const std::size_t packet : shown_)
-      ticks.push_back(packets_[packet].pts != unknown_time ? packets_[packet].pts : packets_[packet].dts);
+      evidence.ticks.push_back(packets_[packet].pts != unknown_time ? packets_[packet].pts
+                                                                    : packets_[packet].dts);
     // Where frames are reordered and stamps tie, the stamps in order are still those of the frames in order.
-    std::sort(ticks.begin(), ticks.end());
-    ContainerTimestamps stamps = judge_container_timestamps(ticks, av_q2d(stream().time_base),
-                                                            av_q2d_or_zero(stream().avg_frame_rate));
-    candidates.push_back(stamps.candidate);
-    if (options.frame_rate_hz && candidates.size() == 2)  // no camera's own statement between the two
-      require_reason(*options.frame_rate_hz, options.frame_rate_reason, stamps.candidate);
-    info_.time_base = choose_time_base(std::move(candidates));
-    info_.time_base.stamps_s = frame_times(stamps, info_.time_base);
-    for (std::string& finding : findings(stamps.check, info_.first_number))
-      info_.notes.push_back(std::move(finding));
-    if (!stamps.times_s.empty() && info_.time_base.known() && info_.time_base.stamps_s.empty())
-      info_.notes.push_back(
-          "the rate given means even steps, though the container's timestamps are uneven; leave --fps out "
-          "if the file states a rate of its own");
-    info_.time_base.check = std::move(stamps.check);
+    std::ranges::sort(evidence.ticks);
+    if (evidence.ticks.front() == unknown_time) std::ranges::fill(evidence.ticks, 0);
+    evidence.tick_s = av_q2d(stream().time_base);
+    evidence.stated_rate_hz = av_q2d_or_zero(stream().avg_frame_rate);
+    evidence.slots = is_avi();
+    info_.time_base = judge_time(evidence, options, info_.first_number, info_.notes);
   }
   static double av_q2d_or_zero(AVRational rate) { return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0; }
 

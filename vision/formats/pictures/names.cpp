@@ -140,6 +140,43 @@ std::optional<std::int64_t> NumberPattern::number_of(const std::string& name) co
   return number;
 }
 
+namespace {
+
+/// The name of a picture `step` later, its number written as wide.
+fs::path next_after(const fs::path& file, std::int64_t step) {
+  const auto name = numbered(file);
+  if (!name) return file;
+  std::string digits = std::to_string(name->number + step);
+  const std::size_t width = file.stem().string().size() - name->before.size() - name->after.size();
+  if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+  return file.parent_path() / (name->before + digits + name->after + file.extension().string());
+}
+
+/// The numbers in the files' names count frames: they step by one, or all by as much where every n-th picture
+/// was stored.
+void set_numbers(PictureList& list, const std::vector<std::int64_t>& numbers) {
+  list.first_number = numbers.front();
+  if (numbers.size() < 2) return;
+  std::vector<std::int64_t> steps;
+  for (std::size_t k = 1; k < numbers.size(); ++k) steps.push_back(numbers[k] - numbers[k - 1]);
+  const std::int64_t step = *std::ranges::min_element(steps);
+  const auto other = std::ranges::find_if(steps, [&](std::int64_t s) { return s != step; });
+  if (other != steps.end()) {
+    const auto k = static_cast<std::size_t>(other - steps.begin());
+    throw InputError("the sequence has a gap: '" + next_after(list.files[k], step).string() +
+                     "' is missing between '" + list.files[k].string() + "' and '" +
+                     list.files[k + 1].string() +
+                     "', which would spoil the times; restore it or renumber the pictures");
+  }
+  if (step == 1) return;
+  list.first_number = 0;
+  list.notes.push_back(
+      "the numbers in the file names step by " + std::to_string(step) +
+      ": frames are counted from 0, and the rate is that at which these pictures were taken");
+}
+
+}  // namespace
+
 PictureList pictures_in_folder(const fs::path& folder) {
   PictureList list;
   for (const fs::path& file : entries(folder))
@@ -152,20 +189,14 @@ PictureList pictures_in_folder(const fs::path& folder) {
     return natural_less(a.filename().string(), b.filename().string());
   });
 
+  std::vector<std::int64_t> numbers;
   const auto first = numbered(list.files.front());
-  if (!first) return list;
-  bool consecutive = true;
-  for (std::size_t i = 0; i < list.files.size(); ++i) {
-    const auto name = numbered(list.files[i]);
-    if (!name || name->before != first->before || name->after != first->after) return list;
-    consecutive = consecutive && name->number == first->number + static_cast<std::int64_t>(i);
+  for (const fs::path& file : list.files) {
+    const auto name = numbered(file);
+    if (!first || !name || name->before != first->before || name->after != first->after) return list;
+    numbers.push_back(name->number);
   }
-  if (consecutive)
-    list.first_number = first->number;
-  else
-    list.notes.push_back(
-        "the numbers in the file names are not consecutive: frames are counted from 0, and "
-        "times count frames, not those numbers");
+  set_numbers(list, numbers);
   return list;
 }
 
@@ -177,15 +208,12 @@ PictureList pictures_of_pattern(const NumberPattern& pattern) {
     throw InputError("no file matches the pattern '" + pattern.file(0).string() +
                      "' (shown for number 0); check folder and pattern");
   PictureList list;
-  list.first_number = found.begin()->first;
+  std::vector<std::int64_t> numbers;
   for (const auto& [number, file] : found) {
-    const auto expected = list.first_number + static_cast<std::int64_t>(list.files.size());
-    if (number != expected)
-      throw InputError("the sequence has a gap: '" + pattern.file(expected).string() +
-                       "' is missing between '" + list.files.back().string() + "' and '" + file.string() +
-                       "', which would spoil the times; restore it or renumber the pictures");
+    numbers.push_back(number);
     list.files.push_back(file);
   }
+  set_numbers(list, numbers);
   return list;
 }
 

@@ -41,10 +41,10 @@ struct PictureList {
 };
 
 /// The pictures in a folder in natural order. Names that differ only in one running number give the first
-/// number; where that number jumps, frames are counted from 0, with a note.
+/// number; a missing one is an InputError: times count frames.
 PictureList pictures_in_folder(const std::filesystem::path& folder);
 
-/// The pictures a pattern finds, from the lowest number on. A gap is an InputError: times count frames.
+/// The pictures a pattern finds, from the lowest number on; the same holds for their numbers.
 PictureList pictures_of_pattern(const NumberPattern& pattern);
 
 }  // namespace tribotrack::vision

@@ -4,11 +4,13 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <optional>
 
+#include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/names.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/temporary_file.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -64,7 +66,7 @@ class DecodedPictures : public FrameSource {
   virtual cv::Mat decode(std::int64_t index) = 0;
   virtual std::string frame_name(std::int64_t index) const = 0;
 
-  void describe(const SourceOptions& options) {
+  void describe(const std::optional<fs::path>& sidecar, const SourceOptions& options) {
     const cv::Mat& first = decoded(0);
     info_.decoded = true;
     info_.width = first.cols;
@@ -73,8 +75,9 @@ class DecodedPictures : public FrameSource {
     info_.colour = first.channels() > 1;
     info_.codec = std::to_string(info_.bits) + " bit " + (info_.colour ? "colour" : "grey");
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
-    if (options.frame_rate_hz)
-      info_.time_base = choose_time_base({user_rate(*options.frame_rate_hz, options.frame_rate_reason)});
+    ClockEvidence evidence;
+    if (sidecar) read_photron_sidecar(*sidecar).describe(info_, evidence.camera);
+    info_.time_base = judge_time(evidence, options, info_.first_number, info_.notes);
   }
 
  private:
@@ -111,7 +114,7 @@ class PictureSequence : public DecodedPictures {
     info_.frame_count = static_cast<std::int64_t>(files_.size());
     info_.first_number = pictures.first_number;
     info_.notes = std::move(pictures.notes);
-    describe(options);
+    describe(photron_sidecar_of_pictures(files_.front()), options);
   }
 
  private:
@@ -137,7 +140,7 @@ class PictureStack : public DecodedPictures {
     info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
     if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
     require_decodable_picture(path);
-    describe(options);
+    describe(photron_sidecar(path), options);
   }
 
  private:

@@ -101,8 +101,8 @@ TEST_F(CineSourceTest, TimesAreTheStampsElseIndexOverRateElseTheUsers) {
   CineByHand cine;
   auto source = open(cine);
   EXPECT_EQ(source->time_s(2), 0.5);  // stamped, whatever the rate says
-  EXPECT_EQ(*source->info().time_base.rate_hz, 2000);
-  EXPECT_EQ(source->info().time_base.source, "cine header");
+  EXPECT_EQ(*source->info().time_base.rate_hz, 4) << "the one the times have";
+  EXPECT_EQ(source->info().time_base.source, "cine time stamps");
   EXPECT_THAT(source->info().notes, ElementsAre(HasSubstr("4 Hz where 2000 Hz")));
   EXPECT_EQ(source->info().trigger_time, "2001-09-09T01:46:40.500000Z");
   EXPECT_EQ(source->number(1), -84);
@@ -198,6 +198,7 @@ TEST_F(CineSourceTest, MissingImagesAreFoundByTheirStamps) {
   const auto source = open(cine);
   EXPECT_EQ(source->time_s(4), 7 / 64.0);
   EXPECT_THAT(source->info().notes, ElementsAre(HasSubstr("3 frames are missing between image -82 and -81")));
+  EXPECT_EQ(open(cine, {.frame_rate_hz = 100.0})->time_s(4), 0.07) << "no rate erases them";
 }
 
 TEST_F(CineSourceTest, ADamagedAnnotationIsNamed) {

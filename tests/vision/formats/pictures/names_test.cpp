@@ -62,11 +62,17 @@ TEST_F(PictureListTest, FolderInNaturalOrderWithoutOtherFiles) {
   EXPECT_EQ(list.first_number, 9);
 }
 
-TEST_F(PictureListTest, FolderWhoseNumbersJumpCountsFromZeroAndSaysSo) {
-  touch({"f9.png", "f10.png", "f12.png"});
-  const auto list = pictures_in_folder(file(""));
-  EXPECT_EQ(list.first_number, 0);
-  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("not consecutive")));
+TEST_F(PictureListTest, MissingNumbersAreRefusedAndEveryNthIsCountedFromZero) {
+  touch({"f10.png", "f20.png", "f30.png"});
+  for (const auto& list :
+       {pictures_in_folder(file("")), pictures_of_pattern(*NumberPattern::parse(file("f%d.png")))}) {
+    EXPECT_EQ(list.first_number, 0);
+    EXPECT_THAT(list.notes, ElementsAre(HasSubstr("step by 10")));
+  }
+  touch({"f50.png"});
+  for (const char* path : {"", "f%d.png"})
+    EXPECT_THAT(input_error(file(path)),
+                AllOf(HasSubstr("f40.png' is missing between"), HasSubstr("f30.png"), HasSubstr("f50.png")));
 }
 
 TEST_F(PictureListTest, EmptyFolder) {
@@ -95,10 +101,17 @@ TEST_F(PictureListTest, RecordingConsistsOfItsPicturesAlone) {
 }
 
 TEST_F(PictureListTest, SidecarThatStatesTheRateBelongsToTheRecording) {
-  touch({"run.avi", "run.txt", "run.cih", "other.cih", "alone.avi", "page.tif", "page.cih"});
+  touch({"run.avi", "run.txt", "run.cih", "other.cih", "alone.avi", "page.tif", "page.cih", "bare.mraw",
+         "bare.cihx"});
   EXPECT_THAT(files_of_recording(file("run.avi")), ElementsAre(file("run.avi"), file("run.cih")));
   EXPECT_THAT(files_of_recording(file("alone.avi")), ElementsAre(file("alone.avi")));
-  EXPECT_THAT(files_of_recording(file("page.tif")), ElementsAre(file("page.tif")));  // states no rate, ever
+  EXPECT_THAT(files_of_recording(file("page.tif")), ElementsAre(file("page.tif"), file("page.cih")));
+  for (const char* name : {"bare.mraw", "bare.cihx"})
+    EXPECT_THAT(files_of_recording(file(name)), ElementsAre(file("bare.mraw"), file("bare.cihx")));
+  std::filesystem::create_directory(file("shot"));
+  touch({"shot/shot001.tif", "shot/shot002.tif", "shot/shot.cihx", "shot/other.cihx"});
+  EXPECT_THAT(files_of_recording(file("shot")),
+              ElementsAre(file("shot/shot001.tif"), file("shot/shot002.tif"), file("shot/shot.cihx")));
 }
 
 TEST(NumberPattern, IsRecognisedByTheNameAlone) {
