@@ -256,7 +256,7 @@ std::vector<std::string> findings(const RepeatedFrames& repeats, const FrameSour
                     "coding dropped the "
                     "noise",
                     source.number(repeats.still[k].first), source.number(repeats.still[k].second)));
-  if (repeats.weaved) out.push_back(kWeavedFields);
+  if (repeats.weaved) out.push_back(fmt::format("the recording {}", kWeavedFields));
   return out;
 }
 
