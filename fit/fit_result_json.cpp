@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/checks/runs_test.h"
 #include "fit/checks/verdict.h"
 #include "fit/report/json_fields.h"
 #include "fit/tools/parameter_text.h"
@@ -360,6 +361,7 @@ void fields(Io& io, FitResult& fit) {
   io("next_experiment", fit.next_experiment);
   io("other_next_experiments", fit.other_next_experiments);
   io("p_value", fit.p_value);
+  io.derived("runs_test_p_value", runs_test(fit.runs));
   io("noise_dof", fit.noise_dof, std::isfinite(fit.noise_dof));
   if (std::isnan(fit.noise_dof)) fit.noise_dof = std::numeric_limits<double>::infinity();
   io("outliers", fit.outliers);

@@ -301,9 +301,12 @@ double independent_points(const Residuals& residuals, Minimum best) {
     return 0;
   const ExcessVariance excess =
       estimate_excess_variance(residuals, residuals.unknowns().values(best.z), best.at);
+  constexpr double kOwn = 5;  ///< numbers of each slide that place, velocity and mu1 take
   double count = 0;
   for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
-    count += 2 * static_cast<double>(residuals.track(i).points()) / excess.trajectories[i].correlation_time;
+    count += std::max(
+        0.0, 2 * static_cast<double>(residuals.track(i).points()) / excess.trajectories[i].correlation_time -
+                 kOwn);
   return count;
 }
 

@@ -270,7 +270,7 @@ Minimum full_at(Residuals& residuals, const Eigen::VectorXd& z) {
 void descend(Residuals& residuals, Minimum& best, const MinimiseOptions& options) {
   const int most = options.full_steps;
   constexpr int kLately = 4;
-  constexpr double kLittle = 1, kFine = 1e-6, kFirstDamping = 1e-4, kMostDamping = 10;
+  constexpr double kLittle = 1, kFine = 1e-11, kFirstDamping = 1e-4, kMostDamping = 10;
   const double decrement = std::max(options.decrement, kFine);
   const Unknowns& unknowns = residuals.unknowns();
   double damping = kFirstDamping, lately = best.chi2;
